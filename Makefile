@@ -1,0 +1,34 @@
+# make demo and make test are all a newcomer needs; both create .venv first when it is missing.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: setup demo test bench clean
+
+setup: .venv/ready
+
+.venv/ready: pyproject.toml requirements.lock
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { \
+	  echo "Creating .venv failed: Debian and Ubuntu need 'apt install python3-venv'."; exit 1; }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --requirements requirements.lock
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --editable .
+	@touch $@
+
+demo: setup
+	@mkdir -p out
+	$(BIN)/rota plan examples/harbour.yaml -o out/harbour.rota.json
+	$(BIN)/rota check out/harbour.rota.json
+	$(BIN)/rota draw out/harbour.rota.json -o out/harbour.png
+	@echo "The plan: out/harbour.rota.json   its picture: out/harbour.png"
+
+test: setup
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/python -m pytest
+
+bench: setup
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf .venv out

@@ -1,0 +1,1 @@
+"""Pictures and films of plans; the only place that imports matplotlib."""

@@ -1,0 +1,33 @@
+"""The errors Rota raises on purpose; everything else that escapes is a fault of ours."""
+
+from __future__ import annotations
+
+
+class RotaError(Exception):
+    """Base of every error that Rota raises on purpose."""
+
+
+class MissionError(RotaError):
+    """A mission that cannot be used: the message names the place, the value and what is allowed.
+
+    ``faults`` holds one line per fault, since a reader wants them all at once.
+    """
+
+    def __init__(self, *faults: str) -> None:
+        self.faults = faults
+        super().__init__("\n".join(faults))
+
+
+class PlanError(RotaError):
+    """A plan (or plan file) that contradicts itself or its mission."""
+
+
+class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
+    """No plan that meets the demand was found; the message gives the reason and the proved bound.
+
+    ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None.
+    """
+
+    def __init__(self, reason: str, best: object | None = None) -> None:
+        self.best = best
+        super().__init__(reason)

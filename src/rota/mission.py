@@ -1,0 +1,238 @@
+"""What is asked: area, obstacles, zones with revisit periods, and the fleet. SI units, local metres, frozen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from shapely import MultiPolygon, Polygon
+
+from rota.errors import MissionError
+
+Blocks = Literal["both", "motion", "sight"]
+Demand = Literal["every_point", "visit"]
+Unseeable = Literal["exclude", "refuse"]
+Effort = Literal["quick", "normal", "high"]
+
+
+def _require(ok: bool, where: str, value: object, allowed: str) -> None:
+    if not ok:
+        raise MissionError(f"{where}: {value!r} is not allowed; {allowed}")
+
+
+def _require_positive(where: str, value: float) -> None:
+    _require(math.isfinite(value) and value > 0, where, value, "must be a finite number greater than 0")
+
+
+def _as_multipolygon(where: str, shape: Polygon | MultiPolygon) -> MultiPolygon:
+    if isinstance(shape, Polygon):
+        shape = MultiPolygon([shape] if not shape.is_empty else [])
+    _require(isinstance(shape, MultiPolygon), where, type(shape).__name__, "must be a polygon or a multipolygon")
+    _require(not shape.is_empty, where, "an empty shape", "must have an area")
+    _require(shape.is_valid, where, "an invalid shape", "rings may not cross themselves or each other")
+    return shape
+
+
+@dataclass(frozen=True, kw_only=True)
+class GeoPoint:
+    """A place on the globe, WGS84 degrees; the origin of a mission's local metres (x east, y north)."""
+
+    lat: float
+    lon: float
+
+    def __post_init__(self) -> None:
+        _require(-90 <= self.lat <= 90, "lat", self.lat, "must lie in -90..90 degrees")
+        _require(-180 <= self.lon <= 180, "lon", self.lon, "must lie in -180..180 degrees")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiscSensor:
+    """Sees everything within ``radius_m`` that no obstacle hides."""
+
+    radius_m: float
+
+    def __post_init__(self) -> None:
+        _require_positive("sensor.radius_m", self.radius_m)
+
+    @property
+    def reach_m(self) -> float:
+        """Farthest distance at which anything can be seen."""
+        return self.radius_m
+
+
+@dataclass(frozen=True, kw_only=True)
+class SquareSensor:
+    """Sees a square of ``side_m`` by ``side_m`` round the robot, along the axes of the plane whatever the heading."""
+
+    side_m: float
+
+    def __post_init__(self) -> None:
+        _require_positive("sensor.side_m", self.side_m)
+
+    @property
+    def reach_m(self) -> float:
+        """Farthest distance at which anything can be seen: half the diagonal."""
+        return self.side_m / math.sqrt(2)
+
+
+Sensor = DiscSensor | SquareSensor
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere."""
+
+    name: str
+    speed_m_s: float
+    sensor: Sensor
+    body_radius_m: float = 0.0
+    turn_rate_rad_s: float | None = None
+    start: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        _require(bool(self.name), "robot.name", self.name, "must not be empty")
+        _require_positive(f"robot {self.name}: speed_m_s", self.speed_m_s)
+        ok = math.isfinite(self.body_radius_m) and self.body_radius_m >= 0
+        _require(ok, f"robot {self.name}: body_radius_m", self.body_radius_m, "must be a finite number, 0 or more")
+        if self.turn_rate_rad_s is not None:
+            _require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fleet:
+    """The robots at hand: ``robots`` None means as few equal ones as possible, otherwise exactly those named.
+
+    The other fields are the common values; a robot made without overrides has them. Names are unique.
+    """
+
+    speed_m_s: float
+    sensor: Sensor
+    robots: tuple[Robot, ...] | None = None
+    body_radius_m: float = 0.0
+    turn_rate_rad_s: float | None = None
+    altitude_m: float = 30.0
+
+    def __post_init__(self) -> None:
+        self.equal_robot("robot-1")  # checks the common values
+        _require_positive("fleet.altitude_m", self.altitude_m)
+        if self.robots is not None:
+            _require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
+            names = [robot.name for robot in self.robots]
+            for name in names:
+                _require(names.count(name) == 1, "fleet.robots", name, "names must be unique")
+
+    def equal_robot(self, name: str) -> Robot:
+        """A robot of this name with the fleet's common values."""
+        return Robot(
+            name=name,
+            speed_m_s=self.speed_m_s,
+            sensor=self.sensor,
+            body_radius_m=self.body_radius_m,
+            turn_rate_rad_s=self.turn_rate_rad_s,
+        )
+
+    def robot(self, name: str) -> Robot:
+        """The robot of this name; in a fleet of as few as possible any name is one of the equals.
+
+        Raises MissionError when the fleet is a list and the name is not in it.
+        """
+        if self.robots is None:
+            return self.equal_robot(name)
+        for robot in self.robots:
+            if robot.name == name:
+                return robot
+        raise MissionError(f"robot {name!r} is not in the fleet: {', '.join(r.name for r in self.robots)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Obstacle:
+    """A shape that blocks motion, sight, or both (a no-fly zone blocks motion only, a hedge sight only)."""
+
+    shape: MultiPolygon
+    blocks: Blocks = "both"
+
+    def __post_init__(self) -> None:
+        _require(self.blocks in ("both", "motion", "sight"), "blocks", self.blocks, "both, motion or sight")
+        object.__setattr__(self, "shape", _as_multipolygon("obstacle", self.shape))
+
+    @property
+    def blocks_motion(self) -> bool:
+        """Whether robots must stay out."""
+        return self.blocks != "sight"
+
+    @property
+    def blocks_sight(self) -> bool:
+        """Whether nothing is seen through or in it."""
+        return self.blocks != "motion"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Zone:
+    """Part of the area with its own period; None asks nothing there.
+
+    ``demand`` "every_point": each point must be seen in every window of ``period_s``; "visit": a robot must be inside.
+    """
+
+    name: str
+    shape: MultiPolygon
+    period_s: float | None
+    demand: Demand = "every_point"
+
+    def __post_init__(self) -> None:
+        _require(bool(self.name), "zone.name", self.name, "must not be empty")
+        ok = self.demand in ("every_point", "visit")
+        _require(ok, f"zone {self.name}: demand", self.demand, "every_point or visit")
+        if self.period_s is not None:
+            _require_positive(f"zone {self.name}: period_s", self.period_s)
+        object.__setattr__(self, "shape", _as_multipolygon(f"zone {self.name}", self.shape))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PatrolSettings:
+    """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock."""
+
+    effort: Effort = "normal"
+    method: Literal["tours"] = "tours"
+
+    def __post_init__(self) -> None:
+        _require(self.effort in ("quick", "normal", "high"), "patrol.effort", self.effort, "quick, normal or high")
+        _require(self.method in ("tours",), "patrol.method", self.method, "tours")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mission:
+    """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
+
+    ``period_s`` is the period of the area outside zones (None: nothing is asked there).
+    """
+
+    name: str
+    area: MultiPolygon
+    fleet: Fleet
+    obstacles: tuple[Obstacle, ...] = ()
+    zones: tuple[Zone, ...] = ()
+    period_s: float | None = None
+    origin: GeoPoint | None = None
+    unseeable: Unseeable = "exclude"
+    planning: PatrolSettings = field(default_factory=PatrolSettings)
+
+    def __post_init__(self) -> None:
+        _require(bool(self.name), "name", self.name, "must not be empty")
+        object.__setattr__(self, "area", _as_multipolygon("area", self.area))
+        _require(bool(np.isfinite(self.area.bounds).all()), "area", self.area.bounds, "coordinates must be finite")
+        if self.period_s is not None:
+            _require_positive("period_s", self.period_s)
+        _require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
+        names = [zone.name for zone in self.zones]
+        for zone in self.zones:
+            _require(names.count(zone.name) == 1, "zones", zone.name, "names must be unique")
+            outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
+            _require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
+        asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
+        _require(asked, "period_s", None, "the area or at least one zone needs a period")
+
+    def with_effort(self, effort: Effort) -> Mission:
+        """The same mission, planned with another effort."""
+        return replace(self, planning=replace(self.planning, effort=effort))

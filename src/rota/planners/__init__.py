@@ -1,0 +1,1 @@
+"""The planners: from a Mission to a Plan."""
