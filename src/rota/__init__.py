@@ -1,1 +1,98 @@
 """Timed routes for teams of robots that must keep watching a whole area, and an independent check of every plan."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+# eager, and cheap: the submodule of this name would otherwise hide the function once anything imports it
+from rota.make_plan import make_plan, search_plan
+
+if TYPE_CHECKING:
+    from rota.check import check_plan
+    from rota.draw import animate_plan, draw_plan
+    from rota.errors import MissionError, NoPlanFound, PlanError, RotaError
+    from rota.files.geojson import write_geojson
+    from rota.files.mission_file import read_mission
+    from rota.files.plan_file import read_plan, write_plan
+    from rota.files.qgroundcontrol import write_qgroundcontrol
+    from rota.mission import (
+        DiscSensor,
+        Fleet,
+        GeoPoint,
+        Mission,
+        Obstacle,
+        PatrolSettings,
+        Robot,
+        SquareSensor,
+        Zone,
+    )
+    from rota.plan import Plan, Trajectory
+
+__all__ = [
+    "DiscSensor",
+    "Fleet",
+    "GeoPoint",
+    "Mission",
+    "MissionError",
+    "NoPlanFound",
+    "Obstacle",
+    "PatrolSettings",
+    "Plan",
+    "PlanError",
+    "Robot",
+    "RotaError",
+    "SquareSensor",
+    "Trajectory",
+    "Zone",
+    "animate_plan",
+    "check_plan",
+    "draw_plan",
+    "make_plan",
+    "read_mission",
+    "read_plan",
+    "search_plan",
+    "write_geojson",
+    "write_plan",
+    "write_qgroundcontrol",
+]
+
+_MODULES = {
+    "rota.check": ["check_plan"],
+    "rota.draw": ["animate_plan", "draw_plan"],
+    "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError"],
+    "rota.files.geojson": ["write_geojson"],
+    "rota.files.mission_file": ["read_mission"],
+    "rota.files.plan_file": ["read_plan", "write_plan"],
+    "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
+    "rota.mission": [
+        "DiscSensor",
+        "Fleet",
+        "GeoPoint",
+        "Mission",
+        "Obstacle",
+        "PatrolSettings",
+        "Robot",
+        "SquareSensor",
+        "Zone",
+    ],
+    "rota.plan": ["Plan", "Trajectory"],
+}
+_HOME = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    # loaded on first use, so that `import rota` stays quick
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("rota")
+    if name not in _HOME:
+        raise AttributeError(f"module 'rota' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,1 +1,24 @@
 """The independent verdict on a plan; shares no code with the planners."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rota.check.report import DemandVerdict, Report, Violation, report_schema, report_table, report_to_json
+
+if TYPE_CHECKING:
+    from rota.plan import Plan
+
+__all__ = ["DemandVerdict", "Report", "Violation", "check_plan", "report_schema", "report_table", "report_to_json"]
+
+
+def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
+    """The independent verdict on a plan: "met" only when it is shown for every demanded point and for ever.
+
+    finest_m: size in metres below which pieces are not cut any more; what is then still open is "not proven". The
+    excluded part (what nobody can see from where a body can stand) is rounded outwards to about that size. A plan
+    without trajectories sees nothing.
+    """
+    from rota.check.judge import check_plan as judge  # loads the compiled loops only when they are needed
+
+    return judge(plan, finest_m=finest_m)

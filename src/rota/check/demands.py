@@ -1,0 +1,110 @@
+"""What is asked where: zones made disjoint, the smallest period ruling, and the times at which a zone is visited."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import MultiPolygon, difference, distance, intersection, points, union_all
+
+from rota.check.routes import segments_of
+from rota.mission import Demand, Mission
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Asked:
+    """One demand: every point of ``region`` (or, with "visit", the region as one) once in every ``period_s``."""
+
+    name: str
+    period_s: float
+    demand: Demand
+    region: Any
+
+
+@functools.lru_cache(maxsize=4)
+def demands_of(mission: Mission) -> tuple[Asked, ...]:
+    """The demands of a mission, zones in their order and then the rest of the area, which is called "area".
+
+    Regions of every_point demands are disjoint: among overlapping zones the smallest period rules (the first of equal
+    ones), a zone without a period or one that asks only for visits takes its ground from the area's period alone. All
+    lie in the area and outside of what blocks sight; a region may be empty. A visit zone's region is zone and area.
+    """
+    ground_in_sight = open_ground(mission)
+    strict = [z for z in mission.zones if z.demand == "every_point" and z.period_s is not None]
+    regions: dict[str, Any] = {}
+    taken: Any = MultiPolygon()
+    for zone in sorted(strict, key=lambda zone: zone.period_s or 0.0):
+        ground = intersection(zone.shape, ground_in_sight)
+        regions[zone.name] = _polygonal(difference(ground, taken))
+        taken = union_all([taken, zone.shape])
+    asked = []
+    for zone in mission.zones:
+        if zone.period_s is not None:
+            region = regions.get(zone.name)
+            region = _polygonal(intersection(zone.shape, mission.area)) if region is None else region
+            asked.append(Asked(name=zone.name, period_s=zone.period_s, demand=zone.demand, region=region))
+    if mission.period_s is not None:
+        rest = _polygonal(difference(ground_in_sight, union_all([zone.shape for zone in mission.zones])))
+        if not rest.is_empty or not asked:
+            asked.append(Asked(name="area", period_s=mission.period_s, demand="every_point", region=rest))
+    return tuple(asked)
+
+
+@functools.lru_cache(maxsize=4)
+def open_ground(mission: Mission) -> Any:
+    """The area without what blocks sight: all that can be demanded."""
+    return difference(mission.area, union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
+
+
+def _polygonal(shape: Any) -> MultiPolygon:
+    """The polygons of a geometry; lines and points left by an overlay have no area and are dropped."""
+    parts = getattr(shape, "geoms", [shape])
+    return MultiPolygon([part for part in parts if part.geom_type == "Polygon" and part.area > 0])
+
+
+def visits(legs_m: Floats, region: Any, slack_m: float) -> list[tuple[int, float, float]]:
+    """The parts (leg, from, to) of ``legs_m`` (m, 4) inside a region, its border counted in; from and to in 0..1."""
+    found: list[tuple[int, float, float]] = []
+    sides = segments_of(region)
+    if not len(sides):
+        return found
+    x0, y0, x1, y1 = region.bounds
+    low, high = np.minimum(legs_m[:, :2], legs_m[:, 2:]), np.maximum(legs_m[:, :2], legs_m[:, 2:])
+    near = (low <= [x1 + slack_m, y1 + slack_m]).all(axis=1) & (high >= [x0 - slack_m, y0 - slack_m]).all(axis=1)
+    for m in np.flatnonzero(near):
+        found += [(int(m), lo, hi) for lo, hi in _inside(legs_m[m], region, sides, slack_m)]
+    return found
+
+
+def _inside(leg: Floats, region: Any, sides: Floats, slack_m: float) -> list[tuple[float, float]]:
+    start, along = leg[:2], leg[2:] - leg[:2]
+    across = sides[:, 2:] - sides[:, :2]
+    offset = sides[:, :2] - start
+    turn = along[0] * across[:, 1] - along[1] * across[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = (offset[:, 0] * across[:, 1] - offset[:, 1] * across[:, 0]) / turn
+        v = (offset[:, 0] * along[1] - offset[:, 1] * along[0]) / turn
+        length2 = float(along @ along)
+        ends = [((sides[:, k : k + 2] - start) @ along) / length2 for k in (0, 2)]
+    margin = slack_m / np.sqrt((across**2).sum(axis=1))
+    crossings = u[(turn != 0) & (v >= -margin) & (v <= 1 + margin) & (u > 0) & (u < 1)]
+    stops = np.concatenate([crossings, *(end[(end > 0) & (end < 1)] for end in ends), [0.0, 1.0]])
+    stops = np.unique(stops)
+    middles = start + ((stops[1:] + stops[:-1]) / 2)[:, None] * along
+    near = distance(region, points(start + stops[:, None] * along)) <= slack_m
+    between = distance(region, points(middles)) <= slack_m
+    parts = [(float(stops[k]), float(stops[k])) for k in np.flatnonzero(near)]
+    parts += [(float(stops[k]), float(stops[k + 1])) for k in np.flatnonzero(between)]
+    parts.sort()
+    merged: list[tuple[float, float]] = []
+    for lo, hi in parts:
+        if merged and lo <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(hi, merged[-1][1]))
+        else:
+            merged.append((lo, hi))
+    return merged

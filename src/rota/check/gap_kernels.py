@@ -1,0 +1,140 @@
+# mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
+"""Compiled loops that turn the times at which each robot sees a piece into the worst gap between any two sights.
+
+``starts`` and ``ends`` hold the sights of all robots, robot by robot (``bounds``), ascending and disjoint, in the first
+turn of each loop. A class of commensurable loops counts its periods in ``parts`` of one unit of time.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+EXPAND_AT_ONCE, EXPAND_AT_MOST = 512, 100_000
+
+
+@njit(cache=True)
+def _lone_gap(starts, ends, lo, hi, period_s):
+    """Worst gap of one robot's ascending, disjoint sights lo..hi, and the time at which it begins."""
+    worst, when = starts[lo] + period_s - ends[hi - 1], ends[hi - 1]
+    for i in range(lo + 1, hi):
+        if starts[i] - ends[i - 1] > worst:
+            worst, when = starts[i] - ends[i - 1], ends[i - 1]
+    return max(worst, 0.0), when
+
+
+@njit(cache=True)
+def _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common):
+    """Worst gap of several robots over their common period of ``common`` units, and the time at which it begins."""
+    count = 0
+    for m in members:
+        count += (bounds[m + 1] - bounds[m]) * (common // parts[robots[m]])
+    begin, finish = np.empty(count), np.empty(count)
+    n = 0
+    for m in members:
+        part = parts[robots[m]]
+        for i in range(bounds[m], bounds[m + 1]):
+            first = starts[i] % (part * unit_s)
+            for k in range(common // part):
+                begin[n] = first + k * part * unit_s
+                finish[n] = begin[n] + (ends[i] - starts[i])
+                n += 1
+    order = np.argsort(begin)
+    covered = finish.max() - common * unit_s
+    worst, when = 0.0, 0.0
+    for i in order:
+        if begin[i] - covered > worst:
+            worst, when = begin[i] - covered, covered
+        covered = max(covered, finish[i])
+    return worst, when
+
+
+@njit(cache=True)
+def pair_gap(starts, ends, lo_a, hi_a, period_a, lo_b, hi_b, period_b, shared_s):
+    """Worst gap of two robots whose phases differ by any multiple of ``shared_s`` (their periods' common measure).
+
+    A gap of the two is the overlap of a gap of each; the overlap is largest when their middles are nearest.
+    """
+    worst = 0.0
+    for i in range(lo_a, hi_a):
+        a0, a1 = ends[i], (starts[i + 1] if i + 1 < hi_a else starts[lo_a] + period_a)
+        if a1 - a0 <= worst:
+            continue
+        for j in range(lo_b, hi_b):
+            b0, b1 = ends[j], (starts[j + 1] if j + 1 < hi_b else starts[lo_b] + period_b)
+            if b1 - b0 <= worst:
+                continue
+            shift = round((a0 + a1 - b0 - b1) / (2 * shared_s)) * shared_s
+            worst = max(worst, min(a1, b1 + shift) - max(a0, b0 + shift))
+    return worst
+
+
+@njit(cache=True)
+def _divisor(a, b):
+    while b:
+        a, b = b, a % b
+    return a
+
+
+@njit(cache=True)
+def _class_gap(starts, ends, bounds, robots, members, parts, unit_s, limit_s):
+    """Worst gap of commensurable loops, the time at which it begins, its period, and whether it is exact."""
+    if len(members) == 1:
+        m = members[0]
+        period = parts[robots[m]] * unit_s
+        gap, when = _lone_gap(starts, ends, bounds[m], bounds[m + 1], period)
+        return gap, when, period, True
+    common, count = 1, 0
+    for m in members:
+        part = parts[robots[m]]
+        common = min(common // _divisor(common, part) * part, 1 << 40)
+    for m in members:
+        count += min((bounds[m + 1] - bounds[m]) * (common // parts[robots[m]]), 1 << 40)
+    if common < 1 << 40 and count <= EXPAND_AT_ONCE:
+        gap, when = _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common)
+        return gap, when, common * unit_s, True
+    best = math.inf
+    for i in range(len(members)):
+        a = members[i]
+        period_a = parts[robots[a]] * unit_s
+        for j in range(i):
+            b = members[j]
+            period_b = parts[robots[b]] * unit_s
+            shared = _divisor(parts[robots[a]], parts[robots[b]]) * unit_s
+            bound = pair_gap(
+                starts, ends, bounds[a], bounds[a + 1], period_a, bounds[b], bounds[b + 1], period_b, shared
+            )
+            best = min(best, bound)
+    if len(members) == 2 or best <= limit_s:
+        return best, math.nan, 1.0, len(members) == 2
+    if common < 1 << 40 and count <= EXPAND_AT_MOST:
+        gap, when = _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common)
+        return gap, when, common * unit_s, True
+    return best, math.nan, 1.0, False
+
+
+@njit(cache=True)
+def team_gap(starts, ends, bounds, robots, n, classes, parts, units_s, limit_s, from_s):
+    """Worst gap of all robots, the time at which it begins (nan: not known) and whether it is exact.
+
+    Classes of loops without a common period meet in every phase, so together they are as bad as the best of them.
+    """
+    best, when, exact = math.inf, math.nan, True
+    heads = 0
+    for i in range(n):
+        kind = classes[robots[i]]
+        first = True
+        for j in range(i):
+            if classes[robots[j]] == kind:
+                first = False
+        if not first:
+            continue
+        members = np.array([j for j in range(i, n) if classes[robots[j]] == kind])
+        gap, start, period, sure = _class_gap(starts, ends, bounds, robots, members, parts, units_s[kind], limit_s)
+        heads += 1
+        exact = exact and sure
+        if gap < best:
+            best, when = gap, start + math.ceil((from_s - start) / period) * period
+    return best, (when if heads == 1 else math.nan), exact

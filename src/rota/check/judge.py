@@ -1,0 +1,241 @@
+"""The judgement of a plan: every demand in a bracket of pieces and points, then motion, separation and the fleet."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check.demands import Asked, demands_of, open_ground, visits
+from rota.check.motion import motion_violations
+from rota.check.pieces import Pieces, convex_pieces, joined
+from rota.check.refine import Found, refine
+from rota.check.report import DemandVerdict, Outcome, Report, Violation
+from rota.check.revisits import Sights, loop_gap, sights_of, slack_of
+from rota.check.seeable import grounds_of, seeable
+from rota.check.separation import separation_violations
+from rota.mission import Mission
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+PERIOD_TOLERANCE = 1e-9
+MOST_EXCLUDED = 0.05
+MOST_CELLS = 250_000
+MOST_UNMET_POINTS = 200_000
+
+
+@dataclass
+class _Verdicts:
+    demands: list[DemandVerdict] = field(default_factory=list)
+    violations: list[Violation] = field(default_factory=list)
+    firsts_s: list[float] = field(default_factory=list)
+    unmet_m: list[Floats] = field(default_factory=list)
+    unmet_demand: list[Ints] = field(default_factory=list)
+
+
+def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
+    """The independent verdict on a plan: "met" only when it is shown for every demanded point and for ever.
+
+    finest_m: size in metres below which pieces are not cut any more; what is then still open is "not proven". The
+    excluded part (what nobody can see from where a body can stand) is rounded outwards to about that size. A plan
+    without trajectories sees nothing.
+    """
+    mission = plan.mission
+    asked = demands_of(mission)
+    sights = sights_of(plan, mission.area.bounds)
+    found = _tile_and_refine(mission, asked, sights, finest_m)
+    excluded_violation = _too_much_excluded(mission, asked, found)
+    verdicts = _Verdicts()
+    for k, demand in enumerate(asked):
+        if demand.demand == "visit":
+            _judge_visits(verdicts, k, demand, sights, mission)
+        else:
+            _judge_points(verdicts, k, demand, found[k], bool(excluded_violation))
+    violations = verdicts.violations + excluded_violation
+    violations += _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
+    outcomes = {d.outcome for d in verdicts.demands}
+    verdict: Outcome = "not proven" if "not proven" in outcomes else "met"
+    if violations or "violated" in outcomes:
+        verdict = "violated"
+    first = max(verdicts.firsts_s, default=0.0)
+    unmet, unmet_demand = _capped(verdicts)
+    return Report(
+        verdict=verdict,
+        robots=len(plan.trajectories),
+        lower_bound_robots=plan.lower_bound_robots,
+        demands=tuple(verdicts.demands),
+        violations=tuple(violations),
+        first_coverage_s=first if math.isfinite(first) else None,
+        unmet_points_m=unmet,
+        unmet_demand=unmet_demand,
+    )
+
+
+def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights, finest_m: float) -> list[Found]:
+    reach = float(sights.reaches_m.min(initial=math.inf))
+    size = max(reach / 4 if math.isfinite(reach) else mission.fleet.sensor.reach_m / 4, finest_m)
+    pieces, owners, size = _tiles(mission, size)
+    limits = np.array([demand.period_s for demand in asked]) * (1 + PERIOD_TOLERANCE)
+
+    ground = open_ground(mission)
+    shapely.prepare(ground)
+
+    def is_seeable(points_m: Floats, spread_m: float) -> NDArray[np.bool_]:
+        # places where nothing is asked are not held against the piece beside them
+        found = ~shapely.contains_xy(ground, *points_m.T)
+        found[~found] = seeable(mission, grounds_of(mission), points_m[~found], spread_m)
+        return np.asarray(found)
+
+    return refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=max(finest_m, size / 4))
+
+
+@functools.lru_cache(maxsize=2)
+def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
+    """Pieces of all demands, the index of each one's demand, and the size of the lattice (larger for a huge area)."""
+    asked = demands_of(mission)
+    area = sum(demand.region.area for demand in asked if demand.demand == "every_point")
+    size = max(size_m, math.sqrt(area / MOST_CELLS))
+    tiles: list[Pieces] = []
+    owners: list[Ints] = [np.empty(0, np.int64)]
+    for k, demand in enumerate(asked):
+        if demand.demand == "every_point":
+            tiles.append(convex_pieces(demand.region, size, 2 * slack_of(mission)))
+            owners.append(np.full(len(tiles[-1]), k, np.int64))
+    return joined(tiles), np.concatenate(owners), size
+
+
+def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], found: list[Found]) -> list[Violation]:
+    total = sum(demand.region.area for demand in asked if demand.demand == "every_point")
+    excluded = sum(f.excluded_area_m2 for f in found)
+    limit = 0.0 if mission.unseeable == "refuse" else MOST_EXCLUDED * total
+    if excluded <= limit:
+        return []
+    k = max(range(len(found)), key=lambda k: found[k].excluded_area_m2)
+    x, y, _ = found[k].excluded_places()[0]
+    return [
+        Violation(
+            kind="unseeable",
+            who=", ".join(asked[i].name for i in range(len(found)) if found[i].excluded_area_m2 > 0),
+            place_m=(x, y),
+            time_s=None,
+            value=excluded,
+            limit=limit,
+            unit="m2",
+        )
+    ]
+
+
+def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, found: Found, refused: bool) -> None:
+    outcome: Outcome = "not proven" if found.undecided_cells else "met"
+    if found.worst_place_m is not None:
+        outcome = "violated"
+        gap, begin = found.worst_s, found.worst_begin_s
+        verdicts.violations.append(
+            Violation(
+                kind="gap",
+                who=demand.name,
+                place_m=found.worst_place_m,
+                time_s=begin if math.isfinite(begin) and math.isfinite(gap) else None,
+                value=gap,
+                limit=demand.period_s,
+                unit="s",
+            )
+        )
+    elif refused and found.excluded_area_m2 > 0:
+        outcome = "violated"
+    verdicts.demands.append(
+        DemandVerdict(
+            name=demand.name,
+            period_s=demand.period_s,
+            demand=demand.demand,
+            area_m2=float(demand.region.area),
+            worst_gap_s=found.upper_s,
+            worst_gap_at_least_s=found.lower_s,
+            unseen_area_m2=found.unseen_area_m2,
+            excluded_area_m2=found.excluded_area_m2,
+            excluded_places=tuple(found.excluded_places()),
+            undecided_cells=found.undecided_cells,
+            outcome=outcome,
+        )
+    )
+    verdicts.firsts_s.append(found.first_s)
+    points = found.unmet_points_m()
+    verdicts.unmet_m.append(points)
+    verdicts.unmet_demand.append(np.full(len(points), k, np.int64))
+
+
+def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mission: Mission) -> None:
+    routes = sights.routes
+    inside = visits(routes.legs_m, demand.region, slack_of(mission))
+    gap, begin = loop_gap(routes, inside)
+    met = gap <= demand.period_s * (1 + PERIOD_TOLERANCE)
+    if not met:
+        reachable = shapely.intersection(demand.region, shapely.union_all([g.shape for g in grounds_of(mission)]))
+        place = shapely.point_on_surface(demand.region if reachable.is_empty else reachable)
+        verdicts.violations.append(
+            Violation(
+                kind="gap",
+                who=demand.name,
+                place_m=(place.x, place.y),
+                time_s=begin if math.isfinite(begin) and math.isfinite(gap) else None,
+                value=gap,
+                limit=demand.period_s,
+                unit="s",
+            )
+        )
+        verdicts.unmet_m.append(np.array([[place.x, place.y]]))
+        verdicts.unmet_demand.append(np.array([k], np.int64))
+    verdicts.demands.append(
+        DemandVerdict(
+            name=demand.name,
+            period_s=demand.period_s,
+            demand=demand.demand,
+            area_m2=float(demand.region.area),
+            worst_gap_s=gap,
+            worst_gap_at_least_s=gap,
+            unseen_area_m2=0.0 if math.isfinite(gap) else float(demand.region.area),
+            excluded_area_m2=0.0,
+            excluded_places=(),
+            undecided_cells=0,
+            outcome="met" if met else "violated",
+        )
+    )
+    times = [routes.times_s[m, 0] + lo * (routes.times_s[m, 1] - routes.times_s[m, 0]) for m, lo, _ in inside]
+    verdicts.firsts_s.append(min(times, default=math.inf))
+
+
+def _fleet_violations(plan: Plan) -> list[Violation]:
+    """Robots of a fixed fleet without a trajectory, and robots that do not begin at their start."""
+    found = []
+    trajectories = {trajectory.robot: trajectory for trajectory in plan}
+    for robot in plan.mission.fleet.robots or ():
+        trajectory = trajectories.get(robot.name)
+        if trajectory is None:
+            found.append(_violation("no trajectory", robot.name, robot.start, 0.0, 1.0, "trajectories"))
+        elif robot.start is not None:
+            away = math.dist(robot.start, trajectory.positions_m[0, :2])
+            if away > 1e-6:
+                found.append(_violation("start", robot.name, robot.start, away, 1e-6, "m"))
+    return found
+
+
+def _violation(
+    kind: str, who: str, place_m: tuple[float, float] | None, value: float, limit: float, unit: str
+) -> Violation:
+    return Violation(kind=kind, who=who, place_m=place_m, time_s=0.0, value=value, limit=limit, unit=unit)
+
+
+def _capped(verdicts: _Verdicts) -> tuple[Floats, Ints]:
+    """All unmet points, or an even choice of them when there are too many."""
+    points = np.vstack([np.empty((0, 2)), *verdicts.unmet_m])
+    demand = np.concatenate([np.empty(0, np.int64), *verdicts.unmet_demand])
+    if len(points) > MOST_UNMET_POINTS:
+        chosen = np.linspace(0, len(points) - 1, MOST_UNMET_POINTS).astype(np.int64)
+        points, demand = points[chosen], demand[chosen]
+    return points, demand

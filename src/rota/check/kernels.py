@@ -1,0 +1,283 @@
+# mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
+"""Compiled loops of the revisit check: when a convex piece is seen whole, and the worst gap between its sights.
+
+Pieces are convex polygons in one array of corners with offsets; a piece with one corner is a point. Coordinates are
+small (the caller shifts them), times are seconds. ``slack_m`` is the tolerance: pieces and walls are thinner by it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from rota.check.gap_kernels import team_gap
+from rota.check.tiling_kernels import half_width
+
+TRANSIENT, LOOP, HOLD = 0, 1, 2
+
+
+@njit(cache=True)
+def _shrunk(corners, start, stop, slack_m):
+    """The piece with all its sides moved inwards by at least ``slack_m``, by scaling about the mean of its corners."""
+    piece = corners[start:stop].copy()
+    if stop - start < 3:
+        return piece
+    factor = 1.0 - min(0.5, slack_m / max(half_width(corners, start, stop), slack_m))
+    cx, cy = piece[:, 0].mean(), piece[:, 1].mean()
+    for i in range(len(piece)):
+        piece[i, 0] = cx + factor * (piece[i, 0] - cx)
+        piece[i, 1] = cy + factor * (piece[i, 1] - cy)
+    return piece
+
+
+@njit(cache=True)
+def _in_range(piece, leg, reach_m, square):
+    """The part (lo, hi) of a leg, in 0..1, from which every corner is in range; lo > hi when there is none."""
+    lo, hi = 0.0, 1.0
+    dx, dy = leg[2] - leg[0], leg[3] - leg[1]
+    length2 = dx * dx + dy * dy
+    for i in range(len(piece)):
+        rx, ry = piece[i, 0] - leg[0], piece[i, 1] - leg[1]
+        if square:
+            for r, d in ((rx, dx), (ry, dy)):
+                if abs(d) < 1e-300:
+                    if abs(r) > reach_m:
+                        return 1.0, 0.0
+                else:
+                    ua, ub = (r - reach_m) / d, (r + reach_m) / d
+                    lo, hi = max(lo, min(ua, ub)), min(hi, max(ua, ub))
+        elif length2 < 1e-300:
+            if rx * rx + ry * ry > reach_m * reach_m:
+                return 1.0, 0.0
+        else:
+            across = dx * ry - dy * rx
+            half2 = reach_m * reach_m - across * across / length2
+            if half2 < 0:
+                return 1.0, 0.0
+            along, half = (rx * dx + ry * dy) / length2, math.sqrt(half2 / length2)
+            lo, hi = max(lo, along - half), min(hi, along + half)
+        if lo > hi:
+            return 1.0, 0.0
+    return lo, hi
+
+
+@njit(cache=True)
+def _shadow(piece, wall, slack_m, shadow):
+    """Half-planes (nx, ny, c: n.p > c) whose intersection holds the positions from which ``wall`` cuts the piece.
+
+    The positions p whose hull with the piece Q meets the wall W are W + cone(W - Q), which is convex: two sides along
+    the extreme directions of the cone and, when Q lies on one side of the wall's line, that line. Returns 0 when the
+    wall hides nothing, 1 when ``shadow`` was filled, 2 when the wall cuts the piece itself (it is never seen whole).
+    """
+    ax, ay = wall[0], wall[1]
+    wx, wy = wall[2] - ax, wall[3] - ay
+    length = math.hypot(wx, wy)
+    wx, wy = wx / length, wy / length
+    low, high = math.inf, -math.inf
+    for i in range(len(piece)):
+        side = wx * (piece[i, 1] - ay) - wy * (piece[i, 0] - ax)
+        low, high = min(low, side), max(high, side)
+    if len(piece) == 1 and abs(low) <= slack_m:
+        return 0
+    facing = 0.0
+    if low >= -slack_m:
+        facing = -1.0
+    elif high <= slack_m:
+        facing = 1.0
+    nx, ny = -wy * facing, wx * facing
+    e1x, e1y, e2x, e2y = 0.0, 0.0, 0.0, 0.0
+    for i in range(len(piece)):
+        for end in range(2):
+            vx, vy = wall[2 * end] - piece[i, 0], wall[2 * end + 1] - piece[i, 1]
+            if facing != 0:
+                # a piece that touches the wall's line must not turn the cone into more than a half-plane
+                away = vx * nx + vy * ny
+                if away < 1e-12:
+                    vx, vy = vx + (1e-12 - away) * nx, vy + (1e-12 - away) * ny
+            if i == 0 and end == 0:
+                e1x, e1y, e2x, e2y = vx, vy, vx, vy
+            if e1x * vy - e1y * vx < 0:
+                e1x, e1y = vx, vy
+            if e2x * vy - e2y * vx > 0:
+                e2x, e2y = vx, vy
+    if facing == 0:
+        for i in range(len(piece)):
+            for end in range(2):
+                vx, vy = wall[2 * end] - piece[i, 0], wall[2 * end + 1] - piece[i, 1]
+                if e1x * vy - e1y * vx < 0 or e2x * vy - e2y * vx > 0:
+                    return 2
+        if e1x * e2y - e1y * e2x <= 0:
+            return 2
+    l1, l2 = math.hypot(e1x, e1y), math.hypot(e2x, e2y)
+    shadow[0], shadow[1] = -e1y / l1, e1x / l1
+    shadow[2] = slack_m + min(shadow[0] * ax + shadow[1] * ay, shadow[0] * wall[2] + shadow[1] * wall[3])
+    shadow[3], shadow[4] = e2y / l2, -e2x / l2
+    shadow[5] = slack_m + min(shadow[3] * ax + shadow[4] * ay, shadow[3] * wall[2] + shadow[4] * wall[3])
+    shadow[6], shadow[7] = nx, ny
+    shadow[8] = slack_m + nx * ax + ny * ay if facing != 0 else -math.inf
+    return 1
+
+
+@njit(cache=True)
+def _shadows(piece, walls, near, slack_m, reach_m):
+    """Shadows (n, 9) and boxes (n, 4) of walls that may hide part of the piece, nearest first; n < 0: one cuts it."""
+    x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
+    shadows, boxes, distances = np.empty((len(near), 9)), np.empty((len(near), 4)), np.empty(len(near))
+    n = 0
+    for k in near:
+        wall = walls[k]
+        wx0, wx1 = min(wall[0], wall[2]), max(wall[0], wall[2])
+        wy0, wy1 = min(wall[1], wall[3]), max(wall[1], wall[3])
+        gap = max(max(wx0 - x1, x0 - wx1), max(wy0 - y1, y0 - wy1))
+        if gap > reach_m:
+            continue
+        outcome = _shadow(piece, wall, slack_m, shadows[n])
+        if outcome == 2:
+            return shadows, boxes, -1
+        if outcome == 1:
+            boxes[n, 0], boxes[n, 1], boxes[n, 2], boxes[n, 3] = wx0, wy0, wx1, wy1
+            distances[n] = gap
+            n += 1
+    if n > 4:
+        order = np.argsort(distances[:n])
+        shadows, boxes = shadows[order], boxes[order]
+    return shadows, boxes, n
+
+
+@njit(cache=True)
+def _blocked(shadow, leg, lo, hi):
+    """The open part of lo..hi of a leg inside a shadow; empty when the first is not below the second."""
+    dx, dy = leg[2] - leg[0], leg[3] - leg[1]
+    for k in range(0, 9, 3):
+        here = shadow[k] * leg[0] + shadow[k + 1] * leg[1] - shadow[k + 2]
+        slope = shadow[k] * dx + shadow[k + 1] * dy
+        if slope > 0:
+            lo = max(lo, -here / slope)
+        elif slope < 0:
+            hi = min(hi, -here / slope)
+        elif not here > 0:
+            return 1.0, 0.0
+    return lo, hi
+
+
+@njit(cache=True)
+def _leg_sights(piece, leg, reach_m, square, shadows, boxes, n_shadows, slack_m, starts, ends):
+    """Number of parts of a leg from which the whole piece is seen; starts and ends take them, in 0..1, ascending."""
+    lo, hi = _in_range(piece, leg, reach_m, square)
+    if lo > hi:
+        return 0
+    starts[0], ends[0] = lo, hi
+    n = 1
+    dx, dy = leg[2] - leg[0], leg[3] - leg[1]
+    still = dx * dx + dy * dy < 1e-300
+    qx0, qx1, qy0, qy1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
+    x0 = min(qx0, leg[0] + lo * dx, leg[0] + hi * dx)
+    x1 = max(qx1, leg[0] + lo * dx, leg[0] + hi * dx)
+    y0 = min(qy0, leg[1] + lo * dy, leg[1] + hi * dy)
+    y1 = max(qy1, leg[1] + lo * dy, leg[1] + hi * dy)
+    for w in range(n_shadows):
+        if boxes[w, 0] > x1 or boxes[w, 2] < x0 or boxes[w, 1] > y1 or boxes[w, 3] < y0:
+            continue
+        a, b = _blocked(shadows[w], leg, lo, hi)
+        if a <= b and (still or lo == hi):
+            return 0
+        if not a < b:
+            continue
+        kept = 0
+        # room is made from the back: at most one more part than before
+        for i in range(n - 1, -1, -1):
+            starts[i + 1], ends[i + 1] = starts[i], ends[i]
+        for i in range(1, n + 1):
+            s, e = starts[i], ends[i]
+            if b <= s or a >= e:
+                starts[kept], ends[kept] = s, e
+                kept += 1
+                continue
+            if a > s:
+                starts[kept], ends[kept] = s, a
+                kept += 1
+            if b < e:
+                starts[kept], ends[kept] = b, e
+                kept += 1
+        n = kept
+        if n == 0:
+            return 0
+    # between two neighbouring walls the tolerance leaves a slit through which nothing is seen
+    slit = 8 * slack_m / max(1e-300, math.sqrt(dx * dx + dy * dy))
+    kept = 0
+    for i in range(n):
+        if starts[i] > lo and ends[i] < hi and ends[i] - starts[i] < slit:
+            continue
+        starts[kept], ends[kept] = starts[i], ends[i]
+        kept += 1
+    return kept
+
+
+@njit(cache=True)
+def worst_gaps(
+    offsets, corners, limits_s, slack_m, grid, shape,
+    legs, leg_times_s, leg_robots, leg_kinds, leg_offsets, leg_index,
+    reaches_m, squares, classes, parts, units_s, from_s,
+    walls, wall_offsets, wall_index,
+):  # fmt: skip
+    """Worst gap of each piece (upper bound for its points, exact for a single point), where it begins, first sight.
+
+    Returns (n,) gaps_s (inf: never seen whole), begin_s (nan: not known), first_s (inf), and exact (combined exactly).
+    """
+    n_pieces = len(offsets) - 1
+    gaps, begins, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.nan), np.full(n_pieces, np.inf)
+    exact = np.ones(n_pieces, np.bool_)
+    starts, ends = np.empty(64), np.empty(64)
+    part_starts, part_ends = np.empty(64), np.empty(64)
+    bounds, robots = np.zeros(len(reaches_m) + 1, np.int64), np.empty(len(reaches_m), np.int64)
+    widest = reaches_m.max() if len(reaches_m) else 0.0
+    for k in range(n_pieces):
+        piece = _shrunk(corners, offsets[k], offsets[k + 1], slack_m)
+        i = math.floor((piece[:, 0].mean() - grid[0]) / grid[2])
+        j = math.floor((piece[:, 1].mean() - grid[1]) / grid[2])
+        cell = min(max(i, 0), shape[0] - 1) * shape[1] + min(max(j, 0), shape[1] - 1)
+        near = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
+        shadows, boxes, n_shadows = _shadows(piece, walls, near, slack_m, widest)
+        if n_shadows < 0:
+            continue
+        if n_shadows + 4 > len(part_starts):
+            part_starts, part_ends = np.empty(2 * n_shadows + 4), np.empty(2 * n_shadows + 4)
+        n_robots, n, always = 0, 0, False
+        for m in leg_index[leg_offsets[cell] : leg_offsets[cell + 1]]:
+            robot = leg_robots[m]
+            kept = _leg_sights(
+                piece, legs[m], reaches_m[robot] + (slack_m if len(piece) == 1 else 0.0), squares[robot],
+                shadows, boxes, n_shadows, slack_m, part_starts, part_ends,
+            )  # fmt: skip
+            if kept == 0:
+                continue
+            t0, t1 = leg_times_s[m, 0], leg_times_s[m, 1]
+            firsts[k] = min(firsts[k], t0 + part_starts[0] * (t1 - t0))
+            if leg_kinds[m] == TRANSIENT:
+                continue
+            if leg_kinds[m] == HOLD:
+                always = True
+                continue
+            if n_robots == 0 or robots[n_robots - 1] != robot:
+                robots[n_robots], bounds[n_robots] = robot, n
+                n_robots += 1
+            if n + kept > len(starts):
+                starts, ends = np.append(starts, np.empty(n + kept)), np.append(ends, np.empty(n + kept))
+            for p in range(kept):
+                s = t0 if part_starts[p] == 0 else t0 + part_starts[p] * (t1 - t0)
+                e = t1 if part_ends[p] == 1 else t0 + part_ends[p] * (t1 - t0)
+                if n > bounds[n_robots - 1] and s <= ends[n - 1]:
+                    ends[n - 1] = max(e, ends[n - 1])
+                else:
+                    starts[n], ends[n] = s, e
+                    n += 1
+        bounds[n_robots] = n
+        if always:
+            gaps[k], begins[k] = 0.0, from_s
+        elif n_robots:
+            gaps[k], begins[k], exact[k] = team_gap(
+                starts, ends, bounds, robots, n_robots, classes, parts, units_s, limits_s[k], from_s
+            )
+    return gaps, begins, firsts, exact

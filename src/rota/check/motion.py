@@ -1,0 +1,221 @@
+"""Whether every leg can be driven: the body inside the area and out of obstacles, the speed, the turns."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check.report import Violation
+from rota.check.routes import lines_of, segments_of
+from rota.mission import Robot
+from rota.plan import Plan, Trajectory
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TOUCH_M = 1e-6
+SPEED_TOLERANCE = 1e-9
+TURN_TOLERANCE_RAD = 1e-9
+STILL_M = 1e-9
+EPS = float(np.finfo(np.float64).eps)
+MOST_PER_ROBOT = 20
+
+
+def motion_violations(plan: Plan) -> list[Violation]:
+    """Everything wrong with the motion of each robot by itself, at most 20 of a kind for each robot."""
+    mission = plan.mission
+    blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
+    found: list[Violation] = []
+    for trajectory in plan:
+        robot = mission.fleet.robot(trajectory.robot)
+        found += place_violations(trajectory, robot, mission.area, "outside area")
+        found += place_violations(trajectory, robot, blocked, "obstacle")
+        found += speed_violations(trajectory, robot)
+        found += turn_violations(trajectory, robot)
+    return found
+
+
+def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: str) -> list[Violation]:
+    """Legs on which the body reaches more than 1e-6 m out of the area (kind "outside area") or into an obstacle.
+
+    ``shape`` is the area or what blocks motion. One violation for each leg: its deepest place, when and how deep. Where
+    the centre itself is on the wrong side, that is the deepest of 65 places along the stretch, refined three times.
+    """
+    xy = trajectory.positions_m[:, :2]
+    legs = np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy])
+    sides = segments_of(shape)
+    if not len(sides):
+        return []
+    wrong_inside = kind == "obstacle"
+    depth, place = _deepest(legs, sides, shape, wrong_inside, robot.body_radius_m)
+    found = []
+    for m in np.flatnonzero(depth > TOUCH_M)[:MOST_PER_ROBOT]:
+        x, y = legs[m, :2] + place[m] * (legs[m, 2:] - legs[m, :2])
+        times = trajectory.times_s
+        time = times[m] + place[m] * (times[min(m + 1, len(times) - 1)] - times[m])
+        found.append(_violation(kind, robot, (x, y), time, float(depth[m]), TOUCH_M, "m"))
+    return found
+
+
+def _deepest(legs: Floats, sides: Floats, shape: Any, wrong_inside: bool, body_m: float) -> tuple[Floats, Floats]:
+    """Depth (m,) to which the body enters the wrong side of the border on each leg, and where (m,) in 0..1."""
+    tree = shapely.STRtree(lines_of(sides))
+    leg, side = tree.query(lines_of(legs), predicate="dwithin", distance=body_m + 2 * TOUCH_M)
+    depth, place = np.full(len(legs), -math.inf), np.zeros(len(legs))
+    distance, along = segment_distances(legs[leg], sides[side])
+    order = np.argsort(distance, kind="stable")[::-1]
+    depth[leg[order]] = body_m - distance[order]
+    place[leg[order]] = along[order]
+    shapely.prepare(shape)
+    starts = shapely.points(legs[:, :2])
+    inside = shapely.contains(shape, starts) if wrong_inside else shapely.covers(shape, starts)
+    suspect = (inside == wrong_inside) | (np.bincount(leg[distance <= TOUCH_M], minlength=len(legs)) > 0)
+    for m in np.flatnonzero(suspect):
+        deep, at = _centre_depth(legs[m], sides[side[leg == m]], shape, tree, wrong_inside)
+        if deep > 0 and body_m + deep > depth[m]:
+            depth[m], place[m] = body_m + deep, at
+    return depth, place
+
+
+def _centre_depth(leg: Floats, near: Floats, shape: Any, tree: Any, wrong_inside: bool) -> tuple[float, float]:
+    """Largest depth of the centre on the wrong side along a leg (0: never there), and where."""
+    start, along = leg[:2], leg[2:] - leg[:2]
+    stops = [0.0, 1.0]
+    if len(near) and along.any():
+        across, offset = near[:, 2:] - near[:, :2], near[:, :2] - start
+        turn = along[0] * across[:, 1] - along[1] * across[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u = (offset[:, 0] * across[:, 1] - offset[:, 1] * across[:, 0]) / turn
+        ends = np.concatenate([((near[:, k : k + 2] - start) @ along) / (along @ along) for k in (0, 2)])
+        every = np.concatenate([u[turn != 0], ends])
+        stops += list(every[(every > 0) & (every < 1)])
+    knots = np.unique(stops)
+    middles = shapely.points(start + ((knots[1:] + knots[:-1]) / 2)[:, None] * along)
+    inside = shapely.contains(shape, middles) if wrong_inside else shapely.covers(shape, middles)
+    best, where = 0.0, 0.0
+    for k in np.flatnonzero(inside == wrong_inside):
+        low, high = knots[k], knots[k + 1]
+        for _ in range(4):
+            spots = np.linspace(low, high, 65)
+            points = shapely.points(start + spots[:, None] * along)
+            _, distance = tree.query_nearest(points, return_distance=True, all_matches=False)
+            deepest = int(np.argmax(distance))
+            low, high = spots[max(deepest - 1, 0)], spots[min(deepest + 1, 64)]
+            if distance[deepest] > best:
+                best, where = float(distance[deepest]), float(spots[deepest])
+    return best, where
+
+
+def segment_distances(a: Floats, b: Floats) -> tuple[Floats, Floats]:
+    """Distance of segments a and b (n, 4), row by row, and where along a it is reached, in 0..1; 0 if they cross."""
+    p, d = a[:, :2], a[:, 2:] - a[:, :2]
+    q, e = b[:, :2], b[:, 2:] - b[:, :2]
+    best, where = np.full(len(a), np.inf), np.zeros(len(a))
+    for point, at in ((p, 0.0), (a[:, 2:], 1.0)):
+        gap = _point_distance(point, q, e)[0]
+        where = np.where(gap < best, at, where)
+        best = np.minimum(best, gap)
+    for point in (q, b[:, 2:]):
+        gap, u = _point_distance(point, p, d)
+        where = np.where(gap < best, u, where)
+        best = np.minimum(best, gap)
+    turn = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = ((q - p)[:, 0] * e[:, 1] - (q - p)[:, 1] * e[:, 0]) / turn
+        v = ((q - p)[:, 0] * d[:, 1] - (q - p)[:, 1] * d[:, 0]) / turn
+    cross = (turn != 0) & (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)
+    return np.where(cross, 0.0, best), np.where(cross, u, where)
+
+
+def _point_distance(point: Floats, start: Floats, along: Floats) -> tuple[Floats, Floats]:
+    length2 = (along**2).sum(axis=1)
+    u = ((point - start) * along).sum(axis=1) / np.where(length2 > 0, length2, 1.0)
+    u = np.clip(u, 0.0, 1.0)
+    rest = point - start - u[:, None] * along
+    return np.hypot(rest[:, 0], rest[:, 1]), u
+
+
+def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
+    """Legs faster than the robot, by more than 1e-9 of its speed and what float64 times and places can express."""
+    steps = np.diff(trajectory.positions_m, axis=0)
+    length, time = np.sqrt((steps**2).sum(axis=1)), np.diff(trajectory.times_s)
+    noise_m = 4 * EPS * np.abs(trajectory.positions_m).max()
+    noise_s = 2 * EPS * trajectory.times_s[1:]
+    allowed = robot.speed_m_s * (time * (1 + SPEED_TOLERANCE) + noise_s) + noise_m
+    found = []
+    for m in np.flatnonzero(length > allowed)[:MOST_PER_ROBOT]:
+        x, y = trajectory.positions_m[m, :2]
+        value = float(length[m] / time[m])
+        when = float(trajectory.times_s[m])
+        found.append(_violation("speed", robot, (x, y), when, value, robot.speed_m_s, "m/s"))
+    return found
+
+
+def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
+    """Corners without the pause that turning takes, the seam of the loop included, and headings that turn too fast.
+
+    The value is the pause in seconds and the limit what it must at least be; for headings the rate in rad/s and its
+    limit. Steps of up to 1e-9 m count as standing still.
+    """
+    if robot.turn_rate_rad_s is None:
+        return []
+    found = _heading_violations(trajectory, robot, robot.turn_rate_rad_s)
+    xy, times = trajectory.positions_m[:, :2], trajectory.times_s
+    steps = np.diff(xy, axis=0)
+    length = np.hypot(steps[:, 0], steps[:, 1])
+    moving = np.flatnonzero(length > STILL_M)
+    if not len(moving):
+        return found
+    before, after = moving[:-1], moving[1:]
+    pause = times[after] - times[before + 1]
+    looping = moving[moving >= trajectory.loop_index]
+    if len(looping):
+        last, first = looping[-1], looping[0]
+        before, after = np.append(before, last), np.append(after, first)
+        seam = times[-1] - times[last + 1] + times[first] - trajectory.loop_start_s
+        pause = np.append(pause, seam)
+    a, b = steps[before], steps[after]
+    angle = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
+    noise = TURN_TOLERANCE_RAD + 4 * EPS * np.abs(xy).max() * (1 / length[before] + 1 / length[after])
+    need = angle / robot.turn_rate_rad_s
+    allowed = np.maximum(0.0, angle - noise) / robot.turn_rate_rad_s * (1 - 1e-9) - 4 * EPS * times[-1]
+    for k in np.flatnonzero(pause < allowed)[:MOST_PER_ROBOT]:
+        m = before[k] + 1
+        place = (xy[m, 0], xy[m, 1])
+        found.append(_violation("turn", robot, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
+    return found
+
+
+def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float) -> list[Violation]:
+    if trajectory.headings_rad is None:
+        return []
+    change = np.diff(trajectory.headings_rad)
+    if trajectory.loop_duration_s > 0:
+        change = np.append(change, trajectory.headings_rad[trajectory.loop_index] - trajectory.headings_rad[-1])
+    turn = np.abs((change + math.pi) % (2 * math.pi) - math.pi)
+    time = np.append(np.diff(trajectory.times_s), 0.0)[: len(turn)]
+    allowed = rate_rad_s * (time * (1 + 1e-9) + 4 * EPS * trajectory.times_s[-1]) + TURN_TOLERANCE_RAD
+    found = []
+    for m in np.flatnonzero(turn > allowed)[:MOST_PER_ROBOT]:
+        x, y = trajectory.positions_m[m, :2]
+        value = float(turn[m] / time[m]) if time[m] > 0 else math.inf
+        found.append(_violation("turn", robot, (x, y), float(trajectory.times_s[m]), value, rate_rad_s, "rad/s"))
+    return found
+
+
+def _violation(
+    kind: str, robot: Robot, place_m: tuple[float, float], time_s: float, value: float, limit: float, unit: str
+) -> Violation:
+    return Violation(
+        kind=kind,
+        who=robot.name,
+        place_m=(float(place_m[0]), float(place_m[1])),
+        time_s=float(time_s),
+        value=value,
+        limit=limit,
+        unit=unit,
+    )

@@ -1,0 +1,234 @@
+"""Pieces in doubt are cut smaller until they are shown met, shown not met, seen by nobody, or as fine as is asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from rota.check.pieces import Pieces, quartered
+from rota.check.revisits import Sights, piece_gaps, point_pieces, swath_cuts
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+IsSeeable = Callable[[Floats, float], Flags]
+
+MOST_PIECES = 600_000
+MOST_PLACES = 8
+SAMPLED_MET = 200
+INSIDE = 1 - 1e-6  # corners are asked a little inside of their piece, off walls and borders
+
+
+@dataclass
+class Found:
+    """What refining found out about one demand: gaps in seconds, areas in square metres (see DemandVerdict)."""
+
+    upper_s: float = 0.0
+    lower_s: float = 0.0
+    first_s: float = 0.0
+    worst_s: float = 0.0
+    worst_begin_s: float = math.nan
+    worst_place_m: tuple[float, float] | None = None
+    unseen_area_m2: float = 0.0
+    excluded_area_m2: float = 0.0
+    undecided_cells: int = 0
+    excluded: list[Floats] = field(default_factory=list)
+    unmet: list[Floats] = field(default_factory=list)
+
+    def unmet_points_m(self) -> Floats:
+        """(n, 2) corners and middles of all pieces not shown met."""
+        points = np.vstack([np.empty((0, 2)), *self.unmet])
+        return np.unique(points, axis=0)
+
+    def excluded_places(self) -> list[tuple[float, float, float]]:
+        """(x, y, area) of the largest connected parts that nobody can see; the place is in the part."""
+        rows = np.vstack([np.empty((0, 4)), *self.excluded])
+        if not len(rows):
+            return []
+        low = rows[:, :2].min(axis=0)
+        size = max(float(rows[:, 3].max()), float((rows[:, :2].max(axis=0) - low).max()) / 1000)
+        bins = ((rows[:, :2] - low) / size).astype(np.int64)
+        raster = np.zeros(bins.max(axis=0) + 1, bool)
+        raster[bins[:, 0], bins[:, 1]] = True
+        labels, n = ndimage.label(raster, structure=np.ones((3, 3)))
+        label = labels[bins[:, 0], bins[:, 1]]
+        places = []
+        for k in range(1, n + 1):
+            part = rows[label == k]
+            x, y = part[np.argmax(part[:, 2]), :2]
+            places.append((float(x), float(y), float(part[:, 2].sum())))
+        return sorted(places, key=lambda place: -place[2])[:MOST_PLACES]
+
+
+def refine(
+    sights: Sights,
+    pieces: Pieces,
+    owners: Ints,
+    limits_s: Floats,
+    is_seeable: IsSeeable,
+    *,
+    finest_m: float,
+    coarse_m: float,
+) -> list[Found]:
+    """Judge pieces, cutting those in doubt, and sum up for each demand.
+
+    owners: (n,) index of each piece's demand into limits_s (demands,). ``is_seeable(points, spread)``: whether a body
+    can stand where it sees the point (within the spread). Pieces of a demand that is already violated are cut to
+    ``coarse_m`` only. When more than 600,000 pieces would be open at once, all are left undecided as they are.
+    """
+    found = [Found() for _ in limits_s]
+    while len(pieces):
+        gaps = piece_gaps(sights, pieces, limits_s[owners])
+        met = gaps.gaps_s <= limits_s[owners]
+        _note_met(found, sights, pieces.chosen(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])
+        left = np.flatnonzero(~met)
+        level = _Level(sights, pieces.chosen(left), owners[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
+        level.note_samples(found, is_seeable)
+        open_pieces = level.settle(found, is_seeable, finest_m, coarse_m)
+        chosen = level.pieces.chosen(open_pieces)
+        pieces, parents = quartered(chosen, swath_cuts(sights, chosen), 2 * sights.slack_m)
+        owners = level.owners[open_pieces][parents]
+    return found
+
+
+def _note_met(
+    found: list[Found], sights: Sights, pieces: Pieces, owners: Ints, gaps_s: Floats, firsts_s: Floats
+) -> None:
+    for k in np.unique(owners):
+        mine = np.flatnonzero(owners == k)
+        found[k].upper_s = max(found[k].upper_s, float(gaps_s[mine].max()))
+        found[k].first_s = max(found[k].first_s, float(firsts_s[mine].max()))
+        worst = mine[np.argsort(-gaps_s[mine], kind="stable")[:SAMPLED_MET]]
+        samples = piece_gaps(sights, point_pieces(pieces.chosen(worst).centres_m()), np.zeros(len(worst)))
+        known = samples.gaps_s[samples.exact & np.isfinite(samples.gaps_s)]
+        found[k].lower_s = max(found[k].lower_s, float(known.max(initial=0.0)))
+
+
+class _Level:
+    """The pieces of one round that were not shown met, with what their middles see."""
+
+    def __init__(
+        self, sights: Sights, pieces: Pieces, owners: Ints, uppers_s: Floats, firsts_s: Floats, limits_s: Floats
+    ) -> None:
+        self.sights, self.pieces, self.owners, self.limits_s = sights, pieces, owners, limits_s[owners]
+        self.uppers_s, self.firsts_s = uppers_s, firsts_s
+        self.middles = pieces.centres_m()
+        self.areas_m2 = pieces.areas_m2()
+        self.sizes_m = pieces.sizes_m()
+        samples = piece_gaps(sights, point_pieces(self.middles), self.limits_s)
+        self.gaps_s, self.begins_s = samples.gaps_s, samples.begins_s
+        self.bad = samples.exact & (self.gaps_s > self.limits_s)
+        self.unseen = np.isinf(self.gaps_s)
+        self.hidden = np.zeros(len(pieces), bool)
+
+    def note_samples(self, found: list[Found], is_seeable: IsSeeable) -> None:
+        """Find the middles that nobody can see, and the worst of the others for each demand."""
+        unseen = np.flatnonzero(self.unseen)
+        self.hidden[unseen] = ~is_seeable(self.middles[unseen], 0.0)
+        counted = ~self.hidden & (self.bad | np.isfinite(self.gaps_s))
+        for k in np.unique(self.owners[counted]):
+            mine = np.flatnonzero(counted & (self.owners == k))
+            worst = mine[np.argmax(self.gaps_s[mine])]
+            if self.bad[worst]:
+                self._note_worst(found[k], self.gaps_s[worst], self.begins_s[worst], self.middles[worst])
+            else:
+                found[k].lower_s = max(found[k].lower_s, float(self.gaps_s[worst]))
+
+    def settle(self, found: list[Found], is_seeable: IsSeeable, finest_m: float, coarse_m: float) -> Ints:
+        """Sum up the pieces that need no further cut; the indices of those that do."""
+        violated = np.array([f.worst_place_m is not None for f in found])[self.owners]
+        finest = self.sizes_m <= finest_m * (1 + 1e-9)
+        out = np.zeros(len(self.pieces), bool)
+        out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
+        some = np.flatnonzero(finest & ~out)
+        out[some] = self.hidden[some] | self._partly_hidden(some, is_seeable)
+        self._note_corners(found, np.flatnonzero(finest & ~out & ~self.bad))
+        done = ~out & (finest | (violated & (self.sizes_m <= coarse_m) & ~self.hidden))
+        ask = np.flatnonzero(self.bad & ~self.hidden & ~out & ~done)
+        done[ask] = self._corners_bad(ask)
+        still = np.flatnonzero(~out & ~done)
+        if 4 * len(still) > MOST_PIECES:
+            done[still] = True
+            still = still[:0]
+        self._note_excluded(found, np.flatnonzero(out))
+        self._note_unmet(found, np.flatnonzero(done))
+        return still
+
+    def _inner_corners(self, index: Ints) -> tuple[Floats, Ints]:
+        """Corners of some pieces, a little inside, and the place in ``index`` of each one's piece."""
+        chosen = self.pieces.chosen(index)
+        owner = chosen.owners()
+        middles = self.middles[index][owner]
+        return middles + INSIDE * (chosen.corners_m - middles), owner
+
+    def _wholly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
+        if not len(index):
+            return np.zeros(0, bool)
+        corners, owner = self._inner_corners(index)
+        radii = np.zeros(len(index))
+        np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
+        return ~is_seeable(self.middles[index], float(radii.max()) * (1 + 1e-9))
+
+    def _partly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
+        hidden = np.zeros(len(index), bool)
+        if len(index):
+            corners, owner = self._inner_corners(index)
+            # and as far again outside: what is seen only from the very edge of the standing ground is no fair demand
+            beyond = corners + (corners - self.middles[index][owner])
+            corners, owner = np.vstack([corners, beyond]), np.tile(owner, 2)
+            never = np.flatnonzero(
+                np.isinf(piece_gaps(self.sights, point_pieces(corners), np.zeros(len(corners))).gaps_s)
+            )
+            np.logical_or.at(hidden, owner[never], ~is_seeable(corners[never], 0.0))
+        return hidden
+
+    def _note_corners(self, found: list[Found], index: Ints) -> None:
+        """Let the corners of pieces too fine to be cut speak where their middles were met."""
+        if not len(index):
+            return
+        corners, owner = self._inner_corners(index)
+        samples = piece_gaps(self.sights, point_pieces(corners), self.limits_s[index][owner])
+        over = samples.exact & (samples.gaps_s > self.limits_s[index][owner])
+        for row in np.flatnonzero(over):
+            piece = index[owner[row]]
+            self.bad[piece] = True
+            self._note_worst(found[self.owners[piece]], samples.gaps_s[row], samples.begins_s[row], corners[row])
+
+    def _note_worst(self, found: Found, gap_s: float, begin_s: float, place_m: Floats) -> None:
+        found.lower_s = max(found.lower_s, float(gap_s))
+        if found.worst_place_m is None or gap_s > found.worst_s:
+            found.worst_s, found.worst_begin_s = float(gap_s), float(begin_s)
+            found.worst_place_m = (float(place_m[0]), float(place_m[1]))
+
+    def _corners_bad(self, index: Ints) -> Flags:
+        """Whether all corners of pieces with a bad middle are bad too: no cut would tell more."""
+        bad = np.ones(len(index), bool)
+        if len(index):
+            corners, owner = self._inner_corners(index)
+            samples = piece_gaps(self.sights, point_pieces(corners), self.limits_s[index][owner])
+            same = (samples.gaps_s > self.limits_s[index][owner]) & (
+                np.isinf(samples.gaps_s) == self.unseen[index][owner]
+            )
+            np.logical_and.at(bad, owner, same)
+        return bad
+
+    def _note_excluded(self, found: list[Found], index: Ints) -> None:
+        rows = np.column_stack([self.middles, self.areas_m2, self.sizes_m])[index]
+        for k in np.unique(self.owners[index]):
+            mine = rows[self.owners[index] == k]
+            found[k].excluded_area_m2 += float(mine[:, 2].sum())
+            found[k].excluded.append(mine)
+
+    def _note_unmet(self, found: list[Found], index: Ints) -> None:
+        for k in np.unique(self.owners[index]):
+            mine = index[self.owners[index] == k]
+            found[k].upper_s = max(found[k].upper_s, float(self.uppers_s[mine].max()))
+            found[k].first_s = max(found[k].first_s, float(self.firsts_s[mine].max()))
+            found[k].undecided_cells += int((~self.bad[mine] | self.hidden[mine]).sum())
+            found[k].unseen_area_m2 += float(self.areas_m2[mine][self.unseen[mine] & ~self.hidden[mine]].sum())
+            found[k].unmet += [self.pieces.chosen(mine).corners_m, self.middles[mine]]

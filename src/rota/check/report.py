@@ -1,0 +1,235 @@
+"""The verdict on a plan: types, JSON with a published schema, and a table in plain text."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Outcome = Literal["met", "violated", "not proven"]
+LISTED_POINTS = 100
+
+
+@dataclass(frozen=True, kw_only=True)
+class Violation:
+    """One thing that is wrong: what (``kind``), who (robots or demand), where, when, and by how much.
+
+    ``value`` is beyond ``limit``, both in ``unit``; ``place_m`` None: nowhere in particular; ``time_s`` None: at no
+    particular time (or for ever).
+    """
+
+    kind: str
+    who: str
+    place_m: tuple[float, float] | None
+    time_s: float | None
+    value: float
+    limit: float
+    unit: str
+
+    def text(self) -> str:
+        """One line for people."""
+        where = "" if self.place_m is None else f" at ({self.place_m[0]:.3f}, {self.place_m[1]:.3f})"
+        when = "" if self.time_s is None else f", t = {self.time_s:.3f} s"
+        value = "never" if math.isinf(self.value) else f"{_number(self.value)} {self.unit}"
+        return f"{self.who}: {self.kind}{where}{when}: {value}, allowed {_number(self.limit)} {self.unit}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class DemandVerdict:
+    """What became of one demand. Gaps in seconds (inf: some of it is never seen), areas in square metres.
+
+    No point waits longer than ``worst_gap_s``; some point waits at least ``worst_gap_at_least_s``. ``excluded_places``
+    are (x, y, area) of the largest parts that nobody can see. ``undecided_cells``: pieces shown neither met nor unmet.
+    """
+
+    name: str
+    period_s: float
+    demand: Literal["every_point", "visit"]
+    area_m2: float
+    worst_gap_s: float
+    worst_gap_at_least_s: float
+    unseen_area_m2: float
+    excluded_area_m2: float
+    excluded_places: tuple[tuple[float, float, float], ...]
+    undecided_cells: int
+    outcome: Outcome
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Report:
+    """The independent verdict on a plan: "met" only when every demand is shown met and nothing is violated.
+
+    ``first_coverage_s``: by then all that is demanded has been seen once (an upper bound; None: some is never seen).
+    ``unmet_points_m`` (n, 2) and ``unmet_demand`` (n,): corners and middle of every piece not shown met, and the
+    index of its demand in ``demands``.
+    """
+
+    verdict: Outcome
+    robots: int
+    lower_bound_robots: int | None
+    demands: tuple[DemandVerdict, ...]
+    violations: tuple[Violation, ...]
+    first_coverage_s: float | None
+    unmet_points_m: NDArray[np.float64] = field(repr=False)
+    unmet_demand: NDArray[np.int64] = field(repr=False)
+
+
+def report_to_json(report: Report) -> dict[str, Any]:
+    """The report as JSON values, by the schema of ``report_schema``: null for "never" and at most 100 unmet points."""
+    return {
+        "rota_report": 1,
+        "verdict": report.verdict,
+        "robots": report.robots,
+        "lower_bound_robots": report.lower_bound_robots,
+        "first_coverage_s": report.first_coverage_s,
+        "demands": [
+            {
+                "name": d.name,
+                "period_s": d.period_s,
+                "demand": d.demand,
+                "area_m2": d.area_m2,
+                "worst_gap_s": _finite(d.worst_gap_s),
+                "worst_gap_at_least_s": _finite(d.worst_gap_at_least_s),
+                "unseen_area_m2": d.unseen_area_m2,
+                "excluded_area_m2": d.excluded_area_m2,
+                "excluded_places": [{"x": x, "y": y, "area_m2": area} for x, y, area in d.excluded_places],
+                "undecided_cells": d.undecided_cells,
+                "outcome": d.outcome,
+            }
+            for d in report.demands
+        ],
+        "violations": [
+            {
+                "kind": v.kind,
+                "who": v.who,
+                "place_m": None if v.place_m is None else list(v.place_m),
+                "time_s": v.time_s,
+                "value": _finite(v.value),
+                "limit": v.limit,
+                "unit": v.unit,
+                "text": v.text(),
+            }
+            for v in report.violations
+        ],
+        "unmet_points": len(report.unmet_points_m),
+        "unmet_points_m": [
+            {"x": float(x), "y": float(y), "demand": report.demands[int(k)].name}
+            for (x, y), k in zip(
+                report.unmet_points_m[:LISTED_POINTS], report.unmet_demand[:LISTED_POINTS], strict=True
+            )
+        ],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _object(**properties: Any) -> dict[str, Any]:
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+        "additionalProperties": False,
+    }
+
+
+def report_schema() -> dict[str, Any]:
+    """JSON Schema (2020-12) of what ``report_to_json`` returns, version 1."""
+    number, text, count = {"type": "number"}, {"type": "string"}, {"type": "integer", "minimum": 0}
+    size = {"type": "number", "minimum": 0}
+    maybe = {"type": ["number", "null"], "description": "seconds; null: never"}
+    outcome = {"enum": ["met", "violated", "not proven"]}
+    place = {"type": ["array", "null"], "items": number, "minItems": 2, "maxItems": 2}
+    demand = _object(
+        name=text,
+        period_s=number,
+        demand={"enum": ["every_point", "visit"]},
+        area_m2=size,
+        worst_gap_s={**maybe, "description": "no point waits longer; null: some of it is never seen"},
+        worst_gap_at_least_s={**maybe, "description": "some point waits at least so long; null: for ever"},
+        unseen_area_m2=size,
+        excluded_area_m2=size,
+        excluded_places={"type": "array", "items": _object(x=number, y=number, area_m2=size)},
+        undecided_cells=count,
+        outcome=outcome,
+    )
+    violation = _object(
+        kind=text,
+        who=text,
+        place_m=place,
+        time_s=maybe,
+        value={**maybe, "description": "in unit; null: without end"},
+        limit=number,
+        unit=text,
+        text=text,
+    )
+    report = _object(
+        rota_report={"const": 1},
+        verdict=outcome,
+        robots=count,
+        lower_bound_robots={"type": ["integer", "null"], "minimum": 0},
+        first_coverage_s=maybe,
+        demands={"type": "array", "items": demand},
+        violations={"type": "array", "items": violation},
+        unmet_points=count,
+        unmet_points_m={
+            "type": "array",
+            "maxItems": LISTED_POINTS,
+            "items": _object(x=number, y=number, demand=text),
+        },
+    )
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "Rota report, version 1"}
+    return {**head, **report}
+
+
+def report_table(report: Report) -> str:
+    """The report as plain text: the verdict, one row per demand, then every violation on a line of its own."""
+    bound = "not known" if report.lower_bound_robots is None else str(report.lower_bound_robots)
+    first = "never" if report.first_coverage_s is None else f"within {_number(report.first_coverage_s)} s"
+    lines = [
+        f"verdict: {report.verdict}",
+        f"robots: {report.robots} (lower bound: {bound}); all seen once: {first}",
+        "",
+    ]
+    rows = [
+        ("demand", "asks", "period s", "worst gap s", "area m2", "unseen m2", "excluded m2", "undecided", "outcome")
+    ]
+    for d in report.demands:
+        rows.append(
+            (
+                d.name,
+                d.demand,
+                _number(d.period_s),
+                _bracket(d),
+                _number(d.area_m2),
+                _number(d.unseen_area_m2),
+                _number(d.excluded_area_m2),
+                str(d.undecided_cells),
+                d.outcome,
+            )
+        )
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    words = {0, 1, len(rows[0]) - 1}
+    for row in rows:
+        cells = [c.ljust(w) if k in words else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths, strict=True))]
+        lines.append("  ".join(cells).rstrip())
+    for d in report.demands:
+        for x, y, area in d.excluded_places:
+            lines.append(f"nobody can see ({x:.2f}, {y:.2f}) in {d.name}: {_number(area)} m2 excluded")
+    lines += [f"violation: {violation.text()}" for violation in report.violations]
+    return "\n".join(lines)
+
+
+def _bracket(d: DemandVerdict) -> str:
+    low, high = _number(d.worst_gap_at_least_s), _number(d.worst_gap_s)
+    return low if low == high else f"{low} to {high}"
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "never"
+    return f"{value:.9g}" if abs(value) < 0.01 else f"{value:.3f}".rstrip("0").rstrip(".")

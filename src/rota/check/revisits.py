@@ -1,0 +1,179 @@
+"""How long each place stays unseen: exact for points, an upper bound for convex pieces, on every leg in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import contains_xy, prepare, union_all
+
+from rota.check import gap_kernels, kernels, tiling_kernels
+from rota.check.pieces import Pieces
+from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
+from rota.mission import Mission
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_GRID_CELLS = 1_000_000
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sights:
+    """A plan made ready to be asked what it sees: legs and walls, found through one grid over the asked places."""
+
+    routes: Routes
+    origin_m: Floats
+    slack_m: float
+    grid: Floats
+    shape: Ints
+    reaches_m: Floats
+    squares: NDArray[np.bool_]
+    legs: tuple[Floats, Ints, Ints]
+    walls: tuple[Floats, Ints, Ints]
+    hidden: Any
+
+    @property
+    def reach_m(self) -> float:
+        """Farthest distance at which any robot sees anything; 0 without robots."""
+        return float((self.reaches_m * np.where(self.squares, math.sqrt(2), 1.0)).max(initial=0.0))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Gaps:
+    """Worst gaps of n places: gaps_s (inf: never seen), begins_s (nan: not known), first sight firsts_s, all (n,).
+
+    ``exact`` False: too many loops of too many durations; the gap is then an upper bound even for a single point.
+    """
+
+    gaps_s: Floats
+    begins_s: Floats
+    firsts_s: Floats
+    exact: NDArray[np.bool_]
+
+
+def slack_of(mission: Mission) -> float:
+    """The tolerance in metres: pieces and walls are thinner by it. 1e-9, or what float64 needs far from the origin."""
+    far = float(np.abs(mission.area.bounds).max())
+    return max(1e-9, 64 * float(np.finfo(np.float64).eps) * far)
+
+
+def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights:
+    """Legs and walls of a plan in a grid over ``bounds_m`` (x0, y0, x1, y1 of all places that will be asked)."""
+    routes = routes_of(plan)
+    reaches, squares = sensors_of(plan)
+    reach = float((reaches * np.where(squares, math.sqrt(2), 1.0)).max(initial=0.0))
+    x0, y0, x1, y1 = bounds_m
+    origin = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
+    size = max(reach / 2, math.sqrt(max(x1 - x0, 1e-6) * max(y1 - y0, 1e-6) / MOST_GRID_CELLS))
+    size = max(size, (x1 - x0) / MOST_GRID_CELLS, (y1 - y0) / MOST_GRID_CELLS)
+    grid = np.array([x0 - origin[0], y0 - origin[1], size])
+    shape = np.array([math.floor((x1 - x0) / size) + 1, math.floor((y1 - y0) / size) + 1], np.int64)
+    four = np.tile(origin, 2)
+    legs = np.ascontiguousarray(routes.legs_m - four)
+    blocking = union_all([obstacle.shape for obstacle in plan.mission.obstacles if obstacle.blocks_sight])
+    walls = np.ascontiguousarray(segments_of(blocking) - four)
+    return Sights(
+        routes=routes,
+        origin_m=origin,
+        slack_m=slack_of(plan.mission),
+        grid=grid,
+        shape=shape,
+        reaches_m=reaches,
+        squares=squares,
+        legs=(legs, *tiling_kernels.rasterise(legs, reach * (1 + 1e-9) + 1e-6, grid, shape)),
+        # whatever hides part of a piece from a place in reach of all of it is not farther than twice the reach
+        walls=(walls, *tiling_kernels.rasterise(walls, 2 * reach + 1e-6, grid, shape)),
+        hidden=blocking,
+    )
+
+
+def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
+    """Worst gap of each piece: no point of it waits longer. limits_s: (n,) beyond which more effort is worth it."""
+    if not len(sights.reaches_m) or not len(pieces):
+        n = len(pieces)
+        never = np.full(n, np.inf)
+        return Gaps(gaps_s=never, begins_s=np.full(n, np.nan), firsts_s=never, exact=np.ones(n, np.bool_))
+    routes = sights.routes
+    found = kernels.worst_gaps(
+        pieces.offsets, np.ascontiguousarray(pieces.corners_m - sights.origin_m),
+        np.ascontiguousarray(limits_s, np.float64), sights.slack_m, sights.grid, sights.shape,
+        sights.legs[0], routes.times_s, routes.robots, routes.kinds, sights.legs[1], sights.legs[2],
+        sights.reaches_m, sights.squares, routes.classes, routes.parts, routes.units_s, routes.from_s,
+        *sights.walls,
+    )  # fmt: skip
+    return Gaps(gaps_s=found[0], begins_s=found[1], firsts_s=found[2], exact=found[3])
+
+
+def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
+    """For each piece a line (n, 3) nx, ny, c: n.p = c along the edge of what some leg sees; nan: none crosses it.
+
+    A piece across the edges of two swaths looks unseen until it is cut there, however thin the swaths' overlap.
+    """
+    corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
+    found: Floats = tiling_kernels.swath_cuts(
+        pieces.offsets, corners, sights.grid, sights.shape, sights.legs[0], sights.routes.robots,
+        *sights.legs[1:], sights.reaches_m, sights.squares, 100 * sights.slack_m,
+    )  # fmt: skip
+    found[:, 2] += found[:, :2] @ sights.origin_m
+    return found
+
+
+def point_pieces(points_m: Floats) -> Pieces:
+    """Points (n, 2) as pieces of one corner each."""
+    points = np.ascontiguousarray(points_m, np.float64).reshape(-1, 2)
+    return Pieces(offsets=np.arange(len(points) + 1, dtype=np.int64), corners_m=points)
+
+
+def worst_gaps_s(plan: Plan, points_m: Floats) -> Floats:
+    """Worst revisit gap (n,) in seconds at each of ``points_m`` (n, 2), from the latest loop start on; inf: never seen.
+
+    A point inside an obstacle that blocks sight is never seen. A plan without robots sees nothing.
+    """
+    points = point_pieces(points_m)
+    if not len(points):
+        return np.empty(0)
+    low, high = points.corners_m.min(axis=0), points.corners_m.max(axis=0)
+    sights = sights_of(plan, (low[0], low[1], high[0], high[1]))
+    gaps = piece_gaps(sights, points, np.zeros(len(points))).gaps_s
+    # a robot may stand in the same hedge, with no wall between
+    prepare(sights.hidden)
+    return np.where(contains_xy(sights.hidden, *points.corners_m.T), np.inf, gaps)
+
+
+def loop_gap(routes: Routes, inside: list[tuple[int, float, float]]) -> tuple[float, float]:
+    """Worst gap between visits in seconds, and the time at which it begins (nan: not known).
+
+    inside: (leg, from, to) in 0..1, ascending: the parts of the legs that count as a visit. inf without any.
+    """
+    starts: list[float] = []
+    ends: list[float] = []
+    robots: list[int] = []
+    bounds = [0]
+    for leg, lo, hi in inside:
+        if routes.kinds[leg] == HOLD:
+            return 0.0, routes.from_s
+        if routes.kinds[leg] == TRANSIENT:
+            continue
+        t0, t1 = routes.times_s[leg]
+        start, end = (t0 + lo * (t1 - t0) if lo > 0 else t0), (t0 + hi * (t1 - t0) if hi < 1 else t1)
+        if not robots or robots[-1] != routes.robots[leg]:
+            robots.append(int(routes.robots[leg]))
+            bounds.append(bounds[-1])
+        if bounds[-1] > bounds[-2] and start <= ends[-1]:
+            ends[-1] = max(ends[-1], end)
+        else:
+            starts.append(start)
+            ends.append(end)
+            bounds[-1] += 1
+    if not robots:
+        return math.inf, math.nan
+    gap, begin, _ = gap_kernels.team_gap(
+        np.array(starts), np.array(ends), np.array(bounds, np.int64), np.array(robots, np.int64), len(robots),
+        routes.classes, routes.parts, routes.units_s, 0.0, routes.from_s,
+    )  # fmt: skip
+    return float(gap), float(begin)

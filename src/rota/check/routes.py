@@ -1,0 +1,142 @@
+"""The legs of a plan as plain arrays, and which loops share a common period."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import get_coordinates, get_parts, get_rings, linestrings, points
+
+from rota.mission import DiscSensor
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TRANSIENT, LOOP, HOLD = 0, 1, 2
+LARGEST_DENOMINATOR = 64
+RATIO_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Routes:
+    """All legs of all robots, robot by robot and in the order of time.
+
+    legs_m: (m, 4) x0, y0, x1, y1. times_s: (m, 2). robots: (m,) index of the trajectory. kinds: (m,) 0 before the loop,
+    1 in its first turn, 2 a robot that stays there for ever. durations_s: (k,) of the loops, 0: it stays. classes: (k,)
+    loops with one number share a period; parts: (k,) their durations in units_s[class]. from_s: the latest loop start.
+    """
+
+    legs_m: Floats
+    times_s: Floats
+    robots: Ints
+    kinds: Ints
+    durations_s: Floats
+    classes: Ints
+    parts: Ints
+    units_s: Floats
+    from_s: float
+
+
+def routes_of(plan: Plan) -> Routes:
+    """The legs of every trajectory of a plan; a robot that stays has a last leg of no length."""
+    legs, times = [np.empty((0, 4))], [np.empty((0, 2))]
+    robots: list[int] = []
+    kinds: list[int] = []
+    for k, trajectory in enumerate(plan):
+        xy, t = trajectory.positions_m[:, :2], trajectory.times_s
+        legs.append(np.hstack([xy[:-1], xy[1:]]))
+        times.append(np.stack([t[:-1], t[1:]], axis=1))
+        start = trajectory.loop_index
+        kinds += [TRANSIENT] * start + [LOOP] * (len(t) - 1 - start)
+        if trajectory.loop_duration_s == 0:
+            legs.append(np.hstack([xy[-1:], xy[-1:]]))
+            times.append(np.array([[t[-1], t[-1]]]))
+            kinds.append(HOLD)
+        robots += [k] * (len(kinds) - len(robots))
+    durations = np.array([trajectory.loop_duration_s for trajectory in plan], np.float64)
+    classes, parts, units = commensurable_classes(durations)
+    return Routes(
+        legs_m=np.ascontiguousarray(np.vstack(legs)),
+        times_s=np.ascontiguousarray(np.vstack(times)),
+        robots=np.array(robots, np.int64),
+        kinds=np.array(kinds, np.int64),
+        durations_s=durations,
+        classes=classes,
+        parts=parts,
+        units_s=units,
+        from_s=max((trajectory.loop_start_s for trajectory in plan), default=0.0),
+    )
+
+
+def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, Ints, Floats]:
+    """Classes of loops that share a period: (k,) class, (k,) duration in units of its class, (classes,) units in s.
+
+    Two loops share a period when one is p/q of the other with q <= 64 within 1e-9, or both share one with a third. A
+    robot that stays (duration 0) is alone in its class, with one part.
+    """
+    n = len(durations_s)
+    classes, parts = np.full(n, -1, np.int64), np.ones(n, np.int64)
+    units: list[float] = []
+    for head in range(n):
+        if classes[head] >= 0:
+            continue
+        ratios = {head: Fraction(1)}
+        reached = [head]
+        for i in reached:
+            for j in range(n):
+                ratio = _ratio(durations_s[j], durations_s[i]) if j not in ratios and classes[j] < 0 else None
+                if ratio is not None:
+                    ratios[j] = ratios[i] * ratio
+                    reached.append(j)
+        common = math.lcm(*(ratio.denominator for ratio in ratios.values()))
+        if any(int(ratio * common) >= 1 << 40 for ratio in ratios.values()):
+            ratios, common = {head: Fraction(1)}, 1
+        for i, ratio in ratios.items():
+            classes[i], parts[i] = len(units), int(ratio * common)
+        units.append(durations_s[head] / common if durations_s[head] > 0 else 1.0)
+    return classes, parts, np.array(units, np.float64)
+
+
+def _ratio(longer_s: float, shorter_s: float) -> Fraction | None:
+    """``longer_s / shorter_s`` as p/q with q <= 64 (of either to the other) within 1e-9; None: there is none."""
+    if longer_s <= 0 or shorter_s <= 0:
+        return None
+    if longer_s < shorter_s:
+        inverse = _ratio(shorter_s, longer_s)
+        return None if inverse is None else 1 / inverse
+    ratio = longer_s / shorter_s
+    nearest = Fraction(ratio).limit_denominator(LARGEST_DENOMINATOR)
+    return nearest if abs(ratio - float(nearest)) <= RATIO_TOLERANCE * ratio else None
+
+
+def sensors_of(plan: Plan) -> tuple[Floats, NDArray[np.bool_]]:
+    """Radius or half side (k,) in metres, and whether the sensor is a square (k,), of each trajectory's robot."""
+    sensors = [plan.mission.fleet.robot(trajectory.robot).sensor for trajectory in plan]
+    reaches = [s.radius_m if isinstance(s, DiscSensor) else s.side_m / 2 for s in sensors]
+    return np.array(reaches, np.float64), np.array([not isinstance(s, DiscSensor) for s in sensors], np.bool_)
+
+
+def lines_of(legs_m: Floats) -> NDArray[np.object_]:
+    """Legs (n, 4) as shapely geometries; those of no length as points, since GEOS finds no distance to such a line."""
+    lines: NDArray[np.object_] = linestrings(legs_m.reshape(-1, 2, 2))
+    still = (legs_m[:, :2] == legs_m[:, 2:]).all(axis=1)
+    lines[still] = points(legs_m[still, :2])
+    return lines
+
+
+def segments_of(shape: Any) -> Floats:
+    """All sides of all rings of a shapely geometry: (n, 4) x0, y0, x1, y1; sides of no length are left out."""
+    return np.vstack([np.empty((0, 4)), *_ring_sides(shape)])
+
+
+def _ring_sides(shape: Any) -> Iterator[Floats]:
+    for ring in get_rings(get_parts(shape)):
+        xy = get_coordinates(ring)
+        sides = np.hstack([xy[:-1], xy[1:]])
+        yield sides[(xy[:-1] != xy[1:]).any(axis=1)]

@@ -1,0 +1,116 @@
+"""Where a body can stand, and which places nobody can see from there."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check import sight_kernels, tiling_kernels
+from rota.check.routes import lines_of, segments_of
+from rota.mission import DiscSensor, Mission, Sensor
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+TOUCH_M = 1e-6
+ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
+MOST_GRID_CELLS = 250_000
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ground:
+    """Where the bodies of one kind of robot can stand (a shapely geometry), and what their sensor reaches."""
+
+    shape: Any
+    sensor: Sensor
+
+
+def standing(mission: Mission, body_radius_m: float) -> Any:
+    """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
+
+    It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
+    replaced by their chords.
+    """
+    blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
+    body = body_radius_m - TOUCH_M
+    if body <= 0:
+        return shapely.difference(mission.area, blocked)
+    open_ground = shapely.difference(mission.area, blocked)
+    # side by side, since offsetting a whole polygon loses corridors only just as wide as the body
+    sides = lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)]))
+    return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=ARC_STEPS)))
+
+
+@functools.lru_cache(maxsize=4)
+def grounds_of(mission: Mission) -> tuple[Ground, ...]:
+    """One ground for each kind of robot (body and sensor) that the fleet has."""
+    fleet = mission.fleet
+    robots = [fleet.equal_robot("any")] if fleet.robots is None else fleet.robots
+    kinds = {(robot.body_radius_m, robot.sensor): None for robot in robots}
+    return tuple(Ground(shape=standing(mission, body), sensor=sensor) for body, sensor in kinds)
+
+
+def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
+    """Whether each of the points (n, 2) can be seen from anywhere some robot can stand: (n,) bool.
+
+    With ``spread_m``: False proves that nothing within that distance of the point can be seen. (If q is seen from p,
+    all of the segment from p to a point x near q is within |q - x| of points that are not in an obstacle, so it stays
+    out of obstacles made thinner by that much.) Points must not lie inside what blocks sight.
+    """
+    found = np.zeros(len(points_m), np.bool_)
+    hidden = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
+    thin = shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
+    for ground in grounds:
+        left = np.flatnonzero(~found)
+        if not len(left) or ground.shape.is_empty:
+            continue
+        found[left] = _seen_from(ground, thin, points_m[left], spread_m)
+    return found
+
+
+def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float) -> Flags:
+    points = shapely.points(points_m)
+    shapely.prepare(ground.shape)
+    found: Flags = shapely.dwithin(ground.shape, points, spread_m + 1e-9)
+    left = np.flatnonzero(~found)
+    square = not isinstance(ground.sensor, DiscSensor)
+    half = ground.sensor.radius_m if isinstance(ground.sensor, DiscSensor) else ground.sensor.side_m / 2
+    if len(left):
+        lines = shapely.shortest_line(points[left], ground.shape)
+        ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+        away = np.abs(ends[:, 1] - ends[:, 0])
+        far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
+        core = shapely.buffer(hidden, -1e-7, join_style="mitre")
+        shapely.prepare(core)
+        found[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
+        left = left[~found[left]]
+    if len(left):
+        found[left] = _ray_test(ground.shape, hidden, points_m[left], half + spread_m, square)
+    return found
+
+
+def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:
+    low, high = points_m.min(axis=0), points_m.max(axis=0)
+    origin = (low + high) / 2
+    margin = reach_m * (math.sqrt(2) if square else 1.0) + 1e-6
+    width, height = np.maximum(high - low, 1e-6)
+    size = max(margin / 4, math.sqrt(width * height / MOST_GRID_CELLS), max(width, height) / MOST_GRID_CELLS)
+    grid = np.array([low[0] - origin[0], low[1] - origin[1], size])
+    shape = np.array([int(width / size) + 1, int(height / size) + 1], np.int64)
+    sides, walls = segments_of(ground), segments_of(hidden)
+    crossings = shapely.intersection(shapely.boundary(ground), shapely.boundary(hidden))
+    crossed = shapely.get_coordinates(crossings)
+    crossed = np.hstack([crossed, crossed])
+    layers = []
+    for segments in (walls, sides, crossed):
+        near = np.ascontiguousarray(segments - np.tile(origin, 2))
+        layers += [near, *tiling_kernels.rasterise(near, margin, grid, shape)]
+    points = np.ascontiguousarray(points_m - origin)
+    found: Flags = sight_kernels.sees_ground(points, reach_m, square, grid, shape, *layers)
+    return found

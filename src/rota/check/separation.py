@@ -1,0 +1,202 @@
+"""Whether bodies touch: the closest approach of any two legs that two robots are ever on at once, in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check.motion import segment_distances
+from rota.check.report import Violation
+from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, lines_of, routes_of
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TOUCH_M = 1e-6
+MOST_MEETINGS = 5_000_000  # of legs in one phase; beyond that every phase is taken to occur, which is on the safe side
+CHUNK = 1_000_000
+
+
+@dataclass
+class _Closest:
+    distance_m: float
+    place_m: tuple[float, float]
+    time_s: float | None
+
+
+def separation_violations(plan: Plan) -> list[Violation]:
+    """Pairs of robots whose bodies overlap by more than 1e-6 m at some time, each at its closest approach.
+
+    Before the loops: by time. In the loops: in every phase that occurs, which are shifts by multiples of the periods'
+    common measure, or all shifts where there is none. ``time_s`` None: at some time in the loops.
+    """
+    routes = routes_of(plan)
+    bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
+    if len(bodies) < 2 or np.sort(bodies)[-2:].sum() <= TOUCH_M:
+        return []
+    a, b = _near_legs(routes, bodies)
+    closest: dict[tuple[int, int], _Closest] = {}
+    for k in range(0, len(a), CHUNK):
+        _note_pairs(closest, routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK])
+    found = []
+    for (i, j), close in sorted(closest.items()):
+        found.append(
+            Violation(
+                kind="bodies touch",
+                who=f"{plan.trajectories[i].robot}, {plan.trajectories[j].robot}",
+                place_m=close.place_m,
+                time_s=close.time_s,
+                value=close.distance_m,
+                limit=float(bodies[i] + bodies[j]),
+                unit="m between centres",
+            )
+        )
+    return found
+
+
+def _near_legs(routes: Routes, bodies: Floats) -> tuple[Ints, Ints]:
+    """Pairs of legs of different robots whose lines come nearer than the bodies allow."""
+    lines = lines_of(routes.legs_m)
+    reach = float(np.sort(bodies)[-2:].sum())
+    a, b = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach)
+    first = routes.robots[a] < routes.robots[b]
+    a, b = a[first], b[first]
+    distance, _ = segment_distances(routes.legs_m[a], routes.legs_m[b])
+    close = distance < bodies[routes.robots[a]] + bodies[routes.robots[b]] - TOUCH_M
+    return a[close], b[close]
+
+
+def _note_pairs(closest: dict[tuple[int, int], _Closest], routes: Routes, bodies: Floats, a: Ints, b: Ints) -> None:
+    """Look at all times at which the robots are on the legs a and b (n,) together."""
+    kind_a, kind_b = routes.kinds[a], routes.kinds[b]
+    both = (kind_a == LOOP) & (kind_b == LOOP)
+    same = routes.classes[routes.robots[a]] == routes.classes[routes.robots[b]]
+    free = (both & ~same) | ((kind_a == HOLD) & (kind_b != TRANSIENT)) | ((kind_b == HOLD) & (kind_a != TRANSIENT))
+    step = np.zeros(len(a))
+    parts = np.gcd(routes.parts[routes.robots[a]], routes.parts[routes.robots[b]])
+    step[both & same] = (parts * routes.units_s[routes.classes[routes.robots[a]]])[both & same]
+    # a leg of the loop comes back every turn; it meets a leg before the loop in the turns that overlap it
+    once = ~both & ~free
+    step[once & (kind_a == LOOP)] = -routes.durations_s[routes.robots[a]][once & (kind_a == LOOP)]
+    step[once & (kind_b == LOOP)] = routes.durations_s[routes.robots[b]][once & (kind_b == LOOP)]
+    low, high = _shift_range(routes, a, b, step, both)
+    count = np.where(free, 0, np.maximum(high - low + 1, 0))
+    if count.sum() > MOST_MEETINGS:
+        dense = count > np.median(count)
+        free, count = free | (both & dense), np.where(both & dense, 0, count)
+    pair = np.repeat(np.arange(len(a)), count.astype(np.int64))
+    turn = np.arange(len(pair)) - np.repeat(np.cumsum(count) - count, count.astype(np.int64)) + low[pair]
+    shift = turn * step[pair]
+    for k in range(0, len(pair), CHUNK):
+        chosen = pair[k : k + CHUNK]
+        _note_meetings(closest, routes, bodies, a[chosen], b[chosen], shift[k : k + CHUNK], both[chosen])
+    _note_any_phase(closest, routes, a[free], b[free])
+
+
+def _shift_range(routes: Routes, a: Ints, b: Ints, step: Floats, both: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """First and last multiple of ``step`` by which the time of b must be shifted to overlap a; 0, 0 where step is 0."""
+    (a0, a1), (b0, b1) = routes.times_s[a].T, routes.times_s[b].T.copy()
+    a1 = np.where(routes.kinds[a] == HOLD, np.inf, a1)
+    b1 = np.where(routes.kinds[b] == HOLD, np.inf, b1)
+    size = np.where(step == 0, 1.0, np.abs(step))
+    with np.errstate(invalid="ignore"):
+        one, two = (a0 - b1) / np.where(step < 0, -size, size), (a1 - b0) / np.where(step < 0, -size, size)
+    low, high = np.ceil(np.minimum(one, two) - 1e-9), np.floor(np.maximum(one, two) + 1e-9)
+    low = np.where(both, low, np.maximum(low, 0.0))
+    return np.where(step == 0, 0.0, low), np.where(step == 0, 0.0, high)
+
+
+def _note_meetings(
+    closest: dict[tuple[int, int], _Closest],
+    routes: Routes,
+    bodies: Floats,
+    a: Ints,
+    b: Ints,
+    shift_s: Floats,
+    in_loops: NDArray[np.bool_],
+) -> None:
+    """Closest approach while a robot is on leg a and the other on leg b, whose times are ``shift_s`` later."""
+    start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0] + shift_s)
+    end_a = np.where(routes.kinds[a] == HOLD, np.inf, routes.times_s[a, 1])
+    end_b = np.where(routes.kinds[b] == HOLD, np.inf, routes.times_s[b, 1])
+    end = np.minimum(end_a, end_b + shift_s)
+    meet = (end >= start) & np.isfinite(start)
+    a, b, start, end, shift_s, in_loops = a[meet], b[meet], start[meet], end[meet], shift_s[meet], in_loops[meet]
+    end = np.where(np.isfinite(end), end, start)
+    place_a, speed_a = _motion(routes, a, start)
+    place_b, speed_b = _motion(routes, b, start - shift_s)
+    gap, drift = place_b - place_a, speed_b - speed_a
+    drift2 = (drift**2).sum(axis=1)
+    wait = np.clip(-(gap * drift).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, end - start)
+    nearest = gap + wait[:, None] * drift
+    distance = np.hypot(nearest[:, 0], nearest[:, 1])
+    allowed = bodies[routes.robots[a]] + bodies[routes.robots[b]] - TOUCH_M
+    for k in _worst_of_pairs(routes, a, b, distance, distance < allowed):
+        time = float(start[k] + wait[k])
+        middle = place_a[k] + wait[k] * speed_a[k] + nearest[k] / 2
+        # turns of a are counted by shifting b backwards
+        absolute: float | None = time - min(float(shift_s[k]), 0.0)
+        if in_loops[k]:
+            absolute = _absolute_time(routes, int(a[k]), int(b[k]), time, float(shift_s[k]))
+        _note(closest, routes, a[k], b[k], float(distance[k]), middle, absolute)
+
+
+def _motion(routes: Routes, legs: Ints, time_s: Floats) -> tuple[Floats, Floats]:
+    """Places (n, 2) on the legs at the times and velocities (n, 2); a leg of no duration stands still."""
+    start, length = routes.times_s[legs, 0], np.diff(routes.times_s[legs], axis=1)[:, 0]
+    along = routes.legs_m[legs, 2:] - routes.legs_m[legs, :2]
+    speed = along / np.where(length > 0, length, 1.0)[:, None]
+    return routes.legs_m[legs, :2] + np.where(length > 0, time_s - start, 0.0)[:, None] * speed, speed
+
+
+def _absolute_time(routes: Routes, a: int, b: int, time_s: float, shift_s: float) -> float | None:
+    """A time at which both robots are in their loops and in this phase; None when it is far beyond their first turn."""
+    period_a, period_b = routes.durations_s[routes.robots[[a, b]]]
+    unit = routes.units_s[routes.classes[routes.robots[a]]]
+    turns = int(routes.parts[routes.robots[b]]) // math.gcd(
+        int(routes.parts[routes.robots[a]]), int(routes.parts[routes.robots[b]])
+    )
+    for k in range(min(turns, 10_000)):
+        # after k turns of a, b must have done a whole number of turns more or less than the shift says
+        turns_b = (k * period_a + shift_s) / period_b
+        if abs(turns_b - round(turns_b)) * period_b <= 1e-3 * unit:
+            common = turns * period_a
+            time = time_s + k * period_a
+            return float(time + max(0.0, math.ceil((routes.from_s - time) / common) * common))
+    return None
+
+
+def _note_any_phase(closest: dict[tuple[int, int], _Closest], routes: Routes, a: Ints, b: Ints) -> None:
+    """Legs that are met in every phase: as close as their lines."""
+    distance, along = segment_distances(routes.legs_m[a], routes.legs_m[b])
+    for k in _worst_of_pairs(routes, a, b, distance, np.ones(len(a), bool)):
+        leg = routes.legs_m[a[k]]
+        place = leg[:2] + along[k] * (leg[2:] - leg[:2])
+        _note(closest, routes, a[k], b[k], float(distance[k]), place, None)
+
+
+def _worst_of_pairs(routes: Routes, a: Ints, b: Ints, distance: Floats, chosen: NDArray[np.bool_]) -> Ints:
+    """For each pair of robots the index of its smallest distance among the chosen."""
+    index = np.flatnonzero(chosen)
+    order = index[np.argsort(distance[index], kind="stable")]
+    pair = routes.robots[a[order]] * len(routes.durations_s) + routes.robots[b[order]]
+    return np.asarray(order[np.unique(pair, return_index=True)[1]])
+
+
+def _note(
+    closest: dict[tuple[int, int], _Closest],
+    routes: Routes,
+    a: int,
+    b: int,
+    distance_m: float,
+    place_m: Floats,
+    time_s: float | None,
+) -> None:
+    pair = (int(routes.robots[a]), int(routes.robots[b]))
+    if pair not in closest or distance_m < closest[pair].distance_m:
+        closest[pair] = _Closest(distance_m, (float(place_m[0]), float(place_m[1])), time_s)

@@ -1,0 +1,94 @@
+# mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
+"""Compiled loop that asks whether a place can be seen from anywhere on some ground."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def _first_hit(segments, index, x, y, cx, cy):
+    """Distance along the ray from (x, y) in the unit direction (cx, cy) to the first of the segments; inf for none."""
+    nearest = math.inf
+    for k in index:
+        ax, ay = segments[k, 0] - x, segments[k, 1] - y
+        bx, by = segments[k, 2] - x, segments[k, 3] - y
+        a, b = cx * ay - cy * ax, cx * by - cy * bx
+        if (a > 1e-12 and b > 1e-12) or (a < -1e-12 and b < -1e-12):
+            continue
+        u = 0.0 if a == b else min(1.0, max(0.0, a / (a - b)))
+        along = cx * (ax + u * (bx - ax)) + cy * (ay + u * (by - ay))
+        if a == b:
+            along = min(along, cx * bx + cy * by)
+        if 1e-12 < along < nearest:
+            nearest = along
+    return nearest
+
+
+@njit(cache=True)
+def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square):
+    """Angles between which neither the first wall nor the first side of the ground changes, ascending, with middles."""
+    angles = np.empty(2 * len(near_walls) + 3 * len(near_ground) + len(near_crossings) + 8)
+    n = 0
+    for k in near_walls:
+        for end in range(2):
+            angles[n] = math.atan2(walls[k, 2 * end + 1] - y, walls[k, 2 * end] - x)
+            n += 1
+    for k in near_ground:
+        for end in range(2):
+            angles[n] = math.atan2(ground[k, 2 * end + 1] - y, ground[k, 2 * end] - x)
+            n += 1
+        dx, dy = ground[k, 2] - ground[k, 0], ground[k, 3] - ground[k, 1]
+        u = ((x - ground[k, 0]) * dx + (y - ground[k, 1]) * dy) / (dx * dx + dy * dy)
+        if 0 < u < 1 and not square:
+            angles[n] = math.atan2(ground[k, 1] + u * dy - y, ground[k, 0] + u * dx - x)
+            n += 1
+    for k in near_crossings:
+        angles[n] = math.atan2(crossings[k, 1] - y, crossings[k, 0] - x)
+        n += 1
+    for k in range(8):
+        angles[n] = (k - 3) * math.pi / 4
+        n += 1
+    angles = np.sort(angles[:n])
+    middles = np.empty(n)
+    for k in range(n - 1):
+        middles[k] = 0.5 * (angles[k] + angles[k + 1])
+    middles[n - 1] = 0.5 * (angles[n - 1] + angles[0]) + math.pi
+    return np.append(angles, middles)
+
+
+@njit(cache=True)
+def sees_ground(
+    points, reach_m, square, grid, shape,
+    walls, wall_offsets, wall_index, ground, ground_offsets, ground_index, crossings, cross_offsets, cross_index,
+):  # fmt: skip
+    """Whether each point (outside of the ground) sees some of the ground in reach, past walls that it may touch.
+
+    The first wall and the first side of the ground change only at their corners and where they cross; the distance to
+    a side is smallest at a corner or a foot (for a square: at a diagonal or an axis). So those directions and the
+    middles between them decide.
+    """
+    found = np.zeros(len(points), np.bool_)
+    for p in range(len(points)):
+        x, y = points[p, 0], points[p, 1]
+        i = min(max(math.floor((x - grid[0]) / grid[2]), 0), shape[0] - 1)
+        j = min(max(math.floor((y - grid[1]) / grid[2]), 0), shape[1] - 1)
+        cell = i * shape[1] + j
+        near_ground = ground_index[ground_offsets[cell] : ground_offsets[cell + 1]]
+        if len(near_ground) == 0:
+            continue
+        near_walls = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
+        near_crossings = cross_index[cross_offsets[cell] : cross_offsets[cell + 1]]
+        angles = _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square)
+        for angle in angles:
+            cx, cy = math.cos(angle), math.sin(angle)
+            far = reach_m / max(abs(cx), abs(cy)) if square else reach_m
+            hit = _first_hit(ground, near_ground, x, y, cx, cy)
+            # ground that ends at a wall: from the wall itself one sees past it, as sight lines may touch walls
+            if hit <= far and hit <= _first_hit(walls, near_walls, x, y, cx, cy) + 1e-9:
+                found[p] = True
+                break
+    return found

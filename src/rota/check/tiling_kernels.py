@@ -1,0 +1,158 @@
+# mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
+"""Compiled loops over the pieces of the tiling and over the grid that finds what is near a piece."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def rasterise(segments, margin_m, grid, shape):
+    """Segments within ``margin_m`` of each grid cell (a superset): offsets (nx * ny + 1,) and ascending indices."""
+    nx, ny = shape[0], shape[1]
+    offsets = np.zeros(nx * ny + 1, np.int64)
+    found = np.empty(0, np.int64)
+    for fill in range(2):
+        if fill == 1:
+            for c in range(nx * ny):
+                offsets[c + 1] += offsets[c]
+            found = np.empty(offsets[nx * ny], np.int64)
+            cursor = offsets[:-1].copy()
+        for k in range(len(segments)):
+            x0, y0, x1, y1 = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
+            first = max(0, math.floor((min(x0, x1) - margin_m - grid[0]) / grid[2]))
+            last = min(nx - 1, math.floor((max(x0, x1) + margin_m - grid[0]) / grid[2]))
+            for i in range(first, last + 1):
+                lo, hi = 0.0, 1.0
+                if abs(x1 - x0) > 1e-9:
+                    ua = (grid[0] + i * grid[2] - margin_m - x0) / (x1 - x0)
+                    ub = (grid[0] + (i + 1) * grid[2] + margin_m - x0) / (x1 - x0)
+                    lo = min(1.0, max(0.0, min(ua, ub)))
+                    hi = max(0.0, min(1.0, max(ua, ub)))
+                ya, yb = y0 + lo * (y1 - y0), y0 + hi * (y1 - y0)
+                low = max(0, math.floor((min(ya, yb) - margin_m - grid[1]) / grid[2]))
+                high = min(ny - 1, math.floor((max(ya, yb) + margin_m - grid[1]) / grid[2]))
+                for j in range(low, high + 1):
+                    if fill == 0:
+                        offsets[i * ny + j + 1] += 1
+                    else:
+                        found[cursor[i * ny + j]] = k
+                        cursor[i * ny + j] += 1
+    return offsets, found
+
+
+@njit(cache=True)
+def swath_cuts(
+    offsets, corners, grid, shape, legs, leg_robots, leg_offsets, leg_index, reaches_m, squares, margin_m
+):  # fmt: skip
+    """A line (n, 3) nx, ny, c: n.p = c through each piece along the edge of what a leg sees; nan where there is none.
+
+    Of several edges the one nearest to the middle; ``margin_m`` of the piece must lie on either side.
+    """
+    cuts = np.full((len(offsets) - 1, 3), np.nan)
+    for k in range(len(cuts)):
+        piece = corners[offsets[k] : offsets[k + 1]]
+        mx, my = piece[:, 0].mean(), piece[:, 1].mean()
+        i = min(max(math.floor((mx - grid[0]) / grid[2]), 0), shape[0] - 1)
+        j = min(max(math.floor((my - grid[1]) / grid[2]), 0), shape[1] - 1)
+        cell = i * shape[1] + j
+        best = math.inf
+        for m in leg_index[leg_offsets[cell] : leg_offsets[cell + 1]]:
+            dx, dy = legs[m, 2] - legs[m, 0], legs[m, 3] - legs[m, 1]
+            length = math.hypot(dx, dy)
+            if length < 1e-9:
+                continue
+            nx, ny = -dy / length, dx / length
+            robot = leg_robots[m]
+            reach = reaches_m[robot] * (abs(nx) + abs(ny) if squares[robot] else 1.0)
+            along = ((mx - legs[m, 0]) * dx + (my - legs[m, 1]) * dy) / length
+            if along < -reach or along > length + reach:
+                continue
+            side = nx * (mx - legs[m, 0]) + ny * (my - legs[m, 1])
+            if abs(abs(side) - reach) > reach / 2:
+                continue
+            low, high, front, back = math.inf, -math.inf, math.inf, -math.inf
+            for p in range(len(piece)):
+                px, py = piece[p, 0] - legs[m, 0], piece[p, 1] - legs[m, 1]
+                low, high = min(low, nx * px + ny * py), max(high, nx * px + ny * py)
+                front, back = min(front, ny * px - nx * py), max(back, ny * px - nx * py)
+            # at its very edge a disc sees one point at a time: cut where its chord is twice as long as the piece
+            edge = reach if squares[robot] else math.sqrt(max(0.0, reach**2 - (back - front) ** 2))
+            edge = edge if side > 0 else -edge
+            if abs(side - edge) >= best:
+                continue
+            if low < edge - margin_m and high > edge + margin_m:
+                best = abs(side - edge)
+                cuts[k, 0], cuts[k, 1] = nx, ny
+                cuts[k, 2] = edge + nx * legs[m, 0] + ny * legs[m, 1]
+    return cuts
+
+
+@njit(cache=True)
+def halve(offsets, corners, cuts, narrowest_m):
+    """Each convex piece cut in two along its line, or across the longer side of its box where the line is nan.
+
+    Returns offsets, corners and parent of the parts; slivers are dropped.
+    """
+    n = len(offsets) - 1
+    most = 2 * (len(corners) + 2 * n)
+    new_offsets = np.zeros(2 * n + 1, np.int64)
+    new_corners = np.empty((most, 2))
+    parent = np.empty(2 * n, np.int64)
+    count, top = 0, 0
+    for k in range(n):
+        a, b = offsets[k], offsets[k + 1]
+        nx, ny, c = cuts[k, 0], cuts[k, 1], cuts[k, 2]
+        if math.isnan(c):
+            x0, x1 = corners[a:b, 0].min(), corners[a:b, 0].max()
+            y0, y1 = corners[a:b, 1].min(), corners[a:b, 1].max()
+            wide = x1 - x0 >= y1 - y0
+            nx, ny = (1.0, 0.0) if wide else (0.0, 1.0)
+            c = 0.5 * (x0 + x1) if wide else 0.5 * (y0 + y1)
+        for side in (-1.0, 1.0):
+            start = top
+            for i in range(a, b):
+                j = i + 1 if i + 1 < b else a
+                p = side * (nx * corners[i, 0] + ny * corners[i, 1] - c)
+                q = side * (nx * corners[j, 0] + ny * corners[j, 1] - c)
+                if p >= 0:
+                    new_corners[top] = corners[i]
+                    top += 1
+                if (p > 0 and q < 0) or (p < 0 and q > 0):
+                    new_corners[top] = corners[i] + p / (p - q) * (corners[j] - corners[i])
+                    top += 1
+            if half_width(new_corners, start, top) > narrowest_m:
+                parent[count] = k
+                count += 1
+                new_offsets[count] = top
+            else:
+                top = start
+    return new_offsets[: count + 1].copy(), new_corners[:top].copy(), parent[:count].copy()
+
+
+@njit(cache=True)
+def half_width(corners, start, stop):
+    """Distance from the mean of the corners to the nearest side; 0 for less than a triangle."""
+    if stop - start < 3:
+        return 0.0
+    cx, cy = corners[start:stop, 0].mean(), corners[start:stop, 1].mean()
+    nearest = math.inf
+    for i in range(start, stop):
+        j = i + 1 if i + 1 < stop else start
+        dx, dy = corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1]
+        length = math.hypot(dx, dy)
+        if length > 0:
+            nearest = min(nearest, abs(dx * (cy - corners[i, 1]) - dy * (cx - corners[i, 0])) / length)
+    return nearest
+
+
+@njit(cache=True)
+def half_widths(offsets, corners):
+    """Distance from the mean of the corners to the nearest side, for each piece."""
+    found = np.empty(len(offsets) - 1)
+    for k in range(len(found)):
+        found[k] = half_width(corners, offsets[k], offsets[k + 1])
+    return found

@@ -1,0 +1,174 @@
+"""The frames of a film: robots, what they see now, their trails, and how long ago each place was last seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.colors import Normalize, to_rgb, to_rgba
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.path import Path
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from rota.draw.ground import ground_of, neighbours
+from rota.draw.mission_picture import draw_mission, draw_zone_labels, outline, plain
+from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
+from rota.draw.route_lines import robot_colours
+from rota.draw.routes import positions_at
+from rota.draw.sightings import Sightings
+from rota.mission import Mission
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Frame = NDArray[np.uint8]
+
+DPI = 100
+# few colours and few cells: a GIF keeps each change of each of them
+LEVELS, CELLS = 16, 16_000
+TRAIL_LEGS, TRAIL_FILM_S = 24, 1.5
+NUMBERED_ROBOTS = 40
+
+# inches
+LEFT, RIGHT, TOP, BOTTOM = 0.62, 0.15, 0.62, 0.95
+
+
+def _figure_size(mission: Mission) -> tuple[float, float]:
+    """Width and height in inches, an even number of pixels each, as video codecs want."""
+    left, bottom, right, top = mission.area.bounds
+    pad_m = 0.05 * np.sqrt((right - left) * (top - bottom))
+    slope = (top - bottom + pad_m) / (right - left + pad_m)
+    width = min(6.6, 5.6 / slope) if slope > 0.4 else 9.0
+    even = [2 * round(DPI * inches / 2) / DPI for inches in (max(width, 3.9), min(width * slope, 5.6))]
+    return even[0] + 2 * round((LEFT + RIGHT) * DPI / 2) / DPI, even[1] + 2 * round((TOP + BOTTOM) * DPI / 2) / DPI
+
+
+def _path(shape: BaseGeometry) -> Path:
+    """A footprint as a path; lines and points that an intersection leaves behind are dropped."""
+    parts = [part for part in getattr(shape, "geoms", [shape]) if isinstance(part, Polygon) and not part.is_empty]
+    return outline(MultiPolygon(parts)) if parts else Path(np.empty((0, 2)))
+
+
+class FilmFrames:
+    """Draws a plan at one time after another: what stands still is drawn once, the rest each time over a copy of it.
+
+    size_px: width and height in pixels, both even.
+    """
+
+    def __init__(self, plan: Plan, speedup: float) -> None:
+        self._plan = plan
+        self._speedup = speedup
+        self._sightings = Sightings(plan, ground_of(plan.mission, CELLS))
+        self._shown = neighbours(self._sightings.ground)
+        self._colours = robot_colours(plan)
+        self._fig = Figure(figsize=_figure_size(plan.mission), dpi=DPI, facecolor="white")
+        self._canvas = FigureCanvasAgg(self._fig)
+        self._draw_ground()
+        self._draw_robots()
+        self._draw_margins()
+        over = [*self._ax.patches[1:], *self._ax.texts]
+        self._moving = sorted([self._image, *over, self._trails, self._views, self._marks], key=Artist.get_zorder)
+        for artist in (*self._moving, self._clock):
+            artist.set_animated(True)
+        self._canvas.draw()  # type: ignore[no-untyped-call]
+        self._background = self._canvas.copy_from_bbox(self._fig.bbox)  # type: ignore[no-untyped-call]
+        self.size_px = self._canvas.get_width_height()
+
+    def _draw_ground(self) -> None:
+        wide, high = self._fig.get_size_inches()
+        place = (LEFT / wide, BOTTOM / high, 1 - (LEFT + RIGHT) / wide, 1 - (TOP + BOTTOM) / high)
+        self._ax = self._fig.add_axes(place, anchor="W")
+        draw_mission(self._plan.mission, self._ax, fill=False)
+        draw_zone_labels(self._plan.mission, self._ax)
+        self._image = self._ax.imshow(
+            np.zeros(self._sightings.last_seen_s.shape),
+            extent=self._sightings.ground.extent_m,
+            origin="lower",
+            interpolation="nearest",
+            cmap=gap_colours(LEVELS).with_extremes(under=NOT_SEEN_YET, over=OVER_PERIOD, bad=(0, 0, 0, 0)),
+            norm=Normalize(0.0, 1.0),
+            zorder=1.2,
+            clip_path=self._ax.patches[0],
+        )
+
+    def _draw_robots(self) -> None:
+        faces = [to_rgba("white", 0.3)] * len(self._colours)
+        self._views = PathCollection([], facecolors=faces, edgecolors=self._colours, linewidths=1.0, zorder=4)
+        self._trails = LineCollection([], linewidths=2.0, capstyle="butt", zorder=4.5)
+        self._ax.add_collection(self._views, autolim=False)
+        self._ax.add_collection(self._trails, autolim=False)
+        nowhere = np.zeros(len(self._colours))
+        self._marks = self._ax.scatter(nowhere, nowhere, s=95, c=self._colours, edgecolors="white", zorder=7)
+        style: dict[str, Any] = {"fontsize": 7, "weight": "bold", "ha": "center", "va": "center_baseline", "zorder": 8}
+        self._numbers = [
+            self._ax.text(0, 0, str(k + 1), color=ink_on(colour), **style)
+            for k, colour in enumerate(self._colours[:NUMBERED_ROBOTS])
+        ]
+
+    def _draw_margins(self) -> None:
+        wide, high = self._fig.get_size_inches()
+        x, name = LEFT / wide, plain(self._plan.mission.name)
+        self._fig.text(x, 1 - 0.1 / high, name, fontsize=11, weight="bold", va="top")
+        self._clock = self._fig.text(x, 1 - 0.34 / high, "", fontsize=9, va="top", color="#333333")
+        bar_axes = self._fig.add_axes((x, 0.38 / high, 2.2 / wide, 0.12 / high))
+        bar = self._fig.colorbar(self._image, cax=bar_axes, orientation="horizontal", extend="max", extendfrac=0.08)
+        bar.set_ticks([0, 0.5, 1.0])
+        bar_axes.tick_params(labelsize=7.5, length=2.5, pad=2)
+        bar.set_label("time since last seen / period", fontsize=7.5, labelpad=1)
+        yet = Patch(facecolor=NOT_SEEN_YET, label="not seen yet")
+        corner = ((LEFT + 2.35) / wide, 0.52 / high)
+        style: dict[str, Any] = {"fontsize": 7.5, "frameon": False, "borderpad": 0, "borderaxespad": 0}
+        self._fig.legend(handles=[yet], loc="upper left", bbox_to_anchor=corner, **style)
+
+    def _move(self, time_s: float, age: Floats) -> None:
+        # where it was not seen yet: below the scale, which has a colour of its own
+        self._image.set_data(np.ma.masked_invalid(np.where(np.isinf(age), -1.0, age).ravel()[self._shown]))
+        self._views.set_paths([_path(shape) for shape in self._sightings.footprints(time_s)])
+        trail_s = np.maximum(time_s - TRAIL_FILM_S * self._speedup * np.linspace(1, 0, TRAIL_LEGS + 1), 0)
+        fading = np.linspace(0.05, 0.95, TRAIL_LEGS)
+        legs, inks = [], []
+        for trajectory, colour in zip(self._plan, self._colours, strict=True):
+            way_m = positions_at(trajectory, trail_s)
+            legs.append(np.stack([way_m[:-1], way_m[1:]], axis=1))
+            # what a robot has just seen is dark, so the trail on it is pale
+            pale = 0.4 * np.array(to_rgb(colour)) + 0.6
+            inks.append(np.column_stack([np.tile(pale, (TRAIL_LEGS, 1)), fading]))
+        if legs:
+            self._trails.set_segments(list(np.concatenate(legs)))
+            self._trails.set_color(list(np.concatenate(inks)))
+            places_m = np.array([leg[-1, 1] for leg in legs])
+            self._marks.set_offsets(places_m)
+            for number, place_m in zip(self._numbers, places_m, strict=False):
+                number.set_position(place_m)
+        self._clock.set_text(f"t = {time_s:.1f} s     ×{self._speedup:.3g}")
+
+    def _drawn(self) -> Frame:
+        self._canvas.restore_region(self._background)  # type: ignore[no-untyped-call]
+        for artist in self._moving:
+            self._ax.draw_artist(artist)
+        self._fig.draw_artist(self._clock)
+        return np.array(self._canvas.buffer_rgba(), dtype=np.uint8)  # type: ignore[no-untyped-call]
+
+    def sample(self) -> Frame:
+        """Frames, one below the other, with the colours that the film can have; a GIF takes its palette from them."""
+        cells = self._sightings.last_seen_s
+        drawn = []
+        for ages in (np.linspace(-0.1, 1.1, cells.size).reshape(cells.shape), np.zeros_like(cells)):
+            self._move(0.0, ages)
+            drawn.append(self._drawn())
+        return np.concatenate(drawn)
+
+    def frames(self, times_s: Floats) -> Iterator[Frame]:
+        """One (height, width, 4) picture per time; ``times_s`` (n,) increases from 0 on."""
+        before_s = 0.0
+        for time_s in map(float, times_s):
+            self._sightings.advance(before_s, time_s)
+            before_s = time_s
+            self._move(time_s, self._sightings.age_in_periods(time_s))
+            yield self._drawn()

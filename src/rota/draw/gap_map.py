@@ -1,0 +1,140 @@
+"""The worst revisit gap of every place as a map, in units of the period asked there: 1.0 is the limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.image import AxesImage
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+from numpy.typing import NDArray
+
+from rota.draw.ground import Bools, Ground, ground_of
+from rota.draw.palette import EXCLUDED, NEVER_SEEN, NOTHING_ASKED, OVER_PERIOD, gap_colours
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+
+# a gap that equals the period to rounding meets it
+ON_TIME = 1 + 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class GapMap:
+    """Worst gap over period, (rows, columns) as in ``ground``; inf: never seen, nan: nothing asked.
+
+    excluded: (rows, columns), what nobody can see from anywhere a body can stand, where the mission excludes that;
+    the ratio is nan there.
+    """
+
+    ground: Ground
+    ratio: Floats
+    excluded: Bools
+
+    @property
+    def never(self) -> Bools:
+        """(rows, columns): asked for and never seen."""
+        return np.isinf(self.ratio)
+
+    @property
+    def late(self) -> Bools:
+        """(rows, columns): seen, but with a gap longer than the period."""
+        return np.isfinite(self.ratio) & (self.ratio > ON_TIME)
+
+
+def gap_map(plan: Plan, cells: int = 50_000) -> GapMap:
+    """The worst gap over period at the centre of each of about ``cells`` cells; samples, not the check's verdict."""
+    from rota.check import revisits, seeable  # loads the compiled loops only when they are needed
+
+    ground = ground_of(plan.mission, cells)
+    ratio, excluded = np.full(ground.period_s.shape, np.nan), np.zeros_like(ground.inside)
+    points_m = np.ascontiguousarray(ground.points_m(ground.asked))
+    if len(points_m):
+        ratio[ground.asked] = revisits.worst_gaps_s(plan, points_m) / ground.period_s[ground.asked]
+    never = np.isinf(ratio)
+    if plan.mission.unseeable == "exclude" and never.any():
+        points_m = np.ascontiguousarray(ground.points_m(never))
+        excluded[never] = ~seeable.seeable(plan.mission, seeable.grounds_of(plan.mission), points_m)
+        ratio[excluded] = np.nan
+    return GapMap(ground=ground, ratio=ratio, excluded=excluded)
+
+
+def _cells_path(ground: Ground, mask: Bools) -> Path:
+    """The cells in ``mask`` as one path of rectangles, one for each run of cells in a row."""
+    padded = np.pad(mask, ((0, 0), (1, 1))).astype(np.int8)
+    rows, starts = np.nonzero(np.diff(padded, axis=1) == 1)
+    _, ends = np.nonzero(np.diff(padded, axis=1) == -1)
+    left, _, bottom, _ = ground.extent_m
+    x0, x1 = left + starts * ground.cell_m, left + ends * ground.cell_m
+    y0, y1 = bottom + rows * ground.cell_m, bottom + (rows + 1) * ground.cell_m
+    vertices = np.stack([np.stack([x, y], -1) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))], 1)
+    codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(rows))
+    return Path(vertices.reshape(-1, 2), codes.astype(np.uint8))
+
+
+def _broad(mask: Bools) -> Bools:
+    """The mask without what is thinner than three cells, where a hatch would hide the colour it lies on."""
+    for join, edge in ((np.logical_and, True), (np.logical_or, False)):
+        for axis in (0, 1):
+            width = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
+            shifted = np.lib.stride_tricks.sliding_window_view(np.pad(mask, width, constant_values=edge), 3, axis)
+            mask = join.reduce(shifted, axis=-1)
+    return mask
+
+
+def draw_gap_map(gaps: GapMap, ax: Axes) -> AxesImage:
+    """The map on ``ax``; late places red and hatched, unseen ones pale and hatched, the rest white and dotted."""
+    ground = gaps.ground
+    blank = PathPatch(_cells_path(ground, ground.inside & ~ground.asked), facecolor=NOTHING_ASKED)
+    ax.add_patch(blank).set(linewidth=0, edgecolor="#777777", hatch="....", zorder=1.1)
+    drawn = np.ma.masked_invalid(np.where(gaps.late, gaps.ratio, np.minimum(gaps.ratio, 1.0)))
+    drawn[gaps.never] = np.ma.masked
+    image = ax.imshow(
+        drawn,
+        extent=ground.extent_m,
+        origin="lower",
+        interpolation="nearest",
+        aspect="equal",
+        cmap=gap_colours(),
+        norm=Normalize(0.0, 1.0),
+        zorder=1.2,
+    )
+    # hatched, because in a grey print red is just another grey
+    for mask, face, hatch, edge in (
+        (_broad(gaps.late), "none", "\\\\\\\\", "white"),
+        (gaps.never, NEVER_SEEN, "xxxx", OVER_PERIOD),
+        (gaps.excluded, EXCLUDED, "", EXCLUDED),
+    ):
+        if mask.any():
+            patch = PathPatch(_cells_path(ground, mask), facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0)
+            ax.add_patch(patch).set_zorder(1.3)
+    return image
+
+
+def gap_legend(gaps: GapMap) -> list[Patch]:
+    """Legend entries for what the colour bar does not say, with shares of the asked ground."""
+    asked = max(int(gaps.ground.asked.sum()), 1)
+    entries = []
+    if gaps.late.any():
+        worst = gaps.ratio[gaps.late].max()
+        label = f"over the period: {_share(gaps.late.sum() / asked)}, worst {worst:.2f}"
+        entries.append(Patch(facecolor=OVER_PERIOD, edgecolor="white", hatch="\\\\\\\\", linewidth=0, label=label))
+    if gaps.never.any():
+        label = f"never seen: {_share(gaps.never.sum() / asked)}"
+        entries.append(Patch(facecolor=NEVER_SEEN, edgecolor=OVER_PERIOD, hatch="xxxx", linewidth=0.5, label=label))
+    if gaps.excluded.any():
+        label = f"cannot be seen by any robot: {_share(gaps.excluded.sum() / asked)}"
+        entries.append(Patch(facecolor=EXCLUDED, label=label))
+    blank = gaps.ground.inside & ~gaps.ground.asked
+    if blank.any():
+        visits = bool((gaps.ground.visit == blank).all())
+        label = "visits asked, not mapped" if visits else "nothing asked of every point"
+        entries.append(Patch(facecolor=NOTHING_ASKED, edgecolor="#777777", hatch="....", linewidth=0.5, label=label))
+    return entries
+
+
+def _share(fraction: float) -> str:
+    return f"{100 * fraction:.1f} %" if fraction >= 0.0005 else "under 0.1 %"

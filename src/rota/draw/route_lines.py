@@ -1,0 +1,161 @@
+"""The routes on an axes: one line per loop, arrowheads along it, and a numbered mark where each robot begins."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from rota.draw.mission_picture import metres, plain, points_per_metre, seconds
+from rota.draw.palette import ink_on, route_style
+from rota.draw.routes import Route, arrowheads, routes_of
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+
+MARK_PT = 10.5
+MARK_FONT_PT = 7.0
+ARROW_IN = 0.085
+LISTED_ROUTES = 60
+
+
+def _numbers(robots: tuple[int, ...]) -> str:
+    """Numbers from 1, runs joined: ``1``, ``1, 4`` or ``1–3``."""
+    if len(robots) > 2 and robots[-1] - robots[0] == len(robots) - 1:
+        return f"{robots[0] + 1}–{robots[-1] + 1}"
+    return ", ".join(str(robot + 1) for robot in robots)
+
+
+def route_label(plan: Plan, route: Route) -> str:
+    """A loop's line in the legend: numbers and names of its robots, its length and time."""
+    names = [plan.trajectories[k].robot for k in route.robots]
+    shown = names if len(names) <= 2 else [names[0], "…", names[-1]]
+    name = plain(", ".join(shown) if len(names) <= 2 else " ".join(shown), 28)
+    numbers = _numbers(route.robots)
+    who = name if name.endswith(numbers) and len(names) == 1 else f"{numbers}  {name}"
+    if not route.duration_s:
+        return f"{who}: stays"
+    return f"{who}: {metres(route.length_m)}, {seconds(route.duration_s)}"
+
+
+def _line_width_pt(plan: Plan, routes: tuple[Route, ...], scale: float) -> float:
+    """Thin enough that lanes beside each other stay apart: a third of their mean spacing."""
+    total_m = sum(route.length_m for route in routes)
+    spacing_pt = plan.mission.area.area / total_m * scale if total_m > 0 else np.inf
+    return float(np.clip(spacing_pt / 3, 0.55, 1.5))
+
+
+def _draw_heads(ax: Axes, route: Route, colour: str, count: int, clear_m: float) -> None:
+    places_m, directions = arrowheads(route.loop_m, count, clear_m)
+    if not len(places_m):
+        return
+    ax.quiver(
+        *places_m.T,
+        *(directions.T * ARROW_IN),
+        units="inches",
+        scale_units="inches",
+        scale=1,
+        pivot="mid",
+        width=ARROW_IN / 4,
+        headwidth=3.4,
+        headlength=4,
+        headaxislength=3.4,
+        minlength=0,
+        color=colour,
+        edgecolor="white",
+        linewidth=0.35,
+        zorder=4.5,
+    )
+
+
+def _draw_approach(ax: Axes, plan: Plan, robot: int, colour: str) -> None:
+    trajectory = plan.trajectories[robot]
+    if trajectory.loop_index:
+        way_m = trajectory.positions_m[: trajectory.loop_index + 1, :2]
+        ax.plot(*way_m.T, color=colour, linewidth=0.8, linestyle=(0, (1, 1.6)), zorder=3.8)
+
+
+def _spread(places_m: Floats, scale: float) -> Floats:
+    """Offsets (n, 2) in points that keep marks at these places (n, 2) from covering each other."""
+    rings = [np.zeros((1, 2))]
+    for ring in range(1, 7):
+        turn = np.arange(6 * ring) * 2 * np.pi / (6 * ring)
+        rings.append(ring * MARK_PT * 1.05 * np.column_stack([np.cos(turn), np.sin(turn)]))
+    tried = np.concatenate(rings)
+    marks: list[Floats] = []
+    for place_pt in places_m * scale:
+        free = [o for o in tried if all(np.hypot(*(place_pt + o - mark)) >= MARK_PT for mark in marks)]
+        marks.append(place_pt + (free[0] if free else 0.0))
+    return np.array(marks).reshape(-1, 2) - places_m * scale
+
+
+def _draw_marks(ax: Axes, plan: Plan, colours: list[str]) -> None:
+    places_m = np.array([trajectory.positions_m[trajectory.loop_index, :2] for trajectory in plan]).reshape(-1, 2)
+    for k, (place_m, offset_pt) in enumerate(zip(places_m, _spread(places_m, points_per_metre(ax)), strict=True)):
+        circle = {"boxstyle": f"circle,pad={0.18 if k < 9 else 0.08}", "facecolor": colours[k], "edgecolor": "white"}
+        ax.annotate(
+            str(k + 1),
+            (float(place_m[0]), float(place_m[1])),
+            xytext=tuple(offset_pt),
+            textcoords="offset points",
+            fontsize=MARK_FONT_PT,
+            fontweight="bold",
+            ha="center",
+            va="center",
+            color=ink_on(colours[k]),
+            bbox=circle | {"linewidth": 0.8},
+            arrowprops={"arrowstyle": "-", "color": colours[k], "linewidth": 0.8} if offset_pt.any() else None,
+            zorder=7,
+        )
+
+
+def robot_colours(plan: Plan) -> list[str]:
+    """The colour of each robot, in the order of the plan: that of its route."""
+    colours = [""] * len(plan.trajectories)
+    for k, route in enumerate(routes_of(plan)):
+        for robot in route.robots:
+            colours[robot] = route_style(k)[0]
+    return colours
+
+
+def draw_route_lines(plan: Plan, ax: Axes) -> None:
+    """Every loop of ``plan`` as a labelled line with arrowheads; a numbered mark where each robot's loop starts.
+
+    Robots on the same loop share its line. The way to the loop is dotted. ``ax`` has its limits and an equal aspect.
+    """
+    scale = points_per_metre(ax)
+    routes = routes_of(plan)
+    width_pt = _line_width_pt(plan, routes, scale)
+    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    spacing_m = 0.16 * float(np.hypot(right - left, top - bottom)) * (1 + len(routes) / 24)
+    colours = [""] * len(plan.trajectories)
+    for k, route in enumerate(routes):
+        colour, style = route_style(k)
+        line = Line2D(*route.loop_m.T, color=colour, linestyle=style, linewidth=width_pt, zorder=4)
+        line.set_label(route_label(plan, route))
+        line.set_solid_joinstyle("round")
+        # a pale edge shows which of two crossing lines goes on
+        line.set_path_effects([withStroke(linewidth=width_pt + 0.9, foreground="white", alpha=0.7)])
+        ax.add_line(line)
+        _draw_heads(ax, route, colour, int(np.clip(route.length_m / spacing_m, 3, 30)), 72 * ARROW_IN / scale)
+        for robot in route.robots:
+            colours[robot] = colour
+            _draw_approach(ax, plan, robot, colour)
+    _draw_marks(ax, plan, colours)
+
+
+def route_legend(plan: Plan) -> list[Line2D]:
+    """Legend entries, one per loop: its line with a mark, robots, length and time; the last says what is left out."""
+    routes = routes_of(plan)
+    entries = []
+    for k, route in enumerate(routes[:LISTED_ROUTES]):
+        colour, style = route_style(k)
+        line = Line2D([], [], color=colour, linestyle=style, linewidth=1.5, marker="o", markersize=5)
+        line.set_markeredgecolor("white")
+        line.set_label(route_label(plan, route))
+        entries.append(line)
+    if len(routes) > LISTED_ROUTES:
+        entries.append(Line2D([], [], linestyle="none", label=f"… and {len(routes) - LISTED_ROUTES} more loops"))
+    return entries

@@ -1,0 +1,119 @@
+"""Trajectories as a picture needs them: where a robot is, which robots share a loop, where arrowheads go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.plan import Plan, Trajectory
+
+Floats = NDArray[np.float64]
+
+SAME_PLACE_M = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Route:
+    """A closed loop, drawn once, and the robots on it. ``robots``: indices into the plan's trajectories, increasing.
+
+    loop_m: (n, 2) metres, the first point again at the end; one point for robots that stay where they are.
+    """
+
+    robots: tuple[int, ...]
+    loop_m: Floats
+    duration_s: float
+
+    @property
+    def length_m(self) -> float:
+        """Length of the loop in metres; 0 for robots that stay."""
+        return float(np.hypot(*np.diff(self.loop_m, axis=0).T).sum())
+
+
+def positions_at(trajectory: Trajectory, times_s: Floats) -> Floats:
+    """Where a robot is, (n, 2) metres, at ``times_s`` (n,) seconds from 0 on, the loop going on for ever.
+
+    Before 0 it stands at its first position; a robot without a loop stays at its last.
+    """
+    times_s = np.asarray(times_s, dtype=np.float64)
+    start_s, duration_s = trajectory.loop_start_s, trajectory.loop_duration_s
+    if duration_s > 0:
+        looped_s = start_s + np.mod(times_s - start_s, duration_s)
+        times_s = np.where(times_s > trajectory.times_s[-1], looped_s, times_s)
+    return np.column_stack([np.interp(times_s, trajectory.times_s, along) for along in trajectory.positions_m.T[:2]])
+
+
+def corner_times_s(trajectory: Trajectory, from_s: float, to_s: float) -> Floats:
+    """The times (n,) in seconds between ``from_s`` and ``to_s`` at which a robot is at one of its timed points."""
+    times_s, start_s, duration_s = trajectory.times_s, trajectory.loop_start_s, trajectory.loop_duration_s
+    if duration_s > 0:
+        rounds = np.arange(max(0, np.floor((from_s - start_s) / duration_s)), np.ceil((to_s - start_s) / duration_s))
+        looped_s = times_s[trajectory.loop_index + 1 :] + rounds[:, None] * duration_s
+        times_s = np.concatenate([times_s[: trajectory.loop_index + 1], looped_s.ravel()])
+    return times_s[(times_s > from_s) & (times_s < to_s)]
+
+
+def corners(loop_m: Floats) -> Floats:
+    """The corners (n, 2) of a closed polyline (first point again at the end), without waits and points on a leg."""
+    ring: Floats = loop_m[:-1]
+    steps = np.roll(ring, -1, axis=0) - ring
+    ring = ring[np.hypot(*steps.T) > SAME_PLACE_M]
+    if len(ring) < 3:
+        return ring
+    ahead, behind = np.roll(ring, -1, axis=0) - ring, ring - np.roll(ring, 1, axis=0)
+    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
+    straight = (np.abs(cross) <= SAME_PLACE_M * np.hypot(*ahead.T)) & ((behind * ahead).sum(axis=1) > 0)
+    kept: Floats = ring[~straight]
+    return kept
+
+
+def _same_ring(one: Floats, other: Floats) -> bool:
+    """Whether two rings of corners are equal up to the corner they begin with."""
+    if len(one) != len(other) or not len(one):
+        return False
+    for shift in np.flatnonzero(np.abs(other - one[0]).max(axis=1) < SAME_PLACE_M):
+        if np.abs(np.roll(other, -int(shift), axis=0) - one).max() < SAME_PLACE_M:
+            return True
+    return False
+
+
+def routes_of(plan: Plan) -> tuple[Route, ...]:
+    """The plan's loops, each once, in the order of their first robots.
+
+    Robots share a loop when their polylines are the same closed curve run the same way in the same time, wherever on it
+    each begins. Robots that stay are never merged.
+    """
+    routes: list[Route] = []
+    rings: list[Floats] = []
+    for index, trajectory in enumerate(plan):
+        loop_m = trajectory.positions_m[trajectory.loop_index :, :2]
+        ring = corners(loop_m) if trajectory.loop_duration_s > 0 else loop_m[:0]
+        duration_s = trajectory.loop_duration_s
+        for k, route in enumerate(routes):
+            if abs(route.duration_s - duration_s) <= 1e-6 * duration_s and _same_ring(rings[k], ring):
+                routes[k] = Route(robots=(*route.robots, index), loop_m=route.loop_m, duration_s=route.duration_s)
+                break
+        else:
+            routes.append(Route(robots=(index,), loop_m=loop_m, duration_s=duration_s))
+            rings.append(ring)
+    return tuple(routes)
+
+
+def arrowheads(loop_m: Floats, count: int, clear_m: float) -> tuple[Floats, Floats]:
+    """Places (n, 2) in metres and directions (n, 2), unit vectors, of ``count`` arrowheads spread evenly along a loop.
+
+    They stay ``clear_m`` away from the corners, or on short legs in the middle. None at all on a loop without length.
+    """
+    steps = np.diff(loop_m, axis=0)
+    lengths_m = np.hypot(*steps.T)
+    legs = np.flatnonzero(lengths_m > SAME_PLACE_M)
+    if not len(legs):
+        return np.empty((0, 2)), np.empty((0, 2))
+    ends_m = np.cumsum(lengths_m[legs])
+    along_m = (np.arange(count) + 0.5) / count * ends_m[-1]
+    which = np.minimum(np.searchsorted(ends_m, along_m), len(legs) - 1)
+    leg = legs[which]
+    edge = np.minimum(clear_m / lengths_m[leg], 0.5)
+    fraction = np.clip(1 - (ends_m[which] - along_m) / lengths_m[leg], edge, 1 - edge)
+    return loop_m[leg] + fraction[:, None] * steps[leg], steps[leg] / lengths_m[leg][:, None]

@@ -1,0 +1,98 @@
+"""When each cell of the ground was last seen, kept up to date as the robots move."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
+
+from rota.draw.footprint import cut_footprint, open_footprint, walls_of
+from rota.draw.ground import Ground
+from rota.draw.routes import corner_times_s, positions_at
+from rota.mission import DiscSensor, Sensor
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+# looks per reach of the sensor: beside obstacles, where a look is one footprint, four miss less than 1 % of its width
+LOOKS_PER_REACH = 4
+
+
+def in_range(sensor: Sensor, leg_m: Floats, x_m: Floats, y_m: Floats) -> Bools:
+    """Which points come into the sensor's range while its robot goes along a straight leg (2, 2), obstacles aside."""
+    along_x, along_y = leg_m[1] - leg_m[0]
+    to_x, to_y = x_m - leg_m[0, 0], y_m - leg_m[0, 1]
+    if isinstance(sensor, DiscSensor):
+        part = np.clip((to_x * along_x + to_y * along_y) / max(along_x**2 + along_y**2, 1e-300), 0, 1)
+        return np.asarray((to_x - part * along_x) ** 2 + (to_y - part * along_y) ** 2 <= sensor.radius_m**2)
+    enters, leaves = np.zeros_like(to_x), np.ones_like(to_x)
+    for to, along in ((to_x, along_x), (to_y, along_y)):
+        # the part of the leg from which the point is within half a side along this axis
+        reach = sensor.side_m / 2 / max(abs(along), 1e-300)
+        middle = to * np.sign(along) / max(abs(along), 1e-300)
+        outside = np.abs(to) > sensor.side_m / 2
+        enters = np.maximum(enters, np.where(along == 0, np.where(outside, 2.0, 0.0), middle - reach))
+        leaves = np.minimum(leaves, np.where(along == 0, 1.0, middle + reach))
+    return np.asarray(enters <= leaves)
+
+
+class Sightings:
+    """The last time each cell was seen; -inf: not yet.
+
+    last_seen_s: (rows, columns) seconds, as in ``ground``. ``advance`` moves the clock on, never back.
+    """
+
+    def __init__(self, plan: Plan, ground: Ground) -> None:
+        self.ground = ground
+        self.last_seen_s = np.full(ground.period_s.shape, -np.inf)
+        self._plan = plan
+        self._walls = walls_of(plan.mission)
+        self._robots = [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
+
+    def advance(self, from_s: float, to_s: float) -> None:
+        """See what the robots see from ``from_s`` to ``to_s``, both counted in, in looks a quarter of a reach apart."""
+        for trajectory, robot in zip(self._plan, self._robots, strict=True):
+            step_s = robot.sensor.reach_m / LOOKS_PER_REACH / robot.speed_m_s
+            even_s = np.linspace(from_s, to_s, max(1, math.ceil((to_s - from_s) / step_s)) + 1)
+            times_s = np.union1d(even_s, corner_times_s(trajectory, from_s, to_s))
+            times_s = times_s if len(times_s) > 1 else np.repeat(times_s, 2)
+            places_m = positions_at(trajectory, times_s)
+            # of a wait only its end counts
+            moves = np.append((places_m[2:] != places_m[1:-1]).any(axis=1), True)
+            for k in np.flatnonzero(moves):
+                self._look(robot.sensor, places_m[k : k + 2], float(times_s[k + 1]))
+
+    def footprints(self, time_s: float) -> list[BaseGeometry]:
+        """What each robot sees at ``time_s``, in the order of the plan."""
+        shapes = []
+        for trajectory, robot in zip(self._plan, self._robots, strict=True):
+            place_m = positions_at(trajectory, np.array([time_s]))[0]
+            cut = cut_footprint(self._walls, robot.sensor, place_m)
+            shapes.append(open_footprint(robot.sensor, place_m) if cut is None else cut)
+        return shapes
+
+    def age_in_periods(self, time_s: float) -> Floats:
+        """Time since last seen over the period, (rows, columns); inf: not yet seen, nan: nothing asked."""
+        return (time_s - self.last_seen_s) / self.ground.period_s
+
+    def _look(self, sensor: Sensor, leg_m: Floats, time_s: float) -> None:
+        """What is seen along a short leg (2, 2); beside obstacles: from its end."""
+        cut = cut_footprint(self._walls, sensor, leg_m[1])
+        if cut is not None:
+            leg_m = leg_m[[1, 1]]
+        half_m = sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+        low_m, high_m = leg_m.min(axis=0) - half_m, leg_m.max(axis=0) + half_m
+        columns = slice(*np.searchsorted(self.ground.x_m, [low_m[0], high_m[0]]))
+        rows = slice(*np.searchsorted(self.ground.y_m, [low_m[1], high_m[1]]))
+        x_m, y_m = np.meshgrid(self.ground.x_m[columns], self.ground.y_m[rows])
+        seen = in_range(sensor, leg_m, x_m, y_m)
+        if cut is not None:
+            shapely.prepare(cut)
+            seen &= shapely.contains_xy(cut, x_m, y_m)
+        window = self.last_seen_s[rows, columns]
+        # another robot may have looked here later within the same step
+        window[seen] = np.maximum(window[seen], time_s)

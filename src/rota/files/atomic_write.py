@@ -1,0 +1,91 @@
+"""Files appear whole or not at all: a crash leaves the old file or none, never half of one."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import stat
+from pathlib import Path
+
+from rota.errors import RotaError
+
+
+def write_atomically(path: str | os.PathLike[str], text: str) -> None:
+    """Write ``text`` (UTF-8) to a temporary file beside ``path``, bring it to the disk, and rename it.
+
+    A link is followed. What is no regular file (a pipe, /dev/stdout) cannot be replaced and is written to directly.
+    An existing file keeps its permissions. Raises RotaError when the path cannot be written.
+    """
+    require_writable(path)
+    target = Path(os.path.realpath(path))
+    try:
+        if target.exists() and not target.is_file():
+            target.write_text(text, encoding="utf-8")
+        else:
+            _replace(target, text.encode("utf-8"))
+    except OSError as error:
+        raise RotaError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def _replace(target: Path, content: bytes) -> None:
+    partial = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
+    try:
+        # os.open applies the umask, so that the file gets the permissions of any other new file
+        descriptor = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if target.exists():
+            os.chmod(partial, stat.S_IMODE(target.stat().st_mode))
+        os.replace(partial, target)
+    finally:
+        partial.unlink(missing_ok=True)
+    _sync_folder(target.parent)
+
+
+def _sync_folder(folder: Path) -> None:
+    # the rename itself must reach the disk too; not every file system lets a folder be opened
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except OSError:
+        return
+    try:
+        os.fsync(descriptor)
+    except OSError:
+        pass
+    finally:
+        os.close(descriptor)
+
+
+def require_writable(path: str | os.PathLike[str]) -> None:
+    """Raise RotaError when it is already known that no file can be written at ``path``.
+
+    To be asked before long work: whether the folder exists and can be written to, and whether ``path`` is a folder.
+    """
+    target = Path(os.path.realpath(path))
+    folder = target.parent
+    if not str(path):
+        raise RotaError("an empty path cannot be written to; a file name is needed")
+    if target.is_dir():
+        raise RotaError(f"{path}: is a folder; the path of a file is needed")
+    if not folder.exists():
+        raise RotaError(f"{path}: there is no folder {folder}; create it first")
+    if not folder.is_dir():
+        raise RotaError(f"{path}: {folder} is no folder")
+    replaceable = os.access(folder, os.W_OK | os.X_OK) and (not target.exists() or os.access(target, os.W_OK))
+    if not replaceable and not (target.exists() and not target.is_file()):
+        what = target if target.exists() and os.access(folder, os.W_OK) else folder
+        raise RotaError(f"{path}: cannot be written: no permission to write to {what}")
+
+
+def require_writable_folder(path: str | os.PathLike[str]) -> None:
+    """Raise RotaError when it is already known that no folder can be made or filled at ``path``."""
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_dir():
+        raise RotaError(f"{path}: is a file; the path of a folder is needed")
+    nearest = target if target.is_dir() else target.parent
+    if not nearest.is_dir():
+        raise RotaError(f"{path}: there is no folder {nearest}; create it first")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise RotaError(f"{path}: cannot be written: no permission to write to {nearest}")

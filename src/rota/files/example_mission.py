@@ -1,0 +1,57 @@
+"""The commented mission that ``rota new`` writes."""
+
+from __future__ import annotations
+
+_TEXT = """\
+# A mission for Rota. Plan it with:   rota plan THIS_FILE
+# Lengths are metres, times seconds, speeds metres per second.
+rota: 1                              # version of this format
+name: my-mission
+
+# metres: x east, y north.  wgs84: longitude first, then latitude, in degrees.
+coordinates: metres
+# origin: {lat: 48.1, lon: 11.5}     # places a mission in metres on the globe, for exports that need it
+
+# Where robots may be and must look. One of:
+#   a ring of points, as here (the last point need not repeat the first)
+#   {outer: [[x, y], ...], holes: [[[x, y], ...], ...]}
+#   {geojson: parcel.geojson, feature: NAME}      without feature: all polygons of the file
+#   {map: depot.yaml, inside: [3.0, 4.0]}         a ROS map: the free part that holds this point
+# Paths of files start at the folder of this file.
+area: [[0, 0], [80, 0], [80, 60], [50, 60], [50, 40], [0, 40]]
+
+# Neither entered nor seen through. A ring, or {ring | circle | geojson: ...} with blocks: motion (a no-fly zone,
+# which one can look into) or blocks: sight (a hedge).
+obstacles:
+  - [[20, 12], [32, 12], [32, 20], [20, 20]]
+  - {circle: {centre: [60, 25], radius_m: 3}, blocks: motion}
+
+# Every point of the area must be seen at least once in any window of this length; null asks nothing.
+period_s: 60
+
+# Parts with a period of their own; where zones overlap the smallest period rules.
+zones:
+  - {name: gate, period_s: 20, ring: [[65, 45], [80, 45], [80, 60], [65, 60]]}
+  - {name: tank, period_s: 30, circle: {centre: [8, 8], radius_m: 6}}
+  # demand: visit asks that a robot comes into the zone, rather than that each of its points is seen
+  # - {geojson: zones.geojson}       # one zone per feature, with the properties name and period_s
+
+fleet:
+  robots: fewest                     # or a number, or a list: [{name: left}, {name: right, speed_m_s: 3}]
+  speed_m_s: 5
+  sensor: {shape: disc, radius_m: 4}     # or {shape: square, side_m: 8}
+  body_radius_m: 0                   # how far robots keep from walls and from each other
+  turn_rate_rad_s: null              # null: turning takes no time
+  altitude_m: 30                     # for exports
+
+# What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
+unseeable: exclude
+
+planner: patrol
+patrol: {effort: normal}             # quick | normal | high
+"""
+
+
+def example_mission_text() -> str:
+    """A valid mission file in YAML with a comment on every key."""
+    return _TEXT

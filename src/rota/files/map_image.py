@@ -1,0 +1,88 @@
+"""The image of a ROS map: how bright each pixel is, as map_server takes it."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import MissionError
+from rota.files.local_file import read_bytes
+
+MOST_PIXELS = 100_000_000
+
+_PGM_NUMBER = re.compile(rb"(?:\s|#[^\r\n]*)*(\d+)")
+
+
+def read_brightness(path: Path, *, alpha_counts: bool) -> NDArray[np.float64]:
+    """(rows, columns) brightness in 0..255, the top row first.
+
+    Channels are averaged; with ``alpha_counts`` opacity is one of them (map_server's trinary mode, map_io.cpp in nav2).
+    Reads PGM (P2, P5, any maxval) and PNG. Raises MissionError for anything else and for damaged files.
+    """
+    data = read_bytes(path, "a .pgm or .png image")
+    if data[:2] in (b"P2", b"P5"):
+        return _read_pgm(path, data)
+    if data[:8] == b"\x89PNG\r\n\x1a\n":
+        return _read_png(path, data, alpha_counts=alpha_counts)
+    raise MissionError(f"{path}: neither PGM (P2 or P5) nor PNG; convert the image to one of them")
+
+
+def _read_pgm(path: Path, data: bytes) -> NDArray[np.float64]:
+    at, header = 2, []
+    for field in ("width", "height", "maxval"):
+        found = _PGM_NUMBER.match(data, at)
+        if found is None or len(found[1]) > 9:
+            raise MissionError(f"{path}: damaged PGM: no {field} in the header")
+        header.append(int(found[1]))
+        at = found.end()
+    columns, rows, brightest = header
+    if not 0 < brightest < 65536 or not columns * rows:
+        raise MissionError(f"{path}: damaged PGM: {columns} x {rows} pixels up to {brightest}; 1..65535 are allowed")
+    _require_moderate(path, columns, rows)
+    if data[:2] == b"P2":
+        values = _plain_values(path, data[at:])
+    else:
+        depth = np.dtype(">u2" if brightest > 255 else "u1")
+        # exactly one blank separates the header from the pixels
+        raster = data[at + 1 :]
+        values = np.frombuffer(raster[: len(raster) // depth.itemsize * depth.itemsize], dtype=depth)
+    if len(values) < columns * rows:
+        raise MissionError(f"{path}: damaged PGM: {len(values)} of {columns} x {rows} pixels are there")
+    pixels = values[: columns * rows].astype(np.float64).reshape(rows, columns)
+    if pixels.max() > brightest:
+        raise MissionError(f"{path}: damaged PGM: a pixel of {pixels.max():.0f} where {brightest} is the greatest")
+    return pixels if brightest == 255 else pixels * 255 / brightest
+
+
+def _plain_values(path: Path, text: bytes) -> NDArray[np.float64]:
+    words = re.sub(rb"#[^\r\n]*", b"", text).split()
+    try:
+        return np.array([int(word) for word in words], dtype=np.float64)
+    except ValueError:
+        raise MissionError(f"{path}: damaged PGM: a P2 file holds whole numbers only") from None
+
+
+def _read_png(path: Path, data: bytes, *, alpha_counts: bool) -> NDArray[np.float64]:
+    from PIL import Image
+
+    try:
+        with Image.open(io.BytesIO(data), formats=["PNG"]) as image:
+            _require_moderate(path, *image.size)
+            image.load()
+            if image.mode.startswith("I"):  # 16 bits a pixel
+                return np.asarray(image, dtype=np.float64) * (255 / 65535)
+            has_alpha = "A" in image.mode or "transparency" in image.info
+            pixels = np.asarray(image.convert("RGBA" if has_alpha else "RGB"), dtype=np.float64)
+    except (OSError, SyntaxError, ValueError) as error:
+        raise MissionError(f"{path}: damaged PNG: {error}") from None
+    mean: NDArray[np.float64] = pixels[..., : None if alpha_counts else 3].mean(axis=2)
+    return mean
+
+
+def _require_moderate(path: Path, columns: int, rows: int) -> None:
+    if columns * rows > MOST_PIXELS:
+        raise MissionError(f"{path}: {columns} x {rows} pixels; at most {MOST_PIXELS:,} are allowed: coarsen the map")

@@ -1,0 +1,199 @@
+"""Mission files, YAML 1.2 or JSON, to missions; every fault at once, with file, line, column and field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+from shapely import MultiPolygon, unary_union
+
+from rota.errors import MissionError
+from rota.files.local_file import read_text
+from rota.files.mission_ground import Ground, read_ground
+from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock
+from rota.files.schema_faults import Fault, positioned, schema_faults
+from rota.files.yaml_text import Document, Place, parse_text
+from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Robot, Sensor, SquareSensor
+
+MOST_CELLS = 50e6
+CELLS_PER_REACH = 4  # a lattice coarser than a quarter of the sensor's reach plans badly
+
+
+class ReadMission(NamedTuple):
+    """A mission, and what its author should know about the way it was read (``file:line:column: field: ...``)."""
+
+    mission: Mission
+    warnings: tuple[str, ...]
+
+
+def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None, confine: bool = False) -> ReadMission:
+    """Read a mission file (.yaml, .yml, or .json), with the GeoJSON files and maps that it names.
+
+    overrides: values that replace the file's, by field path, such as ``{"patrol.effort": "quick", "fleet.robots": 4}``.
+    confine: refuse paths that leave the mission file's folder, for missions that came over the network.
+
+    Raises MissionError with one line per fault, all at once: ``file:line:column: path.to.field: what is wrong, what is
+    allowed``. A value from ``overrides`` is at fault under the name ``override`` in place of file, line and column.
+    """
+    path = Path(path)
+    what = "a mission file"
+    document = parse_text(read_text(path, what), str(path), what + " ('rota new' writes an example)")
+    document = _overridden(document, overrides or {})
+    faults: list[Fault] = []
+    file: MissionFile | None = None
+    try:
+        file = MissionFile.model_validate(document.value)
+    except ValidationError as error:
+        faults += schema_faults(document, error)
+    ground, ground_faults, warnings = read_ground(document.value, path.parent, confine=confine)
+    faults += ground_faults
+    if file is not None:
+        faults += _period_faults(file, ground)
+        faults += _robot_faults(file.fleet)
+        if ground is not None:
+            faults += _sensor_faults(file, ground)
+    if faults or file is None or ground is None:
+        raise MissionError(*positioned(document, faults))
+    try:
+        mission = _mission(file, ground)
+    except MissionError as error:
+        raise MissionError(*(f"{path}: {fault}" for fault in error.faults)) from None
+    return ReadMission(mission, tuple(positioned(document, warnings)))
+
+
+def mission_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of a mission file."""
+    schema = MissionFile.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Rota mission"}
+
+
+def _overridden(document: Document, overrides: Mapping[str, Any]) -> Document:
+    if not overrides or not isinstance(document.value, dict):
+        return document
+    value = deepcopy(document.value)
+    places: set[Place] = set()
+    for field, replacement in overrides.items():
+        keys = field.split(".")
+        block = value
+        for key in keys[:-1]:
+            if not isinstance(block.get(key), dict):
+                block[key] = {}
+            block = block[key]
+        block[keys[-1]] = replacement
+        places.add(tuple(keys))
+    return replace(document, value=value, overridden=frozenset(places))
+
+
+def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
+    zones = ground.zones if ground is not None else ()
+    if file.period_s is not None or any(zone.period_s is not None for zone in zones):
+        return []
+    if ground is None or any(zone.period_s is not None for zone in file.zones):
+        return []
+    return [Fault(("period_s",), "is missing; give seconds for the area, or a zone with a period_s")]
+
+
+def _robot_faults(fleet: FleetBlock) -> list[Fault]:
+    names = [robot.name for robot in fleet.robots] if isinstance(fleet.robots, list) else []
+    return [
+        Fault(("fleet", "robots", k, "name"), f"{name!r} is the name of another robot; names must be unique")
+        for k, name in enumerate(names)
+        if name in names[:k]
+    ]
+
+
+def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
+    """Sensors so small that the demanded area would need more cells than memory and patience hold."""
+    demanded_m2 = _demanded(file, ground).area
+    least_m = CELLS_PER_REACH * math.sqrt(demanded_m2 / MOST_CELLS)
+    sensors: list[tuple[Place, SensorBlock]] = [(("fleet", "sensor"), file.fleet.sensor)]
+    if isinstance(file.fleet.robots, list):
+        sensors += [
+            (("fleet", "robots", k, "sensor"), robot.sensor)
+            for k, robot in enumerate(file.fleet.robots)
+            if robot.sensor is not None
+        ]
+    faults = []
+    for place, block in sensors:
+        sensor = _sensor(block)
+        if sensor.reach_m >= least_m:
+            continue
+        size, least = ("radius_m", least_m) if block.shape == "disc" else ("side_m", least_m * math.sqrt(2))
+        cells = demanded_m2 / (sensor.reach_m / CELLS_PER_REACH) ** 2
+        message = (
+            f"too small for {demanded_m2:.4g} m2 to watch: about {cells / 1e6:.3g} million cells would be needed, at "
+            f"most {MOST_CELLS / 1e6:.0f} million are possible; give {size} of at least {_rounded_up(least):.4g}, "
+            "or watch less"
+        )
+        faults.append(Fault(place, message))
+    return faults
+
+
+def _demanded(file: MissionFile, ground: Ground) -> MultiPolygon:
+    """Where something is asked: the smallest period rules where zones overlap, null asks nothing."""
+    timed = unary_union([zone.shape for zone in ground.zones if zone.period_s is not None])
+    if file.period_s is not None:
+        idle = unary_union([zone.shape for zone in ground.zones if zone.period_s is None])
+        timed = ground.area.difference(idle).union(timed)
+    return timed.difference(unary_union([obstacle.shape for obstacle in ground.obstacles if obstacle.blocks_sight]))
+
+
+def _rounded_up(value: float) -> float:
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return math.ceil(value / unit) * unit
+
+
+def _mission(file: MissionFile, ground: Ground) -> Mission:
+    patrol = file.patrol
+    return Mission(
+        name=file.name,
+        area=ground.area,
+        obstacles=ground.obstacles,
+        zones=ground.zones,
+        period_s=file.period_s,
+        fleet=_fleet(file.fleet),
+        origin=ground.origin,
+        unseeable=file.unseeable,
+        planning=PatrolSettings(effort=patrol.effort, method=patrol.method) if patrol else PatrolSettings(),
+    )
+
+
+def _fleet(block: FleetBlock) -> Fleet:
+    fleet = Fleet(
+        speed_m_s=block.speed_m_s,
+        sensor=_sensor(block.sensor),
+        body_radius_m=block.body_radius_m,
+        turn_rate_rad_s=block.turn_rate_rad_s,
+        altitude_m=block.altitude_m,
+    )
+    if isinstance(block.robots, int):
+        robots = [fleet.equal_robot(f"robot-{k + 1}") for k in range(block.robots)]
+    elif isinstance(block.robots, list):
+        robots = [_robot(fleet, robot) for robot in block.robots]
+    else:
+        return fleet
+    return replace(fleet, robots=tuple(robots))
+
+
+def _robot(fleet: Fleet, block: RobotBlock) -> Robot:
+    # a turn rate of null is a value (no time to turn), so it overrides the fleet's where it is written
+    turn_rate = block.turn_rate_rad_s if "turn_rate_rad_s" in block.model_fields_set else fleet.turn_rate_rad_s
+    return Robot(
+        name=block.name,
+        speed_m_s=block.speed_m_s if block.speed_m_s is not None else fleet.speed_m_s,
+        sensor=_sensor(block.sensor) if block.sensor is not None else fleet.sensor,
+        body_radius_m=block.body_radius_m if block.body_radius_m is not None else fleet.body_radius_m,
+        turn_rate_rad_s=turn_rate,
+    )
+
+
+def _sensor(block: SensorBlock) -> Sensor:
+    if block.radius_m is not None:
+        return DiscSensor(radius_m=block.radius_m)
+    assert block.side_m is not None
+    return SquareSensor(side_m=block.side_m)

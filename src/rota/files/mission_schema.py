@@ -1,0 +1,378 @@
+"""The keys of a mission file and the values they take: one pydantic schema for YAML and JSON."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    ModelWrapValidatorHandler,
+    Tag,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from rota.files.rings import ring_fault
+
+PLANNERS = ("patrol",)
+MOST_ROBOTS = 10_000
+FARTHEST_M = 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-FARTHEST_M, le=FARTHEST_M)]
+Text = Annotated[str, Field(strict=True, min_length=1)]
+Point = tuple[Coordinate, Coordinate]
+Where = tuple[str | int, ...]
+
+
+def _checked_ring(points: list[Point]) -> list[Point]:
+    fault = ring_fault(points)
+    if fault is not None:
+        raise PydanticCustomError("ring", "{fault}", {"fault": fault})
+    return points
+
+
+Ring = Annotated[list[Point], AfterValidator(_checked_ring)]
+
+
+class Block(BaseModel):
+    """A mapping with known keys; an unknown one is named together with the nearest known one."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _name_faults(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        lines = [_custom(place, text, data) for place, text in cls.faults(data)] if isinstance(data, dict) else []
+        try:
+            block = handler(data)
+        except ValidationError as error:
+            lines = [_reworded(cls, dict(line)) for line in error.errors(include_url=False)] + lines
+        if lines:
+            raise ValidationError.from_exception_data(cls.__name__, lines)
+        return block
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Contradictions between the raw values of a block, each as the field at fault and what is wrong with it."""
+        yield from ()
+
+
+def _given(data: dict[str, Any], *fields: str) -> list[str]:
+    return [field for field in fields if data.get(field) is not None]
+
+
+def _custom(place: tuple[str | int, ...], message: str, value: Any) -> InitErrorDetails:
+    return InitErrorDetails(
+        type=PydanticCustomError("fault", "{message}", {"message": message}), loc=place, input=value
+    )
+
+
+def _reworded(block: type[Block], line: dict[str, Any]) -> InitErrorDetails:
+    if line["type"] == "extra_forbidden" and len(line["loc"]) == 1:
+        key, known = str(line["loc"][0]), list(block.model_fields)
+        error = PydanticCustomError("unknown_key", "{message}", {"message": f"unknown key; {nearest_key(key, known)}"})
+        return InitErrorDetails(type=error, loc=line["loc"], input=line["input"])
+    if line["type"] in ("unknown_key", "fault", "ring") or line["type"].startswith("wrong_"):
+        error = PydanticCustomError(line["type"], "{message}", {"message": line["msg"]})
+        return InitErrorDetails(type=error, loc=line["loc"], input=line["input"])
+    return InitErrorDetails(type=line["type"], loc=line["loc"], input=line["input"], ctx=line.get("ctx", {}))
+
+
+def _one_of(*keys: str, **more: Any) -> dict[str, Any]:
+    """What the published schema says of blocks that take exactly one of several keys."""
+    belongs = {"holes": ["outer"], "feature": ["geojson"], "map": ["inside"], "inside": ["map"], "unknown": ["map"]}
+    return {"oneOf": [{"required": [key]} for key in keys], "dependentRequired": belongs, **more}
+
+
+def _list_or_block(value: Any) -> str | None:
+    if isinstance(value, list):
+        return "<list>"
+    return "<block>" if isinstance(value, dict | BaseModel) else None
+
+
+def _either(allowed: str) -> Discriminator:
+    return Discriminator(
+        _list_or_block,
+        custom_error_type="wrong_kind",
+        custom_error_message=f"{allowed} is needed",
+    )
+
+
+class Circle(Block):
+    """A circle; planned as a 64-gon that contains it."""
+
+    centre: Point = Field(description="[x, y] in metres, or [longitude, latitude] in a wgs84 mission")
+    radius_m: Positive
+
+
+class Holed(Block):
+    """A polygon with holes."""
+
+    outer: Ring
+    holes: list[Ring] = []
+
+
+_RING_ALLOWED = "a ring [[x, y], [x, y], [x, y], ...] or {outer: ring, holes: [ring, ...]}"
+Polygonal = Annotated[Annotated[Ring, Tag("<list>")] | Annotated[Holed, Tag("<block>")], _either(_RING_ALLOWED)]
+
+
+class Shape(Block):
+    """One of a ring, an outer ring with holes, a circle, or polygons of a GeoJSON file."""
+
+    ring: Polygonal | None = None
+    outer: Ring | None = None
+    holes: list[Ring] | None = None
+    circle: Circle | None = None
+    geojson: Text | None = Field(None, description="path of a GeoJSON file (RFC 7946: longitude, latitude)")
+    feature: Text | None = Field(None, description="only the feature whose property name, Name or id equals this")
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Exactly one source of the shape; holes need an outer ring, a feature needs a file."""
+        yield from _source_faults(data, "ring", "outer", "circle", "geojson")
+
+
+def _source_faults(data: dict[str, Any], *sources: str) -> Iterator[tuple[Where, str]]:
+    given = _given(data, *sources)
+    listed = f"{', '.join(sources[:-1])} or {sources[-1]}"
+    if not given:
+        yield (), f"has no shape; give one of {listed}"
+    for extra in given[1:]:
+        yield (extra,), f"given beside {given[0]}; exactly one of {listed} is allowed"
+    if data.get("holes") is not None and data.get("outer") is None:
+        yield ("holes",), "given without outer; write {outer: ring, holes: [ring, ...]}"
+    if data.get("feature") is not None and data.get("geojson") is None:
+        yield ("feature",), "given without geojson, the file to find it in"
+
+
+class AreaBlock(Shape):
+    """Where robots may be and must look."""
+
+    model_config = ConfigDict(json_schema_extra=_one_of("ring", "outer", "circle", "geojson", "map"))
+
+    map: Text | None = Field(None, description="path of a ROS map_server .yaml file")
+    inside: Point | None = Field(None, description="a point [x, y] in the free part of the map that is meant")
+    unknown: Literal["blocked", "free"] | None = Field(None, description="overrides how unknown cells are read")
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """As a shape; inside belongs to a map and a map needs it."""
+        yield from _source_faults(data, "ring", "outer", "circle", "geojson", "map")
+        if data.get("map") is not None and data.get("inside") is None:
+            yield ("inside",), "is missing; a map needs a point [x, y] in the free part that is meant"
+        for field in _given(data, "inside", "unknown"):
+            if data.get("map") is None:
+                yield (field,), "belongs to a map; remove it, or give map"
+
+
+class ObstacleBlock(Shape):
+    """Neither entered nor seen through, unless ``blocks`` says otherwise."""
+
+    model_config = ConfigDict(json_schema_extra=_one_of("ring", "outer", "circle", "geojson"))
+
+    blocks: Literal["both", "motion", "sight"] = "both"
+
+
+class ZoneBlock(Shape):
+    """Part of the area with its own period."""
+
+    model_config = ConfigDict(
+        json_schema_extra=_one_of(
+            "ring",
+            "outer",
+            "circle",
+            "geojson",
+            anyOf=[{"required": ["geojson"]}, {"required": ["name", "period_s"]}],
+        )
+    )
+
+    name: Text | None = None
+    period_s: Positive | None = Field(None, description="seconds; null: nothing is asked there")
+    demand: Literal["every_point", "visit"] = "every_point"
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """As a shape; a zone that is no GeoJSON file needs a name and a period."""
+        yield from super().faults(data)
+        if data.get("geojson") is None:
+            if data.get("name") is None:
+                yield ("name",), "is missing; give the zone a name"
+            if "period_s" not in data:
+                yield ("period_s",), "is missing; give seconds, or null to ask nothing in this zone"
+
+
+class MovingObstacle(Block):
+    """A disc that moves along timed points."""
+
+    radius_m: Positive
+    times_s: list[NotNegative] = Field(min_length=1)
+    positions_m: list[Point] = Field(min_length=1)
+
+
+class SensorBlock(Block):
+    """What a robot sees round itself."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "oneOf": [
+                {"properties": {"shape": {"const": "disc"}}, "required": ["radius_m"]},
+                {"properties": {"shape": {"const": "square"}}, "required": ["side_m"]},
+            ]
+        }
+    )
+
+    shape: Literal["disc", "square"]
+    radius_m: Positive | None = None
+    side_m: Positive | None = None
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """A disc has a radius and nothing else, a square a side."""
+        shape = data.get("shape")
+        if shape not in ("disc", "square"):
+            return
+        needed, other = ("radius_m", "side_m") if shape == "disc" else ("side_m", "radius_m")
+        if data.get(needed) is None:
+            yield (needed,), f"is missing; a {shape} sensor needs it, in metres"
+        if data.get(other) is not None:
+            yield (other,), f"does not belong to a {shape} sensor; it has {needed}"
+
+
+class Start(Block):
+    """Where robots start: anywhere in a box, or at given points."""
+
+    model_config = ConfigDict(json_schema_extra=_one_of("box", "points"))
+
+    box: tuple[Point, Point] | None = Field(None, description="two opposite corners")
+    points: list[Point] | None = Field(None, min_length=1)
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Exactly one of box and points."""
+        if len(_given(data, "box", "points")) != 1:
+            yield (), "give exactly one of box and points"
+
+
+class RobotBlock(Block):
+    """One robot: what is not given is as in the fleet."""
+
+    name: Text
+    speed_m_s: Positive | None = None
+    sensor: SensorBlock | None = None
+    body_radius_m: NotNegative | None = None
+    turn_rate_rad_s: Positive | None = None
+    start: Point | None = None
+
+
+def _robots_kind(value: Any) -> str | None:
+    if value == "fewest":
+        return "<word>"
+    if isinstance(value, int) and not isinstance(value, bool):
+        return "<number>"
+    return "<list>" if isinstance(value, list) else None
+
+
+Robots = Annotated[
+    Annotated[Literal["fewest"], Tag("<word>")]
+    | Annotated[Annotated[int, Field(strict=True, ge=1, le=MOST_ROBOTS)], Tag("<number>")]
+    | Annotated[Annotated[list[RobotBlock], Field(min_length=1, max_length=MOST_ROBOTS)], Tag("<list>")],
+    Discriminator(
+        _robots_kind,
+        custom_error_type="wrong_kind",
+        custom_error_message="fewest, a whole number or a list of {name, ...} is needed",
+    ),
+]
+
+
+class FleetBlock(Block):
+    """The robots."""
+
+    robots: Robots = "fewest"
+    speed_m_s: Positive
+    sensor: SensorBlock
+    body_radius_m: NotNegative = 0.0
+    turn_rate_rad_s: Positive | None = Field(None, description="null: turning takes no time")
+    altitude_m: Positive = Field(30.0, description="for exports")
+    start: Start | None = None
+
+
+class PatrolBlock(Block):
+    """Settings of the patrol planner."""
+
+    effort: Literal["quick", "normal", "high"] = "normal"
+    method: Literal["tours"] = "tours"
+
+
+class OriginBlock(Block):
+    """Where on the globe the local (0, 0) lies, WGS84 degrees."""
+
+    lat: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-90, le=90)]
+    lon: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-180, le=180)]
+
+
+_AREA_ALLOWED = "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}, {map: ...}"
+_SHAPE_ALLOWED = "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}"
+Area = Annotated[Annotated[Ring, Tag("<list>")] | Annotated[AreaBlock, Tag("<block>")], _either(_AREA_ALLOWED)]
+ObstacleEntry = Annotated[
+    Annotated[Ring, Tag("<list>")] | Annotated[ObstacleBlock, Tag("<block>")], _either(_SHAPE_ALLOWED)
+]
+
+
+class MissionFile(Block):
+    """A mission: an area to watch, obstacles, zones with revisit periods, and a fleet."""
+
+    rota: Literal[1] = Field(description="version of this format")
+    name: Text
+    coordinates: Literal["metres", "wgs84"] = "metres"
+    origin: OriginBlock | None = None
+    area: Area
+    obstacles: list[ObstacleEntry] = []
+    moving_obstacles: list[MovingObstacle] = []
+    period_s: Positive | None = Field(None, description="for the area outside zones; null: nothing is asked there")
+    unseeable: Literal["exclude", "refuse"] = "exclude"
+    zones: list[ZoneBlock] = []
+    fleet: FleetBlock
+    planner: Literal["patrol"] = "patrol"
+    patrol: PatrolBlock | None = None
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """What the planner cannot use, settings of another planner, and an origin that is given twice."""
+        planner = data.get("planner", "patrol")
+        for other in PLANNERS:
+            if planner in PLANNERS and other != planner and data.get(other) is not None:
+                yield (other,), f"settings of another planner; planner is {planner}: remove this block"
+        if planner == "patrol":
+            yield from _unused_by_patrol(data)
+        if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
+            yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
+
+
+def _unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    if data.get("moving_obstacles"):
+        yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
+    fleet = data.get("fleet")
+    if not isinstance(fleet, dict):
+        return
+    if fleet.get("start") is not None:
+        yield ("fleet", "start"), "the patrol planner has no use for fleet.start: remove it"
+    robots = fleet.get("robots")
+    for k, robot in enumerate(robots if isinstance(robots, list) else []):
+        if isinstance(robot, dict) and robot.get("start") is not None:
+            yield ("fleet", "robots", k, "start"), "the patrol planner has no use for a robot's start: remove it"
+
+
+def nearest_key(key: str, known: list[str]) -> str:
+    """A hint for an unknown key: the nearest known one, or all that are known."""
+    near = difflib.get_close_matches(key, known, n=1)
+    return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"

@@ -1,0 +1,159 @@
+"""ROS map_server maps (.yaml and image) to polygons in metres."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from shapely import MultiPolygon, affinity, box
+
+from rota.errors import MissionError
+from rota.files.local_file import local_file, read_text
+from rota.files.map_image import read_brightness
+from rota.files.pixel_outline import straight_outline
+from rota.files.rings import polygons_of
+from rota.files.schema_faults import positioned, schema_faults
+from rota.files.yaml_text import parse_text
+
+Unknown = Literal["map_server reading", "blocked", "free"]
+
+UNKNOWN_BRIGHTNESS = 205  # what map_saver writes for unknown cells
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Share = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
+Pixels = NDArray[np.bool_]
+
+
+class InsideError(MissionError):
+    """The point that should tell which free part is meant does not lie in free space."""
+
+
+class MapArea(NamedTuple):
+    """The free part of a map, everything else on its sheet (None: nothing), and warnings. Metres, map frame."""
+
+    area: MultiPolygon
+    obstacles: MultiPolygon | None
+    warnings: tuple[str, ...]
+
+
+class MapFile(BaseModel):
+    """The keys of a map_server .yaml file. ``origin``: x, y of the lower left corner in metres, yaw in radians."""
+
+    # map files carry keys for other programs
+    model_config = ConfigDict(extra="ignore")
+
+    image: Annotated[str, Field(strict=True, min_length=1)]
+    resolution: Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+    origin: tuple[Number, Number, Number]
+    negate: Literal[0, 1, False, True]
+    occupied_thresh: Share
+    free_thresh: Share
+    mode: Literal["trinary", "scale"] = "trinary"
+
+
+def read_map(
+    path: Path, inside: tuple[float, float], unknown: Unknown = "map_server reading", *, confine_to: Path | None = None
+) -> MapArea:
+    """The free part of a ROS map that holds the point ``inside``, and the rest of the sheet as obstacles.
+
+    path: the map's .yaml. inside: (x, y) in metres in the map's frame. unknown: "blocked" keeps cells of brightness
+    205 (unknown by convention) out of the free space whatever the thresholds say; "free" adds every unknown cell to it.
+    The part is chosen as drawn, before anything is grown by a body; cells that touch at a corner only are not
+    connected. Its border, and the obstacles' with it, is simplified by at most half a pixel. ``confine_to``: folder
+    that the image must lie in.
+
+    Raises InsideError when ``inside`` is not in free space (saying where the nearest is), and MissionError for files
+    that are missing, damaged or wrong and for a map without free space.
+    """
+    sheet = _read_sheet(path)
+    image = local_file(path.parent, sheet.image, confine_to=confine_to)
+    brightness = read_brightness(image, alpha_counts=sheet.mode == "trinary")
+    # row 0 of the image is the top of the map
+    brightness = brightness[::-1]
+    free, warnings = _free_cells(path, sheet, brightness, unknown)
+    part = _connected_part(path, free, _to_pixels(sheet, inside), sheet)
+    area = straight_outline(part)
+    rows, columns = part.shape
+    rest = polygons_of(box(0, 0, columns, rows).difference(area))
+    return MapArea(_to_metres(sheet, area), None if rest.is_empty else _to_metres(sheet, rest), warnings)
+
+
+def _read_sheet(path: Path) -> MapFile:
+    what = "a ROS map_server .yaml file"
+    document = parse_text(read_text(path, what), str(path), what)
+    try:
+        sheet = MapFile.model_validate(document.value)
+    except ValidationError as error:
+        raise MissionError(*positioned(document, schema_faults(document, error))) from None
+    if sheet.free_thresh > sheet.occupied_thresh:
+        message = f"{sheet.free_thresh} is above occupied_thresh {sheet.occupied_thresh}; it must not be"
+        raise MissionError(document.line(("free_thresh",), message))
+    return sheet
+
+
+def _free_cells(path: Path, sheet: MapFile, brightness: Any, unknown: Unknown) -> tuple[Pixels, tuple[str, ...]]:
+    """What map_server calls free (nav2 map_io.cpp, loadMapFromFile), and a warning when that takes in unknown cells."""
+    occupancy = (brightness if sheet.negate else 255 - brightness) / 255
+    free: Pixels = occupancy < sheet.free_thresh
+    occupied = occupancy > sheet.occupied_thresh
+    doubtful = brightness == UNKNOWN_BRIGHTNESS
+    warnings: tuple[str, ...] = ()
+    if unknown == "free":
+        free = ~occupied | (doubtful & ~free)
+    elif unknown == "blocked":
+        free = free & ~doubtful
+    elif (count := int((free & doubtful).sum())) > 0:
+        warnings = (
+            f"{path}: {count} cells have the value {UNKNOWN_BRIGHTNESS}, by convention unknown, and free_thresh "
+            f"{sheet.free_thresh} reads them as free; unknown: blocked beside map keeps robots out of them",
+        )
+    if not free.any():
+        raise MissionError(f"{path}: the map has no free space; check negate ({int(sheet.negate)}) and the thresholds")
+    return free, warnings
+
+
+def _connected_part(path: Path, free: Pixels, point: tuple[float, float], sheet: MapFile) -> Pixels:
+    """The free cells connected by their sides with the one that holds ``point`` (column, row, in pixels)."""
+    from scipy import ndimage
+
+    rows, columns = free.shape
+    column, row = math.floor(point[0]), math.floor(point[1])
+    on_sheet = 0 <= column < columns and 0 <= row < rows
+    if on_sheet and free[row, column]:
+        labels, _ = ndimage.label(free)
+        return np.asarray(labels == labels[row, column])
+    free_rows, free_columns = np.nonzero(free)
+    aside = np.maximum(np.abs(free_columns + 0.5 - point[0]) - 0.5, 0)
+    above = np.maximum(np.abs(free_rows + 0.5 - point[1]) - 0.5, 0)
+    distances = np.hypot(aside, above)
+    nearest = int(distances.argmin())
+    x, y = _placed(sheet, free_columns[nearest] + 0.5, free_rows[nearest] + 0.5)
+    what = "lies in a wall or in unknown space" if on_sheet else f"lies off the map {path}"
+    away_m = float(distances[nearest]) * sheet.resolution
+    raise InsideError(f"{what}; the nearest free place is {away_m:.3g} m away, at [{x:.6g}, {y:.6g}]")
+
+
+def _matrix(sheet: MapFile) -> list[float]:
+    x, y, yaw = sheet.origin
+    cos, sin = math.cos(yaw) * sheet.resolution, math.sin(yaw) * sheet.resolution
+    return [cos, -sin, sin, cos, x, y]
+
+
+def _to_metres(sheet: MapFile, pixels: MultiPolygon) -> MultiPolygon:
+    return polygons_of(affinity.affine_transform(pixels, _matrix(sheet)))
+
+
+def _placed(sheet: MapFile, column: float, row: float) -> tuple[float, float]:
+    a, b, d, e, x, y = _matrix(sheet)
+    return a * column + b * row + x, d * column + e * row + y
+
+
+def _to_pixels(sheet: MapFile, point: tuple[float, float]) -> tuple[float, float]:
+    x, y, yaw = sheet.origin
+    dx, dy = point[0] - x, point[1] - y
+    cos, sin = math.cos(yaw) / sheet.resolution, math.sin(yaw) / sheet.resolution
+    return cos * dx + sin * dy, -sin * dx + cos * dy

@@ -1,0 +1,156 @@
+"""Pixels to polygons along their edges, straightened by at most half a pixel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon, STRtree, box, get_coordinates, linestrings, union_all
+from shapely.geometry.polygon import orient
+
+from rota.files.rings import polygons_of
+
+LARGEST_DEVIATION = 0.5  # pixels
+
+Floats = NDArray[np.float64]
+
+
+def exact_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
+    """The union of the pixels that are set, without needless corners.
+
+    pixels: (rows, columns); pixels[row, column] fills the unit square whose lower left corner is (column, row). Empty
+    when no pixel is set.
+    """
+    padded = np.pad(pixels, ((0, 0), (1, 1))).astype(np.int8)
+    steps = np.diff(padded, axis=1)
+    rows, starts = np.nonzero(steps == 1)
+    _, ends = np.nonzero(steps == -1)
+    return polygons_of(union_all(box(starts, rows, ends, rows + 1)).simplify(0))
+
+
+def straight_outline(pixels: NDArray[np.bool_]) -> MultiPolygon:
+    """The outline of the pixels with the stairs of slanted walls straightened.
+
+    The new border runs through points of the exact one, and neither is farther than half a pixel from the other
+    (Hausdorff distance). Holes and parts stay as they are in number; the result is valid.
+    """
+    return MultiPolygon([_straightened(polygon) for polygon in exact_outline(pixels).geoms])
+
+
+@dataclass
+class _Ring:
+    """A closed path of exact corners, places on it where the new border may turn, and those where it does.
+
+    path: (n, 2), the first point not repeated. stops: positions on the path, counted in edges: 3.5 is the middle of the
+    fourth edge. turns: those of ``stops`` that are kept. restored: turns from which the exact path is followed.
+    """
+
+    path: Floats
+    stops: Floats
+    turns: list[int] = field(default_factory=list)
+    restored: set[int] = field(default_factory=set)
+
+    def point(self, stop: int) -> Floats:
+        """Where the stop of this number lies."""
+        position = self.stops[stop % len(self.stops)]
+        edge = int(position)
+        here, there = self.path[edge], self.path[(edge + 1) % len(self.path)]
+        return np.asarray(here + (position - edge) * (there - here))
+
+    def between(self, first: int, last: int) -> Floats:
+        """(m, 2) exact corners strictly between two stops; ``last`` counts on beyond the ring's end."""
+        count = len(self.stops)
+        start = self.stops[first % count] + len(self.path) * (first // count)
+        end = self.stops[last % count] + len(self.path) * (last // count)
+        corners = np.arange(np.floor(start) + 1, np.ceil(end)).astype(np.int64)
+        return self.path[corners % len(self.path)]
+
+    def pieces(self) -> list[Floats]:
+        """Each piece of the new border as its points, from one turn to the next, the latter included."""
+        found = []
+        for k, turn in enumerate(self.turns):
+            after = self.turns[k + 1] if k + 1 < len(self.turns) else self.turns[0] + len(self.stops)
+            ends = self.point(turn)[None], self.point(after)[None]
+            inner = self.between(turn, after) if turn in self.restored else np.empty((0, 2))
+            found.append(np.concatenate([ends[0], inner, ends[1]]))
+        return found
+
+
+def _straightened(polygon: Polygon) -> Polygon:
+    rings = [_ring(get_coordinates(ring)[:-1]) for ring in (polygon.exterior, *polygon.interiors)]
+    for ring in rings:
+        _choose_turns(ring)
+    while True:
+        pieces = [ring.pieces() for ring in rings]
+        borders = [np.concatenate([piece[:-1] for piece in of_ring]) for of_ring in pieces]
+        if all(len(border) >= 3 for border in borders):
+            straight = Polygon(borders[0], borders[1:])
+            if straight.is_valid:
+                return orient(straight.simplify(0))
+        # thin walls: both their sides moved, and met; the exact path is followed there instead
+        if not _restore_meeting(rings, pieces):
+            return polygon
+
+
+def _ring(path: Floats) -> _Ring:
+    """Stops are the middles of one-pixel steps (turning one way and back again), and all corners of no such step."""
+    edges = np.roll(path, -1, axis=0) - path
+    before = np.roll(edges, 1, axis=0)
+    turn = np.sign(before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0])
+    is_step = (np.abs(edges).sum(axis=1) == 1) & (turn * np.roll(turn, -1) < 0)
+    is_corner = ~is_step & ~np.roll(is_step, 1)
+    stops = np.sort(np.concatenate([np.flatnonzero(is_corner).astype(np.float64), np.flatnonzero(is_step) + 0.5]))
+    return _Ring(path, stops)
+
+
+def _choose_turns(ring: _Ring) -> None:
+    """From stop to stop, each time the farthest one that leaves no exact corner too far from the straight line."""
+    count = len(ring.stops)
+    # a corner of long walls is sure to be one of the result
+    reach = [len(ring.between(k - 1, k + 1)) if ring.stops[k] % 1 else 0 for k in range(count)]
+    first = int(np.argmin(reach))
+    at, ring.turns = first, []
+    while at < first + count:
+        ring.turns.append(at)
+        at = _farthest(ring, at, first + count)
+    if len(ring.turns) < 3:
+        ring.turns = list(range(first, first + count))
+
+
+def _farthest(ring: _Ring, at: int, limit: int) -> int:
+    reached, ahead = at + 1, 2
+    # doubling, then halving, finds it in few trials; what lies within reach is nearly always a run without gaps
+    while at + ahead <= limit and _fits(ring, at, at + ahead):
+        reached, ahead = at + ahead, 2 * ahead
+    low, high = reached, min(at + ahead, limit + 1)
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if _fits(ring, at, middle) else (low, middle)
+    return low
+
+
+def _fits(ring: _Ring, first: int, last: int) -> bool:
+    start, end = ring.point(first), ring.point(last)
+    corners = ring.between(first, last)
+    along = end - start
+    squared = float(along @ along)
+    if squared == 0:
+        return False
+    share = np.clip((corners - start) @ along / squared, 0, 1)
+    off = corners - start - share[:, None] * along
+    return bool(((off**2).sum(axis=1) <= LARGEST_DEVIATION**2).all())
+
+
+def _restore_meeting(rings: list[_Ring], pieces: list[list[Floats]]) -> bool:
+    """Follow the exact path along pieces that meet others than their neighbours; False when there are none."""
+    owners = [(ring, k) for ring, of_ring in zip(rings, pieces, strict=True) for k in range(len(of_ring))]
+    lines = np.array([linestrings(piece) for of_ring in pieces for piece in of_ring])
+    changed = False
+    for one, other in STRtree(lines).query(lines, predicate="intersects").T:
+        (ring, k), (other_ring, m) = owners[one], owners[other]
+        apart = ring is not other_ring or (k - m) % len(ring.turns) not in (0, 1, len(ring.turns) - 1)
+        if (apart or lines[one].crosses(lines[other])) and ring.turns[k] not in ring.restored:
+            ring.restored.add(ring.turns[k])
+            changed = True
+    return changed

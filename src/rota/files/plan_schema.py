@@ -1,0 +1,148 @@
+"""The shape of a plan file: what each field may hold. Read by ``plan_file`` and published as JSON Schema."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+
+from rota.mission import Blocks, Demand, Effort, Unseeable
+
+PLAN_VERSION = 1
+
+Point = Annotated[list[float], Field(min_length=2, max_length=2)]
+Position = Annotated[list[float], Field(min_length=2, max_length=3)]
+Ring = Annotated[list[Point], Field(min_length=3, description="[x, y] in metres; the first point is not repeated")]
+Polygons = Annotated[
+    list[Annotated[list[Ring], Field(min_length=1, description="outer ring, then holes")]], Field(min_length=1)
+]
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Name = Annotated[str, Field(min_length=1)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class DiscSensorFields(_Strict):
+    """A disc of this radius round the robot."""
+
+    shape: Literal["disc"]
+    radius_m: Positive
+
+
+class SquareSensorFields(_Strict):
+    """A square of this side round the robot, along the axes."""
+
+    shape: Literal["square"]
+    side_m: Positive
+
+
+SensorFields = Annotated[DiscSensorFields | SquareSensorFields, Field(discriminator="shape")]
+
+
+class RobotFields(_Strict):
+    """One robot of the fleet."""
+
+    name: Name
+    speed_m_s: Positive
+    sensor: SensorFields
+    body_radius_m: NotNegative
+    turn_rate_rad_s: Positive | None
+    start: Point | None
+
+
+RobotList = Annotated[list[RobotFields], Field(min_length=1)]
+
+
+def _robots_tag(value: object) -> str:
+    return "fewest" if isinstance(value, str) else "list"
+
+
+class FleetFields(_Strict):
+    """The robots at hand; ``robots`` "fewest" means as few equal ones as possible."""
+
+    # the tag makes errors speak of the one form that was meant
+    robots: Annotated[
+        Annotated[Literal["fewest"], Tag("fewest")] | Annotated[RobotList, Tag("list")], Discriminator(_robots_tag)
+    ]
+    speed_m_s: Positive
+    sensor: SensorFields
+    body_radius_m: NotNegative
+    turn_rate_rad_s: Positive | None
+    altitude_m: Positive
+
+
+class ObstacleFields(_Strict):
+    """A shape that blocks motion, sight, or both."""
+
+    shape: Polygons
+    blocks: Blocks
+
+
+class ZoneFields(_Strict):
+    """Part of the area with its own period."""
+
+    name: Name
+    period_s: Positive | None
+    demand: Demand
+    shape: Polygons
+
+
+class OriginFields(_Strict):
+    """Where the local metres (x east, y north) have their zero, WGS84 degrees."""
+
+    lat: Annotated[float, Field(ge=-90, le=90)]
+    lon: Annotated[float, Field(ge=-180, le=180)]
+
+
+class PatrolFields(_Strict):
+    """Settings of the patrol planner."""
+
+    effort: Effort
+    method: Literal["tours"]
+
+
+class MissionFields(_Strict):
+    """The mission, all defaults filled in and all shapes resolved to rings in local metres."""
+
+    name: Name
+    area: Polygons
+    obstacles: list[ObstacleFields]
+    zones: list[ZoneFields]
+    period_s: Positive | None
+    unseeable: Unseeable
+    origin: OriginFields | None
+    fleet: FleetFields
+    planner: Literal["patrol"]
+    patrol: PatrolFields
+
+
+class TrajectoryFields(_Strict):
+    """One robot's timed points: straight legs at constant speed, repeated for ever from ``loop_start_s``."""
+
+    name: Name
+    loop_start_s: NotNegative
+    times_s: Annotated[list[NotNegative], Field(min_length=1)]
+    positions_m: Annotated[list[Position], Field(min_length=1)]
+    headings_rad: list[float] | None
+
+
+class PlanFields(_Strict):
+    """A Rota plan: a mission and one timed trajectory per robot. It stands alone."""
+
+    rota_plan: Literal[1]
+    seed: int
+    lower_bound_robots: Annotated[int, Field(ge=0)] | None
+    meets_demand: Annotated[
+        bool | None, Field(description="false: written with --best although the check does not pass; else absent")
+    ] = None
+    mission: MissionFields
+    robots: list[TrajectoryFields]
+
+
+def plan_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the plan file."""
+    schema = PlanFields.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Rota plan, version 1"}

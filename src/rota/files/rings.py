@@ -1,0 +1,82 @@
+"""Rings of points: what is wrong with them, and circles as rings."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon, is_valid_reason
+from shapely.geometry.base import BaseGeometry
+
+CIRCLE_CORNERS = 64
+
+Points = Sequence[tuple[float, float]]
+
+
+def open_ring(points: Points) -> list[tuple[float, float]]:
+    """The ring's points without the repeated last one and without points equal to the one before them."""
+    kept: list[tuple[float, float]] = []
+    for point in points:
+        if not kept or tuple(point) != kept[-1]:
+            kept.append((point[0], point[1]))
+    while len(kept) > 1 and kept[0] == kept[-1]:
+        kept.pop()
+    return kept
+
+
+def ring_fault(points: Points) -> str | None:
+    """What makes this ring unusable, in words, or None.
+
+    points: (n, 2) in any unit, closed (first point repeated) or not. At least 3 distinct points are needed; the ring
+    may neither cross nor touch itself, and must enclose something.
+    """
+    distinct = len(set(open_ring(points)))
+    if distinct < 3:
+        return f"a ring of {distinct} distinct point{'s' * (distinct != 1)} encloses nothing; at least 3 are needed"
+    polygon = Polygon(open_ring(points))
+    # the hull, since the two halves of a ring shaped like an 8 cancel
+    if polygon.convex_hull.area <= 1e-12 * polygon.length**2:
+        return "the ring encloses no area: its points lie on one line; move one of them off it"
+    if not polygon.is_valid:
+        return f"the ring crosses or touches itself at {fault_point(polygon)}; order its points along the border"
+    return None
+
+
+def polygon_fault(outer: Points, holes: Sequence[Points]) -> str | None:
+    """What makes a polygon with holes unusable although each ring is fine, in words, or None."""
+    polygon = Polygon(open_ring(outer), [open_ring(hole) for hole in holes])
+    if polygon.is_valid:
+        return None
+    return (
+        f"the rings cross, touch along a line or lie outside each other near {fault_point(polygon)}; "
+        "holes must lie inside the outer ring and apart from each other"
+    )
+
+
+def fault_point(shape: BaseGeometry) -> str:
+    """Where GEOS finds an invalid shape invalid, as ``(x, y)``."""
+    found = re.search(r"\[(\S+) (\S+?)\]", is_valid_reason(shape))
+    return f"({float(found[1]):.9g}, {float(found[2]):.9g})" if found else "an unknown point"
+
+
+def circle_ring(centre: tuple[float, float], radius: float) -> NDArray[np.float64]:
+    """(64, 2) corners of the regular 64-gon whose sides touch the circle from outside, so that it contains it."""
+    angles = (np.arange(CIRCLE_CORNERS) + 0.5) * (2 * math.pi / CIRCLE_CORNERS)
+    # the factor beyond 1 / cos keeps the sides outside the circle when coordinates are rounded
+    corner_radius = radius / math.cos(math.pi / CIRCLE_CORNERS) * (1 + 1e-12)
+    return np.asarray(centre) + corner_radius * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def polygons_of(shape: BaseGeometry) -> MultiPolygon:
+    """The polygons of a shape, points and lines left out; empty when there are none."""
+    parts = getattr(shape, "geoms", [shape])
+    polygons: list[Polygon] = []
+    for part in parts:
+        if isinstance(part, Polygon):
+            polygons += [part] if part.area > 0 else []
+        elif hasattr(part, "geoms"):
+            polygons += polygons_of(part).geoms
+    return MultiPolygon(polygons)

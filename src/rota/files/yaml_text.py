@@ -1,0 +1,212 @@
+"""YAML 1.2 and JSON text to plain values, remembering the line and column of every key and value."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from rota.errors import MissionError
+
+Place = tuple[str | int, ...]
+
+MOST_VALUES = 2_000_000  # a few lines of aliases can stand for billions of values
+
+_STANDARD = "tag:yaml.org,2002:"
+# beside the core schema's, what ruamel's resolver makes of plain text such as dates and <<
+_PLAIN_TAGS = {_STANDARD + kind for kind in ("null", "bool", "int", "float", "str", "timestamp", "merge", "value")}
+_TAGS = _PLAIN_TAGS | {_STANDARD + "map", _STANDARD + "seq"}
+# YAML 1.2.2, section 10.3.2: the core schema
+_NULL = re.compile(r"null|Null|NULL|~|")
+_BOOL = re.compile(r"true|True|TRUE|false|False|FALSE")
+_INT = re.compile(r"[-+]?[0-9]+")
+_OCTAL = re.compile(r"0o[0-7]+")
+_HEXADECIMAL = re.compile(r"0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INFINITY = re.compile(r"[-+]?\.(inf|Inf|INF)")
+_NAN = re.compile(r"\.(nan|NaN|NAN)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """A parsed file: ``value`` is made of dicts, lists, str, int, float, bool and None only.
+
+    ``values_at`` and ``keys_at`` give the (line, column), counted from 1, of the value or the key at a place;
+    ``overridden`` are the places whose values come from elsewhere.
+    """
+
+    name: str
+    value: Any
+    values_at: dict[Place, tuple[int, int]]
+    keys_at: dict[Place, tuple[int, int]]
+    overridden: frozenset[Place] = frozenset()
+
+    def position(self, place: Place, *, key: bool = False) -> tuple[int, int]:
+        """(line, column) of the value (or its key) at ``place``; of what holds it where it is absent."""
+        if key and place in self.keys_at:
+            return self.keys_at[place]
+        while place and place not in self.values_at:
+            place = place[:-1]
+        return self.values_at.get(place, (1, 1))
+
+    def line(self, place: Place, message: str, *, key: bool = False) -> str:
+        """One line ``file:line:column: path.to.field: message``."""
+        line, column = self.position(place, key=key)
+        field = f"{field_path(place)}: " if place else ""
+        if any(place[:depth] in self.overridden for depth in range(len(place) + 1)):
+            return f"override: {field}{message}"
+        return f"{self.name}:{line}:{column}: {field}{message}"
+
+
+def field_path(place: Place) -> str:
+    """``("zones", 0, "period_s")`` as ``zones[0].period_s``."""
+    text = ""
+    for step in place:
+        text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else step
+    return text
+
+
+def parse_text(text: str, name: str, what: str) -> Document:
+    """Parse YAML 1.2 or, when ``name`` ends in .json, JSON; ``name`` and ``what`` stand in errors.
+
+    Raises MissionError with ``name:line:column`` for text that is neither, for keys given twice or that are not text,
+    and for tags other than the standard ones.
+    """
+    if name.lower().endswith(".json"):
+        text = _checked_json(text, name)
+    try:
+        root = YAML(typ="safe", pure=True).compose(text) if text.strip() else None
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"{mark.line + 1}:{mark.column + 1}" if mark else "1:1"
+        reason = ", ".join(str(part) for part in (error.context, error.problem) if part)
+        if "'\\t'" in reason:
+            reason = "a tab where only blanks are allowed; indent with blanks"
+        raise MissionError(f"{name}:{where}: not YAML: {reason}") from None
+    except (YAMLError, ValueError, AttributeError) as error:
+        # without a mark: characters that YAML forbids, or text of nothing but comments and directives
+        position = getattr(error, "position", None)
+        if position is None:
+            root = None
+        else:
+            line = text.count("\n", 0, position) + 1
+            raise MissionError(
+                f"{name}:{line}:{position - text.rfind(chr(10), 0, position)}: not YAML: "
+                f"the character {text[position : position + 1]!r} is not allowed"
+            ) from None
+    except RecursionError:
+        raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
+    if root is None:
+        raise MissionError(f"{name}:1:1: the file is empty; {what} is needed")
+    builder = _Builder(name, text)
+    try:
+        value = builder.build(root, ())
+    except RecursionError:
+        raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
+    if builder.faults:
+        raise MissionError(*builder.faults)
+    return Document(name=name, value=value, values_at=builder.values_at, keys_at=builder.keys_at)
+
+
+def _checked_json(text: str, name: str) -> str:
+    if not text.strip():
+        return ""
+    try:
+        json.loads(text)
+    except json.JSONDecodeError as error:
+        raise MissionError(f"{name}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
+    except (RecursionError, ValueError) as error:
+        raise MissionError(f"{name}:1:1: not JSON: {error}") from None
+    # JSON allows tabs between values where YAML may not; inside strings JSON has none, so positions stay
+    return text.replace("\t", " ")
+
+
+def _scalar(text: str) -> Any:
+    if _NULL.fullmatch(text):
+        return None
+    if _BOOL.fullmatch(text):
+        return text[0] in "tT"
+    if _INT.fullmatch(text):
+        # Python refuses to convert very long integers; as a float they are out of every range all the same
+        return int(text) if len(text) <= 18 else float(text)
+    if _OCTAL.fullmatch(text):
+        return int(text[2:], 8)
+    if _HEXADECIMAL.fullmatch(text):
+        return int(text[2:], 16)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    if _INFINITY.fullmatch(text):
+        return float(text.replace(".", ""))
+    if _NAN.fullmatch(text):
+        return float("nan")
+    return text
+
+
+class _Builder:
+    """Turns ruamel's nodes into plain values and notes where each one stands."""
+
+    def __init__(self, name: str, source: str) -> None:
+        self.name, self.source = name, source
+        self.values_at: dict[Place, tuple[int, int]] = {}
+        self.keys_at: dict[Place, tuple[int, int]] = {}
+        self.faults: list[str] = []
+        self.open: set[int] = set()
+
+    def build(self, node: Node, place: Place) -> Any:
+        self.values_at[place] = _start(node)
+        if len(self.values_at) > MOST_VALUES:
+            raise MissionError(f"{self.name}:1:1: more than {MOST_VALUES:,} values; put large shapes in a GeoJSON file")
+        if id(node) in self.open:
+            return self.refuse(node, place, "an alias inside what it stands for; write the values out")
+        if node.tag not in _TAGS:
+            return self.refuse(node, place, f"the tag {node.tag} is not allowed; write a plain value")
+        self.open.add(id(node))
+        try:
+            if isinstance(node, MappingNode):
+                return self.mapping(node, place)
+            if isinstance(node, SequenceNode):
+                return [self.build(item, (*place, k)) for k, item in enumerate(node.value)]
+            assert isinstance(node, ScalarNode)
+            return self.scalar(node)
+        finally:
+            self.open.discard(id(node))
+
+    def mapping(self, node: MappingNode, place: Place) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            key = key_node.value if isinstance(key_node, ScalarNode) else None
+            if key is None:
+                self.refuse(key_node, place, "a list or mapping as a key is not allowed; keys are plain text")
+                continue
+            inner = (*place, key)
+            if key in values:
+                first = self.keys_at[inner][0]
+                self.refuse(key_node, inner, f"the key is given twice, first in line {first}; keep one of them")
+                continue
+            self.keys_at[inner] = _start(key_node)
+            values[key] = self.build(value_node, inner)
+        return values
+
+    def scalar(self, node: ScalarNode) -> Any:
+        text = str(node.value)
+        if any(0xD800 <= ord(letter) < 0xE000 for letter in text):
+            # JSON writes characters beyond the first plane as two escapes
+            text = text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+        # ruamel calls some plain numbers text; only what is quoted or tagged !!str is meant as text
+        source = self.source[node.start_mark.index : node.end_mark.index]
+        is_text = node.style is not None or (node.tag == _STANDARD + "str" and "!" in source.removesuffix(text))
+        return text if is_text else _scalar(text)
+
+    def refuse(self, node: Node, place: Place, message: str) -> None:
+        line, column = _start(node)
+        field = field_path(place)
+        self.faults.append(f"{self.name}:{line}:{column}: {field + ': ' if field else ''}{message}")
+
+
+def _start(node: Node) -> tuple[int, int]:
+    return node.start_mark.line + 1, node.start_mark.column + 1

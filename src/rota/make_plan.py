@@ -1,0 +1,117 @@
+"""From a mission to a plan that the check passes: the mission's planner, a judge, a stop rule and a seed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rota.errors import MissionError, NoPlanFound
+
+if TYPE_CHECKING:
+    from rota.check.report import Report
+    from rota.mission import Mission
+    from rota.plan import Plan
+
+Progress = Callable[[float, str], None]
+ShouldStop = Callable[[], bool]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanSearch:
+    """What a search came to: a plan, the check's report on it, and whether the planner was stopped early."""
+
+    plan: Plan
+    report: Report
+    stopped_early: bool
+
+
+def make_plan(
+    mission: Mission,
+    *,
+    seed: int = 0,
+    time_limit_s: float | None = None,
+    progress: Progress | None = None,
+    should_stop: ShouldStop | None = None,
+) -> Plan:
+    """Plan ``mission`` and return a plan that the check passes; see ``search_plan``, which tells more."""
+    return search_plan(mission, seed=seed, time_limit_s=time_limit_s, progress=progress, should_stop=should_stop).plan
+
+
+def search_plan(
+    mission: Mission,
+    *,
+    seed: int = 0,
+    time_limit_s: float | None = None,
+    progress: Progress | None = None,
+    should_stop: ShouldStop | None = None,
+) -> PlanSearch:
+    """Plan ``mission`` with the planner that its settings name, and check the outcome.
+
+    seed: the same seed gives the same plan, unless the search is stopped early. time_limit_s: seconds after which the
+    planner is asked to stop; it then gives the best plan so far. progress: called with a fraction 0..1 and what is
+    being done. should_stop: asked now and then; True stops like the time limit.
+
+    Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
+    is not greater than 0 or a mission that the planner cannot use.
+    """
+    if time_limit_s is not None and not time_limit_s > 0:
+        raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
+    judge = _Judge()
+    stop = _StopRule(time_limit_s, should_stop)
+    try:
+        plan = _planner(mission)(mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop)
+    except NoPlanFound as failure:
+        if stop.stopped:
+            raise NoPlanFound(f"{failure} (stopped early)", best=failure.best) from failure
+        raise
+    report = judge(plan)
+    if report.verdict != "met":
+        reason = f"the best plan found is not shown to meet the demand: the check says {report.verdict!r}"
+        raise NoPlanFound(reason + (" (stopped early)" if stop.stopped else ""), best=plan)
+    return PlanSearch(plan=plan, report=report, stopped_early=stop.stopped)
+
+
+def _planner(mission: Mission) -> Callable[..., Plan]:
+    # planners compile and load much: only the one that is asked for is imported
+    from rota.mission import PatrolSettings
+
+    if isinstance(mission.planning, PatrolSettings):
+        from rota.planners.patrol import plan_patrol
+
+        return plan_patrol
+    raise MissionError(f"planner: there is none for {type(mission.planning).__name__}; patrol is known")
+
+
+class _Judge:
+    """The check as a planner sees it; remembers its last report, since the plan judged last is mostly the one given."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Plan, Report] | None = None
+
+    def __call__(self, plan: Plan) -> Report:
+        from rota.check import check_plan
+
+        if self._last is None or self._last[0] is not plan:
+            self._last = (plan, check_plan(plan))
+        return self._last[1]
+
+
+class _StopRule:
+    """True once the time is up or the caller says so, and from then on; ``stopped`` tells whether it was asked so."""
+
+    def __init__(self, time_limit_s: float | None, should_stop: ShouldStop | None) -> None:
+        self._deadline_s = None if time_limit_s is None else time.monotonic() + time_limit_s
+        self._should_stop = should_stop
+        self.stopped = False
+
+    def __call__(self) -> bool:
+        if not self.stopped:
+            late = self._deadline_s is not None and time.monotonic() >= self._deadline_s
+            self.stopped = late or (self._should_stop is not None and self._should_stop())
+        return self.stopped
+
+
+def _no_progress(fraction: float, doing: str) -> None:
+    pass

@@ -1,0 +1,92 @@
+"""What a plan comes to, robot by robot: loop length and time, zones served, slack. Rows and sentences, no layout."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shapely import LineString, MultiPolygon, Point, union_all
+
+from rota.mission import Mission, Sensor, Zone
+from rota.plan import Plan, Trajectory
+
+AREA = "area"  # as the check calls the area outside zones
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotRow:
+    """One robot of the table. ``slack``: the share of its tightest period that its loop leaves; None: shared zones."""
+
+    robot: str
+    loop_length_m: float
+    loop_time_s: float
+    zones: tuple[str, ...]
+    slack: float | None
+
+
+def robot_rows(plan: Plan) -> tuple[RobotRow, ...]:
+    """One row per trajectory, in the plan's order."""
+    demands = _demands(plan.mission)
+    return tuple(_row(plan.mission, trajectory, demands) for trajectory in plan.trajectories)
+
+
+def zones_served(plan: Plan, trajectory: Trajectory) -> tuple[str, ...]:
+    """Names of the zones (and ``AREA``) that the robot's loop serves, in the mission's order.
+
+    A zone is served by a loop that comes within the sensor's reach of it (for a "visit" demand: into it) and takes no
+    longer than its period. A loop longer than every period that it passes serves all of them together with other
+    robots. Sight lines are not looked at: the check does that. Zones without a period are not listed.
+    """
+    return _served(plan.mission, trajectory, _demands(plan.mission))[0]
+
+
+def _row(mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]) -> RobotRow:
+    zones, period_s = _served(mission, trajectory, demands)
+    loop_s = trajectory.loop_duration_s
+    return RobotRow(
+        robot=trajectory.robot,
+        loop_length_m=trajectory.loop_length_m,
+        loop_time_s=loop_s,
+        zones=zones,
+        slack=None if period_s is None or loop_s > period_s else (period_s - loop_s) / period_s,
+    )
+
+
+def _served(
+    mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]
+) -> tuple[tuple[str, ...], float | None]:
+    points_m = trajectory.positions_m[trajectory.loop_index :, :2]
+    loop = LineString(points_m) if len(points_m) > 1 else Point(points_m[0])
+    sensor = mission.fleet.robot(trajectory.robot).sensor
+    passed = [zone for zone in demands if _comes_near(loop, zone, sensor)]
+    alone = [zone for zone in passed if zone.period_s is not None and trajectory.loop_duration_s <= zone.period_s]
+    periods_s = [zone.period_s for zone in alone if zone.period_s is not None]
+    return tuple(zone.name for zone in alone or passed), min(periods_s, default=None)
+
+
+def _comes_near(loop: LineString | Point, zone: Zone, sensor: Sensor) -> bool:
+    if zone.demand == "visit":
+        return bool(loop.intersects(zone.shape))
+    return bool(loop.distance(zone.shape) < sensor.reach_m)
+
+
+def _demands(mission: Mission) -> tuple[Zone, ...]:
+    """The zones with a period, and the area outside all zones as one more."""
+    zones = tuple(zone for zone in mission.zones if zone.period_s is not None)
+    if mission.period_s is None:
+        return zones
+    rest = mission.area.difference(union_all([zone.shape for zone in mission.zones]))
+    pieces = [piece for piece in getattr(rest, "geoms", [rest]) if piece.geom_type == "Polygon" and piece.area > 0]
+    if not pieces:
+        return zones
+    return (*zones, Zone(name=AREA, shape=MultiPolygon(pieces), period_s=mission.period_s))
+
+
+def robots_sentence(plan: Plan) -> str:
+    """Robots in the plan against the proved lower bound, as a sentence."""
+    n, bound = len(plan.trajectories), plan.lower_bound_robots
+    count = f"{n} robot" + ("s" if n != 1 else "")
+    if bound is None:
+        return f"{count}; no lower bound is known."
+    if n <= bound:
+        return f"{count}: no plan needs fewer, proved."
+    return f"{count}; no plan with fewer than {bound} exists, proved."

@@ -1,0 +1,93 @@
+"""What a search is given besides the problem: how much work, who judges, whom to tell, when to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.mission import Effort
+from rota.plan import Plan
+from rota.planners.patrol.problem import Problem
+
+
+class DemandOutcome(Protocol):
+    """What the search reads of the verdict on one demand."""
+
+    @property
+    def name(self) -> str:
+        """The zone's name, or "area"."""
+        ...
+
+    @property
+    def period_s(self) -> float:
+        """What is asked."""
+        ...
+
+    @property
+    def worst_gap_s(self) -> float:
+        """What is reached (inf: some of it is never seen)."""
+        ...
+
+
+class Verdict(Protocol):
+    """What the search reads of the verdict on a plan."""
+
+    @property
+    def verdict(self) -> str:
+        """Whether every demand is "met"."""
+        ...
+
+    @property
+    def demands(self) -> tuple[DemandOutcome, ...]:
+        """One outcome per demand."""
+        ...
+
+    @property
+    def unmet_points_m(self) -> NDArray[np.float64]:
+        """Places (n, 2) where the demand is not shown to be met."""
+        ...
+
+    @property
+    def unmet_demand(self) -> NDArray[np.int64]:
+        """For each of these places the index of its demand."""
+        ...
+
+
+Judge = Callable[[Plan], Verdict]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """Bounds of the work: annealing moves (for tours of a few hundred corners), further tries, rounds of repair."""
+
+    moves: int
+    tries: int
+    repairs: int
+    most_moves: int
+
+
+WORK: dict[Effort, Work] = {
+    "quick": Work(moves=250_000, tries=3, repairs=12, most_moves=2_000_000),
+    "normal": Work(moves=1_000_000, tries=8, repairs=20, most_moves=10_000_000),
+    "high": Work(moves=6_000_000, tries=20, repairs=30, most_moves=60_000_000),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Context:
+    """One search: the problem, the seed and the caller's wishes."""
+
+    problem: Problem
+    seed: int
+    judge: Judge
+    progress: Callable[[float, str], None]
+    should_stop: Callable[[], bool]
+
+    @property
+    def work(self) -> Work:
+        """The bounds that the mission's effort sets."""
+        return WORK[self.problem.mission.planning.effort]

@@ -1,0 +1,82 @@
+"""A fleet with a fixed number of robots: spare robots join the busiest tours; too few of them are told so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rota.errors import NoPlanFound
+from rota.plan import Plan
+from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.problem import Problem
+from rota.planners.patrol.repair import Settled, plan_of
+
+
+def plan_for_fixed_fleet(context: Context, fewest: Settled) -> Plan:
+    """The plan for exactly the fleet's robots, from one with as few as possible; NoPlanFound when they are too few."""
+    problem = context.problem
+    fleet = problem.mission.fleet.robots
+    assert fleet is not None
+    needed = sum(tour.robots for tour in fewest.tours)
+    if needed <= len(fleet):
+        tours = list(fewest.tours)
+        for _ in range(len(fleet) - needed):
+            tours = busiest_helped(tours)
+        plan = plan_of(problem, tours, context.seed)
+        verdict = context.judge(plan)
+        if verdict.verdict == "met":
+            return plan
+        raise NoPlanFound(f"the plan for {len(fleet)} robots does not pass the check", best=plan)
+    parts = {tour.part for tour in fewest.tours}
+    reason = f"{len(fleet)} robots are too few: proved: {problem.lower_bound} at least; found: {needed} suffice"
+    if len(parts) > len(fleet):
+        raise NoPlanFound(
+            f"{reason}; the area falls into {len(parts)} parts between which no robot can travel", best=None
+        )
+    tours = with_so_many(problem, fewest.tours, len(fleet))
+    plan = plan_of(problem, tours, context.seed)
+    verdict = context.judge(plan)
+    if verdict.verdict == "met":
+        return plan
+    ratio = max((d.worst_gap_s / d.period_s for d in verdict.demands), default=0.0)
+    raise NoPlanFound(f"{reason}; worst gap reached with {len(fleet)}: {ratio:.3f} of its period", best=plan)
+
+
+def busiest_helped(tours: list[Tour]) -> list[Tour]:
+    """The tours with one robot more on the one whose budget is fullest."""
+    k = max(range(len(tours)), key=lambda i: tour_length_m(tours[i]) / tours[i].budget_m)
+    return [*tours[:k], replace(tours[k], robots=tours[k].robots + 1), *tours[k + 1 :]]
+
+
+def with_so_many(problem: Problem, tours: list[Tour], robots: int) -> list[Tour]:
+    """The tours served by so many robots, fewer than they need: tours of one part are joined until each has a robot.
+
+    ``robots`` is at least the number of parts. The robots go where the ratio of round time to period is worst.
+    """
+    tours = [replace(tour, robots=1) for tour in tours]
+    while len(tours) > robots:
+        pairs = [
+            (tour_length_m(a) + tour_length_m(b), i, j)
+            for i, a in enumerate(tours)
+            for j, b in enumerate(tours[:i])
+            if a.part == b.part
+        ]
+        _, i, j = min(pairs)
+        one = joined_tour(problem, tours[i], tours[j])
+        tours = [tour for k, tour in enumerate(tours) if k not in (i, j)] + [one]
+    for _ in range(robots - len(tours)):
+        tours = busiest_helped(tours)
+    return tours
+
+
+def joined_tour(problem: Problem, a: Tour, b: Tour) -> Tour:
+    """One tour that goes round both, changing over where they are nearest, at the shorter of the two periods."""
+    apart = problem.paths.distances(a.vertices_m, b.vertices_m)
+    i, j = (int(k) for k in np.unravel_index(int(np.argmin(apart)), apart.shape))
+    first = np.vstack([np.roll(a.vertices_m, -i, axis=0), a.vertices_m[i : i + 1]])
+    second = np.vstack([np.roll(b.vertices_m, -j, axis=0), b.vertices_m[j : j + 1]])
+    way = problem.paths.paths_along(np.vstack([first, second, first[:1]]))[:-1]
+    quick = a if a.serves <= b.serves else b
+    return replace(quick, vertices_m=way, robots=1)

@@ -1,0 +1,351 @@
+"""Compiled loops of the patrol planner: what a leg sees, and the annealing over all tours at once.
+
+A tour is a closed polyline; leg i runs from vertex i to vertex i + 1 (the last one back to vertex 0; the only leg of a
+tour of one vertex has no length). Each leg keeps the list of the samples it sees in a slot, so that taking a leg away
+needs no geometry. Arrays are float64 and int64 throughout: one compilation serves every mission.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SHIFT, DELETE, INSERT, MIDPOINT, TWO_OPT, OR_OPT = range(6)
+TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not hide it
+MOST_REMOVED = 4  # vertices that one splice takes out at most
+
+
+class Samples(NamedTuple):
+    """Points that must be seen, sorted by bin; see ``samples.py`` for shapes and units."""
+
+    x: Floats
+    y: Floats
+    weight: Floats
+    period: Ints
+    visit_m: Floats
+    shrink_m: Floats
+    wall_start: Ints
+    wall_item: Ints
+    walls: Floats
+    bin_start: Ints
+    origin: Floats
+    bins: Ints
+
+
+class Tours(NamedTuple):
+    """All tours, what their legs see, and how often each sample is seen; see ``annealing.py``."""
+
+    x: Floats
+    y: Floats
+    slot: Ints
+    n: Ints
+    length: Floats
+    reach_m: Floats
+    square: Ints
+    serves: Ints
+    turn_m: Floats
+    price: Floats
+    budget_m: Floats
+    over_price: Floats
+    seen: NDArray[np.int32]
+    seen_n: Ints
+    free_slots: Ints
+    count: Ints
+    unseen_item: Ints
+    unseen_place: Ints
+    ints: Ints  # [free slots, unseen samples, accepted moves]
+    unseen: Floats  # [weight of the unseen samples]
+    removed_x: Floats
+    removed_y: Floats
+    removed_slot: Ints
+    rng: NDArray[np.uint64]
+
+
+@njit(cache=True)
+def uniform(rng: Any) -> float:
+    """One number in [0, 1) of an xorshift64* sequence: the same on every machine and thread."""
+    s = rng[0]
+    s ^= s >> np.uint64(12)
+    s ^= s << np.uint64(25)
+    s ^= s >> np.uint64(27)
+    rng[0] = s
+    return float((s * np.uint64(2685821657736338717)) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
+
+
+@njit(cache=True)
+def hidden_until(t: float, c: Any, k: int, s: Samples, ax: float, ay: float, dx: float, dy: float) -> float:
+    """End of the interval of leg parameters round ``t`` in which wall ``k`` hides the point c, or t if it does not."""
+    ux = s.walls[k, 0] - c[0]
+    uy = s.walls[k, 1] - c[1]
+    vx = s.walls[k, 2] - c[0]
+    vy = s.walls[k, 3] - c[1]
+    turn = ux * vy - uy * vx
+    if turn < 0:
+        ux, uy, vx, vy, turn = vx, vy, ux, uy, -turn
+    if turn <= TOUCH_M * math.hypot(vx - ux, vy - uy):
+        return t
+    px = ax - c[0]
+    py = ay - c[1]
+    end = math.inf
+    # the shadow is where all three are positive: left of the first ray, right of the second, behind the wall
+    for side in range(3):
+        if side == 0:
+            at, slope = ux * py - uy * px, ux * dy - uy * dx
+        elif side == 1:
+            at, slope = px * vy - py * vx, dx * vy - dy * vx
+        else:
+            wx, wy = vx - ux, vy - uy
+            at, slope = -(wx * (py - uy) - wy * (px - ux)), -(wx * dy - wy * dx)
+        now = at + t * slope
+        if now < 0 or (now == 0 and slope <= 0):
+            return t
+        if slope < 0:
+            end = min(end, -at / slope)
+    return end
+
+
+@njit(cache=True)
+def leg_sees_sample(ax: float, ay: float, bx: float, by: float, i: int, reach: float, square: int, s: Samples) -> bool:
+    """Whether sample i is in range and in sight from some point of the leg a-b."""
+    cx, cy = s.x[i], s.y[i]
+    dx, dy = bx - ax, by - ay
+    px, py = ax - cx, ay - cy
+    if s.visit_m[i] > 0:
+        reach, square = s.visit_m[i], 0
+    else:
+        reach -= s.shrink_m[i]
+    first, last = 0.0, 1.0
+    if square:
+        for axis in range(2):
+            p, d = (px, dx) if axis == 0 else (py, dy)
+            if abs(d) < 1e-12:
+                if abs(p) > reach:
+                    return False
+                continue
+            t0, t1 = (-reach - p) / d, (reach - p) / d
+            first, last = max(first, min(t0, t1)), min(last, max(t0, t1))
+        if first > last:
+            return False
+    else:
+        aa = dx * dx + dy * dy
+        ab = px * dx + py * dy
+        cc = px * px + py * py - reach * reach
+        if aa < 1e-18:
+            if cc > 0:
+                return False
+        else:
+            t = min(1.0, max(0.0, -ab / aa))
+            if cc + t * (2 * ab + t * aa) > 0:
+                return False
+            if s.wall_start[i + 1] == s.wall_start[i]:
+                return True
+            root = math.sqrt(max(0.0, ab * ab - aa * cc))
+            first, last = max(0.0, (-ab - root) / aa), min(1.0, (-ab + root) / aa)
+    if s.visit_m[i] > 0:
+        return True
+    t = first
+    moved = True
+    while moved:
+        moved = False
+        for k in range(s.wall_start[i], s.wall_start[i + 1]):
+            end = hidden_until(t, (cx, cy), s.wall_item[k], s, ax, ay, dx, dy)
+            if end > t:
+                # a leg that only stands (no length) is hidden for good
+                if end >= last or aa_is_zero(dx, dy):
+                    return False
+                t = end + 1e-12
+                moved = True
+    return True
+
+
+@njit(cache=True)
+def aa_is_zero(dx: float, dy: float) -> bool:
+    """Whether a leg has no length."""
+    return dx * dx + dy * dy < 1e-18
+
+
+@njit(cache=True)
+def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any) -> int:
+    """Write the samples of period class >= serves that the leg a-b sees; return how many, or -1 when out is too short."""
+    found = 0
+    far = reach * (1.4142135623730951 if square else 1.0)
+    cell = s.origin[2]
+    far = max(far, s.origin[3])
+    x0 = max(0, int((min(ax, bx) - far - s.origin[0]) / cell))
+    x1 = min(s.bins[0] - 1, int((max(ax, bx) + far - s.origin[0]) / cell))
+    y0 = max(0, int((min(ay, by) - far - s.origin[1]) / cell))
+    y1 = min(s.bins[1] - 1, int((max(ay, by) + far - s.origin[1]) / cell))
+    dx, dy = bx - ax, by - ay
+    long = math.hypot(dx, dy)
+    out_of_lane = far + 0.7072 * cell
+    for row in range(y0, y1 + 1):
+        for col in range(x0, x1 + 1):
+            if long > cell:
+                mx = s.origin[0] + (col + 0.5) * cell - ax
+                my = s.origin[1] + (row + 0.5) * cell - ay
+                if abs(dx * my - dy * mx) > out_of_lane * long:
+                    continue
+            b = row * s.bins[0] + col
+            for i in range(s.bin_start[b], s.bin_start[b + 1]):
+                if s.period[i] >= serves and leg_sees_sample(ax, ay, bx, by, i, reach, square, s):
+                    if found == out.shape[0]:
+                        return -1
+                    out[found] = i
+                    found += 1
+    return found
+
+
+@njit(cache=True)
+def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
+    """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
+    for j in range(t.seen_n[slot]):
+        i = t.seen[slot, j]
+        before = t.count[i]
+        t.count[i] = before + step
+        if step > 0 and before == 0:
+            last = t.unseen_item[t.ints[1] - 1]
+            place = t.unseen_place[i]
+            t.unseen_item[place] = last
+            t.unseen_place[last] = place
+            t.ints[1] -= 1
+            t.unseen[0] -= s.weight[i]
+        elif step < 0 and before == 1:
+            t.unseen_item[t.ints[1]] = i
+            t.unseen_place[i] = t.ints[1]
+            t.ints[1] += 1
+            t.unseen[0] += s.weight[i]
+
+
+@njit(cache=True)
+def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, turn_m: float) -> float:
+    """Turning at b on the way a-b-c, as metres of travel that take the same time."""
+    ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
+    if turn_m == 0 or (ux == 0 and uy == 0) or (vx == 0 and vy == 0):
+        return 0.0
+    return turn_m * abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+
+
+@njit(cache=True)
+def tour_length(k: int, t: Tours) -> float:
+    """Length of tour k in metres, turning included as the metres that take the same time."""
+    n = t.n[k]
+    total = 0.0
+    for i in range(n):
+        j = i + 1 if i + 1 < n else 0
+        total += math.hypot(t.x[k, j] - t.x[k, i], t.y[k, j] - t.y[k, i])
+        if t.turn_m[k] > 0 and n > 1:
+            h = j + 1 if j + 1 < n else 0
+            total += corner_m(t.x[k, i], t.y[k, i], t.x[k, j], t.y[k, j], t.x[k, h], t.y[k, h], t.turn_m[k])
+    return total
+
+
+@njit(cache=True)
+def tour_cost(k: int, length: float, t: Tours) -> float:
+    """Price of a tour of this length: every metre a little, metres over budget a lot."""
+    return t.price[k] * length + t.over_price[k] * max(0.0, length - t.budget_m[k])
+
+
+@njit(cache=True)
+def make_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: Tours) -> int:
+    """Slot of a new leg of tour k with what it sees, counted; -1 when slots or a slot's room run out."""
+    if t.ints[0] == 0:
+        return -1
+    slot = t.free_slots[t.ints[0] - 1]
+    found = leg_sees(ax, ay, bx, by, t.reach_m[k], t.square[k], t.serves[k], s, t.seen[slot])
+    if found < 0:
+        return -1
+    t.ints[0] -= 1
+    t.seen_n[slot] = found
+    count_leg(slot, 1, s, t)
+    return slot
+
+
+@njit(cache=True)
+def free_leg(slot: int, t: Tours) -> None:
+    """Give a slot back."""
+    t.free_slots[t.ints[0]] = slot
+    t.ints[0] += 1
+
+
+@njit(cache=True)
+def set_up(s: Samples, t: Tours) -> bool:
+    """Count everything from the tours' vertices; False when slots or their room run out."""
+    t.count[:] = 0
+    t.ints[0] = t.free_slots.shape[0]
+    t.ints[1] = s.x.shape[0]
+    t.ints[2] = 0
+    t.unseen[0] = 0.0
+    for slot in range(t.free_slots.shape[0]):
+        t.free_slots[slot] = slot
+    for i in range(s.x.shape[0]):
+        t.unseen_item[i] = i
+        t.unseen_place[i] = i
+        t.unseen[0] += s.weight[i]
+    for k in range(t.n.shape[0]):
+        for i in range(t.n[k]):
+            j = (i + 1) % t.n[k]
+            t.slot[k, i] = make_leg(t.x[k, i], t.y[k, i], t.x[k, j], t.y[k, j], k, s, t)
+            if t.slot[k, i] < 0:
+                return False
+        t.length[k] = tour_length(k, t)
+    return True
+
+
+@njit(cache=True)
+def open_gap(k: int, at: int, removed: int, added: int, t: Tours) -> None:
+    """Move the tail of tour k so that ``removed`` vertices from ``at`` on become room for ``added``."""
+    n = t.n[k]
+    step = added - removed
+    if step > 0:
+        for i in range(n - 1, at + removed - 1, -1):
+            t.x[k, i + step], t.y[k, i + step], t.slot[k, i + step] = t.x[k, i], t.y[k, i], t.slot[k, i]
+    elif step < 0:
+        for i in range(at + removed, n):
+            t.x[k, i + step], t.y[k, i + step], t.slot[k, i + step] = t.x[k, i], t.y[k, i], t.slot[k, i]
+    t.n[k] = n + step
+
+
+@njit(cache=True)
+def splice_length(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, most_m: float, t: Tours) -> float:
+    """Change of length if ``added`` vertices replaced ``removed`` ones from ``at`` on; inf when a leg were too long."""
+    n = t.n[k]
+    px, py = t.x[k, (at - 1) % n], t.y[k, (at - 1) % n]
+    change = 0.0
+    x, y = px, py
+    for i in range(removed + 1):
+        j = (at + i) % n
+        change -= math.hypot(t.x[k, j] - x, t.y[k, j] - y)
+        x, y = t.x[k, j], t.y[k, j]
+    x, y = px, py
+    for i in range(added + 1):
+        j = (at + removed) % n
+        qx, qy = (new_x[i], new_y[i]) if i < added else (t.x[k, j], t.y[k, j])
+        leg = math.hypot(qx - x, qy - y)
+        if leg > most_m:
+            return math.inf
+        change += leg
+        x, y = qx, qy
+    return change
+
+
+@njit(cache=True)
+def splice_is_free(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours) -> bool:
+    """Whether all new legs of the splice stay in the standing space."""
+    n = t.n[k]
+    x, y = t.x[k, (at - 1) % n], t.y[k, (at - 1) % n]
+    for i in range(added + 1):
+        j = (at + removed) % n
+        qx, qy = (new_x[i], new_y[i]) if i < added else (t.x[k, j], t.y[k, j])
+        if not segment_is_free(x, y, qx, qy, space):
+            return False
+        x, y = qx, qy
+    return True

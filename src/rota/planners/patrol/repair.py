@@ -1,0 +1,220 @@
+"""From tours that see all samples to a plan that the check passes: what it finds unmet becomes samples too."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from rota.plan import Plan
+from rota.planners.patrol.annealing.search import Annealing, Tour, tour_length_m
+from rota.planners.patrol.bodies import timed_rounds
+from rota.planners.patrol.context import Context, Verdict
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.problem import Problem
+from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare, visit_point
+from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, what_places_see
+from rota.planners.patrol.timetable import as_trajectories
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
+MOST_NEW_POINTS = 4_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settled:
+    """Tours whose plan was judged; ``extra`` are the points that the judge's complaints added on the way."""
+
+    tours: list[Tour]
+    plan: Plan
+    verdict: Verdict
+    extra: SamplePoints
+
+    @property
+    def met(self) -> bool:
+        """Whether the plan passed."""
+        return self.verdict.verdict == "met"
+
+
+def no_points() -> SamplePoints:
+    """No further points."""
+    return points_of(np.zeros((0, 2)), 0.0, 0, 0)
+
+
+def prepared_with(problem: Problem, extra: SamplePoints) -> tuple[SamplePoints, Samples]:
+    """The problem's points and further ones, laid out for the kernels with their weights in metres of travel."""
+    points = joined([problem.points, extra]) if len(extra) else problem.points
+    samples, order = prepare(
+        points,
+        problem.walls,
+        reach_m=problem.robot.sensor.reach_m,
+        weight=UNSEEN_WEIGHT * points.area_m2 / problem.swath_m,
+        wall_margin_m=0.001 * problem.reach_m,
+    )
+    return points[order], samples
+
+
+def plan_of(problem: Problem, tours: Sequence[Tour], seed: int, names: Sequence[str] | None = None) -> Plan:
+    """The plan that drives these tours; robots are named robot-1, robot-2, ... unless the fleet names them."""
+    rounds = timed_rounds(tours, problem.robot.body_radius_m)
+    fleet = problem.mission.fleet.robots
+    if names is None:
+        names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
+    return Plan(
+        mission=problem.mission,
+        trajectories=as_trajectories(rounds, names[: len(rounds)]),
+        seed=seed,
+        lower_bound_robots=problem.lower_bound,
+    )
+
+
+def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add: bool, rounds: int) -> Settled | None:
+    """Mend the tours until the judge passes their plan; None when they outgrow their budgets and ``may_add`` is false.
+
+    With ``may_add`` a tour that outgrows its budget gets another robot. After ``rounds`` the last state is returned.
+    """
+    problem = context.problem
+    settled: Settled | None = None
+    for turn in range(rounds):
+        points, samples = prepared_with(problem, extra)
+        tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
+        over = [tour_length_m(tour) > tour.budget_m for tour in tours]
+        if any(over) and not may_add:
+            return None
+        tours = [with_robots(tour) if too_long else tour for tour, too_long in zip(tours, over, strict=True)]
+        plan = plan_of(problem, tours, context.seed)
+        verdict = context.judge(plan)
+        settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=extra)
+        if settled.met or context.should_stop():
+            return settled
+        found = new_points(problem, verdict, shrink_m=turn * 0.25 * problem.range_margin_m)
+        if not len(found):
+            return settled
+        extra = joined([extra, found])
+    return settled
+
+
+def with_robots(tour: Tour) -> Tour:
+    """The tour with as many robots as its length needs, and no fewer than it has."""
+    needed = math.ceil(tour_length_m(tour) / replace(tour, robots=1).budget_m)
+    return replace(tour, robots=max(tour.robots, needed))
+
+
+def new_points(problem: Problem, verdict: Verdict, *, shrink_m: float) -> SamplePoints:
+    """The places that the judge found unmet, as samples; of a crowd of them one every few centimetres."""
+    by_name = {region.name: i for i, region in enumerate(problem.regions)}
+    grid_m = 0.02 * problem.reach_m
+    found = [no_points()]
+    for k, demand in enumerate(verdict.demands):
+        xy = verdict.unmet_points_m[verdict.unmet_demand == k]
+        if demand.name not in by_name or not len(xy):
+            continue
+        i = by_name[demand.name]
+        if problem.regions[i].demand == "visit":
+            found.append(visit_point(problem.regions[i].shape, i, problem.region_class[i], problem.swath_m**2))
+            continue
+        _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
+        thinned = xy[np.sort(first)]
+        thinned = thinned[:: max(1, len(thinned) // MOST_NEW_POINTS)]
+        area_m2 = problem.spacing_m**2
+        found.append(points_of(thinned, area_m2, problem.region_class[i], i, shrink_m=shrink_m))
+    return joined(found)
+
+
+def see_the_rest(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
+    """Bend the tours a little until they see all samples; lead them by a way of their own to what is left."""
+    problem = context.problem
+    search = Annealing(
+        tours,
+        samples,
+        problem.space_grid,
+        price=np.full(len(tours), 0.02),
+        over_price=np.full(len(tours), 6.0),
+        seed=seed,
+        range_margin_m=problem.range_margin_m,
+    )
+    search.mend(1000 + 200 * search.unseen)
+    tours = search.tours
+    for _ in range(5):
+        unseen = search.unseen_samples
+        if not len(unseen):
+            break
+        longer = visit_places(problem, tours, points, samples, unseen)
+        if longer is None:
+            break
+        tours = longer
+        search = Annealing(
+            tours,
+            samples,
+            problem.space_grid,
+            price=np.full(len(tours), 0.02),
+            over_price=np.full(len(tours), 6.0),
+            seed=seed,
+            range_margin_m=problem.range_margin_m,
+        )
+    return tours
+
+
+def visit_places(
+    problem: Problem, tours: list[Tour], points: SamplePoints, samples: Samples, unseen: Ints
+) -> list[Tour] | None:
+    """Tours led along shortest paths past places that see the unseen samples; None when nobody can see any of them."""
+    wanted = np.zeros(len(points), dtype=bool)
+    wanted[unseen] = True
+    places_m = near_places(problem, points.xy_m[unseen])
+    start, items = what_places_see(places_m, problem.robot, problem.range_margin_m, samples)
+    chosen, hidden = choose_viewpoints(start, items, wanted, points.area_m2)
+    stops = [(places_m[i], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen]
+    for i in np.flatnonzero(hidden):
+        place = place_that_sees(
+            points.xy_m[i], points.visit_m[i], problem.space, problem.walls, problem.robot, problem.range_margin_m
+        )
+        if place is not None:
+            stops.append((place, int(points.period[i])))
+    if not stops:
+        return None
+    for place_m, period in stops:
+        tours = led_past(problem, tours, place_m, int(period))
+    return tours
+
+
+def near_places(problem: Problem, xy_m: Floats) -> Floats:
+    """The candidate places within reach of any of the points (n, 2)."""
+    tree = cKDTree(problem.places_m)
+    near = tree.query_ball_point(xy_m, problem.robot.sensor.reach_m)
+    return problem.places_m[sorted({int(i) for row in near for i in row})].reshape(-1, 2)
+
+
+def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
+    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there."""
+    part = int(problem.paths.part_of(place_m[None])[0])
+    best: tuple[float, int, int] | None = None
+    for k, tour in enumerate(tours):
+        if tour.serves > period or tour.part != part:
+            continue
+        to_place = problem.paths.distances(tour.vertices_m, place_m[None])[:, 0]
+        ends = np.roll(tour.vertices_m, -1, axis=0)
+        detour = to_place + np.roll(to_place, -1) - np.hypot(*(ends - tour.vertices_m).T)
+        i = int(np.argmin(detour))
+        room = tour.budget_m - tour_length_m(tour)
+        cost = float(detour[i]) + 3 * max(0.0, float(detour[i]) - room)
+        if math.isfinite(cost) and (best is None or cost < best[0]):
+            best = (cost, k, i)
+    if best is None:
+        alone = Tour(
+            vertices_m=place_m[None], serves=period, period_s=problem.periods_s[period], robots=1,
+            robot=problem.robot, part=part,
+        )  # fmt: skip
+        return [*tours, alone]
+    _, k, i = best
+    vertices = tours[k].vertices_m
+    after = vertices[(i + 1) % len(vertices)]
+    way = problem.paths.paths_along(np.vstack([vertices[i], place_m, after]))[1:-1]
+    longer = np.vstack([vertices[: i + 1], way, vertices[i + 1 :]])
+    return [*tours[:k], replace(tours[k], vertices_m=longer), *tours[k + 1 :]]

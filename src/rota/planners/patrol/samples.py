@@ -1,0 +1,172 @@
+"""The points that tours are made to see: a lattice over the demanded regions, their borders and their corners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.geometry.free_space import DemandedRegion
+from rota.planners.patrol.kernels import Samples
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SamplePoints:
+    """Points to be seen. All arrays (n,): metres, m2 of ground each stands for, index into the periods, and so on.
+
+    visit_m: 0, or for a zone that asks for visits the distance at which a robot is surely inside. shrink_m: how much
+    shorter the sensor is taken for this point, since it stands for the ground round it. region: index of the demand.
+    """
+
+    xy_m: Floats
+    area_m2: Floats
+    period: Ints
+    visit_m: Floats
+    shrink_m: Floats
+    region: Ints
+
+    def __len__(self) -> int:
+        return len(self.area_m2)
+
+    def __getitem__(self, which: NDArray[np.bool_] | Ints) -> SamplePoints:
+        return SamplePoints(
+            xy_m=self.xy_m[which],
+            area_m2=self.area_m2[which],
+            period=self.period[which],
+            visit_m=self.visit_m[which],
+            shrink_m=self.shrink_m[which],
+            region=self.region[which],
+        )
+
+
+def joined(parts: Sequence[SamplePoints]) -> SamplePoints:
+    """All points of the parts, in order; parts may be empty."""
+    return SamplePoints(
+        xy_m=np.concatenate([p.xy_m for p in parts]).reshape(-1, 2),
+        area_m2=np.concatenate([p.area_m2 for p in parts]),
+        period=np.concatenate([p.period for p in parts]),
+        visit_m=np.concatenate([p.visit_m for p in parts]),
+        shrink_m=np.concatenate([p.shrink_m for p in parts]),
+        region=np.concatenate([p.region for p in parts]),
+    )
+
+
+def points_of(
+    xy_m: Floats, area_m2: float | Floats, period: int, region: int, *, visit_m: float = 0.0, shrink_m: float = 0.0
+) -> SamplePoints:
+    """Points of one region that share everything but the place (and perhaps the area)."""
+    n = len(xy_m)
+    return SamplePoints(
+        xy_m=np.asarray(xy_m, dtype=np.float64).reshape(-1, 2),
+        area_m2=np.broadcast_to(np.asarray(area_m2, dtype=np.float64), n).copy(),
+        period=np.full(n, period, dtype=np.int64),
+        visit_m=np.full(n, visit_m),
+        shrink_m=np.full(n, shrink_m),
+        region=np.full(n, region, dtype=np.int64),
+    )
+
+
+def lattice(shape: MultiPolygon, spacing_m: float) -> Floats:
+    """Centres (n, 2) of the lattice squares that lie in the shape."""
+    x0, y0, x1, y1 = shape.bounds
+    columns, rows = int(np.ceil((x1 - x0) / spacing_m)), int(np.ceil((y1 - y0) / spacing_m))
+    # centred, so that what is left over is shared by both borders
+    xs = (x0 + x1) / 2 + (np.arange(columns) - (columns - 1) / 2) * spacing_m
+    ys = (y0 + y1) / 2 + (np.arange(rows) - (rows - 1) / 2) * spacing_m
+    shapely.prepare(shape)
+    rows_xy = [np.column_stack([xs, np.full(columns, y)]) for y in ys]
+    return np.concatenate([row[shapely.contains_xy(shape, row)] for row in rows_xy])
+
+
+def border(shape: MultiPolygon, spacing_m: float, inset_m: float) -> Floats:
+    """Points (n, 2) along the borders at most ``spacing_m`` apart, corners included, moved ``inset_m`` inwards."""
+    inner = shape.buffer(-inset_m, join_style="mitre", mitre_limit=3.0)
+    if inner.is_empty:
+        inner = shape
+    dense = shapely.segmentize(inner.boundary, spacing_m)
+    return np.unique(shapely.get_coordinates(dense), axis=0)
+
+
+def region_points(
+    region: DemandedRegion, index: int, period: int, *, spacing_m: float, shrink_m: float, inset_m: float
+) -> SamplePoints:
+    """The points that stand for one demanded region; a zone that asks for visits is one point."""
+    if region.demand == "visit":
+        return visit_point(region.shape, index, period, region.shape.area)
+    inside = points_of(lattice(region.shape, spacing_m), spacing_m**2, period, index, shrink_m=shrink_m)
+    edge = points_of(border(region.shape, spacing_m, inset_m), spacing_m**2 / 4, period, index)
+    return joined([inside, edge])
+
+
+def visit_point(shape: MultiPolygon, index: int, period: int, area_m2: float) -> SamplePoints:
+    """The middle of the largest circle in a zone; a robot within its radius is surely inside."""
+    circle = shapely.maximum_inscribed_circle(max(shape.geoms, key=lambda part: float(part.area)))
+    ends = shapely.get_coordinates(circle)
+    radius_m = float(np.hypot(*(ends[1] - ends[0])))
+    return points_of(ends[:1], area_m2, period, index, visit_m=0.98 * radius_m)
+
+
+def prepare(
+    points: SamplePoints, walls: Floats, *, reach_m: float, weight: Floats, wall_margin_m: float
+) -> tuple[Samples, Ints]:
+    """The arrays that the kernels work on, and the order (n,) in which the points stand in them.
+
+    walls: (k, 4) segments that block sight, lengthened by ``wall_margin_m`` at both ends so that nothing counts as seen
+    by a hair's breadth. Points are sorted by bins of the size of the reach; each knows the walls within reach.
+    """
+    far_m = max(reach_m, float(points.visit_m.max(initial=0.0)))
+    low = points.xy_m.min(axis=0)
+    cell_m = max(reach_m / 2, 1e-9)
+    places = ((points.xy_m - low) / cell_m).astype(np.int64)
+    bins = places.max(axis=0) + 1
+    which = places[:, 1] * bins[0] + places[:, 0]
+    order = np.argsort(which, kind="stable").astype(np.int64)
+    start = np.searchsorted(which[order], np.arange(bins[0] * bins[1] + 1)).astype(np.int64)
+    points = points[order]
+    wall_start, wall_item = walls_in_reach(points, walls, reach_m)
+    longer = walls.copy().reshape(-1, 4)
+    along = longer[:, 2:] - longer[:, :2]
+    along *= wall_margin_m / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-12)
+    longer[:, :2] -= along
+    longer[:, 2:] += along
+    samples = Samples(
+        x=np.ascontiguousarray(points.xy_m[:, 0]),
+        y=np.ascontiguousarray(points.xy_m[:, 1]),
+        weight=np.ascontiguousarray(weight[order]),
+        period=points.period,
+        visit_m=points.visit_m,
+        shrink_m=points.shrink_m,
+        wall_start=wall_start,
+        wall_item=wall_item,
+        walls=np.ascontiguousarray(longer),
+        bin_start=start,
+        origin=np.array([low[0], low[1], cell_m, far_m]),
+        bins=bins.astype(np.int64),
+    )
+    return samples, order
+
+
+def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple[Ints, Ints]:
+    """For each point the walls within reach: starts (n + 1,) and indices; points that ask for visits have none."""
+    n = len(points)
+    if not len(walls):
+        return np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    tree = shapely.STRtree(shapely.linestrings(walls.reshape(-1, 2, 2)))
+    wanted = np.flatnonzero(points.visit_m == 0)
+    found = tree.query(shapely.points(points.xy_m[wanted]), predicate="dwithin", distance=reach_m)
+    point, wall = wanted[found[0]], found[1]
+    order = np.lexsort((wall, point))
+    start = np.searchsorted(point[order], np.arange(n + 1)).astype(np.int64)
+    return start, np.ascontiguousarray(wall[order], dtype=np.int64)
+
+
+def with_shrink(points: SamplePoints, shrink_m: float) -> SamplePoints:
+    """The same points, every sensor taken shorter by ``shrink_m`` at least."""
+    return replace(points, shrink_m=np.maximum(points.shrink_m, shrink_m))

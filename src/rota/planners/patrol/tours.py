@@ -1,0 +1,183 @@
+"""The method ``tours``: closed tours over all zones at once, with as few robots as the search finds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from rota.errors import NoPlanFound
+from rota.mission import Mission
+from rota.plan import Plan
+from rota.planners.patrol.annealing.search import Annealing, Tour, tour_length_m
+from rota.planners.patrol.context import Context, Judge
+from rota.planners.patrol.fixed_fleet import plan_for_fixed_fleet
+from rota.planners.patrol.problem import Problem, set_up_problem
+from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
+from rota.planners.patrol.samples import SamplePoints
+from rota.planners.patrol.start.first_tours import class_groups, first_tours, with_robots_needed
+
+GROUPINGS = 2  # ways to group the period classes that are tried
+SQUEEZE = 0.03  # share of all travel that a further try may hope to save
+
+
+def plan_patrol(
+    mission: Mission,
+    *,
+    seed: int,
+    judge: Judge,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool],
+) -> Plan:
+    """A plan of closed tours that the judge passes, with as few robots as the search finds within the effort.
+
+    judge: the verdict on a plan. progress: told a share in 0..1 and what is going on. should_stop: polled often; once
+    true the best plan so far is returned. Raises NoPlanFound, with the best plan found, when the demand is not met.
+    """
+    progress(0.0, "looking at the mission")
+    problem = set_up_problem(mission)
+    context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
+    if mission.fleet.robots is not None:
+        return plan_for_fixed_fleet(context, fewest_robots(context))
+    best = fewest_robots(context)
+    if not best.met:
+        raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
+    return best.plan
+
+
+def unmet_reason(problem: Problem, best: Settled) -> str:
+    """Why the best plan is none: the worst demand and the proved bound."""
+    worst = max(best.verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s)
+    ratio = worst.worst_gap_s / worst.period_s
+    reached = "some of it is never seen" if math.isinf(ratio) else f"the worst gap is {ratio:.3f} of its period"
+    what = f"zone {worst.name}" if worst.name != "area" else "the area"
+    if ratio <= 1:
+        what, reached = "the check", "it finds the routes themselves at fault"
+    return (
+        f"the best plan, with {len(best.plan.trajectories)} robots, does not meet the demand: {what}: {reached};"
+        f" proved: {problem.lower_bound} robots at least"
+    )
+
+
+def fewest_robots(context: Context) -> Settled:
+    """Search downwards from tours that surely suffice; the best settled plan (met unless all repair failed)."""
+    problem = context.problem
+    best: Settled | None = None
+    extra = no_points()
+    groupings = list(class_groups(problem))[:GROUPINGS]
+    for turn, groups in enumerate(groupings):
+        if best is not None and (context.should_stop() or len(best.plan.trajectories) <= problem.lower_bound):
+            break
+        start = first_tours(problem, groups)
+        context.progress(0.1 + 0.4 * turn, f"{sum(t.robots for t in start)} robots suffice; looking for fewer")
+        goal = [replace(tour, robots=hoped_robots(tour)) for tour in start]
+        found = reduce_robots(context, start, goal, extra, best)
+        if found is not None and (best is None or better(found, best)):
+            best = found
+            extra = found.extra
+    if best is None:
+        raise NoPlanFound("the search found no tours at all")
+    return best
+
+
+def better(one: Settled, other: Settled) -> bool:
+    """Whether one plan is to be preferred: met first, then fewer robots, then less travel."""
+
+    def rank(settled: Settled) -> tuple[bool, int, float]:
+        return (not settled.met, len(settled.plan.trajectories), sum(tour_length_m(t) for t in settled.tours))
+
+    return rank(one) < rank(other)
+
+
+def hoped_robots(tour: Tour) -> int:
+    """Robots for a first try: annealing usually shortens a first tour by a fifth."""
+    return max(1, math.ceil(0.8 * tour_length_m(tour) / replace(tour, robots=1).budget_m))
+
+
+def reduce_robots(
+    context: Context, start: list[Tour], goal: list[Tour], extra: SamplePoints, incumbent: Settled | None
+) -> Settled | None:
+    """Anneal for the hoped numbers of robots; add one where a tour outgrows its budget, take one where slack allows."""
+    work = context.work
+    best: Settled | None = None
+    tried: set[tuple[int, ...]] = set()
+    tours = goal
+    for turn in range(work.tries):
+        robots = tuple(tour.robots for tour in tours)
+        if robots in tried or context.should_stop():
+            break
+        tried.add(robots)
+        rival = best or incumbent
+        if rival is not None and rival.met and sum(robots) >= len(rival.plan.trajectories):
+            break
+        context.progress(0.1 + 0.8 * turn / work.tries, f"trying {sum(robots)} robots")
+        tours = annealed(context, tours, extra, seed=context.seed + 1000 * turn)
+        found = settle(context, tours, extra, may_add=False, rounds=work.repairs)
+        if found is not None:
+            extra = found.extra
+        if found is not None and found.met and (best is None or better(found, best)):
+            best = found
+            smaller = one_robot_fewer(context.problem, found.tours)
+            if smaller is None:
+                break
+            tours = smaller
+        else:
+            if best is not None:
+                break
+            tours = one_robot_more(tours)
+    if best is None and (incumbent is None or not incumbent.met):
+        context.progress(0.9, "finishing with the robots that surely suffice")
+        tours = [with_robots_needed(tour) for tour in (tours if tried else start)]
+        best = settle(context, tours, extra, may_add=True, rounds=3 * work.repairs)
+    return best
+
+
+def annealed(context: Context, tours: list[Tour], extra: SamplePoints, *, seed: int) -> list[Tour]:
+    """The tours after annealing: everything seen if it can be, within the budgets if it can be, then short."""
+    problem, work = context.problem, context.work
+    _, samples = prepared_with(problem, extra)
+    search = Annealing(
+        tours,
+        samples,
+        problem.space_grid,
+        price=np.full(len(tours), 0.2),
+        over_price=np.full(len(tours), 3.0),
+        seed=seed,
+        range_margin_m=problem.range_margin_m,
+    )
+    corners = sum(len(tour.vertices_m) for tour in tours)
+    moves = min(work.most_moves, int(work.moves * max(1.0, corners / 300)))
+    search.run(moves, hot_m=problem.reach_m / 2, cold_m=problem.reach_m / 100, should_stop=context.should_stop)
+    return search.tours
+
+
+def one_robot_fewer(problem: Problem, tours: list[Tour]) -> list[Tour] | None:
+    """The tours with one robot fewer where that asks least; None when it asks too much or the bound is reached.
+
+    A tour's last robot may go when a tour of the same part can serve its points.
+    """
+    robots = sum(tour.robots for tour in tours)
+    shares = [tour_length_m(tour) / replace(tour, robots=1).budget_m for tour in tours]
+    if robots <= problem.lower_bound or sum(shares) * (1 - SQUEEZE) > robots - 1:
+        return None
+
+    def asked(k: int) -> float:
+        alone = all(i == k or t.part != tours[k].part or t.serves > tours[k].serves for i, t in enumerate(tours))
+        if tours[k].robots == 1 and alone:
+            return math.inf
+        return shares[k] - (tours[k].robots - 1)
+
+    k = min(range(len(tours)), key=asked)
+    if not math.isfinite(asked(k)):
+        return None
+    if tours[k].robots > 1:
+        return [*tours[:k], replace(tours[k], robots=tours[k].robots - 1), *tours[k + 1 :]]
+    return [*tours[:k], *tours[k + 1 :]]
+
+
+def one_robot_more(tours: list[Tour]) -> list[Tour]:
+    """The tours with one robot more where the budget is fullest."""
+    k = max(range(len(tours)), key=lambda i: tour_length_m(tours[i]) / tours[i].budget_m)
+    return [*tours[:k], replace(tours[k], robots=tours[k].robots + 1), *tours[k + 1 :]]

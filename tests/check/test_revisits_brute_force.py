@@ -1,0 +1,109 @@
+"""Worst gaps of random plans against brute force: sampled times, sight by shapely."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Point, Polygon, box
+
+from rota.check.pieces import convex_pieces
+from rota.check.revisits import piece_gaps, sights_of, worst_gaps_s
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
+from rota.plan import Plan, Trajectory
+
+STEP_S = 0.02
+
+
+def random_plan(rng: np.random.Generator, *, robots: int, obstacles: int) -> Plan:
+    shapes = []
+    for _ in range(obstacles):
+        centre, size = rng.uniform(1, 9, 2), rng.uniform(0.3, 1.5)
+        ring = [(size * math.cos(a), size * math.sin(a)) for a in np.sort(rng.uniform(0, 2 * math.pi, 5))]
+        shapes.append(shapely.affinity.translate(Polygon(ring), *centre))
+    durations = rng.choice([6.0, 9.0, 12.0, 18.0], robots)
+    fleet, trajectories = [], []
+    for k in range(robots):
+        disc, square = DiscSensor(radius_m=rng.uniform(2, 4)), SquareSensor(side_m=rng.uniform(3, 7))
+        sensor = disc if rng.random() < 0.6 else square
+        fleet.append(Robot(name=f"r{k}", speed_m_s=100.0, sensor=sensor))
+        n, lead = int(rng.integers(3, 7)), int(rng.integers(0, 3))
+        xy = rng.uniform(0, 10, (lead + n, 2))
+        if rng.random() < 0.3:
+            xy[-1] = xy[-2]
+        xy = np.vstack([xy, xy[lead : lead + 1]])
+        times = np.concatenate([np.arange(lead), lead + np.linspace(0, durations[k], n + 1)])
+        trajectories.append(Trajectory(robot=f"r{k}", times_s=times, positions_m=xy, loop_start_s=float(lead)))
+    mission = Mission(
+        name="random",
+        area=MultiPolygon([box(0, 0, 10, 10)]),
+        obstacles=tuple(Obstacle(shape=s, blocks="sight") for s in shapes),
+        fleet=Fleet(speed_m_s=100.0, sensor=DiscSensor(radius_m=1.0), robots=tuple(fleet)),
+        period_s=1.0,
+    )
+    return Plan(mission=mission, trajectories=tuple(trajectories))
+
+
+def sampled_gaps_s(plan: Plan, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Longest run of sampled times without sight, over one common period after the last loop start, wrapped round."""
+    period = math.lcm(*(round(t.loop_duration_s) for t in plan))
+    begin = max(t.loop_start_s for t in plan)
+    times = begin + np.arange(0, period, STEP_S)
+    hidden = shapely.union_all([o.shape for o in plan.mission.obstacles if o.blocks_sight]).buffer(-1e-6)
+    shapely.prepare(hidden)
+    seen = np.zeros((len(points), len(times)), bool)
+    for trajectory in plan:
+        sensor = plan.mission.fleet.robot(trajectory.robot).sensor
+        start, length = trajectory.loop_start_s, trajectory.loop_duration_s
+        t = np.where(times < start, times, start + (times - start) % length)
+        xy = np.stack([np.interp(t, trajectory.times_s, trajectory.positions_m[:, k]) for k in (0, 1)], axis=1)
+        away = np.abs(points[:, None] - xy[None])
+        if isinstance(sensor, DiscSensor):
+            near = np.hypot(away[..., 0], away[..., 1]) <= sensor.radius_m
+        else:
+            near = away.max(axis=2) <= sensor.side_m / 2
+        p, k = np.nonzero(near)
+        lines = shapely.linestrings(np.stack([points[p], xy[k]], axis=1))
+        clear = ~shapely.intersects(hidden, lines)
+        seen[p[clear], k[clear]] = True
+    gaps = np.full(len(points), np.inf)
+    for i, row in enumerate(seen):
+        on = np.flatnonzero(row)
+        if len(on):
+            gaps[i] = np.diff(np.append(on, on[0] + len(times))).max() * STEP_S
+    return gaps
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_point_gaps_match_sampled_times(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    plan = random_plan(rng, robots=int(rng.integers(1, 4)), obstacles=int(rng.integers(0, 5)))
+    points = rng.uniform(0, 10, (60, 2))
+    exact, sampled = worst_gaps_s(plan, points), sampled_gaps_s(plan, points)
+    hidden = shapely.union_all([o.shape for o in plan.mission.obstacles])
+    inside = np.array([hidden.contains(Point(p)) for p in points])
+    assert np.isinf(exact[inside]).all()
+    # a sight shorter than the sampling step may be missed by the samples, so those are only ever longer
+    assert (exact <= sampled + 1e-6).all()
+    close = np.isclose(exact, sampled, atol=2.5 * STEP_S) | (np.isinf(exact) & np.isinf(sampled))
+    assert close.mean() >= 0.95
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_piece_is_never_judged_better_than_any_of_its_points(seed: int) -> None:
+    rng = np.random.default_rng(100 + seed)
+    plan = random_plan(rng, robots=int(rng.integers(1, 4)), obstacles=int(rng.integers(1, 6)))
+    ground = plan.mission.area.difference(shapely.union_all([o.shape for o in plan.mission.obstacles]))
+    pieces = convex_pieces(ground, 0.4, 1e-9)
+    upper = piece_gaps(sights_of(plan, ground.bounds), pieces, np.zeros(len(pieces))).gaps_s
+    assert np.isfinite(upper).any()
+    weights = rng.dirichlet(np.ones(4), (5, len(pieces)))
+    for weight in weights:
+        first = pieces.offsets[:-1]
+        counts = np.diff(pieces.offsets)
+        points = sum(weight[:, [k]] * pieces.corners_m[first + np.minimum(k, counts - 1)] for k in range(4))
+        points = 1e-6 * pieces.centres_m() + (1 - 1e-6) * points
+        assert (worst_gaps_s(plan, points) <= upper + 1e-6).all()

@@ -1,0 +1,122 @@
+"""What nobody can see, against closed forms and against sight from many standing places."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from shapely import MultiPolygon, Polygon, box
+
+from rota.check.seeable import grounds_of, seeable, standing
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
+
+
+def mission(area: Polygon, *obstacles: Obstacle, body: float = 0.0, sensor: Sensor | None = None) -> Mission:
+    fleet = Fleet(speed_m_s=1.0, sensor=sensor or DiscSensor(radius_m=5.0), body_radius_m=body)
+    return Mission(name="m", area=MultiPolygon([area]), obstacles=obstacles, fleet=fleet, period_s=1.0)
+
+
+def obstacle(shape: Polygon, blocks: str = "both") -> Obstacle:
+    return Obstacle(shape=shape, blocks=blocks)
+
+
+def seen(m: Mission, *points: tuple[float, float], spread: float = 0.0) -> list[bool]:
+    return seeable(m, grounds_of(m), np.array(points, dtype=float), spread).tolist()
+
+
+def test_standing_ground_of_a_body_in_a_square_with_a_block() -> None:
+    m = mission(box(0, 0, 10, 10), obstacle(box(4, 4, 6, 6)), body=1.0)
+    ground = standing(m, 1.0)
+    expected = 8 * 8 - (2 * 2 + 4 * 2 * 1 + math.pi)
+    assert ground.area == pytest.approx(expected, abs=2e-3)
+    assert ground.area >= expected  # never too small
+    assert standing(mission(box(0, 0, 10, 1.9)), 1.0).is_empty
+    assert standing(mission(box(0, 0, 10, 2.0)), 1.0).area == pytest.approx(8 * 2e-6, rel=0.1)  # a corridor just wide
+
+
+def test_reach_into_ground_that_nobody_enters() -> None:
+    m = mission(box(0, 0, 30, 30), obstacle(box(10, 10, 20, 20), "motion"), sensor=DiscSensor(radius_m=3.0))
+    assert seen(m, (12.9, 15), (13.1, 15), (15, 15), (10.5, 10.5), (5, 5)) == [True, False, False, True, True]
+    m = mission(box(0, 0, 30, 30), obstacle(box(10, 10, 20, 20), "motion"), sensor=SquareSensor(side_m=6.0))
+    assert seen(m, (12.9, 15), (13.1, 13.1)) == [True, False]
+    assert seen(m, (15, 15), spread=1.9) == [False]
+    assert seen(m, (15, 15), spread=2.1) == [True]
+
+
+def test_room_behind_a_door_too_narrow_for_the_body_is_seen_through_it_alone() -> None:
+    room = box(4.2, 4.55, 6.8, 5.45)  # too low for the body; its door is 0.4 m wide and 0.2 m deep
+    left = box(0, 0, 4, 10)
+    solid = box(0, 0, 8, 10).difference(left.union(room).union(box(4, 4.8, 4.2, 5.2)))
+    m = mission(
+        left.union(room).union(box(4, 4.8, 4.2, 5.2)), obstacle(solid), body=0.5, sensor=DiscSensor(radius_m=20)
+    )
+    # the steepest line through the door, from (4, 4.8) to (4.2, 5.2), goes on to (4.25, 5.3)
+    assert seen(m, (5, 5), (6.7, 5), (4.25, 5.29), (4.25, 4.71)) == [True, True, True, True]
+    assert seen(m, (4.25, 5.31), (4.25, 4.69), (4.21, 5.44)) == [False, False, False]
+    assert seen(m, (4.24, 5.4), spread=0.02) == [False]
+    assert seen(m, (4.25, 5.31), spread=0.02) == [True]  # not proven
+
+
+def test_hedge_is_entered_and_not_looked_through() -> None:
+    room = box(0, 0, 10, 10)
+    m = mission(room, obstacle(box(4, 0, 6, 10), "sight"), obstacle(box(6, 0, 10, 10), "motion"))
+    # from inside of the hedge nobody sees, from its border one does
+    assert seen(m, (7, 5), (3, 5)) == [True, True]
+    m = mission(room, obstacle(box(4, 0, 6, 10), "sight"), obstacle(box(5.9, 0, 10, 10), "motion"))
+    assert seen(m, (7, 5), (3, 5)) == [False, True]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_matches_sight_from_many_standing_places(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    blocks = []
+    for _ in range(7):
+        x, y = rng.uniform(0, 8, 2)
+        w, h = rng.uniform(0.2, 3, 2)
+        blocks.append(obstacle(box(x, y, x + w, y + h), str(rng.choice(["both", "sight", "motion"]))))
+    square = rng.random() < 0.5
+    half = float(rng.uniform(1, 4))
+    m = mission(
+        box(0, 0, 10, 10),
+        *blocks,
+        body=0.6,
+        sensor=SquareSensor(side_m=2 * half) if square else DiscSensor(radius_m=half),
+    )
+    hidden = shapely.union_all([b.shape for b in blocks if b.blocks_sight])
+    points = rng.uniform(0, 10, (400, 2))
+    points = points[~shapely.contains_xy(hidden, *points.T)]
+    places = np.stack(np.meshgrid(*2 * [np.arange(0.0, 10.0, 0.06)]), axis=-1).reshape(-1, 2)
+    ground = standing(m, 0.6)
+    places = places[shapely.contains_xy(ground, *places.T)]
+    core = shapely.buffer(hidden, -1e-7)
+    shapely.prepare(core)
+    found = seeable(m, grounds_of(m), points)
+    robust = 0
+    for point, known in zip(points[:150], found[:150], strict=True):
+        away = np.abs(places - point)
+        near = places[(away.max(axis=1) if square else np.hypot(*away.T)) <= half]
+        lines = shapely.linestrings(np.stack([np.broadcast_to(point, near.shape), near], axis=1))
+        sampled = len(near) > 0 and not shapely.intersects(core, lines).all()
+        assert known or not sampled
+        robust += known == sampled
+    assert robust >= 0.97 * min(len(points), 150)
+    proofs = ~seeable(m, grounds_of(m), points, 0.05)
+    for angle in np.linspace(0, 2 * math.pi, 12, endpoint=False):
+        beside = points + 0.049 * np.array([math.cos(angle), math.sin(angle)])
+        beside_ok = ~shapely.contains_xy(hidden, *beside.T)
+        assert not (seeable(m, grounds_of(m), beside) & proofs & beside_ok).any()
+
+
+def test_fleet_of_different_robots_sees_what_any_of_them_can() -> None:
+    small = Robot(name="small", speed_m_s=1.0, sensor=DiscSensor(radius_m=1.0), body_radius_m=0.1)
+    big = Robot(name="big", speed_m_s=1.0, sensor=DiscSensor(radius_m=4.0), body_radius_m=1.0)
+    fleet = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=1.0), robots=(small, big))
+    m = Mission(name="m", area=MultiPolygon([box(0, 0, 10, 10).union(box(10, 4, 14, 4.6))]), fleet=fleet, period_s=1.0)
+    # the passage takes the small one alone
+    assert seen(m, (13.5, 4.3), (0.05, 0.05)) == [True, True]
+    only_big = Mission(
+        name="m", area=m.area, fleet=Fleet(speed_m_s=1.0, sensor=big.sensor, body_radius_m=1.0), period_s=1.0
+    )
+    assert seen(only_big, (13.5, 4.3), (12.9, 4.3)) == [False, True]

@@ -1,0 +1,167 @@
+"""The picture of a plan: what is in it, its size, and that it appears whole or not at all."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
+from PIL import Image
+from shapely import box
+
+from rota.draw import draw_plan, draw_routes
+from rota.draw.palette import ROUTE_COLOURS, route_style
+from rota.draw.plan_picture import plan_figure
+from rota.errors import RotaError
+from rota.mission import Mission
+from rota.plan import Plan
+
+MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-", ".svg": b"<?xml"}
+
+
+def drawn_routes(plan: Plan):
+    fig = Figure(figsize=(6, 6))
+    FigureCanvasAgg(fig)
+    ax = fig.add_subplot()
+    draw_routes(plan, ax)
+    return ax
+
+
+@pytest.mark.parametrize("suffix", sorted(MAGIC))
+def test_same_plan_same_bytes_in_every_format(yard: Plan, tmp_path: Path, suffix: str):
+    one, other = tmp_path / f"one{suffix}", tmp_path / f"other{suffix.upper()}"
+    draw_plan(yard, one)
+    with matplotlib.rc_context({"font.size": 20, "savefig.bbox": "tight"}):
+        draw_plan(yard, str(other))
+        assert matplotlib.rcParams["font.size"] == 20
+    assert one.read_bytes().startswith(MAGIC[suffix])
+    assert one.read_bytes() == other.read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == [one.name, other.name]
+
+
+def test_size_follows_the_area(yard: Plan, strip: Plan, tmp_path: Path):
+    sizes = []
+    for plan in (yard, strip):
+        draw_plan(plan, tmp_path / "picture.png")
+        with Image.open(tmp_path / "picture.png") as picture:
+            sizes.append(picture.size)
+    inches = [plan_figure(plan, cells=100).get_size_inches() for plan in (yard, strip)]
+    assert [tuple(np.floor(size * 160 + 1e-6).astype(int)) for size in inches] == sizes
+    assert sizes[0][0] == 1838
+    assert inches[1][0] > 2 * inches[1][1], "a strip has its maps one below the other"
+
+
+def test_equal_aspect_and_both_maps_alike(yard: Plan):
+    fig = plan_figure(yard, cells=400)
+    routes, gaps = fig.axes[:2]
+    assert routes.get_xlim() == gaps.get_xlim()
+    for ax in (routes, gaps):
+        window = ax.get_window_extent()
+        assert window.width / np.ptp(ax.get_xlim()) == pytest.approx(window.height / np.ptp(ax.get_ylim()), rel=1e-6)
+    assert [text.get_text() for text in fig.texts] == ["yard", "5 robots · lower bound 2 · outside zones every 60 s"]
+
+
+def test_one_line_per_loop_and_one_mark_per_robot(yard: Plan):
+    ax = drawn_routes(yard)
+    labels = [line.get_label() for line in ax.get_lines() if not line.get_label().startswith("_")]
+    assert labels == ["1–3  robot-1 … robot-3: 230 m, 23 s", "robot-4: 94 m, 11 s", "robot-5: stays"]
+    marks = [text for text in ax.texts if text.get_text().isdigit()]
+    assert [text.get_text() for text in marks] == ["1", "2", "3", "4", "5"]
+    assert [text.get_bbox_patch().get_facecolor()[:3] for text in marks] == [
+        matplotlib.colors.to_rgb(ROUTE_COLOURS[k]) for k in (0, 0, 0, 1, 2)
+    ]
+    np.testing.assert_allclose([text.xy for text in marks][3:], [(70, 60), (30, 60)])
+    # no arrows for the robot that stays; the way to the loop is a line of its own
+    assert sum(isinstance(child, Quiver) for child in ax.get_children()) == 2
+    assert len(ax.get_lines()) == 4
+    assert min(text.get_fontsize() for text in ax.texts) >= 7
+
+
+def test_zones_are_labelled_with_what_they_ask(yard: Plan):
+    ax = drawn_routes(yard)
+    words = [text.get_text() for text in ax.texts if not text.get_text().isdigit()]
+    assert words == ["gate  8 s", "pond  nothing asked", r"shed \$1  visit 90 s"]
+    ax.figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in ax.texts if not text.get_text().isdigit()]
+    frame = ax.get_window_extent()
+    for k, one in enumerate(boxes):
+        assert frame.x0 <= one.x0
+        assert one.x1 <= frame.x1
+        assert not any(one.overlaps(other) for other in boxes[:k])
+
+
+def test_legend_has_an_entry_per_loop_and_kind_of_obstacle(yard: Plan):
+    fig = plan_figure(yard, cells=400)
+    words = [text.get_text() for text in fig.legends[0].get_texts()]
+    assert words[3:] == ["obstacle", "no entry, seen through", "cuts sight, may be entered"]
+    assert len(words) == 6
+
+
+def test_marks_at_one_place_are_spread(yard: Plan):
+    same = tuple(replace(yard.trajectories[4], robot=f"robot-{k}") for k in range(8))
+    ax = drawn_routes(replace(yard, trajectories=same))
+    offsets = np.array([text.xyann for text in ax.texts if text.get_text().isdigit()])
+    apart = np.hypot(*(offsets[:, None] - offsets[None]).transpose(2, 0, 1))
+    assert apart[np.triu_indices(8, 1)].min() >= 10.5
+
+
+def test_first_32_routes_differ_in_colour_or_style():
+    assert len({route_style(k) for k in range(32)}) == 32
+    assert len({route_style(k)[0] for k in range(8)}) == 8
+
+
+def test_many_robots_fit_on_the_figure(yard: Plan):
+    way = yard.trajectories[3]
+    many = tuple(replace(way, robot=f"r{k}", positions_m=way.positions_m + k / 9) for k in range(70))
+    fig = plan_figure(replace(yard, trajectories=many), cells=400)
+    words = [text.get_text() for text in fig.legends[0].get_texts()]
+    assert "… and 10 more loops" in words
+    fig.canvas.draw()
+    legend = fig.legends[0].get_window_extent()
+    assert legend.y0 >= 0
+    assert legend.x1 <= fig.axes[1].get_window_extent().x0
+
+
+def test_a_plan_without_robots_or_zones_is_drawn(yard: Plan, tmp_path: Path):
+    bare = Mission(name="$" * 80, area=box(0, 0, 9, 9), period_s=40, fleet=yard.mission.fleet)
+    draw_plan(Plan(mission=bare, trajectories=()), tmp_path / "bare.svg")
+    assert b"</svg>" in (tmp_path / "bare.svg").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["plan.jpg", "plan", "plan.png.gz"])
+def test_another_suffix_is_refused_with_those_allowed(yard: Plan, tmp_path: Path, name: str):
+    with pytest.raises(RotaError, match=r"no format for a picture; \.png, \.svg or \.pdf is needed"):
+        draw_plan(yard, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_is_not_there_is_named(yard: Plan, tmp_path: Path):
+    with pytest.raises(RotaError, match=r"nowhere.plan\.png: cannot be written: No such file"):
+        draw_plan(yard, tmp_path / "nowhere" / "plan.png")
+
+
+def test_a_failure_half_way_leaves_the_old_file(yard: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    target = tmp_path / "plan.png"
+    target.write_text("old")
+
+    def fails(self: Figure, path: Path, **_: object) -> None:
+        Path(path).write_text("half")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Figure, "savefig", fails)
+    with pytest.raises(KeyboardInterrupt):
+        draw_plan(yard, target)
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_drawing_chooses_no_backend_and_leaves_pyplot_alone():
+    code = "import sys, rota.draw; assert 'matplotlib.pyplot' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)

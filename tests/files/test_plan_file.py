@@ -1,0 +1,315 @@
+"""Plan files: bit for bit round trips, the published schema, and clear refusals."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapely import MultiPolygon, Polygon, box
+
+from rota.errors import PlanError, RotaError
+from rota.files import plan_schema as fields
+from rota.files.plan_file import plan_from_json, plan_from_text, plan_text, plan_to_json, read_plan, write_plan
+from rota.mission import (
+    DiscSensor,
+    Fleet,
+    GeoPoint,
+    Mission,
+    Obstacle,
+    PatrolSettings,
+    Robot,
+    SquareSensor,
+    Zone,
+)
+from rota.plan import Plan, Trajectory
+
+
+def harbour() -> Plan:
+    """A plan that uses every field of the format."""
+    sensor = SquareSensor(side_m=0.1 + 0.2)
+    robots = (
+        Robot(name="Zoë", speed_m_s=1 / 3, sensor=sensor, body_radius_m=0.2, turn_rate_rad_s=0.7, start=(1.5, -0.0)),
+        Robot(name="b", speed_m_s=2, sensor=DiscSensor(radius_m=5)),
+    )
+    holed = Polygon(
+        [(0, 0), (90, 0), (90, 90), (0, 90)], [[(10, 10), (20, 10), (20, 20)], [(40, 40), (50, 40), (45, 50)]]
+    )
+    mission = Mission(
+        name="harbour",
+        area=MultiPolygon([holed, box(100, 0, 110, 10)]),
+        obstacles=(Obstacle(shape=box(30, 60, 35, 70)), Obstacle(shape=box(60, 60, 65, 70), blocks="sight")),
+        zones=(
+            Zone(name="gate", shape=box(1, 1, 5, 5), period_s=7.3),
+            Zone(name="tank", shape=box(3, 3, 8, 8), period_s=None, demand="visit"),
+        ),
+        period_s=40,
+        origin=GeoPoint(lat=53.5413871, lon=-9.9836),
+        unseeable="refuse",
+        fleet=Fleet(speed_m_s=2, sensor=sensor, robots=robots, body_radius_m=0.1, turn_rate_rad_s=1, altitude_m=25),
+        planning=PatrolSettings(effort="high"),
+    )
+    first = Trajectory(
+        robot="Zoë",
+        times_s=[0, 0.1, 0.1 + 0.2, 5],
+        positions_m=[[1.5, -0.0, 3], [2, 3, 4], [1e-310, 1e300, 5], [2, 3, 4]],
+        headings_rad=[0.0, -0.0, np.pi, 1e-17],
+        loop_start_s=0.1,
+    )
+    second = Trajectory(robot="b", times_s=[0.0], positions_m=[[4.0, 4.0]])
+    return Plan(mission=mission, trajectories=(first, second), seed=2**70, lower_bound_robots=2)
+
+
+def bits(values: Any) -> bytes:
+    return np.asarray(values, dtype=np.float64).tobytes()
+
+
+def plan_bits(plan: Plan) -> list[bytes | None]:
+    shapes = [plan.mission.area, *(o.shape for o in plan.mission.obstacles), *(z.shape for z in plan.mission.zones)]
+    found: list[bytes | None] = [bits(shapely.get_coordinates(shape)) for shape in shapes]
+    for t in plan.trajectories:
+        found += [bits(t.times_s), bits(t.positions_m), bits([t.loop_start_s])]
+        found.append(None if t.headings_rad is None else bits(t.headings_rad))
+    return found
+
+
+def test_every_field_survives_the_round_trip(tmp_path: Path) -> None:
+    plan = harbour()
+    path = tmp_path / "harbour.rota.json"
+    write_plan(plan, path)
+    again = read_plan(path)
+    assert again == plan
+    assert plan_bits(again) == plan_bits(plan)
+    assert [p.interiors[0].coords[:] for p in again.mission.area.geoms if p.interiors] == [
+        [(10, 10), (20, 10), (20, 20), (10, 10)]
+    ]
+    assert struct.pack("d", again.mission.fleet.robots[0].start[1]) == struct.pack("d", -0.0)  # type: ignore[index]
+    write_plan(again, tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_bytes() == path.read_bytes()
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+positive = st.floats(min_value=5e-324, allow_infinity=False, allow_nan=False)
+coordinate = st.floats(min_value=-1e150, max_value=1e150)
+
+
+@st.composite
+def trajectories(draw: st.DrawFn, robot: str) -> Trajectory:
+    times = sorted(draw(st.sets(positive, min_size=0, max_size=8)))
+    n, width = len(times) + 1, draw(st.sampled_from([2, 3]))
+    positions = draw(st.lists(st.tuples(*[finite] * width), min_size=n, max_size=n))
+    loop = draw(st.integers(0, n - 1))
+    positions[-1] = positions[loop]
+    headings = draw(st.none() | st.lists(finite, min_size=n, max_size=n))
+    zero = draw(st.sampled_from([0.0, -0.0]))
+    return Trajectory(
+        robot=robot,
+        times_s=[zero, *times],
+        positions_m=positions,
+        headings_rad=headings,
+        loop_start_s=[zero, *times][loop],
+    )
+
+
+@st.composite
+def rectangles(draw: st.DrawFn) -> Polygon:
+    x, y = draw(coordinate), draw(coordinate)
+    right, top = draw(st.floats(min_value=1e-3, max_value=1e160)), draw(st.floats(min_value=1e-3, max_value=1e160))
+    shape = Polygon([(x, y), (x + right, y), (x + right, y + top), (x, y + top)])
+    return shape if shape.is_valid and shape.area > 0 else box(-0.0, -0.0, 1, 1)
+
+
+@st.composite
+def plans(draw: st.DrawFn) -> Plan:
+    names = draw(st.lists(st.text(min_size=1, max_size=5), min_size=1, max_size=3, unique=True))
+    sensor = draw(st.builds(DiscSensor, radius_m=positive) | st.builds(SquareSensor, side_m=positive))
+    robots = tuple(Robot(name=name, speed_m_s=draw(positive), sensor=sensor) for name in names)
+    area = draw(rectangles())
+    mission = Mission(
+        name=draw(st.text(min_size=1, max_size=9)),
+        area=area,
+        obstacles=tuple(Obstacle(shape=draw(rectangles()), blocks="motion") for _ in range(draw(st.integers(0, 2)))),
+        zones=(Zone(name="all", shape=area, period_s=draw(positive | st.none())),),
+        period_s=draw(positive),
+        origin=draw(st.none() | st.builds(GeoPoint, lat=st.floats(-90, 90), lon=st.floats(-180, 180))),
+        fleet=Fleet(speed_m_s=draw(positive), sensor=sensor, robots=draw(st.sampled_from([None, robots]))),
+    )
+    bound = draw(st.none() | st.integers(0, 9))
+    paths = tuple(draw(trajectories(name)) for name in names)
+    return Plan(mission=mission, trajectories=paths, seed=draw(st.integers()), lower_bound_robots=bound)
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(plans())
+def test_any_plan_survives_bit_for_bit_and_fits_the_schema(plan: Plan) -> None:
+    text = plan_text(plan)
+    again = plan_from_text(text, "plan.json")
+    assert again == plan
+    assert plan_bits(again) == plan_bits(plan)
+    assert json.loads(text) == plan_to_json(plan)
+    jsonschema.validate(json.loads(text), fields.plan_schema())
+
+
+def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
+    schema = fields.plan_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    document = plan_to_json(harbour())
+    jsonschema.validate(document, schema)
+    document["mission"]["fleet"]["speed"] = 3
+    with pytest.raises(jsonschema.ValidationError, match="speed"):
+        jsonschema.validate(document, schema)
+
+
+@pytest.mark.parametrize(
+    ("model", "type_", "renamed"),
+    [
+        (fields.RobotFields, Robot, {}),
+        (fields.FleetFields, Fleet, {}),
+        (fields.ZoneFields, Zone, {}),
+        (fields.ObstacleFields, Obstacle, {}),
+        (fields.OriginFields, GeoPoint, {}),
+        (fields.PatrolFields, PatrolSettings, {}),
+        (fields.TrajectoryFields, Trajectory, {"robot": "name"}),
+        (fields.MissionFields, Mission, {"planning": "patrol"}),
+    ],
+)
+def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict[str, str]) -> None:
+    expected = {renamed.get(f.name, f.name) for f in dataclasses.fields(type_)}
+    assert set(model.model_fields) - {"planner"} == expected
+
+
+def test_the_mark_of_an_unmet_demand_is_written_and_not_believed() -> None:
+    document = plan_to_json(harbour(), meets_demand=False)
+    assert document["meets_demand"] is False
+    jsonschema.validate(document, fields.plan_schema())
+    assert plan_from_json(document) == harbour()
+    assert "meets_demand" not in plan_to_json(harbour())
+
+
+def test_one_line_per_trajectory() -> None:
+    lines = plan_text(harbour()).splitlines()
+    assert sum('"times_s"' in line for line in lines) == 2
+    assert len(lines) < 30
+
+
+def set_at(document: Any, place: str, value: Any) -> Any:
+    """A copy of the document with the value (or, for ..., nothing) at a place like mission.zones.0.name."""
+    changed = copy.deepcopy(document)
+    *way, last = [int(part) if part.isdigit() else part for part in place.split(".")]
+    holder = changed
+    for part in way:
+        holder = holder[part]
+    if value is ...:
+        del holder[last]
+    else:
+        holder[last] = value
+    return changed
+
+
+CROSSED = [[[[0, 0], [1, 1], [0, 1], [1, 0]]]]
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        ("rota_plan", 2, r"rota_plan: version 2 is not known; this Rota reads version 1"),
+        ("rota_plan", ..., r'there is no "rota_plan"'),
+        ("rota_plan", True, r"version True is not known"),
+        ("seed", 1.5, r"^seed: .*integer"),
+        ("lower_bound_robots", -1, r"^lower_bound_robots: .*greater than or equal to 0, not -1"),
+        ("robots", {}, r"^robots: .*list"),
+        ("mission.zones", ..., r"^mission\.zones: Field required"),
+        ("mission.perod_s", 4, r"^mission\.perod_s: unknown key; did you mean period_s\?"),
+        ("mission.period_s", "40", r"^mission\.period_s: .*number, not '40'"),
+        ("mission.period_s", 0, r"^mission\.period_s: .*greater than 0, not 0"),
+        ("mission.period_s", float("inf"), r"^mission\.period_s: .*finite"),
+        ("mission.period_s", True, r"^mission\.period_s: .*number"),
+        ("mission.period_s", 10**400, r"^mission\.period_s: .*number"),
+        ("mission.area", [], r"^mission\.area: .*at least 1"),
+        ("mission.area", CROSSED, r"^mission\.area: an invalid shape"),
+        ("mission.area.0.0", [[0, 0], [1, 1]], r"^mission\.area\[0\]\[0\]: .*at least 3"),
+        ("mission.area.0.0.2", [1], r"^mission\.area\[0\]\[0\]\[2\]: .*at least 2"),
+        ("mission.obstacles.1.shape", CROSSED, r"^mission\.obstacles\[1\]\.shape: an invalid shape"),
+        ("mission.obstacles.0.blocks", "light", r"^mission\.obstacles\[0\]\.blocks: .*'both', 'motion' or 'sight'"),
+        ("mission.zones.1.shape", [[[[500, 500], [501, 500], [501, 501]]]], r"zone tank: .*outside the area"),
+        ("mission.zones.1.name", "gate", r"^mission: zones: 'gate' .*unique"),
+        ("mission.origin.lat", 91, r"^mission\.origin\.lat: .*90, not 91"),
+        ("mission.fleet.robots", 3, r"^mission\.fleet\.robots: .*list, not 3$"),
+        ("mission.fleet.robots.0.speed_m_s", -1, r"^mission\.fleet\.robots\[0\]\.speed_m_s: .*greater than 0, not -1"),
+        ("mission.fleet.robots.0.name", "b", r"^mission\.fleet: .*'b'.*unique"),
+        ("mission.fleet.sensor.shape", "cube", r"^mission\.fleet\.sensor: .*'disc', 'square'"),
+        ("mission.fleet.sensor.side_m", ..., r"^mission\.fleet\.sensor\.side_m: Field required"),
+        ("mission.planner", "swerm", r"^mission\.planner: .*'patrol'"),
+        ("mission.patrol.effort", "low", r"^mission\.patrol\.effort: .*'quick', 'normal' or 'high'"),
+        ("robots.0.name", "nobody", r"^robots: robot 'nobody' is not in the fleet"),
+        ("robots.1.name", "Zoë", r"^robots: robot Zoë has more than one trajectory"),
+        ("robots.0.times_s", [0, 1, 0.5, 5], r"^robots\[0\]: .*times_s\[2\] = 0\.5 does not come after 1\.0"),
+        ("robots.0.times_s", [0, 1], r"^robots\[0\]\.positions_m: 4 entries; 2 are needed"),
+        ("robots.0.positions_m.1", [1, 2], r"^robots\[0\]\.positions_m: \[x, y\] and \[x, y, z\] mixed"),
+        ("robots.0.positions_m.3", [9, 9, 9], r"^robots\[0\]: .*the loop does not close"),
+        ("robots.0.headings_rad", [0.0], r"^robots\[0\]\.headings_rad: 1 entries; 4 are needed"),
+        ("robots.0.loop_start_s", 0.2, r"^robots\[0\]: .*loop_start_s = 0\.2 is none of the times"),
+    ],
+)
+def test_a_bad_field_is_named(place: str, value: Any, message: str) -> None:
+    with pytest.raises(PlanError, match=message):
+        plan_from_json(set_at(plan_to_json(harbour()), place, value))
+
+
+def test_all_faults_are_told_at_once_with_the_file(tmp_path: Path) -> None:
+    document = set_at(set_at(plan_to_json(harbour()), "seed", "x"), "mission.period_s", -3)
+    path = tmp_path / "bad.json"
+    path.write_text(json.dumps(document))
+    with pytest.raises(PlanError) as caught:
+        read_plan(path)
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 2
+    assert lines[0].startswith(f"{path}: seed: ")
+    assert lines[1].startswith(f"{path}: mission.period_s: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"", r"^f:1:1: not JSON: Expecting value"),
+        (plan_text(harbour()).encode()[:160], r"^f:6:50: not JSON"),
+        (b'{"rota_plan": 1, "seed": NaN}', r"^f: NaN is no number"),
+        (b'{"rota_plan": 1, "seed": -Infinity}', r"^f: -Infinity is no number"),
+        (b'{"rota_plan": "\xff"}', r"^f: byte 15 is not UTF-8"),
+        (b"[" * 100_000, r"^f: brackets nested too deeply"),
+        (b'{"seed": ' + b"1" * 9000 + b"}", r"^f: .*digits"),
+        (b"[]", r'^f: not a plan file: there is no "rota_plan"'),
+        (b"null", r"^f: not a plan file"),
+    ],
+)
+def test_broken_text_is_refused_with_its_position(text: bytes, message: str) -> None:
+    with pytest.raises(PlanError, match=message):
+        plan_from_text(text, "f")
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(PlanError, match=r"none\.json: cannot be read: No such file"):
+        read_plan(tmp_path / "none.json")
+    with pytest.raises(PlanError, match="cannot be read: Is a directory"):
+        read_plan(tmp_path)
+
+
+def test_what_cannot_be_written_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "plan.json"
+    path.write_text("old")
+    one = Trajectory(robot="b", times_s=[0.0], positions_m=[[4.0, 4.0]], headings_rad=[np.nan])
+    with pytest.raises(PlanError, match=r"robot b: headings_rad\[0\] = nan"):
+        write_plan(dataclasses.replace(harbour(), trajectories=(one,)), path)
+    with pytest.raises(RotaError, match="there is no folder"):
+        write_plan(harbour(), tmp_path / "missing" / "plan.json")
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["plan.json"]

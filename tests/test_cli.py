@@ -1,0 +1,430 @@
+"""The command line from the outside: exit codes, where output goes, what stays untouched."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from rota.cli import run
+from rota.errors import NoPlanFound
+from rota.files.mission_file import read_mission
+from rota.files.plan_file import read_plan, write_plan
+from rota.mission import Mission
+from rota.plan import Plan, Trajectory
+
+MAKE_PLAN = importlib.import_module("rota.make_plan")
+YARD = """\
+rota: 1
+name: yard
+area: [[0, 0], [10, 0], [10, 10], [0, 10]]
+origin: {lat: 48.1, lon: 11.5}
+period_s: 40
+fleet: {speed_m_s: 1, sensor: {shape: disc, radius_m: 20}}
+"""
+
+
+def answer(mission: Mission, leg_s: float = 4) -> Plan:
+    """A robot that sees all of the yard from anywhere; legs of 4 m, so below 4 s it is too fast."""
+    times_s, positions_m = [0, leg_s, 2 * leg_s], [[3, 5], [7, 5], [3, 5]]
+    there_and_back = Trajectory(robot="robot-1", times_s=times_s, positions_m=positions_m)
+    return Plan(mission=mission, trajectories=(there_and_back,), lower_bound_robots=1)
+
+
+@pytest.fixture
+def yard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, with a mission file in it."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "yard.yaml"
+    path.write_text(YARD)
+    return path
+
+
+@pytest.fixture
+def plan_path(yard: Path) -> Path:
+    path = yard.with_name("yard.rota.json")
+    write_plan(answer(read_mission(yard).mission), path)
+    return path
+
+
+Use = Callable[[Callable[..., Plan]], None]
+
+
+@pytest.fixture
+def use(monkeypatch: pytest.MonkeyPatch) -> Use:
+    """Puts a stand-in in the planner's place."""
+    return lambda planner: monkeypatch.setattr(MAKE_PLAN, "_planner", lambda _mission: planner)
+
+
+def good(mission: Mission, **_: Any) -> Plan:
+    return answer(mission)
+
+
+def too_fast(mission: Mission, **_: Any) -> Plan:
+    return answer(mission, leg_s=1)
+
+
+# ---------------------------------------------------------------- plan
+
+
+def test_a_plan_is_written_checked_and_told(yard: Path, use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    use(good)
+    assert run(["plan", "yard.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert read_plan("yard.rota.json") == answer(read_mission(yard).mission)
+    rows = [line.split() for line in out.splitlines()]
+    assert rows[0] == ["robot", "loop", "m", "loop", "s", "slack", "serves"]
+    assert rows[1] == ["robot-1", "8.0", "8.0", "80%", "area"]
+    assert out.splitlines()[2:] == [
+        "1 robot: no plan needs fewer, proved.",
+        "Check: met, every demand, for ever.",
+        "Plan: yard.rota.json",
+    ]
+    assert [line for line in err.splitlines() if "compiling" not in line] == []
+
+
+def test_seed_effort_and_time_limit_reach_the_planner(yard: Path, use: Use) -> None:
+    asked: list[tuple[int, str]] = []
+
+    def planner(mission: Mission, *, seed: int, should_stop: Callable[[], bool], **_: Any) -> Plan:
+        asked.append((seed, mission.planning.effort))
+        while len(asked) == 2 and not should_stop():
+            pass
+        return answer(mission)
+
+    use(planner)
+    assert run(["plan", "yard.yaml"]) == 0
+    assert run(["plan", "yard.yaml", "--seed", "5", "--effort", "quick", "--time-limit", "0.05"]) == 0
+    assert asked == [(0, "normal"), (5, "quick")]
+
+
+def test_a_time_limit_that_struck_is_told(yard: Path, use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    def planner(mission: Mission, *, should_stop: Callable[[], bool], **_: Any) -> Plan:
+        while not should_stop():
+            pass
+        return answer(mission)
+
+    use(planner)
+    assert run(["plan", "yard.yaml", "--time-limit", "0.01"]) == 0
+    assert "stopped early by the time limit" in capsys.readouterr().err
+
+
+def test_a_dash_is_stdout_and_nothing_but_the_plan_is_there(
+    yard: Path, use: Use, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def planner(mission: Mission, *, progress: Callable[[float, str], None], **_: Any) -> Plan:
+        progress(0.5, "touring")
+        return answer(mission)
+
+    use(planner)
+    assert run(["plan", "yard.yaml", "-o", "-"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["rota_plan"] == 1
+    assert "no plan needs fewer" in err
+    assert "touring" not in err
+    assert os.listdir() == ["yard.yaml"]
+
+
+def test_no_plan_is_exit_code_3_with_the_reason_and_no_file(
+    yard: Path, use: Use, capsys: pytest.CaptureFixture[str]
+) -> None:
+    use(too_fast)
+    Path("yard.rota.json").write_text("old")
+    assert run(["plan", "yard.yaml"]) == 3
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "no plan: the best plan found is not shown to meet the demand: the check says 'violated'" in err
+    assert "--best writes" in err
+    assert Path("yard.rota.json").read_text() == "old"
+
+
+def test_best_writes_what_there_is_and_marks_it(yard: Path, use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    def planner(mission: Mission, **_: Any) -> Plan:
+        raise NoPlanFound("the gate is 3.2 times too far; at least 2 robots are needed", best=answer(mission, 1))
+
+    use(planner)
+    assert run(["plan", "yard.yaml", "--best"]) == 3
+    out, err = capsys.readouterr()
+    assert "Check: violated. The plan does not meet its demand." in out
+    assert "violation: robot-1" in out
+    assert "no plan: the gate is 3.2 times too far" in err
+    assert "it does NOT meet its demand" in err
+    assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
+    assert run(["check", "yard.rota.json"]) == 1
+
+
+def test_best_without_any_plan_writes_nothing(yard: Path, use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    def planner(_mission: Mission, **_: Any) -> Plan:
+        raise NoPlanFound("the parts of the area are not joined")
+
+    use(planner)
+    assert run(["plan", "yard.yaml", "--best"]) == 3
+    assert "not joined" in capsys.readouterr().err
+    assert os.listdir() == ["yard.yaml"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["missing.yaml"], "missing.yaml"),
+        (["yard.yaml", "-o", "."], ".: is a folder"),
+        (["yard.yaml", "-o", "none/plan.json"], "there is no folder"),
+        (["yard.yaml", "-o", "yard.yaml/plan.json"], "is no folder"),
+        (["yard.yaml", "-o", "yard.yaml"], "yard.yaml: is the input itself"),
+        (["yard.yaml", "--effort", "huge"], "--effort"),
+        (["yard.yaml", "--seed", "-1"], "--seed"),
+        (["yard.yaml", "--time-limit", "0"], "time_limit_s: 0.0 is not allowed"),
+        ([], "MISSION"),
+    ],
+)
+def test_bad_arguments_are_exit_code_2_before_any_planning(
+    arguments: list[str], message: str, yard: Path, use: Use, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def never(*_: Any, **__: Any) -> Plan:
+        raise AssertionError("planned although the arguments are wrong")
+
+    use(never)
+    assert run(["plan", *arguments]) == 2
+    assert message in capsys.readouterr().err
+    assert os.listdir() == ["yard.yaml"]
+    assert yard.read_text() == YARD
+
+
+def test_every_fault_of_a_mission_is_a_line_on_stderr(yard: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    yard.write_text(YARD.replace("period_s: 40", "period_s: 0").replace("speed_m_s: 1", "speed_m_s: 0"))
+    assert run(["plan", "yard.yaml"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert [line for line in err.splitlines() if line.startswith("rota: error: yard.yaml:5:")]
+    assert [line for line in err.splitlines() if line.startswith("rota: error: yard.yaml:6:")]
+    assert os.listdir() == ["yard.yaml"]
+
+
+def test_warnings_of_the_reader_go_to_stderr(yard: Path, use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    use(good)
+    zone = "zones: [{name: gate, period_s: 20, ring: [[5, 5], [15, 5], [15, 9], [5, 9]]}]\n"
+    yard.write_text(YARD + zone)
+    assert run(["plan", "yard.yaml", "-o", "-"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)
+    assert "rota: warning: " in err
+    assert "gate" in err
+
+
+def test_a_fault_of_ours_is_exit_code_70(yard: Path, use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    def broken(*_: Any, **__: Any) -> Plan:
+        raise ZeroDivisionError("oops")
+
+    use(broken)
+    assert run(["plan", "yard.yaml"]) == 70
+    err = capsys.readouterr().err
+    assert "ZeroDivisionError: oops" in err
+    assert err.splitlines()[-1].startswith("rota: a fault in Rota, not in your input")
+    assert os.listdir() == ["yard.yaml"]
+
+
+# ---------------------------------------------------------------- Ctrl-C
+
+
+def interrupted(mission: Mission, *, should_stop: Callable[[], bool], **_: Any) -> Plan:
+    assert not should_stop()
+    os.kill(os.getpid(), signal.SIGINT)
+    while not should_stop():
+        pass
+    return answer(mission)
+
+
+def test_ctrl_c_leaves_the_best_plan_so_far_checked(yard: Path, use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    before = signal.getsignal(signal.SIGINT)
+    use(interrupted)
+    assert run(["plan", "yard.yaml"]) == 130
+    out, err = capsys.readouterr()
+    assert "Check: met" in out
+    assert "Ctrl-C again ends at once" in err
+    assert "interrupted: this is the best plan so far" in err
+    assert read_plan("yard.rota.json") == answer(read_mission(yard).mission)
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_ctrl_c_without_a_passing_plan_writes_only_with_best(
+    yard: Path, use: Use, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def planner(mission: Mission, *, should_stop: Callable[[], bool], **_: Any) -> Plan:
+        interrupted(mission, should_stop=should_stop)
+        return answer(mission, leg_s=1)
+
+    use(planner)
+    assert run(["plan", "yard.yaml"]) == 130
+    assert "interrupted before a plan passed the check; nothing is written" in capsys.readouterr().err
+    assert os.listdir() == ["yard.yaml"]
+    assert run(["plan", "yard.yaml", "--best"]) == 130
+    assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
+
+
+def test_a_second_ctrl_c_ends_at_once_and_leaves_the_old_file(yard: Path) -> None:
+    Path("yard.rota.json").write_text("old")
+    script = (
+        "import importlib, os, signal, sys\n"
+        "from rota.cli import run\n"
+        "def deaf(mission, **_):\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    sys.stderr.write('still here\\n')\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    sys.stderr.write('deaf\\n')\n"
+        "importlib.import_module('rota.make_plan')._planner = lambda mission: deaf\n"
+        "sys.exit(run(['plan', 'yard.yaml']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == -signal.SIGINT
+    assert "still here" in done.stderr
+    assert "deaf" not in done.stderr
+    assert Path("yard.rota.json").read_text() == "old"
+
+
+# ---------------------------------------------------------------- check, draw, animate, export
+
+
+def test_check_tells_met_and_violated_apart(plan_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["check", "yard.rota.json"]) == 0
+    assert "verdict: met" in capsys.readouterr().out
+    write_plan(answer(read_plan(plan_path).mission, leg_s=1), "fast.json")
+    assert run(["check", "fast.json"]) == 1
+    assert "verdict: violated" in capsys.readouterr().out
+
+
+def test_check_prints_a_report_by_its_schema(plan_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["schema", "report"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert run(["check", str(plan_path), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    jsonschema.validate(report, schema)
+    assert report["verdict"] == "met"
+
+
+def test_check_reads_stdin(
+    plan_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(plan_path.read_bytes())))
+    assert run(["check", "-"]) == 0
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"{")))
+    assert run(["check", "-"]) == 2
+    assert "rota: error: stdin:1:2: not JSON" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["check", "none.json"], "none.json: cannot be read"),
+        (["check", "yard.yaml"], "yard.yaml:1:1: not JSON"),
+        (["draw", "yard.rota.json", "-o", "p.bmp"], "'.bmp' is not known here; .png, .svg, .pdf are"),
+        (["draw", "yard.rota.json", "-o", "p"], "'' is not known here"),
+        (["draw", "none.json", "-o", "p.png"], "none.json: cannot be read"),
+        (["draw", "yard.rota.json", "-o", "none/p.png"], "there is no folder"),
+        (["animate", "yard.rota.json", "-o", "p.avi"], "'.avi' is not known here; .gif, .mp4 are"),
+        (["export", "yard.rota.json", "--to", "kmz", "-o", "p"], "'geojson', 'qgroundcontrol'"),
+        (["export", "yard.rota.json", "--to", "geojson", "-o", "."], "is a folder"),
+        (["export", "yard.rota.json", "--to", "geojson", "-o", "yard.rota.json"], "is the input itself"),
+        (["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "yard.yaml"], "is a file"),
+        (["new", "yard.yaml"], "yard.yaml: exists already"),
+        (["schema", "robots"], "'mission', 'plan', 'report'"),
+        (["fly"], "fly"),
+    ],
+)
+def test_bad_input_is_exit_code_2_and_changes_nothing(
+    arguments: list[str], message: str, plan_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = plan_path.read_bytes()
+    assert run(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert message in " ".join(err.replace("│", " ").split())
+    assert sorted(os.listdir()) == ["yard.rota.json", "yard.yaml"]
+    assert plan_path.read_bytes() == before
+
+
+def test_pictures_films_and_exports_appear(plan_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["draw", "yard.rota.json", "-o", "yard.PNG"]) == 0
+    assert Path("yard.PNG").read_bytes().startswith(b"\x89PNG")
+    assert run(["animate", "yard.rota.json", "-o", "yard.gif"]) == 0
+    assert Path("yard.gif").read_bytes().startswith(b"GIF8")
+    assert run(["export", "yard.rota.json", "--to", "geojson", "-o", "yard.geojson"]) == 0
+    assert json.loads(Path("yard.geojson").read_text())["features"][0]["properties"]["name"] == "yard"
+    capsys.readouterr()
+    assert run(["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "fly"]) == 0
+    assert capsys.readouterr().out == "fly/robot-1.plan\n"
+    assert json.loads(Path("fly/robot-1.plan").read_text())["mission"]["firmwareType"] == 3
+    assert run(["export", "yard.rota.json", "--to", "qgroundcontrol-px4", "-o", "fly"]) == 0
+    assert json.loads(Path("fly/robot-1.plan").read_text())["mission"]["firmwareType"] == 12
+
+
+def test_exports_without_an_origin(yard: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    yard.write_text("".join(line for line in YARD.splitlines(keepends=True) if "origin" not in line))
+    write_plan(answer(read_mission(yard).mission), "flat.json")
+    assert run(["export", "flat.json", "--to", "geojson", "-o", "-"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["coordinates_in"] == "metres"
+    assert "no origin" in err
+    assert run(["export", "flat.json", "--to", "qgroundcontrol", "-o", "fly"]) == 2
+    assert "add origin" in capsys.readouterr().err
+    assert not Path("fly").exists()
+
+
+# ---------------------------------------------------------------- new, schema, version
+
+
+def test_new_writes_a_mission_that_reads(yard: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["new"]) == 0
+    assert "rota plan mission.yaml" in capsys.readouterr().out
+    assert read_mission(Path("mission.yaml")).mission.zones
+    assert run(["new", "-"]) == 0
+    assert capsys.readouterr().out == Path("mission.yaml").read_text()
+    assert run(["new"]) == 2
+
+
+@pytest.mark.parametrize("name", ["mission", "plan", "report"])
+def test_schemas_are_valid(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["schema", name]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    assert schema["type"] == "object"
+
+
+def test_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out == "rota 0.1.0\n"
+    assert run(["--help"]) == 0
+    listed = capsys.readouterr().out
+    for command in ("plan", "check", "draw", "animate", "export", "new", "schema"):
+        assert f" {command} " in listed
+
+
+def test_the_installed_program_runs() -> None:
+    program = Path(sys.executable).with_name("rota")
+    done = subprocess.run([program, "schema", "nothing"], capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 2
+    assert done.stdout == ""
+
+
+def test_a_cold_cache_is_told(
+    plan_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from rota.compiled_cache import is_compiled
+
+    assert run(["check", str(plan_path)]) == 0
+    capsys.readouterr()
+    assert run(["check", str(plan_path)]) == 0
+    assert "compiling" not in capsys.readouterr().err
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
+    assert not is_compiled("check")
+    assert run(["check", str(plan_path)]) == 0
+    assert "rota: compiling, once: about a minute" in capsys.readouterr().err

@@ -1,0 +1,154 @@
+"""The design's import rules, read from the source, and what `import rota` loads."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import json
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import rota
+
+SOURCE = Path(rota.__file__).parent
+FILES = sorted(SOURCE.rglob("*.py"))
+
+
+def module_name(file: Path) -> str:
+    parts = ["rota", *file.relative_to(SOURCE).with_suffix("").parts]
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports_in(text: str, module: str, is_package: bool) -> set[str]:
+    """Every module that the source names in an import, at whatever depth, relative ones resolved."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parts = module.split(".")
+                kept = parts[: len(parts) - node.level + is_package]
+                base = ".".join([*kept, *([node.module] if node.module else [])])
+            found |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if called in ("import_module", "__import__"):
+                found.add(str(node.args[0].value))
+    return found
+
+
+@cache
+def imports_of(file: Path) -> frozenset[str]:
+    return frozenset(imports_in(file.read_text(), module_name(file), file.name == "__init__.py"))
+
+
+def within(module: str, package: str) -> bool:
+    return module == package or module.startswith(package + ".")
+
+
+def importers(package: str) -> set[str]:
+    """Modules of rota that import the package or anything below it."""
+    return {module_name(file) for file in FILES if any(within(name, package) for name in imports_of(file))}
+
+
+def test_the_reader_of_imports_sees_every_kind() -> None:
+    text = "import a.b as c\ndef f():\n  from . import d\n  from ..e import g\n  importlib.import_module('h')\n"
+    text += "from i import j"
+    assert imports_in(text, "rota.x.y", False) >= {"a.b", "rota.x.d", "rota.e.g", "h", "i", "i.j"}
+    assert imports_in("from . import d\nfrom .e import f", "rota.x", True) >= {"rota.x.d", "rota.x.e.f"}
+    assert len(FILES) > 20
+    assert "rota.plan" in importers("rota.mission")
+
+
+def test_check_imports_mission_plan_errors_and_third_parties_only() -> None:
+    allowed = ("rota.check", "rota.mission", "rota.plan", "rota.errors")
+    for file in (SOURCE / "check").rglob("*.py"):
+        ours = {name for name in imports_of(file) if within(name, "rota")}
+        assert [name for name in ours if not any(within(name, good) for good in allowed)] == [], file
+
+
+def test_only_draw_imports_matplotlib() -> None:
+    assert [name for name in importers("matplotlib") if not within(name, "rota.draw")] == []
+
+
+def test_planners_import_neither_each_other_nor_check() -> None:
+    planners = [folder.name for folder in (SOURCE / "planners").iterdir() if (folder / "__init__.py").exists()]
+    assert "patrol" in planners
+    for planner in planners:
+        own = f"rota.planners.{planner}"
+        for file in (SOURCE / "planners" / planner).rglob("*.py"):
+            for name in imports_of(file):
+                assert not within(name, "rota.check"), file
+                assert not within(name, "rota.planners") or name == "rota.planners" or within(name, own), file
+
+
+def test_nothing_knows_what_stands_to_its_right() -> None:
+    # mission file -> Mission -> planner -> Plan -> check -> draw, files; make_plan joins them and cli shows them
+    right_of = {
+        "rota.errors": ["rota"],
+        "rota.mission": ["rota.plan", "rota.files", "rota.geometry", "rota.planners", "rota.check", "rota.draw"],
+        "rota.plan": ["rota.files", "rota.geometry", "rota.planners", "rota.check", "rota.draw"],
+        "rota.geometry": ["rota.plan", "rota.files", "rota.planners", "rota.check", "rota.draw"],
+        "rota.planners": ["rota.files", "rota.check", "rota.draw", "rota.make_plan"],
+        "rota.check": ["rota.files", "rota.draw", "rota.make_plan"],
+        "rota.files": ["rota.geometry", "rota.planners", "rota.check", "rota.draw", "rota.make_plan"],
+        "rota.draw": ["rota.geometry", "rota.planners", "rota.make_plan"],
+    }
+    for file in FILES:
+        for package, forbidden in right_of.items():
+            if within(module_name(file), package):
+                wrong = [name for name in imports_of(file) for bad in forbidden if within(name, bad)]
+                assert wrong == [], f"{module_name(file)} imports {wrong}"
+
+
+def test_nothing_imports_the_command_line_and_only_it_talks_to_terminals() -> None:
+    assert importers("rota.cli") == set()
+    assert importers("rich") | importers("typer") == {"rota.cli"}
+
+
+def test_compiled_loops_live_in_kernels_files_only() -> None:
+    assert [name for name in importers("numba") if not name.endswith("kernels")] == []
+
+
+def test_test_tools_stay_out_of_the_package() -> None:
+    for tool in ("pytest", "hypothesis", "jsonschema", "pymavlink", "mavsdk"):
+        assert importers(tool) == set(), tool
+
+
+def modules_after(statement: str) -> set[str]:
+    code = f"{statement}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+@pytest.mark.parametrize("statement", ["import rota", "import rota; rota.make_plan; rota.__version__; dir(rota)"])
+def test_importing_rota_loads_nothing_heavy(statement: str) -> None:
+    loaded = modules_after(statement)
+    assert loaded & {"numba", "scipy", "matplotlib", "pyproj", "pydantic", "shapely", "numpy", "PIL", "typer"} == set()
+
+
+def test_reading_and_writing_plans_needs_no_compiler_and_no_pictures() -> None:
+    assert modules_after("import rota; rota.read_plan, rota.Plan") & {"numba", "scipy", "matplotlib"} == set()
+
+
+def test_every_public_name_is_there() -> None:
+    for name in rota.__all__:
+        value = getattr(rota, name)
+        assert callable(value), name
+        assert value.__doc__, name
+    assert set(rota.__all__) <= set(dir(rota))
+    assert rota.__all__ == sorted(rota.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = rota.nonsense
+
+
+def test_the_function_is_not_hidden_by_its_module() -> None:
+    module = importlib.import_module("rota.make_plan")
+    assert rota.make_plan is module.make_plan
+    assert rota.search_plan is module.search_plan

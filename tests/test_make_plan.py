@@ -1,0 +1,123 @@
+"""make_plan joins planner, judge and stop rule; the planners here are stand-ins, the check is the real one."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from shapely import box
+
+from rota.errors import MissionError, NoPlanFound
+from rota.make_plan import PlanSearch, make_plan, search_plan
+from rota.mission import DiscSensor, Fleet, Mission
+from rota.plan import Plan, Trajectory
+
+MODULE = importlib.import_module("rota.make_plan")
+MISSION = Mission(
+    name="yard", area=box(0, 0, 10, 10), period_s=40, fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=20))
+)
+GOOD = Plan(
+    mission=MISSION,
+    trajectories=(Trajectory(robot="robot-1", times_s=[0, 4, 8], positions_m=[[3, 5], [7, 5], [3, 5]]),),
+)
+TOO_FAST = Plan(
+    mission=MISSION,
+    trajectories=(Trajectory(robot="robot-1", times_s=[0, 1, 2], positions_m=[[3, 5], [7, 5], [3, 5]]),),
+)
+
+
+def use(monkeypatch: pytest.MonkeyPatch, planner: Callable[..., Plan]) -> None:
+    monkeypatch.setattr(MODULE, "_planner", lambda _mission: planner)
+
+
+def test_the_planner_gets_mission_seed_judge_and_stop_rule(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[tuple[float, str]] = []
+
+    def planner(mission: Mission, *, seed: int, judge: Any, progress: Any, should_stop: Any) -> Plan:
+        assert (mission, seed, should_stop()) == (MISSION, 7, False)
+        assert judge(TOO_FAST).verdict == "violated"
+        assert judge(GOOD).verdict == "met"
+        progress(0.5, "touring")
+        return GOOD
+
+    use(monkeypatch, planner)
+    found = search_plan(MISSION, seed=7, progress=lambda *what: shown.append(what))
+    assert found.plan is GOOD
+    assert found.report.verdict == "met"
+    assert not found.stopped_early
+    assert shown == [(0.5, "touring")]
+    assert make_plan(MISSION, seed=7) is GOOD
+
+
+def test_the_plan_judged_last_is_not_judged_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    checked: list[Plan] = []
+
+    def check(plan: Plan) -> Any:
+        checked.append(plan)
+        return SimpleNamespace(verdict="met")
+
+    monkeypatch.setattr("rota.check.check_plan", check)
+
+    def planner(_mission: Mission, *, judge: Any, **_: Any) -> Plan:
+        judge(TOO_FAST)
+        judge(GOOD)
+        return GOOD
+
+    use(monkeypatch, planner)
+    search_plan(MISSION)
+    assert checked == [TOO_FAST, GOOD]
+
+
+def test_a_plan_that_the_check_does_not_pass_is_no_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    use(monkeypatch, lambda *_, **__: TOO_FAST)
+    with pytest.raises(NoPlanFound, match="the check says 'violated'") as caught:
+        make_plan(MISSION)
+    assert caught.value.best is TOO_FAST
+
+
+def looping(_mission: Mission, *, should_stop: Callable[[], bool], **_: Any) -> Plan:
+    for _round in itertools.count():
+        if should_stop():
+            return GOOD
+    raise AssertionError
+
+
+def test_a_time_limit_stops_early_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    use(monkeypatch, looping)
+    found = search_plan(MISSION, time_limit_s=0.01)
+    assert isinstance(found, PlanSearch)
+    assert found.stopped_early
+
+
+def test_the_caller_stops_early_once_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = iter([False, False, True, False, False])
+
+    def planner(_mission: Mission, *, should_stop: Callable[[], bool], **_: Any) -> Plan:
+        assert [should_stop() for _ in range(5)] == [False, False, True, True, True]
+        return GOOD
+
+    use(monkeypatch, planner)
+    assert search_plan(MISSION, should_stop=lambda: next(answers)).stopped_early
+
+
+def test_a_failure_after_stopping_early_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def planner(_mission: Mission, *, should_stop: Callable[[], bool], **_: Any) -> Plan:
+        should_stop()
+        raise NoPlanFound("two zones are too far apart", best=TOO_FAST)
+
+    use(monkeypatch, planner)
+    with pytest.raises(NoPlanFound, match=r"^two zones are too far apart$"):
+        make_plan(MISSION)
+    with pytest.raises(NoPlanFound, match=r"^two zones are too far apart \(stopped early\)$") as caught:
+        make_plan(MISSION, should_stop=lambda: True)
+    assert caught.value.best is TOO_FAST
+
+
+@pytest.mark.parametrize("limit_s", [0, -1, float("nan")])
+def test_a_time_limit_is_greater_than_zero(limit_s: float) -> None:
+    with pytest.raises(MissionError, match=r"time_limit_s: .* must be greater than 0"):
+        make_plan(MISSION, time_limit_s=limit_s)
