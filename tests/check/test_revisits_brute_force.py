@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -10,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Point, Polygon, box
 
+from rota.check import check_plan
 from rota.check.pieces import convex_pieces
 from rota.check.revisits import piece_gaps, sights_of, worst_gaps_s
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
@@ -107,3 +109,42 @@ def test_a_piece_is_never_judged_better_than_any_of_its_points(seed: int) -> Non
         points = sum(weight[:, [k]] * pieces.corners_m[first + np.minimum(k, counts - 1)] for k in range(4))
         points = 1e-6 * pieces.centres_m() + (1 - 1e-6) * points
         assert (worst_gaps_s(plan, points) <= upper + 1e-6).all()
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_verdict_agrees_with_many_points(seed: int) -> None:
+    rng = np.random.default_rng(200 + seed)
+    plan = random_plan(rng, robots=int(rng.integers(2, 4)), obstacles=int(rng.integers(0, 4)))
+    ground = plan.mission.area.difference(shapely.union_all([o.shape for o in plan.mission.obstacles]))
+    held = Trajectory(robot="r0", times_s=[0.0], positions_m=[rng.uniform(2, 8, 2)])
+    wide = tuple(
+        dataclasses.replace(r, sensor=DiscSensor(radius_m=rng.uniform(6, 12))) for r in plan.mission.fleet.robots
+    )
+    mission = dataclasses.replace(plan.mission, fleet=dataclasses.replace(plan.mission.fleet, robots=wide))
+    trajectories = (held, *plan.trajectories[1:]) if seed % 2 else plan.trajectories
+    plan = dataclasses.replace(plan, mission=mission, trajectories=trajectories)
+    points = rng.uniform(0, 10, (40_000, 2))
+    points = points[shapely.contains_xy(ground, *points.T)]
+    gaps = worst_gaps_s(plan, points)
+    worst = float(gaps.max()) if np.isfinite(gaps).all() else float(np.quantile(gaps[np.isfinite(gaps)], 0.9))
+    for period, ok in ((worst * 1.05 + 0.1, np.isfinite(gaps).all()), (worst * 0.9, False)):
+        if period <= 0:
+            continue
+        report = check_plan(
+            dataclasses.replace(plan, mission=dataclasses.replace(mission, period_s=period)), finest_m=0.02
+        )
+        (d,) = report.demands
+        assert d.area_m2 == pytest.approx(ground.area)
+        if d.outcome == "met":
+            assert gaps.max() <= period
+            assert gaps.max() <= d.worst_gap_s + 1e-9
+        if (gaps > period * 1.001).any():
+            assert d.outcome == "violated"
+            place = next(v.place_m for v in report.violations if v.kind == "gap")
+            assert worst_gaps_s(plan, np.array([place]))[0] > period
+            # every point that was found bad by itself lies on a piece that was not shown met: near an unmet point
+            bad = points[gaps > period * 1.001][:300]
+            away = np.hypot(*(bad[:, None] - report.unmet_points_m[None]).transpose(2, 0, 1)).min(axis=1)
+            assert away.max() < 1.6
+        if ok:
+            assert d.outcome == "met" or d.undecided_cells < 50

@@ -1,5 +1,9 @@
 """Every faulty mission in missions_bad/, named after its fault, and the very words it is refused with."""
 
+import copy
+import json
+import math
+import random
 import subprocess
 import sys
 from collections import defaultdict
@@ -8,7 +12,9 @@ from pathlib import Path
 import pytest
 
 from rota.errors import MissionError
+from rota.files.example_mission import example_mission_text
 from rota.files.mission_file import read_mission
+from rota.files.yaml_text import parse_text
 
 FOLDER = Path(__file__).parent.parent / "missions_bad"
 FILES = sorted(
@@ -111,7 +117,42 @@ def test_a_confined_map_has_its_image_inside_the_folder(tmp_path):
 
 def test_reading_a_mission_in_metres_loads_neither_pyproj_nor_scipy_nor_numba():
     code = (
-        "import sys; from rota.files.mission_file import read_mission; read_mission('../../examples/sun2019-fig13.yaml');"
+        "import sys; from rota.files.mission_file import read_mission;"
+        "read_mission('../../examples/sun2019-fig13.yaml');"
         "assert not {'pyproj', 'scipy', 'numba', 'matplotlib'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+JUNK = [None, True, 0, -1, 1e308, 5e-324, math.nan, "", "20", [], {}, [[]], [0, 0], [[0, 0]], {"ring": None}, "fewest"]
+JUNK += [10**30, [None], {"geojson": "\0"}, {"geojson": "."}, {"circle": {"centre": [0, 0], "radius_m": 1e-300}}]
+
+
+def places(value, place=()):
+    if place:
+        yield place
+    inner = value.items() if isinstance(value, dict) else enumerate(value if isinstance(value, list) else [])
+    for step, part in inner:
+        yield from places(part, (*place, step))
+
+
+@pytest.mark.filterwarnings("error")
+def test_whatever_is_written_is_read_or_refused(tmp_path):
+    rng = random.Random(5)
+    good = parse_text(example_mission_text(), "example", "a mission file").value
+    refused = 0
+    for _ in range(300):
+        value = copy.deepcopy(good)
+        for _ in range(rng.choice([1, 1, 2])):
+            *outer, last = rng.choice(list(places(value)))
+            block = value
+            for step in outer:
+                block = block[step]
+            block[last] = copy.deepcopy(rng.choice(JUNK))
+        path = tmp_path / "mission.json"
+        path.write_text(json.dumps(value))
+        try:
+            read_mission(path)
+        except MissionError as error:
+            refused += len(error.faults) > 0
+    assert refused > 200

@@ -69,7 +69,7 @@ def test_features_are_picked_by_name_or_id(tmp_path):
     assert pick_feature(features, "7", path) is features[2]
     with pytest.raises(MissionError, match="2 features are called 'a'"):
         pick_feature(features, "a", path)
-    with pytest.raises(MissionError, match="no feature is called 'c' in .*; it has 'a', 'b', '7', 'a'"):
+    with pytest.raises(MissionError, match=r"no feature is called 'c' in .*; it has 'a', 'b', '7', 'a'"):
         pick_feature(features, "c", path)
 
 

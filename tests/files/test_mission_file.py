@@ -257,12 +257,15 @@ def test_a_geojson_area_gives_a_mission_in_metres_its_origin(tmp_path):
 
 def test_one_zone_per_feature(tmp_path):
     write_geojson(tmp_path / "p.geojson", ({}, [*PARCEL, PARCEL[0]]))
-    square = np.array([[0, 0], [0.0005, 0], [0.0005, 0.0005], [0, 0.0005], [0, 0]])
+
+    def square(lon, lat):
+        return [[lon, lat], [lon + 5e-4, lat], [lon + 5e-4, lat + 5e-4], [lon, lat + 5e-4], [lon, lat]]
+
     write_geojson(
         tmp_path / "z.geojson",
-        ({"name": "gate", "period_s": 20}, (square + [11.5005, 48.1005]).tolist()),
-        ({"period_s": 30.5, "demand": "visit"}, (square + [11.5015, 48.1005]).tolist()),
-        ({}, (square + [11.502, 48.101]).tolist()),
+        ({"name": "gate", "period_s": 20}, square(11.5005, 48.1005)),
+        ({"period_s": 30.5, "demand": "visit"}, square(11.5015, 48.1005)),
+        ({}, square(11.502, 48.101)),
     )
     text = BASE.replace("[[0, 0], [60, 0], [60, 40], [0, 40]]", "{geojson: p.geojson}")
     mission = read(tmp_path, text + "zones: [{geojson: z.geojson, period_s: 50}]\n").mission

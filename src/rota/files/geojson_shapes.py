@@ -143,10 +143,9 @@ def _polygons(geometry: Any) -> Iterator[Any]:
             yield from _polygons(part)
     elif kind in ("Polygon", "MultiPolygon"):
         coordinates = geometry.get("coordinates")
-        polygons = [coordinates] if kind == "Polygon" else coordinates
-        if not isinstance(polygons, list):
+        if not isinstance(coordinates, list):
             raise MissionError(f"{kind} without a list of coordinates")
-        yield from polygons
+        yield from [coordinates] if kind == "Polygon" else coordinates
     elif kind not in ("Point", "MultiPoint", "LineString", "MultiLineString"):
         raise MissionError(f"{kind!r} is no geometry type; a Polygon or MultiPolygon is needed")
 

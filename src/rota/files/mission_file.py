@@ -124,7 +124,8 @@ def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
         if sensor.reach_m >= least_m:
             continue
         size, least = ("radius_m", least_m) if block.shape == "disc" else ("side_m", least_m * math.sqrt(2))
-        cells = demanded_m2 / (sensor.reach_m / CELLS_PER_REACH) ** 2
+        # divided twice, since the square of the smallest numbers is 0
+        cells = demanded_m2 * CELLS_PER_REACH**2 / sensor.reach_m / sensor.reach_m
         message = (
             f"too small for {demanded_m2:.4g} m2 to watch: about {cells / 1e6:.3g} million cells would be needed, at "
             f"most {MOST_CELLS / 1e6:.0f} million are possible; give {size} of at least {_rounded_up(least):.4g}, "

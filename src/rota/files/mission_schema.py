@@ -112,7 +112,7 @@ class Circle(Block):
     """A circle; planned as a 64-gon that contains it."""
 
     centre: Point = Field(description="[x, y] in metres, or [longitude, latitude] in a wgs84 mission")
-    radius_m: Positive
+    radius_m: Annotated[Positive, Field(le=FARTHEST_M)]
 
 
 class Holed(Block):

@@ -105,6 +105,8 @@ def parse_text(text: str, name: str, what: str) -> Document:
         raise MissionError(f"{name}:1:1: the file is empty; {what} is needed")
     builder = _Builder(name, text)
     try:
+        if _count(root, {}) > MOST_VALUES:
+            raise MissionError(f"{name}:1:1: more than {MOST_VALUES:,} values; put large shapes in a GeoJSON file")
         value = builder.build(root, ())
     except RecursionError:
         raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
@@ -159,8 +161,6 @@ class _Builder:
 
     def build(self, node: Node, place: Place) -> Any:
         self.values_at[place] = _start(node)
-        if len(self.values_at) > MOST_VALUES:
-            raise MissionError(f"{self.name}:1:1: more than {MOST_VALUES:,} values; put large shapes in a GeoJSON file")
         if id(node) in self.open:
             return self.refuse(node, place, "an alias inside what it stands for; write the values out")
         if node.tag not in _TAGS:
@@ -206,6 +206,17 @@ class _Builder:
         line, column = _start(node)
         field = field_path(place)
         self.faults.append(f"{self.name}:{line}:{column}: {field + ': ' if field else ''}{message}")
+
+
+def _count(node: Node, known: dict[int, int]) -> int:
+    """How many values a node stands for once its aliases are written out."""
+    if id(node) not in known:
+        known[id(node)] = 1  # counts for an alias inside what it stands for, which is refused later
+        inner = node.value if isinstance(node, SequenceNode) else []
+        if isinstance(node, MappingNode):
+            inner = [value for _, value in node.value]
+        known[id(node)] = 1 + sum(_count(value, known) for value in inner)
+    return known[id(node)]
 
 
 def _start(node: Node) -> tuple[int, int]:

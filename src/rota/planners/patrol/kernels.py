@@ -19,7 +19,7 @@ from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SHIFT, DELETE, INSERT, MIDPOINT, TWO_OPT, OR_OPT = range(6)
+STANDING_M2 = 1e-18  # a leg with less length (squared) is a place where the robot stands
 TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not hide it
 MOST_REMOVED = 4  # vertices that one splice takes out at most
 
@@ -70,7 +70,7 @@ class Tours(NamedTuple):
     rng: NDArray[np.uint64]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def uniform(rng: Any) -> float:
     """One number in [0, 1) of an xorshift64* sequence: the same on every machine and thread."""
     s = rng[0]
@@ -81,20 +81,18 @@ def uniform(rng: Any) -> float:
     return float((s * np.uint64(2685821657736338717)) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
-@njit(cache=True)
-def hidden_until(t: float, c: Any, k: int, s: Samples, ax: float, ay: float, dx: float, dy: float) -> float:
-    """End of the interval of leg parameters round ``t`` in which wall ``k`` hides the point c, or t if it does not."""
-    ux = s.walls[k, 0] - c[0]
-    uy = s.walls[k, 1] - c[1]
-    vx = s.walls[k, 2] - c[0]
-    vy = s.walls[k, 3] - c[1]
+@njit(cache=True, error_model="numpy")
+def hidden_until(t: float, ux: float, uy: float, vx: float, vy: float, px: float, py: float, dx: float, dy: float) -> float:
+    """End of the interval of leg parameters round ``t`` in which a wall hides the origin, or t if it does not.
+
+    The wall runs from u to v, the leg from p on along d, all seen from the hidden point.
+    """
     turn = ux * vy - uy * vx
     if turn < 0:
         ux, uy, vx, vy, turn = vx, vy, ux, uy, -turn
-    if turn <= TOUCH_M * math.hypot(vx - ux, vy - uy):
+    wx, wy = vx - ux, vy - uy
+    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
         return t
-    px = ax - c[0]
-    py = ay - c[1]
     end = math.inf
     # the shadow is where all three are positive: left of the first ray, right of the second, behind the wall
     for side in range(3):
@@ -103,7 +101,6 @@ def hidden_until(t: float, c: Any, k: int, s: Samples, ax: float, ay: float, dx:
         elif side == 1:
             at, slope = px * vy - py * vx, dx * vy - dy * vx
         else:
-            wx, wy = vx - ux, vy - uy
             at, slope = -(wx * (py - uy) - wy * (px - ux)), -(wx * dy - wy * dx)
         now = at + t * slope
         if now < 0 or (now == 0 and slope <= 0):
@@ -113,119 +110,136 @@ def hidden_until(t: float, c: Any, k: int, s: Samples, ax: float, ay: float, dx:
     return end
 
 
-@njit(cache=True)
-def leg_sees_sample(ax: float, ay: float, bx: float, by: float, i: int, reach: float, square: int, s: Samples) -> bool:
-    """Whether sample i is in range and in sight from some point of the leg a-b."""
-    cx, cy = s.x[i], s.y[i]
-    dx, dy = bx - ax, by - ay
-    px, py = ax - cx, ay - cy
-    if s.visit_m[i] > 0:
-        reach, square = s.visit_m[i], 0
-    else:
-        reach -= s.shrink_m[i]
+@njit(cache=True, error_model="numpy")
+def in_sight(
+    px: float, py: float, dx: float, dy: float, first: float, last: float, cx: float, cy: float,
+    walls: Any, items: Any, begin: int, end: int,
+) -> bool:  # fmt: skip
+    """Whether c is not hidden all the way first..last along a leg that starts at c + p and runs along d."""
+    t = first
+    standing = dx * dx + dy * dy < STANDING_M2
+    moved = True
+    while moved:
+        moved = False
+        for j in range(begin, end):
+            k = items[j]
+            until = hidden_until(
+                t, walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy, px, py, dx, dy
+            )
+            if until > t:
+                if until >= last or standing:
+                    return False
+                t = until + 1e-12
+                moved = True
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def range_interval(px: float, py: float, dx: float, dy: float, reach: float, square: int) -> tuple[float, float]:
+    """First and last leg parameter at which the origin is in range of p + t d; first > last when it never is."""
     first, last = 0.0, 1.0
     if square:
         for axis in range(2):
             p, d = (px, dx) if axis == 0 else (py, dy)
             if abs(d) < 1e-12:
                 if abs(p) > reach:
-                    return False
+                    return 1.0, 0.0
                 continue
             t0, t1 = (-reach - p) / d, (reach - p) / d
             first, last = max(first, min(t0, t1)), min(last, max(t0, t1))
-        if first > last:
-            return False
-    else:
-        aa = dx * dx + dy * dy
-        ab = px * dx + py * dy
-        cc = px * px + py * py - reach * reach
-        if aa < 1e-18:
-            if cc > 0:
-                return False
-        else:
-            t = min(1.0, max(0.0, -ab / aa))
-            if cc + t * (2 * ab + t * aa) > 0:
-                return False
-            if s.wall_start[i + 1] == s.wall_start[i]:
-                return True
-            root = math.sqrt(max(0.0, ab * ab - aa * cc))
-            first, last = max(0.0, (-ab - root) / aa), min(1.0, (-ab + root) / aa)
-    if s.visit_m[i] > 0:
-        return True
-    t = first
-    moved = True
-    while moved:
-        moved = False
-        for k in range(s.wall_start[i], s.wall_start[i + 1]):
-            end = hidden_until(t, (cx, cy), s.wall_item[k], s, ax, ay, dx, dy)
-            if end > t:
-                # a leg that only stands (no length) is hidden for good
-                if end >= last or aa_is_zero(dx, dy):
-                    return False
-                t = end + 1e-12
-                moved = True
-    return True
+        return first, last
+    aa = dx * dx + dy * dy
+    ab = px * dx + py * dy
+    cc = px * px + py * py - reach * reach
+    if aa < STANDING_M2:
+        return (0.0, 1.0) if cc <= 0 else (1.0, 0.0)
+    under = ab * ab - aa * cc
+    if under < 0:
+        return 1.0, 0.0
+    root = math.sqrt(under)
+    return max(0.0, (-ab - root) / aa), min(1.0, (-ab + root) / aa)
 
 
-@njit(cache=True)
-def aa_is_zero(dx: float, dy: float) -> bool:
-    """Whether a leg has no length."""
-    return dx * dx + dy * dy < 1e-18
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any) -> int:
     """Write the samples of period class >= serves that the leg a-b sees; return how many, or -1 when out is too short."""
-    found = 0
-    far = reach * (1.4142135623730951 if square else 1.0)
-    cell = s.origin[2]
-    far = max(far, s.origin[3])
-    x0 = max(0, int((min(ax, bx) - far - s.origin[0]) / cell))
-    x1 = min(s.bins[0] - 1, int((max(ax, bx) + far - s.origin[0]) / cell))
-    y0 = max(0, int((min(ay, by) - far - s.origin[1]) / cell))
-    y1 = min(s.bins[1] - 1, int((max(ay, by) + far - s.origin[1]) / cell))
+    # local names: the loop below runs over everything near every leg that is ever tried
+    xs, ys, period, visit, shrink = s.x, s.y, s.period, s.visit_m, s.shrink_m
+    wall_start, wall_item, walls, bin_start = s.wall_start, s.wall_item, s.walls, s.bin_start
+    left, low, cell, farthest = s.origin[0], s.origin[1], s.origin[2], s.origin[3]
+    columns, rows = s.bins[0], s.bins[1]
+    far = max(reach * (1.4142135623730951 if square else 1.0), farthest)
+    x0 = max(0, int((min(ax, bx) - far - left) / cell))
+    x1 = min(columns - 1, int((max(ax, bx) + far - left) / cell))
+    y0 = max(0, int((min(ay, by) - far - low) / cell))
+    y1 = min(rows - 1, int((max(ay, by) + far - low) / cell))
     dx, dy = bx - ax, by - ay
-    long = math.hypot(dx, dy)
-    out_of_lane = far + 0.7072 * cell
+    aa = dx * dx + dy * dy
+    out_of_lane = (far + 0.7072 * cell) * math.sqrt(aa)
+    found = 0
+    room = out.shape[0]
     for row in range(y0, y1 + 1):
+        my = low + (row + 0.5) * cell - ay
         for col in range(x0, x1 + 1):
-            if long > cell:
-                mx = s.origin[0] + (col + 0.5) * cell - ax
-                my = s.origin[1] + (row + 0.5) * cell - ay
-                if abs(dx * my - dy * mx) > out_of_lane * long:
+            mx = left + (col + 0.5) * cell - ax
+            if abs(dx * my - dy * mx) > out_of_lane and aa > STANDING_M2:
+                continue
+            b = row * columns + col
+            for i in range(bin_start[b], bin_start[b + 1]):
+                px, py = ax - xs[i], ay - ys[i]
+                r = reach - shrink[i]
+                wide = square
+                if visit[i] > 0:
+                    r, wide = visit[i], 0
+                if not wide:
+                    t = 0.0
+                    if aa >= STANDING_M2:
+                        t = min(1.0, max(0.0, -(px * dx + py * dy) / aa))
+                    qx, qy = px + t * dx, py + t * dy
+                    if qx * qx + qy * qy > r * r:
+                        continue
+                if period[i] < serves:
                     continue
-            b = row * s.bins[0] + col
-            for i in range(s.bin_start[b], s.bin_start[b + 1]):
-                if s.period[i] >= serves and leg_sees_sample(ax, ay, bx, by, i, reach, square, s):
-                    if found == out.shape[0]:
-                        return -1
-                    out[found] = i
-                    found += 1
+                hides = visit[i] == 0 and wall_start[i + 1] > wall_start[i]
+                if wide or hides:
+                    first, last = range_interval(px, py, dx, dy, r, wide)
+                    if first > last:
+                        continue
+                    if hides and not in_sight(
+                        px, py, dx, dy, first, last, xs[i], ys[i], walls, wall_item, wall_start[i], wall_start[i + 1]
+                    ):
+                        continue
+                if found == room:
+                    return -1
+                out[found] = i
+                found += 1
     return found
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
     """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
+    count, seen, weight, item, place = t.count, t.seen, s.weight, t.unseen_item, t.unseen_place
+    unseen, change = t.ints[1], 0.0
     for j in range(t.seen_n[slot]):
-        i = t.seen[slot, j]
-        before = t.count[i]
-        t.count[i] = before + step
+        i = seen[slot, j]
+        before = count[i]
+        count[i] = before + step
         if step > 0 and before == 0:
-            last = t.unseen_item[t.ints[1] - 1]
-            place = t.unseen_place[i]
-            t.unseen_item[place] = last
-            t.unseen_place[last] = place
-            t.ints[1] -= 1
-            t.unseen[0] -= s.weight[i]
+            unseen -= 1
+            item[place[i]] = item[unseen]
+            place[item[unseen]] = place[i]
+            change -= weight[i]
         elif step < 0 and before == 1:
-            t.unseen_item[t.ints[1]] = i
-            t.unseen_place[i] = t.ints[1]
-            t.ints[1] += 1
-            t.unseen[0] += s.weight[i]
+            item[unseen] = i
+            place[i] = unseen
+            unseen += 1
+            change += weight[i]
+    t.ints[1] = unseen
+    t.unseen[0] += change
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, turn_m: float) -> float:
     """Turning at b on the way a-b-c, as metres of travel that take the same time."""
     ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
@@ -234,7 +248,7 @@ def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, t
     return turn_m * abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def tour_length(k: int, t: Tours) -> float:
     """Length of tour k in metres, turning included as the metres that take the same time."""
     n = t.n[k]
@@ -248,13 +262,13 @@ def tour_length(k: int, t: Tours) -> float:
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def tour_cost(k: int, length: float, t: Tours) -> float:
     """Price of a tour of this length: every metre a little, metres over budget a lot."""
     return t.price[k] * length + t.over_price[k] * max(0.0, length - t.budget_m[k])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def make_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: Tours) -> int:
     """Slot of a new leg of tour k with what it sees, counted; -1 when slots or a slot's room run out."""
     if t.ints[0] == 0:
@@ -265,18 +279,18 @@ def make_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: 
         return -1
     t.ints[0] -= 1
     t.seen_n[slot] = found
-    count_leg(slot, 1, s, t)
+    count_leg(slot, np.int64(1), s, t)
     return slot
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def free_leg(slot: int, t: Tours) -> None:
     """Give a slot back."""
     t.free_slots[t.ints[0]] = slot
     t.ints[0] += 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def set_up(s: Samples, t: Tours) -> bool:
     """Count everything from the tours' vertices; False when slots or their room run out."""
     t.count[:] = 0
@@ -300,7 +314,7 @@ def set_up(s: Samples, t: Tours) -> bool:
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def open_gap(k: int, at: int, removed: int, added: int, t: Tours) -> None:
     """Move the tail of tour k so that ``removed`` vertices from ``at`` on become room for ``added``."""
     n = t.n[k]
@@ -314,7 +328,7 @@ def open_gap(k: int, at: int, removed: int, added: int, t: Tours) -> None:
     t.n[k] = n + step
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def splice_length(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, most_m: float, t: Tours) -> float:
     """Change of length if ``added`` vertices replaced ``removed`` ones from ``at`` on; inf when a leg were too long."""
     n = t.n[k]
@@ -337,7 +351,7 @@ def splice_length(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: 
     return change
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def splice_is_free(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours) -> bool:
     """Whether all new legs of the splice stay in the standing space."""
     n = t.n[k]

@@ -37,6 +37,11 @@ class Settled:
     extra: SamplePoints
 
     @property
+    def fits(self) -> bool:
+        """Whether every tour keeps within its budget."""
+        return all(tour_length_m(tour) <= tour.budget_m for tour in self.tours)
+
+    @property
     def met(self) -> bool:
         """Whether the plan passed."""
         return self.verdict.verdict == "met"
@@ -74,30 +79,29 @@ def plan_of(problem: Problem, tours: Sequence[Tour], seed: int, names: Sequence[
     )
 
 
-def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add: bool, rounds: int) -> Settled | None:
-    """Mend the tours until the judge passes their plan; None when they outgrow their budgets and ``may_add`` is false.
+def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add: bool, rounds: int) -> Settled:
+    """Mend the tours until the judge passes their plan, they outgrow their budgets, or ``rounds`` are over.
 
-    With ``may_add`` a tour that outgrows its budget gets another robot. After ``rounds`` the last state is returned.
+    With ``may_add`` a tour that outgrows its budget gets another robot. Returns the last state.
     """
     problem = context.problem
-    settled: Settled | None = None
-    for turn in range(rounds):
+    turn = 0
+    while True:
         points, samples = prepared_with(problem, extra)
         tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
-        over = [tour_length_m(tour) > tour.budget_m for tour in tours]
-        if any(over) and not may_add:
-            return None
-        tours = [with_robots(tour) if too_long else tour for tour, too_long in zip(tours, over, strict=True)]
+        if may_add:
+            tours = [with_robots(tour) for tour in tours]
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
         settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=extra)
-        if settled.met or context.should_stop():
-            return settled
+        turn += 1
         found = new_points(problem, verdict, shrink_m=turn * 0.25 * problem.range_margin_m)
-        if not len(found):
+        settled = replace(settled, extra=joined([extra, found]))
+        if settled.met or not len(found) or turn == rounds or context.should_stop():
             return settled
-        extra = joined([extra, found])
-    return settled
+        if not may_add and not settled.fits:
+            return settled
+        extra = settled.extra
 
 
 def with_robots(tour: Tour) -> Tour:

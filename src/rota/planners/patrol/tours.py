@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
 from rota.mission import Mission
@@ -19,7 +20,12 @@ from rota.planners.patrol.repair import Settled, no_points, prepared_with, settl
 from rota.planners.patrol.samples import SamplePoints
 from rota.planners.patrol.start.first_tours import class_groups, first_tours, with_robots_needed
 
+Floats = NDArray[np.float64]
+
 GROUPINGS = 2  # ways to group the period classes that are tried
+# of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
+PRICE, MOST_PRICE, OVER_PRICE = 0.3, 1.5, 4.0
+RESERVE = 0.03  # share of the budgets left for the mending
 SQUEEZE = 0.03  # share of all travel that a further try may hope to save
 
 
@@ -113,11 +119,9 @@ def reduce_robots(
         if rival is not None and rival.met and sum(robots) >= len(rival.plan.trajectories):
             break
         context.progress(0.1 + 0.8 * turn / work.tries, f"trying {sum(robots)} robots")
-        tours = annealed(context, tours, extra, seed=context.seed + 1000 * turn)
-        found = settle(context, tours, extra, may_add=False, rounds=work.repairs)
-        if found is not None:
-            extra = found.extra
-        if found is not None and found.met and (best is None or better(found, best)):
+        found = anneal_and_settle(context, tours, extra, seed=context.seed + 1000 * turn)
+        extra = found.extra
+        if found.met and found.fits and (best is None or better(found, best)):
             best = found
             smaller = one_robot_fewer(context.problem, found.tours)
             if smaller is None:
@@ -126,7 +130,7 @@ def reduce_robots(
         else:
             if best is not None:
                 break
-            tours = one_robot_more(tours)
+            tours = one_robot_more(found.tours)
     if best is None and (incumbent is None or not incumbent.met):
         context.progress(0.9, "finishing with the robots that surely suffice")
         tours = [with_robots_needed(tour) for tour in (tours if tried else start)]
@@ -134,23 +138,47 @@ def reduce_robots(
     return best
 
 
-def annealed(context: Context, tours: list[Tour], extra: SamplePoints, *, seed: int) -> list[Tour]:
+def anneal_and_settle(context: Context, tours: list[Tour], extra: SamplePoints, *, seed: int) -> Settled:
+    """Anneal, then mend; while that fails, anneal again from there, cooler, knowing what the judge missed."""
+    work, reach_m = context.work, context.problem.reach_m
+    heat_m = reach_m / 2
+    moves = work.moves
+    while True:
+        tours = annealed(context, tours, extra, heat_m=heat_m, moves=moves, seed=seed)
+        found = settle(context, tours, extra, may_add=False, rounds=work.repairs)
+        if (found.met and found.fits) or heat_m < reach_m / 16 or context.should_stop():
+            return found
+        tours, extra = found.tours, found.extra
+        heat_m, moves, seed = heat_m / 2, moves // 2, seed + 1
+
+
+def annealed(
+    context: Context, tours: list[Tour], extra: SamplePoints, *, heat_m: float, moves: int, seed: int
+) -> list[Tour]:
     """The tours after annealing: everything seen if it can be, within the budgets if it can be, then short."""
-    problem, work = context.problem, context.work
+    problem = context.problem
     _, samples = prepared_with(problem, extra)
     search = Annealing(
         tours,
         samples,
         problem.space_grid,
-        price=np.full(len(tours), 0.2),
-        over_price=np.full(len(tours), 3.0),
+        price=prices(tours),
+        over_price=np.full(len(tours), OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
+        reserve=RESERVE,
     )
     corners = sum(len(tour.vertices_m) for tour in tours)
-    moves = min(work.most_moves, int(work.moves * max(1.0, corners / 300)))
-    search.run(moves, hot_m=problem.reach_m / 2, cold_m=problem.reach_m / 100, should_stop=context.should_stop)
+    moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))
+    cold_m = problem.reach_m / 200
+    search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=context.should_stop)
     return search.tours
+
+
+def prices(tours: list[Tour]) -> Floats:
+    """Price (k,) of a metre of each tour: the shorter its period, the more of a robot a metre takes."""
+    slowest_s = max(tour.period_s for tour in tours)
+    return np.array([min(MOST_PRICE, PRICE * slowest_s / tour.period_s) for tour in tours])
 
 
 def one_robot_fewer(problem: Problem, tours: list[Tour]) -> list[Tour] | None:

@@ -1,4 +1,7 @@
-"""Compiled simulated annealing over all tours at once: five moves, each applied, weighed, then kept or undone."""
+"""Compiled simulated annealing over all tours at once: each move is applied, weighed, then kept or undone.
+
+Numbers that callers write as literals are passed as ``np.int64``: numba would compile a function anew for each literal.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ from rota.planners.patrol.kernels import (
 )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def take_out(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, level: int, s: Samples, t: Tours) -> bool:
     """Replace ``removed`` vertices of tour k from ``at`` on by new ones; remembered at ``level`` for ``put_back``.
 
@@ -40,7 +43,7 @@ def take_out(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, 
     for i in range(legs):
         leg = at + i if alone else (before if i == 0 else at + i - 1)
         t.removed_slot[level, i] = t.slot[k, leg]
-        count_leg(t.slot[k, leg], -1, s, t)
+        count_leg(t.slot[k, leg], np.int64(-1), s, t)
     open_gap(k, at, removed, added, t)
     n = t.n[k]
     for i in range(added):
@@ -58,7 +61,7 @@ def take_out(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, 
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def put_back(k: int, at: int, removed: int, added: int, level: int, made: int, s: Samples, t: Tours) -> None:
     """Undo ``take_out`` of which ``made`` new legs exist."""
     n = t.n[k]
@@ -66,7 +69,7 @@ def put_back(k: int, at: int, removed: int, added: int, level: int, made: int, s
     before = at - 1 if at > 0 else n - 1
     for i in range(made):
         leg = at + i if alone else (before if i == 0 else at + i - 1)
-        count_leg(t.slot[k, leg], -1, s, t)
+        count_leg(t.slot[k, leg], np.int64(-1), s, t)
         free_leg(t.slot[k, leg], t)
     open_gap(k, at, added, removed, t)
     n = t.n[k]
@@ -76,17 +79,17 @@ def put_back(k: int, at: int, removed: int, added: int, level: int, made: int, s
     for i in range(removed if alone else removed + 1):
         leg = at + i if alone else (before if i == 0 else at + i - 1)
         t.slot[k, leg] = t.removed_slot[level, i]
-        count_leg(t.slot[k, leg], 1, s, t)
+        count_leg(t.slot[k, leg], np.int64(1), s, t)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def forget(removed: int, alone: bool, level: int, t: Tours) -> None:
     """Give back the slots of the legs that ``take_out`` took away."""
     for i in range(removed if alone else removed + 1):
         free_leg(t.removed_slot[level, i], t)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def try_splice(
     k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, limit: float, most_m: float,
     space: EdgeGrid, s: Samples, t: Tours,
@@ -105,19 +108,20 @@ def try_splice(
     if not splice_is_free(k, at, removed, new_x, new_y, added, space, t):
         return False
     unseen = t.unseen[0]
-    if not take_out(k, at, removed, new_x, new_y, added, 0, s, t):
+    level = np.int64(0)
+    if not take_out(k, at, removed, new_x, new_y, added, level, s, t):
         return False
     length = tour_length(k, t) if t.turn_m[k] > 0 else t.length[k] + change
     if tour_cost(k, length, t) - old_cost + t.unseen[0] - unseen <= limit:
-        forget(removed, alone, 0, t)
+        forget(removed, alone, level, t)
         t.length[k] = length
         return True
-    put_back(k, at, removed, added, 0, added if alone else added + 1, s, t)
+    put_back(k, at, removed, added, level, added if alone else added + 1, s, t)
     t.unseen[0] = unseen
     return False
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def try_two_opt(k: int, i: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
     """Reverse the part of tour k after vertex i that shortens it most."""
     n = t.n[k]
@@ -151,8 +155,8 @@ def try_two_opt(k: int, i: int, limit: float, most_m: float, space: EdgeGrid, s:
         return False
     unseen = t.unseen[0]
     old_a, old_b = t.slot[k, first], t.slot[k, last]
-    count_leg(old_a, -1, s, t)
-    count_leg(old_b, -1, s, t)
+    count_leg(old_a, np.int64(-1), s, t)
+    count_leg(old_b, np.int64(-1), s, t)
     new_a = make_leg(x[first], y[first], x[last], y[last], k, s, t)
     new_b = make_leg(x[first + 1], y[first + 1], x[after], y[after], k, s, t)
     if new_a >= 0 and new_b >= 0:
@@ -167,15 +171,15 @@ def try_two_opt(k: int, i: int, limit: float, most_m: float, space: EdgeGrid, s:
         reverse(k, first + 1, last, t)
     for slot in (new_b, new_a):
         if slot >= 0:
-            count_leg(slot, -1, s, t)
+            count_leg(slot, np.int64(-1), s, t)
             free_leg(slot, t)
-    count_leg(old_a, 1, s, t)
-    count_leg(old_b, 1, s, t)
+    count_leg(old_a, np.int64(1), s, t)
+    count_leg(old_b, np.int64(1), s, t)
     t.unseen[0] = unseen
     return False
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def reverse(k: int, first: int, last: int, t: Tours) -> None:
     """Reverse the vertices first..last of tour k, and the slots of the legs between them."""
     i, j = first, last
@@ -191,7 +195,7 @@ def reverse(k: int, first: int, last: int, t: Tours) -> None:
         j -= 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def cheapest_leg(px: float, py: float, qx: float, qy: float, tour: int, serves: int, t: Tours) -> tuple[int, int, int, float]:
     """Tour, leg and direction (1: p first) where the way p-q adds least; tour -1 means any that serves that class."""
     best, best_k, best_i, best_way = math.inf, -1, -1, 1
@@ -213,66 +217,67 @@ def cheapest_leg(px: float, py: float, qx: float, qy: float, tour: int, serves: 
     return best_k, best_i, best_way, best
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def try_or_opt(
     k: int, at: int, m: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
 ) -> bool:
     """Move m vertices of tour k to the place, in any tour, where they add least."""
     n = t.n[k]
+    none, first, second = np.int64(0), np.int64(0), np.int64(1)
     if n <= m or at + m > n:
         return False
-    out = splice_length(k, at, m, new_x, new_y, 0, most_m, t)
-    if out == math.inf or not splice_is_free(k, at, m, new_x, new_y, 0, space, t):
+    out = splice_length(k, at, m, new_x, new_y, none, most_m, t)
+    if out == math.inf or not splice_is_free(k, at, m, new_x, new_y, none, space, t):
         return False
     unseen, old_length = t.unseen[0], t.length[k]
     old_cost = tour_cost(k, old_length, t)
-    if not take_out(k, at, m, new_x, new_y, 0, 0, s, t):
+    if not take_out(k, at, m, new_x, new_y, none, first, s, t):
         return False
     t.length[k] = tour_length(k, t) if t.turn_m[k] > 0 else old_length + out
     for i in range(m):
         new_x[i], new_y[i] = t.removed_x[0, i], t.removed_y[0, i]
-    to, leg, way, _ = cheapest_leg(new_x[0], new_y[0], new_x[m - 1], new_y[m - 1], -1, 1 << 30, t)
+    to, leg, way, _ = cheapest_leg(new_x[0], new_y[0], new_x[m - 1], new_y[m - 1], np.int64(-1), np.int64(1 << 30), t)
     if way < 0:
         for i in range(m // 2):
             new_x[i], new_x[m - 1 - i] = new_x[m - 1 - i], new_x[i]
             new_y[i], new_y[m - 1 - i] = new_y[m - 1 - i], new_y[i]
     if t.n[to] + m <= t.x.shape[1]:
-        into = splice_length(to, leg + 1, 0, new_x, new_y, m, most_m, t)
+        into = splice_length(to, leg + 1, none, new_x, new_y, m, most_m, t)
         to_length = t.length[to]
         to_cost = tour_cost(to, to_length, t)
         fair = into < math.inf
         if fair and t.turn_m[k] == 0 and t.turn_m[to] == 0:
             added = tour_cost(to, to_length + into, t) - to_cost + tour_cost(k, t.length[k], t) - old_cost
             fair = added - unseen <= limit
-        if fair and splice_is_free(to, leg + 1, 0, new_x, new_y, m, space, t) and take_out(
-            to, leg + 1, 0, new_x, new_y, m, 1, s, t
+        if fair and splice_is_free(to, leg + 1, none, new_x, new_y, m, space, t) and take_out(
+            to, leg + 1, none, new_x, new_y, m, second, s, t
         ):
             length = tour_length(to, t) if t.turn_m[to] > 0 else to_length + into
             change = tour_cost(to, length, t) - to_cost + t.unseen[0] - unseen
             change += tour_cost(k, t.length[k], t) - old_cost
             if change <= limit:
                 t.length[to] = length
-                forget(m, False, 0, t)
-                forget(0, False, 1, t)
+                forget(m, none > 0, first, t)
+                forget(none, none > 0, second, t)
                 return True
-            put_back(to, leg + 1, 0, m, 1, m + 1, s, t)
-    put_back(k, at, m, 0, 0, 1, s, t)
+            put_back(to, leg + 1, none, m, second, m + 1, s, t)
+    put_back(k, at, m, none, first, second, s, t)
     t.unseen[0] = unseen
     t.length[k] = old_length
     return False
 
 
-@njit(cache=True)
-def try_insert(limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any) -> bool:
-    """Lead a tour to a place from where an unseen sample may be seen."""
+@njit(cache=True, error_model="numpy")
+def propose_insert(space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any) -> tuple[int, int]:
+    """A place from where an unseen sample may be seen, and the tour and leg to lead there; tour -1: none this time."""
     i = t.unseen_item[int(uniform(t.rng) * t.ints[1])]
     cx, cy = s.x[i], s.y[i]
-    tour = -1
+    tour = np.int64(-1)
     if uniform(t.rng) < 0.3:
         tour = int(uniform(t.rng) * t.n.shape[0])
     k, leg, _, _ = cheapest_leg(cx, cy, cx, cy, tour, s.period[i], t)
     if k < 0:
-        return False
+        return k, leg
     reach = s.visit_m[i] if s.visit_m[i] > 0 else t.reach_m[k] - s.shrink_m[i]
     j = leg + 1 if leg + 1 < t.n[k] else 0
     ax, ay = t.x[k, leg], t.y[k, leg]
@@ -288,13 +293,11 @@ def try_insert(limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tour
         # just near enough: a bend that goes no further uncovers least on its other side
         r = reach * (1 - 0.5 * uniform(t.rng) ** 4) / far
         qx, qy = cx + px * r, cy + py * r
-    if not point_in_space(qx, qy, space):
-        return False
     new_x[0], new_y[0] = qx, qy
-    return try_splice(k, leg + 1, 0, new_x, new_y, 1, limit, most_m, space, s, t)
+    return (k if point_in_space(qx, qy, space) else -1), leg
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pick_tour(t: Tours) -> int:
     """A tour, in proportion to its vertices."""
     total = 0
@@ -308,17 +311,21 @@ def pick_tour(t: Tours) -> int:
     return t.n.shape[0] - 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def mend(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> None:
     """Bend legs towards unseen samples, as long as each bend gains more than it costs; nothing else moves."""
     new_x, new_y = np.empty(MOST_REMOVED), np.empty(MOST_REMOVED)
     for _ in range(tries):
         if t.ints[1] == 0:
             return
-        t.ints[2] += try_insert(-1e-9, most_m, space, s, t, new_x, new_y)
+        k, leg = propose_insert(space, s, t, new_x, new_y)
+        if k >= 0:
+            t.ints[2] += try_splice(
+                k, leg + 1, np.int64(0), new_x, new_y, np.int64(1), -1e-9, most_m, space, s, t
+            )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def anneal(
     first: int, moves: int, of: int, hot: float, cold: float, step_m: float, most_m: float,
     space: EdgeGrid, s: Samples, t: Tours,
@@ -334,31 +341,36 @@ def anneal(
         heat = hot * (cold / hot) ** (move / of)
         limit = -heat * math.log(1.0 - uniform(t.rng))
         kind = uniform(t.rng)
-        if t.ints[1] > 0 and kind < 0.25:
-            t.ints[2] += try_insert(limit, most_m, space, s, t, new_x, new_y)
-            continue
         k = pick_tour(t)
         n = t.n[k]
         i = int(uniform(t.rng) * n)
-        kind = uniform(t.rng)
-        if kind < 0.55:
-            spread = step_m * (1.0, 0.3, 0.08)[int(uniform(t.rng) * 3)]
-            new_x[0] = t.x[k, i] + spread * (2 * uniform(t.rng) - 1)
-            new_y[0] = t.y[k, i] + spread * (2 * uniform(t.rng) - 1)
-            if point_in_space(new_x[0], new_y[0], space):
-                t.ints[2] += try_splice(k, i, 1, new_x, new_y, 1, limit, most_m, space, s, t)
-        elif kind < 0.72:
-            if n > 1:
-                t.ints[2] += try_splice(k, i, 1, new_x, new_y, 0, limit, most_m, space, s, t)
-        elif kind < 0.80:
-            j = i + 1 if i + 1 < n else 0
-            at, spread = uniform(t.rng), 0.5 * step_m
-            new_x[0] = t.x[k, i] + at * (t.x[k, j] - t.x[k, i]) + spread * (2 * uniform(t.rng) - 1)
-            new_y[0] = t.y[k, i] + at * (t.y[k, j] - t.y[k, i]) + spread * (2 * uniform(t.rng) - 1)
-            if point_in_space(new_x[0], new_y[0], space):
-                t.ints[2] += try_splice(k, i + 1, 0, new_x, new_y, 1, limit, most_m, space, s, t)
-        elif kind < 0.90:
+        at, removed, added = i, np.int64(0), np.int64(1)
+        if t.ints[1] > 0 and kind < 0.2:
+            k, leg = propose_insert(space, s, t, new_x, new_y)
+            if k < 0:
+                continue
+            at = leg + 1
+        elif kind < 0.30:
             t.ints[2] += try_two_opt(k, i, limit, most_m, space, s, t)
-        else:
+            continue
+        elif kind < 0.40:
             m = 1 + int(uniform(t.rng) * 3)
             t.ints[2] += try_or_opt(k, i, m, limit, most_m, space, s, t, new_x, new_y)
+            continue
+        elif kind < 0.56:
+            if n == 1:
+                continue
+            removed, added = np.int64(1), np.int64(0)
+        else:
+            if kind < 0.92:
+                spread, along = step_m * (1.0, 0.3, 0.08)[int(uniform(t.rng) * 3)], 0.0
+                removed = np.int64(1)
+            else:
+                spread, along = 0.5 * step_m, uniform(t.rng)
+                at = i + 1
+            j = i + 1 if i + 1 < n else 0
+            new_x[0] = t.x[k, i] + along * (t.x[k, j] - t.x[k, i]) + spread * (2 * uniform(t.rng) - 1)
+            new_y[0] = t.y[k, i] + along * (t.y[k, j] - t.y[k, i]) + spread * (2 * uniform(t.rng) - 1)
+            if not point_in_space(new_x[0], new_y[0], space):
+                continue
+        t.ints[2] += try_splice(k, at, removed, new_x, new_y, added, limit, most_m, space, s, t)

@@ -92,17 +92,20 @@ class Annealing:
         over_price: Floats,
         seed: int,
         range_margin_m: float,
+        reserve: float = 0.0,
     ) -> None:
-        """price, over_price: (k,) cost per metre of each tour, and per metre above its budget."""
+        """price, over_price: (k,) cost per metre of each tour, and per metre above its budget less the reserve (a share)."""
         self._tours = [replace(t, vertices_m=without_repeats(t.vertices_m)) for t in tours]
         self._samples = samples
         self._space = space
         reach_m = np.array([t.robot.sensor.reach_m for t in tours])
         self._longest_m = LONGEST_LEG * float(reach_m.min())
         self._step_m = float(reach_m.max())
-        self._state = self._allocate(price, over_price, seed, range_margin_m)
+        self._state = self._allocate(price, over_price, seed, range_margin_m, reserve)
 
-    def _allocate(self, price: Floats, over_price: Floats, seed: int, range_margin_m: float) -> Tours:
+    def _allocate(
+        self, price: Floats, over_price: Floats, seed: int, range_margin_m: float, reserve: float
+    ) -> Tours:
         tours = self._tours
         shapes = [split_legs(t.vertices_m, self._longest_m) for t in tours]
         n = np.array([len(shape) for shape in shapes], dtype=np.int64)
@@ -127,7 +130,7 @@ class Annealing:
             serves=np.array([t.serves for t in tours], dtype=np.int64),
             turn_m=np.array([t.turn_m_per_rad for t in tours]),
             price=np.asarray(price, dtype=np.float64),
-            budget_m=np.array([t.budget_m for t in tours]),
+            budget_m=np.array([t.budget_m for t in tours]) * (1 - reserve),
             over_price=np.asarray(over_price, dtype=np.float64),
             seen=np.zeros((slots, self._slot_room()), dtype=np.int32),
             seen_n=np.zeros(slots, dtype=np.int64),
