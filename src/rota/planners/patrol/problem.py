@@ -53,6 +53,7 @@ class Problem:
     sees_start: Ints
     sees_item: NDArray[np.int32]
     lower_bound: int
+    ideal_robots: float
     range_margin_m: float
     spacing_m: float
 
@@ -158,6 +159,9 @@ def set_up_problem(mission: Mission) -> Problem:
         sees_start=start,
         sees_item=items,
         lower_bound=area_rate_bound(areas, [periods_s[c] for c in region_class], strongest_robot(mission.fleet)),
+        ideal_robots=sum(
+            r.shape.area / (2 * reach_m * robot.speed_m_s * r.period_s) for r in regions if r.demand == "every_point"
+        ),
         range_margin_m=margin_m,
         spacing_m=spacing_m,
     )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
-from rota.mission import Mission
+from rota.mission import Effort, Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing, Tour, tour_length_m
 from rota.planners.patrol.context import Context, Judge
@@ -26,7 +26,8 @@ GROUPINGS = 2  # ways to group the period classes that are tried
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 1.5, 4.0
 RESERVE = 0.03  # share of the budgets left for the mending
-SQUEEZE = 0.03  # share of all travel that a further try may hope to save
+# travel of the tightest plan worth a try, as a multiple of area / swath
+SQUEEZE: dict[Effort, float] = {"quick": 1.3, "normal": 1.2, "high": 1.1}
 
 
 def plan_patrol(
@@ -188,7 +189,7 @@ def one_robot_fewer(problem: Problem, tours: list[Tour]) -> list[Tour] | None:
     """
     robots = sum(tour.robots for tour in tours)
     shares = [tour_length_m(tour) / replace(tour, robots=1).budget_m for tour in tours]
-    if robots <= problem.lower_bound or sum(shares) * (1 - SQUEEZE) > robots - 1:
+    if robots <= problem.lower_bound or problem.ideal_robots * SQUEEZE[problem.mission.planning.effort] > robots - 1:
         return None
 
     def asked(k: int) -> float:
