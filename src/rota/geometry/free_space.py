@@ -40,13 +40,13 @@ def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int =
     circumscribed about the true arc, so that no point of the space is closer than body_radius_m to an obstacle or to
     the outside, and at most 1 / cos(pi / arc_corners) times the radius away from the corner.
 
-    The answer may be empty or in parts. A gap as wide as the body, or narrower, is closed. Raises MissionError when
+    The answer may be empty or in parts. A gap as wide as the body, or narrower, is closed. Raises ValueError when
     the radius is negative or not finite, or arc_corners is below 8.
     """
     if not (math.isfinite(body_radius_m) and body_radius_m >= 0):
-        raise MissionError(f"body_radius_m: {body_radius_m!r} is not allowed; must be a finite number, 0 or more")
+        raise ValueError(f"body_radius_m: {body_radius_m!r} is not allowed; must be a finite number, 0 or more")
     if arc_corners < 8:
-        raise MissionError(f"arc_corners: {arc_corners!r} is not allowed; must be 8 or more")
+        raise ValueError(f"arc_corners: {arc_corners!r} is not allowed; must be 8 or more")
     blocking = [obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion]
     free = _polygons(mission.area.difference(shapely.union_all(blocking)) if blocking else mission.area)
     if body_radius_m == 0 or free.is_empty:

@@ -1,293 +1,331 @@
-"""Compiled loops of the geometry: edges in a grid, what crosses them, and shortest paths over corners.
+# mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
+"""Compiled questions to a grid of border edges: point in space, segment in space, sight from point to point.
 
-The grid holds the border edges of a region. Cells that no edge touches know whether they are inside, so that most
-questions end in the first cell. Everything here is exact up to ``TOLERANCE_M``: touching is not crossing.
+Edges are rows x0, y0, x1, y1 in metres with the space (or the obstacle, for walls of sight) on the left. Everything is
+exact up to TOUCH_M: what comes that close to a border touches it, and touching is allowed everywhere.
 """
 
 from __future__ import annotations
 
-import math
+from math import hypot, inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-TOLERANCE_M = 1e-9
-MOST_TOUCHES = 64
-OUTSIDE, INSIDE, MIXED = 0, 1, 2
+TOUCH_M = 1e-9
+
+OUTSIDE, INSIDE, BORDER = 0, 1, 2
 
 
 class EdgeGrid(NamedTuple):
-    """Edges (k, 4) sorted into square cells; ``kind`` says of each cell whether it is outside, inside or holds edges."""
+    """Edges sorted into square cells; made by ``rota.geometry.line_of_sight.edge_grid``.
 
-    frame: NDArray[np.float64]  # x0, y0, cell size in metres
-    size: NDArray[np.int64]  # columns, rows
-    start: NDArray[np.int64]
-    items: NDArray[np.int64]
-    kind: NDArray[np.int64]
-    edges: NDArray[np.float64]
+    The edges near cell c = j * nx + i are items[start[c] : start[c + 1]], those whose heights meet row j the same with
+    c = nx * ny + j. clear: 0 for a cell with an edge near; otherwise the steps (the diagonal counts one) to the nearest
+    such cell, positive inside and negative outside.
+    """
+
+    x0: float
+    y0: float
+    cell_m: float
+    nx: int
+    ny: int
+    start: Any
+    items: Any
+    edges: Any
+    clear: Any
 
 
 @njit(cache=True)
-def edge_touches_cell(edges: Any, e: int, x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Whether an edge comes into a (slightly grown) box: separating axes."""
-    ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
-    if max(ax, bx) < x0 or min(ax, bx) > x1 or max(ay, by) < y0 or min(ay, by) > y1:
+def _edge_meets_box(edge, left, low, right, high):
+    if max(edge[0], edge[2]) < left or min(edge[0], edge[2]) > right:
         return False
-    mx, my = (x0 + x1) / 2 - ax, (y0 + y1) / 2 - ay
-    dx, dy = bx - ax, by - ay
-    return abs(dx * my - dy * mx) <= (abs(dx) * (y1 - y0) + abs(dy) * (x1 - x0)) / 2
-
-
-@njit(cache=True)
-def fill_grid(frame: Any, size: Any, edges: Any, start: Any, items: Any, counting: bool) -> None:
-    """Count the edges of each cell into start[cell + 1], or enter them at start[cell] (which then moves on)."""
-    cell = frame[2]
-    grown = 1e-6 * cell + 4 * TOLERANCE_M
-    for e in range(edges.shape[0]):
-        c0 = int((min(edges[e, 0], edges[e, 2]) - grown - frame[0]) / cell)
-        c1 = int((max(edges[e, 0], edges[e, 2]) + grown - frame[0]) / cell)
-        r0 = int((min(edges[e, 1], edges[e, 3]) - grown - frame[1]) / cell)
-        r1 = int((max(edges[e, 1], edges[e, 3]) + grown - frame[1]) / cell)
-        for r in range(max(0, r0), min(size[1] - 1, r1) + 1):
-            for c in range(max(0, c0), min(size[0] - 1, c1) + 1):
-                x, y = frame[0] + c * cell, frame[1] + r * cell
-                if edge_touches_cell(edges, e, x - grown, y - grown, x + cell + grown, y + cell + grown):
-                    at = r * size[0] + c
-                    if counting:
-                        start[at + 1] += 1
-                    else:
-                        items[start[at]] = e
-                        start[at] += 1
-
-
-@njit(cache=True)
-def label_cells(grid: EdgeGrid) -> None:
-    """Set ``kind`` of every cell: crossing parity from the left border, which lies outside, along the middle of each row."""
-    for r in range(grid.size[1]):
-        y = grid.frame[1] + (r + 0.5) * grid.frame[2]
-        inside = False
-        for c in range(grid.size[0]):
-            at = r * grid.size[0] + c
-            if grid.start[at + 1] == grid.start[at]:
-                grid.kind[at] = INSIDE if inside else OUTSIDE
-                continue
-            grid.kind[at] = MIXED
-            for j in range(grid.start[at], grid.start[at + 1]):
-                if crosses_row(grid, grid.items[j], y, c):
-                    inside = not inside
-
-
-@njit(cache=True)
-def crossing_x(edges: Any, e: int, y: float) -> float:
-    """Where the horizontal line at y crosses edge e, nan when it does not (the upper end does not belong to the edge)."""
-    y0, y1 = edges[e, 1], edges[e, 3]
-    if (y0 <= y) == (y1 <= y):
-        return math.nan
-    return edges[e, 0] + (y - y0) / (y1 - y0) * (edges[e, 2] - edges[e, 0])
-
-
-@njit(cache=True)
-def crosses_row(grid: EdgeGrid, e: int, y: float, column: int) -> bool:
-    """Whether edge e crosses the horizontal line at y within this column (each crossing belongs to one column)."""
-    x = crossing_x(grid.edges, e, y)
-    if math.isnan(x):
+    if max(edge[1], edge[3]) < low or min(edge[1], edge[3]) > high:
         return False
-    at = int((x - grid.frame[0]) / grid.frame[2])
-    return min(max(at, 0), grid.size[0] - 1) == column
+    dx, dy = edge[2] - edge[0], edge[3] - edge[1]
+    side = dx * (0.5 * (low + high) - edge[1]) - dy * (0.5 * (left + right) - edge[0])
+    return abs(side) <= 0.5 * (abs(dx) * (high - low) + abs(dy) * (right - left))
 
 
 @njit(cache=True)
-def point_in_space(px: float, py: float, grid: EdgeGrid) -> bool:
-    """Whether the point lies in the region that the edges enclose, its border included."""
-    cell = grid.frame[2]
-    c, r = int(math.floor((px - grid.frame[0]) / cell)), int(math.floor((py - grid.frame[1]) / cell))
-    if c < 0 or r < 0 or c >= grid.size[0] or r >= grid.size[1]:
-        return False
-    at = r * grid.size[0] + c
-    if grid.kind[at] != MIXED:
-        return bool(grid.kind[at] == INSIDE)
-    for j in range(grid.start[at], grid.start[at + 1]):
-        if distance_to_edge(px, py, grid.edges, grid.items[j]) <= TOLERANCE_M:
-            return True
-    crossings = 0
-    column = c
-    while True:
-        at = r * grid.size[0] + column
-        if grid.kind[at] != MIXED:
-            return (crossings % 2 == 1) != (grid.kind[at] == INSIDE)
-        for j in range(grid.start[at], grid.start[at + 1]):
-            e = grid.items[j]
-            if crosses_row(grid, e, py, column) and crossing_x(grid.edges, e, py) > px:
-                crossings += 1
-        column += 1
-        if column == grid.size[0]:
-            return crossings % 2 == 1
+def cells_of_edges(edges, x0, y0, cell_m, nx, ny, margin_m):
+    """Start and items of the cells that each edge comes within margin_m of, row by row."""
+    start = np.zeros(nx * ny + 1, np.int64)
+    items, place = np.empty(0, np.int64), start
+    for filling in range(2):
+        for k in range(len(edges)):
+            edge = edges[k]
+            i0 = max(int((min(edge[0], edge[2]) - margin_m - x0) / cell_m), 0)
+            i1 = min(int((max(edge[0], edge[2]) + margin_m - x0) / cell_m), nx - 1)
+            j0 = max(int((min(edge[1], edge[3]) - margin_m - y0) / cell_m), 0)
+            j1 = min(int((max(edge[1], edge[3]) + margin_m - y0) / cell_m), ny - 1)
+            for j in range(j0, j1 + 1):
+                low = y0 + j * cell_m - margin_m
+                for i in range(i0, i1 + 1):
+                    left = x0 + i * cell_m - margin_m
+                    width = cell_m + 2.0 * margin_m
+                    if _edge_meets_box(edge, left, low, left + width, low + width):
+                        if filling:
+                            items[place[j * nx + i]] = k
+                            place[j * nx + i] += 1
+                        else:
+                            start[j * nx + i + 1] += 1
+        if not filling:
+            for c in range(nx * ny):
+                start[c + 1] += start[c]
+            items, place = np.empty(start[-1], np.int64), start.copy()
+    return start, items
 
 
 @njit(cache=True)
-def distance_to_edge(px: float, py: float, edges: Any, e: int) -> float:
-    """Distance from a point to an edge."""
-    ax, ay = edges[e, 0], edges[e, 1]
-    dx, dy = edges[e, 2] - ax, edges[e, 3] - ay
-    long = dx * dx + dy * dy
-    t = 0.0 if long == 0 else min(1.0, max(0.0, ((px - ax) * dx + (py - ay) * dy) / long))
-    return math.hypot(px - ax - t * dx, py - ay - t * dy)
+def rows_of_edges(edges, y0, cell_m, ny, margin_m):
+    """Start and items of the rows of cells whose heights each edge comes within margin_m of."""
+    first, last = np.empty(len(edges), np.int64), np.empty(len(edges), np.int64)
+    start = np.zeros(ny + 1, np.int64)
+    for k in range(len(edges)):
+        first[k] = max(int((min(edges[k, 1], edges[k, 3]) - margin_m - y0) / cell_m), 0)
+        last[k] = min(int((max(edges[k, 1], edges[k, 3]) + margin_m - y0) / cell_m), ny - 1)
+        for j in range(first[k], last[k] + 1):
+            start[j + 1] += 1
+    for j in range(ny):
+        start[j + 1] += start[j]
+    items, place = np.empty(start[-1], np.int64), start.copy()
+    for k in range(len(edges)):
+        for j in range(first[k], last[k] + 1):
+            items[place[j]] = k
+            place[j] += 1
+    return start, items
 
 
 @njit(cache=True)
-def meet(ax: float, ay: float, bx: float, by: float, long: float, edges: Any, e: int, touches: Any, found: int) -> int:
-    """Crossing of the segment a-b with edge e: -1 proper; else the new number of touches (where a-b may change sides)."""
-    cx, cy, dx, dy = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
-    ux, uy = (bx - ax) / long, (by - ay) / long
-    side_c, side_d = ux * (cy - ay) - uy * (cx - ax), ux * (dy - ay) - uy * (dx - ax)
-    tol = TOLERANCE_M
-    if (side_c > tol and side_d > tol) or (side_c < -tol and side_d < -tol):
-        return found
-    edge = math.hypot(dx - cx, dy - cy)
-    if edge == 0:
-        return found
-    vx, vy = (dx - cx) / edge, (dy - cy) / edge
-    side_a, side_b = vx * (ay - cy) - vy * (ax - cx), vx * (by - cy) - vy * (bx - cx)
-    if (side_a > tol and side_b > tol) or (side_a < -tol and side_b < -tol):
-        return found
-    if abs(side_c) > tol and abs(side_d) > tol and abs(side_a) > tol and abs(side_b) > tol:
-        return -1
-    for k in range(2):
-        px, py, side = (cx, cy, side_c) if k == 0 else (dx, dy, side_d)
-        along = ux * (px - ax) + uy * (py - ay)
-        if abs(side) <= tol and -tol <= along <= long + tol and found < MOST_TOUCHES:
-            touches[found] = min(1.0, max(0.0, along / long))
-            found += 1
-    for k in range(2):
-        px, py, side = (ax, ay, side_a) if k == 0 else (bx, by, side_b)
-        along = vx * (px - cx) + vy * (py - cy)
-        if abs(side) <= tol and -tol <= along <= edge + tol and found < MOST_TOUCHES:
-            touches[found] = float(k)
-            found += 1
-    return found
+def _left_of_odd_edges(px, py, edges, items, begin, end):
+    """Crossing parity of the ray from the point to the right, over edges items[begin:end]."""
+    odd = False
+    for n in range(begin, end):
+        k = items[n]
+        ey0, ey1 = edges[k, 1], edges[k, 3]
+        if (ey0 <= py) != (ey1 <= py):
+            side = (edges[k, 2] - edges[k, 0]) * (py - ey0) - (ey1 - ey0) * (px - edges[k, 0])
+            if (side > 0.0) == (ey1 > ey0):
+                odd = not odd
+    return odd
 
 
 @njit(cache=True)
-def segment_is_free(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) -> bool:
-    """Whether the segment between two points of the region stays in it; running along the border is allowed."""
-    long = math.hypot(bx - ax, by - ay)
-    if long <= TOLERANCE_M:
-        return True
-    cell = grid.frame[2]
-    fx, fy = (ax - grid.frame[0]) / cell, (ay - grid.frame[1]) / cell
-    gx, gy = (bx - grid.frame[0]) / cell, (by - grid.frame[1]) / cell
-    c, r = int(math.floor(fx)), int(math.floor(fy))
-    last_c, last_r = int(math.floor(gx)), int(math.floor(gy))
-    step_c, step_r = (1 if gx > fx else -1), (1 if gy > fy else -1)
-    per_c = math.inf if gx == fx else 1 / abs(gx - fx)
-    per_r = math.inf if gy == fy else 1 / abs(gy - fy)
-    next_c = math.inf if gx == fx else ((c + (step_c > 0)) - fx) * step_c * per_c
-    next_r = math.inf if gy == fy else ((r + (step_r > 0)) - fy) * step_r * per_r
-    touches = np.empty(MOST_TOUCHES)
-    found = 0
-    for _ in range(abs(last_c - c) + abs(last_r - r) + 1):
-        if c < 0 or r < 0 or c >= grid.size[0] or r >= grid.size[1]:
-            return False
-        at = r * grid.size[0] + c
-        if grid.kind[at] == OUTSIDE:
-            return False
-        for j in range(grid.start[at], grid.start[at + 1]):
-            found = meet(ax, ay, bx, by, long, grid.edges, grid.items[j], touches, found)
-            if found < 0 or found == MOST_TOUCHES:
-                return False
-        if next_c < next_r:
-            c += step_c
-            next_c += per_c
+def clearances(edges, x0, y0, cell_m, nx, ny, start, items):
+    """``clear`` of an EdgeGrid: chessboard distances in two sweeps, their signs by crossing parity."""
+    clear = np.full((ny + 2, nx + 2), nx + ny, np.int64)
+    for j in range(ny):
+        for i in range(nx):
+            if start[j * nx + i + 1] > start[j * nx + i]:
+                clear[j + 1, i + 1] = 0
+    for j in range(1, ny + 1):
+        for i in range(1, nx + 1):
+            near = min(clear[j - 1, i - 1], clear[j - 1, i], clear[j - 1, i + 1], clear[j, i - 1])
+            clear[j, i] = min(clear[j, i], near + 1)
+    for j in range(ny, 0, -1):
+        for i in range(nx, 0, -1):
+            near = min(clear[j + 1, i + 1], clear[j + 1, i], clear[j + 1, i - 1], clear[j, i + 1])
+            clear[j, i] = min(clear[j, i], near + 1)
+    signed = np.zeros(nx * ny, np.int64)
+    for j in range(ny):
+        row, inside = nx * ny + j, False
+        for i in range(nx):
+            steps = clear[j + 1, i + 1]
+            if steps > 0 and (i == 0 or clear[j + 1, i] == 0):
+                x, y = x0 + (i + 0.5) * cell_m, y0 + (j + 0.5) * cell_m
+                inside = _left_of_odd_edges(x, y, edges, items, start[row], start[row + 1])
+            signed[j * nx + i] = steps if inside else -steps
+    return signed
+
+
+@njit(cache=True)
+def _place(px, py, grid, touch_m):
+    """INSIDE, OUTSIDE, or BORDER for a point within touch_m of an edge."""
+    u, v = (px - grid.x0) / grid.cell_m, (py - grid.y0) / grid.cell_m
+    if not (u >= 0.0 and v >= 0.0 and u < grid.nx and v < grid.ny):
+        return OUTSIDE
+    j = int(v)
+    c = j * grid.nx + int(u)
+    if grid.clear[c] != 0:
+        return INSIDE if grid.clear[c] > 0 else OUTSIDE
+    edges = grid.edges
+    for n in range(grid.start[c], grid.start[c + 1]):
+        k = grid.items[n]
+        wx, wy = edges[k, 2] - edges[k, 0], edges[k, 3] - edges[k, 1]
+        ax, ay = px - edges[k, 0], py - edges[k, 1]
+        s = min(max((ax * wx + ay * wy) / (wx * wx + wy * wy), 0.0), 1.0)
+        if (ax - s * wx) ** 2 + (ay - s * wy) ** 2 <= touch_m * touch_m:
+            return BORDER
+    row = grid.nx * grid.ny + j
+    odd = _left_of_odd_edges(px, py, edges, grid.items, grid.start[row], grid.start[row + 1])
+    return INSIDE if odd else OUTSIDE
+
+
+@njit(cache=True)
+def point_in_space(px, py, grid):
+    """Whether the point lies in the closed space."""
+    return _place(px, py, grid, TOUCH_M) != OUTSIDE
+
+
+@njit(cache=True)
+def _contact(ax, ay, bx, by, ux, uy, edges, k):
+    """0: apart, 1: within TOUCH_M of each other, 2: properly crossing; (ux, uy) is the unit vector from a to b."""
+    ex0, ey0, ex1, ey1 = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+    d0 = ux * (ey0 - ay) - uy * (ex0 - ax)
+    d1 = ux * (ey1 - ay) - uy * (ex1 - ax)
+    if (d0 > TOUCH_M and d1 > TOUCH_M) or (d0 < -TOUCH_M and d1 < -TOUCH_M):
+        return 0
+    wx, wy = ex1 - ex0, ey1 - ey0
+    touch = TOUCH_M * sqrt(wx * wx + wy * wy)
+    ea = wx * (ay - ey0) - wy * (ax - ex0)
+    eb = wx * (by - ey0) - wy * (bx - ex0)
+    if (ea > touch and eb > touch) or (ea < -touch and eb < -touch):
+        return 0
+    if abs(d0) <= TOUCH_M or abs(d1) <= TOUCH_M or abs(ea) <= touch or abs(eb) <= touch:
+        return 1
+    return 2
+
+
+@njit(cache=True)
+def _clip_to_grid(ax, ay, dx, dy, grid):
+    """First and last parameter of a + t d, t in 0..1, in the grid; the first is greater when there is none."""
+    wide, high = grid.nx * grid.cell_m, grid.ny * grid.cell_m
+    if (
+        min(ax, ax + dx) >= grid.x0
+        and min(ay, ay + dy) >= grid.y0
+        and max(ax, ax + dx) <= grid.x0 + wide
+        and max(ay, ay + dy) <= grid.y0 + high
+    ):
+        return 0.0, 1.0
+    first, last = 0.0, 1.0
+    for a, d, low, size in ((ax, dx, grid.x0, wide), (ay, dy, grid.y0, high)):
+        if d == 0.0:
+            if a < low or a > low + size:
+                return 1.0, 0.0
         else:
-            r += step_r
-            next_r += per_r
-    if found == 0:
-        return True
-    # between two touches the segment is wholly in or wholly out: look at the middle of each stretch
-    stops = np.sort(touches[:found])
+            t0, t1 = (low - a) / d, (low + size - a) / d
+            first, last = max(first, min(t0, t1)), min(last, max(t0, t1))
+    return first, last
+
+
+@njit(cache=True)
+def _contacts(ax, ay, bx, by, grid, touches):
+    """How many touches of edges lie on the segment, -1 when it properly crosses one.
+
+    touches: None, or an array that takes the parameters at which edge ends lie on the segment.
+    """
+    dx, dy = bx - ax, by - ay
+    length = sqrt(dx * dx + dy * dy)
+    t, last = _clip_to_grid(ax, ay, dx, dy, grid)
+    count = 0
+    if t > last:
+        return count
+    i = min(max(int((ax + t * dx - grid.x0) / grid.cell_m), 0), grid.nx - 1)
+    j = min(max(int((ay + t * dy - grid.y0) / grid.cell_m), 0), grid.ny - 1)
+    while True:
+        c = j * grid.nx + i
+        for n in range(grid.start[c], grid.start[c + 1]):
+            k = grid.items[n]
+            contact = _contact(ax, ay, bx, by, dx / length, dy / length, grid.edges, k)
+            if contact == 2:
+                return -1
+            if contact == 1:
+                if touches is not None:
+                    for e in range(2):
+                        ex, ey = grid.edges[k, 2 * e] - ax, grid.edges[k, 2 * e + 1] - ay
+                        on_line = abs(dx * ey - dy * ex) <= TOUCH_M * length
+                        s = (dx * ex + dy * ey) / (length * length)
+                        touches[2 * count + e] = min(max(s, 0.0), 1.0) if on_line else 0.0
+                count += 1
+        clear = abs(grid.clear[c])
+        if clear > 1:
+            # no edge within clear - 1 cells: jump, and find the cell again
+            t += 0.999 * (clear - 1) * grid.cell_m / length
+            i = min(max(int((ax + t * dx - grid.x0) / grid.cell_m), 0), grid.nx - 1)
+            j = min(max(int((ay + t * dy - grid.y0) / grid.cell_m), 0), grid.ny - 1)
+        else:
+            tx = (grid.x0 + (i + (dx > 0.0)) * grid.cell_m - ax) / dx if dx != 0.0 else inf
+            ty = (grid.y0 + (j + (dy > 0.0)) * grid.cell_m - ay) / dy if dy != 0.0 else inf
+            t = max(t, min(tx, ty))
+            if tx < ty:
+                i += 1 if dx > 0.0 else -1
+            else:
+                j += 1 if dy > 0.0 else -1
+        if t > last or i < 0 or j < 0 or i >= grid.nx or j >= grid.ny:
+            return count
+
+
+@njit(cache=True)
+def _meets_between_touches(ax, ay, bx, by, grid, count, what):
+    """Whether a stretch of the segment between two touches lies in what (INSIDE or OUTSIDE)."""
+    touches = np.zeros(2 * count + 1)
+    _contacts(ax, ay, bx, by, grid, touches)
+    touches[2 * count] = 1.0
+    for n in range(1, len(touches)):
+        value, m = touches[n], n
+        while m > 0 and touches[m - 1] > value:
+            touches[m] = touches[m - 1]
+            m -= 1
+        touches[m] = value
+    shortest = 4.0 * TOUCH_M / hypot(bx - ax, by - ay)
     before = 0.0
-    for k in range(found + 1):
-        t = stops[k] if k < found else 1.0
-        if (t - before) * long > 2 * TOLERANCE_M:
-            middle = (before + t) / 2
-            if not point_in_space(ax + middle * (bx - ax), ay + middle * (by - ay), grid):
-                return False
-        before = max(before, t)
-    return True
+    for n in range(len(touches)):
+        if touches[n] - before > shortest:
+            t = 0.5 * (before + touches[n])
+            if _place(ax + t * (bx - ax), ay + t * (by - ay), grid, 2.0 * TOUCH_M) == what:
+                return True
+        before = touches[n]
+    return False
 
 
 @njit(cache=True)
-def many_segments_free(a: Any, b: Any, grid: EdgeGrid) -> Any:
-    """``segment_is_free`` for rows of a and b (n, 2)."""
-    out = np.empty(a.shape[0], dtype=np.bool_)
-    for i in range(a.shape[0]):
-        out[i] = segment_is_free(a[i, 0], a[i, 1], b[i, 0], b[i, 1], grid)
-    return out
+def segment_is_free(ax, ay, bx, by, grid):
+    """Whether the segment stays in the closed space; both ends must lie in it."""
+    if (ax - bx) ** 2 + (ay - by) ** 2 <= TOUCH_M * TOUCH_M:
+        return True
+    count = _contacts(ax, ay, bx, by, grid, None)
+    if count <= 0:
+        return count == 0
+    return not _meets_between_touches(ax, ay, bx, by, grid, count, OUTSIDE)
 
 
 @njit(cache=True)
-def many_points_inside(p: Any, grid: EdgeGrid) -> Any:
-    """``point_in_space`` for rows of p (n, 2)."""
-    out = np.empty(p.shape[0], dtype=np.bool_)
-    for i in range(p.shape[0]):
-        out[i] = point_in_space(p[i, 0], p[i, 1], grid)
-    return out
+def point_sees_point(ax, ay, bx, by, grid):
+    """Whether the segment meets no inside of an obstacle, its ends included; grid: of walls of sight."""
+    if _place(ax, ay, grid, TOUCH_M) == INSIDE or _place(bx, by, grid, TOUCH_M) == INSIDE:
+        return False
+    if (ax - bx) ** 2 + (ay - by) ** 2 <= TOUCH_M * TOUCH_M:
+        return True
+    count = _contacts(ax, ay, bx, by, grid, None)
+    if count <= 0:
+        return count == 0
+    return not _meets_between_touches(ax, ay, bx, by, grid, count, INSIDE)
 
 
 @njit(cache=True)
-def tangent(px: float, py: float, corner: int, corners: Any) -> bool:
-    """Whether the line from p through a corner (x, y, before, after) leaves both its edges on one side."""
-    cx, cy = corners[corner, 0], corners[corner, 1]
-    dx, dy = cx - px, cy - py
-    one = dx * (corners[corner, 3] - cy) - dy * (corners[corner, 2] - cx)
-    two = dx * (corners[corner, 5] - cy) - dy * (corners[corner, 4] - cx)
-    slack = TOLERANCE_M * math.hypot(dx, dy)
-    return not ((one > slack and two < -slack) or (one < -slack and two > slack))
+def points_in_space(points, grid):
+    """point_in_space for each row."""
+    inside = np.empty(len(points), np.bool_)
+    for k in range(len(points)):
+        inside[k] = point_in_space(points[k, 0], points[k, 1], grid)
+    return inside
 
 
 @njit(cache=True)
-def see_corners(p: Any, corners: Any, grid: EdgeGrid) -> Any:
-    """Distance (n, c) from each point to each corner that it sees along a tangent, inf where it does not."""
-    out = np.full((p.shape[0], corners.shape[0]), np.inf)
-    for i in range(p.shape[0]):
-        for j in range(corners.shape[0]):
-            x, y = corners[j, 0], corners[j, 1]
-            if tangent(p[i, 0], p[i, 1], j, corners) and segment_is_free(p[i, 0], p[i, 1], x, y, grid):
-                out[i, j] = math.hypot(x - p[i, 0], y - p[i, 1])
-    return out
+def free_segments(a, b, grid):
+    """segment_is_free for each pair of rows."""
+    free = np.empty(len(a), np.bool_)
+    for k in range(len(a)):
+        free[k] = segment_is_free(a[k, 0], a[k, 1], b[k, 0], b[k, 1], grid)
+    return free
 
 
 @njit(cache=True)
-def bitangents(corners: Any, grid: EdgeGrid) -> Any:
-    """Lengths (c, c) of the edges between corners that a shortest path may use, 0 where there is none."""
-    n = corners.shape[0]
-    out = np.zeros((n, n))
-    for i in range(n):
-        for j in range(i):
-            ax, ay, bx, by = corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]
-            if tangent(ax, ay, j, corners) and tangent(bx, by, i, corners) and segment_is_free(ax, ay, bx, by, grid):
-                out[i, j] = out[j, i] = math.hypot(bx - ax, by - ay)
-    return out
-
-
-@njit(cache=True)
-def through_corners(from_a: Any, between: Any, from_b: Any) -> Any:
-    """Shortest a - corner - ... - corner - b: lengths (n, m) from the corner distances (n, c), (c, c) and (m, c)."""
-    n, m, c = from_a.shape[0], from_b.shape[0], between.shape[0]
-    out = np.full((n, m), np.inf)
-    reach = np.empty(c)
-    for i in range(n):
-        reach[:] = np.inf
-        for j in range(c):
-            if from_a[i, j] < np.inf:
-                for k in range(c):
-                    reach[k] = min(reach[k], from_a[i, j] + between[j, k])
-        for q in range(m):
-            best = np.inf
-            for k in range(c):
-                if from_b[q, k] < np.inf:
-                    best = min(best, reach[k] + from_b[q, k])
-            out[i, q] = best
-    return out
+def seen_points(a, b, grid):
+    """point_sees_point for each pair of rows."""
+    seen = np.empty(len(a), np.bool_)
+    for k in range(len(a)):
+        seen[k] = point_sees_point(a[k, 0], a[k, 1], b[k, 0], b[k, 1], grid)
+    return seen

@@ -1,4 +1,4 @@
-"""What hides what: straight lines against the edges of a region, and what one point sees."""
+"""What hides what: straight lines against borders and walls, and what one point sees."""
 
 from __future__ import annotations
 
@@ -7,83 +7,166 @@ import math
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.geometry.base import BaseGeometry
+from shapely import MultiPolygon, Polygon
 
-from rota.geometry import kernels
+from rota.geometry import kernels, sight_kernels
 from rota.geometry.kernels import EdgeGrid
 
 Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
 
-EDGES_PER_CELL = 0.25  # so many cells that most hold no edge at all
-MOST_CELLS = 4_000_000
+# Cells per edge: few enough to build in milliseconds, so many that most cells hold no edge and lines skip over them.
+_CELLS_PER_EDGE = 16
+_FEWEST_CELLS = 1024
+_MOST_CELLS = 4_000_000
+
+_SAME_CORNER = 1e-12  # of the reach: two neighbouring walls give their common end with as much rounding
+_HIDDEN = -2  # where an obstacle begins at the point that looks
 
 
 def edge_grid(edges_m: Floats, cell_m: float | None = None) -> EdgeGrid:
-    """The border edges (k, 4) of a region, sorted into cells for the kernels; k may be 0 (an empty region).
+    """The edges (k, 4) of a border, metres x0, y0, x1, y1, sorted into square cells for the kernels.
 
-    cell_m: size of a cell; None: chosen from the number of edges and the size of the region.
+    The space (for walls of sight: the obstacle) is on the left of each edge, as ``border_segments`` and ``sight_walls``
+    of ``rota.geometry.free_space`` give them; edges of no length are left out. k may be 0: an empty space, or a view
+    that nothing blocks. cell_m: size of a cell in metres; None, or a size that would need more than 4 million cells:
+    chosen from the number of edges. Raises ValueError when an edge is not finite or cell_m not greater than 0.
     """
-    edges_m = np.ascontiguousarray(edges_m, dtype=np.float64).reshape(-1, 4)
-    if not len(edges_m):
-        edges_m = np.zeros((0, 4))
-    xs, ys = edges_m[:, [0, 2]], edges_m[:, [1, 3]]
-    low = np.array([xs.min(initial=np.inf), ys.min(initial=np.inf)])
-    high = np.array([xs.max(initial=-np.inf), ys.max(initial=-np.inf)])
-    if not len(edges_m):
-        low, high = np.zeros(2), np.ones(2)
-    span = np.maximum(high - low, 1e-6)
-    if cell_m is None:
-        cell_m = math.sqrt(span[0] * span[1] / max(400.0, len(edges_m) / EDGES_PER_CELL))
-    cell_m = max(cell_m, math.sqrt(span[0] * span[1] / MOST_CELLS), float(span.max()) / 20_000)
-    size = np.ceil(span / cell_m).astype(np.int64) + 2
-    frame = np.array([low[0] - cell_m, low[1] - cell_m, cell_m])
-    start = np.zeros(int(size.prod()) + 1, dtype=np.int64)
-    kernels.fill_grid(frame, size, edges_m, start, np.zeros(0, dtype=np.int64), True)
-    start = np.cumsum(start)
-    items = np.zeros(int(start[-1]), dtype=np.int64)
-    kernels.fill_grid(frame, size, edges_m, start[:-1].copy(), items, False)
-    grid = EdgeGrid(frame, size, start, items, np.zeros(int(size.prod()), dtype=np.int64), edges_m)
-    kernels.label_cells(grid)
-    return grid
+    edges = _rows(edges_m, 4, "edges_m")
+    edges = edges[(edges[:, 0] != edges[:, 2]) | (edges[:, 1] != edges[:, 3])]
+    if cell_m is not None and not (math.isfinite(cell_m) and cell_m > 0):
+        raise ValueError(f"cell_m: {cell_m!r} is not allowed; must be a finite number greater than 0")
+    ends = edges.reshape(-1, 2)
+    low = ends.min(axis=0) if len(ends) else np.zeros(2)
+    width, height = (ends.max(axis=0) - low if len(ends) else np.ones(2)) + 1e-6
+    cells = min(max(_FEWEST_CELLS, _CELLS_PER_EDGE * len(edges)), _MOST_CELLS)
+    own = max(math.sqrt(width * height / cells), max(width, height) / cells)
+    cell = own if cell_m is None or (width / cell_m + 2) * (height / cell_m + 2) > _MOST_CELLS else float(cell_m)
+    # touching is judged up to TOUCH_M; the rest is room for rounding where a line runs along the border of two cells
+    margin = 1e-6 * cell + 4 * kernels.TOUCH_M + 1e-12 * float(np.abs(ends).max(initial=0.0))
+    x0, y0 = float(low[0] - 0.5 * cell), float(low[1] - 0.5 * cell)
+    nx, ny = int(width / cell) + 2, int(height / cell) + 2
+    start, items = kernels.cells_of_edges(edges, x0, y0, cell, nx, ny, margin)
+    row_start, row_items = kernels.rows_of_edges(edges, y0, cell, ny, margin)
+    start, items = np.concatenate([start, start[-1] + row_start[1:]]), np.concatenate([items, row_items])
+    clear = kernels.clearances(edges, x0, y0, cell, nx, ny, start, items)
+    return EdgeGrid(x0, y0, cell, nx, ny, start, items, edges, clear)
 
 
-def segments_free(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> NDArray[np.bool_]:
-    """Which segments (n,) between points a and b (n, 2) of the region stay in it; touching its border is allowed."""
-    return np.asarray(kernels.many_segments_free(_points(a_m), _points(b_m), grid), dtype=bool)
+def points_inside(points_m: Floats, grid: EdgeGrid) -> Booleans:
+    """Which points (n, 2) in metres lie in the closed space whose border the grid holds."""
+    return np.asarray(kernels.points_in_space(_rows(points_m, 2, "points_m"), grid))
 
 
-def points_inside(points_m: Floats, grid: EdgeGrid) -> NDArray[np.bool_]:
-    """Which points (n, 2) lie in the region, its border included."""
-    return np.asarray(kernels.many_points_inside(_points(points_m), grid), dtype=bool)
+def segments_free(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> Booleans:
+    """Which straight lines from a (n, 2) to b (n, 2) in metres stay in the closed space whose border the grid holds.
 
-
-def _points(points_m: Floats) -> Floats:
-    return np.ascontiguousarray(points_m, dtype=np.float64).reshape(-1, 2)
-
-
-def visibility_polygon(point_m: Floats, walls_m: Floats, reach_m: float) -> BaseGeometry:
-    """What the point (2,) sees within its reach: a 128-gon that contains the circle, less the shadows of walls (k, 4).
-
-    A wall on whose line the point lies casts no shadow. Returns a polygon, or several that touch in points.
+    Running along the border and through its corners is allowed. Both ends must lie in the space.
     """
-    x, y = float(point_m[0]), float(point_m[1])
-    disc = shapely.Point(x, y).buffer(reach_m / math.cos(math.pi / 128), quad_segs=32)
-    walls = walls_m.reshape(-1, 4)
-    lines = shapely.linestrings(walls.reshape(-1, 2, 2))
-    walls = walls[shapely.dwithin(lines, shapely.Point(x, y), reach_m * 1.01)] if len(walls) else walls
-    to_ends = walls.reshape(-1, 2, 2) - (x, y)
-    along = to_ends[:, 1] - to_ends[:, 0]
-    off_line = to_ends[:, 0, 0] * to_ends[:, 1, 1] - to_ends[:, 0, 1] * to_ends[:, 1, 0]
-    long = np.hypot(*along.T)
-    solid = np.abs(off_line) > 1e-9 * np.maximum(long, 1e-12)
-    to_ends, along, off_line, long = to_ends[solid], along[solid], off_line[solid], long[solid]
-    if not len(to_ends):
-        return disc
-    far = 4 * reach_m
-    ends_far = far * to_ends / np.maximum(np.hypot(to_ends[..., 0], to_ends[..., 1]), 1e-12)[..., None]
-    away = np.column_stack([along[:, 1], -along[:, 0]]) / long[:, None]
-    away *= np.where(off_line > 0, far, -far)[:, None]
-    # beyond the wall: its ends, the rays through them, and straight behind it, so that no chord cuts the reach
-    ring = np.stack([to_ends[:, 0], to_ends[:, 1], ends_far[:, 1], away, ends_far[:, 0]], axis=1) + (x, y)
-    shadows = shapely.convex_hull(shapely.multipoints(ring))
-    return shapely.difference(disc, shapely.union_all(shadows))
+    return np.asarray(kernels.free_segments(*_pairs(a_m, b_m), grid))
+
+
+def sees(a_m: Floats, b_m: Floats, grid: EdgeGrid) -> Booleans:
+    """Which points b (n, 2) in metres are seen from points a (n, 2) between the walls of sight in the grid.
+
+    A line of sight may touch obstacles and run along them; a point inside an obstacle neither sees nor is seen.
+    """
+    return np.asarray(kernels.seen_points(*_pairs(a_m, b_m), grid))
+
+
+def visibility_polygon(
+    point_m: tuple[float, float] | Floats, walls_m: Floats, reach_m: float, *, sides: int = 64
+) -> Polygon | MultiPolygon:
+    """What the point sees between walls (k, 4), cut to a regular polygon that contains the circle of radius reach_m.
+
+    walls_m: metres x0, y0, x1, y1 with the obstacle on the left, as ``sight_walls`` gives them; they may meet at their
+    ends only. sides: of the polygon, at least 3, one of them facing +x; 4 gives the square of half side reach_m. Views
+    along a wall and past a corner are open. Exact up to rounding: between neighbouring directions of wall ends one
+    wall, or the rim, is nearest.
+
+    Empty when the point lies inside an obstacle; a MultiPolygon when it stands where obstacles touch, with a view on
+    either side. Raises ValueError when reach_m is not greater than 0, or anything is not finite.
+    """
+    if not (math.isfinite(reach_m) and reach_m > 0):
+        raise ValueError(f"reach_m: {reach_m!r} is not allowed; must be a finite number greater than 0")
+    if sides < 3:
+        raise ValueError(f"sides: {sides!r} is not allowed; must be 3 or more")
+    here = _rows(np.asarray(point_m, dtype=np.float64).reshape(1, -1), 2, "point_m")[0]
+    angles = 2 * math.pi * (np.arange(sides) + 0.5) / sides
+    rim = reach_m / math.cos(math.pi / sides) * np.column_stack([np.cos(angles), np.sin(angles)])
+    walls = _rows(walls_m, 4, "walls_m") - np.concatenate([here, here])
+    low, high = np.minimum(walls[:, 1], walls[:, 3]), np.maximum(walls[:, 1], walls[:, 3])
+    # walls at other heights are out of reach and cross no ray from the origin to the right
+    near = np.ascontiguousarray(walls[(low <= rim[:, 1].max()) & (high >= rim[:, 1].min())])
+    ring = _sweep(near, np.hstack([rim, np.roll(rim, -1, axis=0)]))
+    step = ring - np.roll(ring, 1, axis=0)
+    ring = ring[np.hypot(step[:, 0], step[:, 1]) > _SAME_CORNER * reach_m]
+    if len(ring) < 3:
+        return Polygon()
+    seen = Polygon(ring + here)
+    if seen.is_valid:
+        return seen
+    parts = [part for part in shapely.get_parts(shapely.make_valid(seen)) if part.geom_type.endswith("Polygon")]
+    joined = shapely.union_all(parts)
+    return joined if isinstance(joined, Polygon | MultiPolygon) else Polygon()
+
+
+def _sweep(walls: Floats, frame: Floats) -> Floats:
+    """Border (k, 2), turning left, of what the origin sees inside the frame; no rows when it lies in an obstacle."""
+    lines, rays = np.empty((len(walls), 4)), np.empty((2 * len(walls), 3))
+    count, touching = sight_kernels.lines_in_frame(walls, frame, lines, rays)
+    if not touching and sight_kernels.is_inside(walls):
+        return np.zeros((0, 2))
+    lines, rays = np.vstack([lines[:count], frame]), rays[:touching]
+    begins, ends, borders = _angles(lines[:, :2]), _angles(lines[:, 2:]), _angles(rays[:, :2])
+    angles = np.unique(np.concatenate([begins, ends, borders]))
+    middles = (angles + np.append(angles[1:], angles[0] + 2 * math.pi)) / 2
+    first, last = np.searchsorted(angles, begins), np.searchsorted(angles, ends)
+    nearest = sight_kernels.nearest_lines(lines, first, last, np.cos(middles), np.sin(middles))
+    if touching:
+        order = np.lexsort([rays[:, 2], borders])
+        past = order[np.searchsorted(borders[order], angles, side="right") - 1]
+        nearest[rays[past, 2] == 1] = _HIDDEN
+    return _ring(lines, angles, nearest)
+
+
+def _ring(lines: Floats, angles: Floats, nearest: NDArray[np.int64]) -> Floats:
+    """Both ends of each run of sectors in which one line is nearest; the origin where an obstacle begins at it."""
+    sectors = np.flatnonzero(nearest != -1)  # a sector without a line is narrower than rounding
+    seen = nearest[sectors]
+    new = np.flatnonzero(seen != np.roll(seen, 1))
+    if not len(new):
+        new = np.zeros(1, dtype=np.int64)
+    starts, stops = sectors[new], sectors[np.roll(new, -1) - 1]
+    line = seen[new]
+    directions = np.stack([angles[starts], angles[(stops + 1) % len(angles)]], axis=1)
+    ux, uy = np.cos(directions), np.sin(directions)
+    x, y = lines[line, 0, None], lines[line, 1, None]
+    wx, wy = lines[line, 2, None] - x, lines[line, 3, None] - y
+    along = np.clip((y * ux - x * uy) / (wx * uy - wy * ux), 0.0, 1.0)
+    ring = np.stack([x + along * wx, y + along * wy], axis=2)
+    ring[line == _HIDDEN] = 0.0
+    return ring.reshape(-1, 2)
+
+
+def _angles(vectors: Floats) -> Floats:
+    """Directions in (-pi, pi]; arctan2 alone has two values straight to the left."""
+    angles = np.arctan2(vectors[:, 1], vectors[:, 0])
+    return np.where(angles == -math.pi, math.pi, angles)
+
+
+def _pairs(a_m: Floats, b_m: Floats) -> tuple[Floats, Floats]:
+    a, b = _rows(a_m, 2, "a_m"), _rows(b_m, 2, "b_m")
+    if len(a) != len(b):
+        raise ValueError(f"a_m and b_m: {len(a)} and {len(b)} points; as many of one as of the other are needed")
+    return a, b
+
+
+def _rows(values: Floats, columns: int, name: str) -> Floats:
+    rows = np.array(values, dtype=np.float64, order="C")
+    rows = rows.reshape(-1, columns) if rows.size == 0 else rows
+    if rows.ndim != 2 or rows.shape[1] != columns:
+        raise ValueError(f"{name}: shape {rows.shape} is not allowed; must be (n, {columns})")
+    if not np.isfinite(rows).all():
+        raise ValueError(f"{name}: row {int(np.argmin(np.isfinite(rows).all(axis=1)))} is not finite")
+    return rows

@@ -2,118 +2,190 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import NamedTuple
+
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from shapely import MultiPolygon
 
 from rota.errors import PlanError
-from rota.geometry import kernels
-from rota.geometry.free_space import border_segments, standing_parts
-from rota.geometry.line_of_sight import edge_grid, points_inside, segments_free
+from rota.geometry import corner_kernels, kernels
+from rota.geometry.free_space import border_corners, border_segments, standing_parts
+from rota.geometry.kernels import EdgeGrid
+from rota.geometry.line_of_sight import edge_grid
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ROWS = 2_000  # points handled at once: bounds the memory of one question
+
+class _Ends(NamedTuple):
+    """Points, the part each lies in, and the corners linked to point k: items[start[k] : start[k + 1]]."""
+
+    points: Floats
+    part: Ints
+    start: Ints
+    items: Ints
 
 
 class ShortestPaths:
-    """Shortest paths in one region (exact in the polygons given); built once, asked often.
+    """Shortest paths in a closed space, exact in the polygons given; the graph is kept between questions.
 
-    A shortest path bends only at reflex corners of the region, and leaves both edges of such a corner on one side, so
-    that the graph needs no other vertex and no other edge (de Berg et al., Computational Geometry, chapter 15).
+    A shortest path bends only at reflex corners of the space, and keeps both edges of such a corner on one side
+    (de Berg et al., Computational Geometry, 3rd ed., chapter 15), so the graph needs no other corners and no other
+    links. Points on borders and at corners are in the space. Parts that only touch are apart: no path leads from one
+    to the other. Obstacles that touch in a point leave a way through that point, as the closed space does.
+
+    corners_m: (c, 2) metres. ``corner_lengths_m`` and ``corner_before`` hold the paths between corners; they take
+    c * c * 12 bytes and are made when a path first needs a corner.
     """
 
     def __init__(self, space: MultiPolygon) -> None:
-        self._parts = standing_parts(space)
-        self._grid = edge_grid(border_segments(space))
-        self._corners = reflex_corners(space)
-        graph = kernels.bitangents(self._corners, self._grid)
-        if len(graph):
-            self._between, self._before = dijkstra(csr_array(graph), directed=False, return_predecessors=True)
-        else:
-            self._between, self._before = np.zeros((0, 0)), np.zeros((0, 0), dtype=np.int32)
-        self._tree = shapely.STRtree(list(self._parts))
+        self.parts = standing_parts(space)
+        self.grid = edge_grid(border_segments(space))
+        self._part_grids: list[EdgeGrid] = []
+        for part in self.parts:
+            alone = len(self.parts) == 1
+            self._part_grids.append(self.grid if alone else edge_grid(border_segments(MultiPolygon([part]))))
+        found = [np.hstack(border_corners(MultiPolygon([part]))) for part in self.parts]
+        self._corners = np.ascontiguousarray(np.vstack([np.zeros((0, 6)), *found]))
+        self._corner_part = np.repeat(np.arange(len(found), dtype=np.int64), [len(corners) for corners in found])
+        self.corners_m: Floats = np.ascontiguousarray(self._corners[:, :2])
+
+    @cached_property
+    def _between(self) -> tuple[Floats, NDArray[np.int32]]:
+        linked = corner_kernels.bitangents(self._corners, self._corner_part, self.grid)
+        one, other = np.nonzero(linked)
+        if not len(one):
+            lengths = np.where(np.eye(len(linked), dtype=bool), 0.0, np.inf)
+            return lengths, np.full(linked.shape, -9999, dtype=np.int32)
+        step = self.corners_m[one] - self.corners_m[other]
+        graph = csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=linked.shape)
+        lengths, before = dijkstra(graph, return_predecessors=True)
+        return np.ascontiguousarray(lengths), np.ascontiguousarray(before)
+
+    @property
+    def corner_lengths_m(self) -> Floats:
+        """Lengths (c, c) of the shortest paths between corners in metres; inf where none leads."""
+        return self._between[0]
+
+    @property
+    def corner_before(self) -> NDArray[np.int32]:
+        """Corner (c, c) before the second on the shortest path from the first; negative where there is none."""
+        return self._between[1]
 
     def part_of(self, points_m: Floats) -> Ints:
-        """Index (n,) of the part of the region that holds each point (n, 2), its border included; -1 outside."""
-        points_m = np.asarray(points_m, dtype=np.float64).reshape(-1, 2)
-        part = np.full(len(points_m), -1, dtype=np.int64)
-        found = self._tree.query(shapely.points(points_m), predicate="dwithin", distance=2 * kernels.TOLERANCE_M)
-        part[found[0][::-1]] = found[1][::-1]
+        """Index (n,) into ``parts`` of the part that each point (n, 2) lies in, the first of several; -1 outside."""
+        points = _points(points_m)
+        part = np.full(len(points), -1, dtype=np.int64)
+        for index, grid in enumerate(self._part_grids):
+            left = np.flatnonzero(part < 0)
+            if not len(left):
+                break
+            part[left[kernels.points_in_space(points[left], grid)]] = index
         return part
 
     def distances(self, a_m: Floats, b_m: Floats) -> Floats:
-        """Lengths (n, m) of the shortest paths between points a (n, 2) and b (m, 2); inf between different parts."""
-        a_m, b_m = _points(a_m), _points(b_m)
-        from_b = kernels.see_corners(b_m, self._corners, self._grid)
-        rows = [self._distances(a_m[i : i + ROWS], b_m, from_b) for i in range(0, len(a_m), ROWS)]
-        return np.vstack(rows) if rows else np.zeros((0, len(b_m)))
+        """Lengths (n, m) in metres of the shortest paths from points a (n, 2) to points b (m, 2).
 
-    def _distances(self, a_m: Floats, b_m: Floats, from_b: Floats) -> Floats:
-        from_a = kernels.see_corners(a_m, self._corners, self._grid)
-        straight = np.hypot(*(a_m[:, None] - b_m[None]).transpose(2, 0, 1))
-        ends_a, ends_b = np.repeat(a_m, len(b_m), axis=0), np.tile(b_m, (len(a_m), 1))
-        free = segments_free(ends_a, ends_b, self._grid).reshape(straight.shape)
-        round_corners = kernels.through_corners(from_a, self._between, from_b)
-        return np.where(free, straight, round_corners)
+        inf between different parts and from and to points outside.
+        """
+        return self._lengths(self._ends(a_m), self._ends(b_m), symmetric=False)
 
     def all_pairs(self, points_m: Floats) -> Floats:
-        """Lengths (n, n) of the shortest paths between all points (n, 2); symmetric, 0 on the diagonal."""
-        found = self.distances(points_m, points_m)
-        found = np.minimum(found, found.T)
-        np.fill_diagonal(found, 0.0)
-        return found
+        """Lengths (n, n) in metres of the shortest paths between all points (n, 2); exactly symmetric.
 
-    def path(self, a_m: Floats, b_m: Floats) -> Floats:
-        """The shortest path (k, 2) from a to b (2,), both ends included; PlanError when there is none."""
-        a, b = _points(a_m), _points(b_m)
-        if segments_free(a, b, self._grid)[0] and points_inside(np.vstack([a, b]), self._grid).all():
-            return np.vstack([a, b])
-        from_a = kernels.see_corners(a, self._corners, self._grid)[0]
-        from_b = kernels.see_corners(b, self._corners, self._grid)[0]
-        total = from_a[:, None] + self._between + from_b[None]
-        if not total.size or not np.isfinite(total.min()):
-            raise PlanError(f"there is no way from {a[0].tolist()} to {b[0].tolist()}: one is outside, or no path joins them")
-        first, at = (int(i) for i in np.unravel_index(int(np.argmin(total)), total.shape))
-        corners = [at]
-        while at != first:
-            at = int(self._before[first, at])
-            corners.append(at)
-        return without_standing(np.vstack([a, self._corners[corners[::-1], :2], b]))
+        inf between different parts; points outside have inf everywhere, the diagonal included.
+        """
+        ends = self._ends(points_m)
+        return self._lengths(ends, ends, symmetric=True)
+
+    def path(self, a_m: Floats | tuple[float, float], b_m: Floats | tuple[float, float]) -> Floats:
+        """The shortest path (k, 2) in metres from point a (2,) to point b (2,), both included; k is at least 2.
+
+        Equal points give both of them. Raises PlanError when a point lies outside the space, or the two in different
+        parts.
+        """
+        ends = _points(np.array([a_m, b_m], dtype=np.float64))
+        line = self._polyline(ends)
+        return line if len(line) > 1 else ends
 
     def paths_along(self, points_m: Floats) -> Floats:
-        """The polyline (k, 2) along shortest paths through all points (n, 2) in their order."""
-        points_m = _points(points_m)
-        free = segments_free(points_m[:-1], points_m[1:], self._grid)
-        pieces = [points_m[:1]]
-        for i, straight in enumerate(free):
-            pieces.append(points_m[i + 1 : i + 2] if straight else self.path(points_m[i], points_m[i + 1])[1:])
-        return without_standing(np.vstack(pieces))
+        """The polyline (k, 2) of shortest paths through the points (n, 2) in their order, all of them included.
+
+        A point that repeats the one before is left out. Raises PlanError when a point lies outside the space, or two
+        that follow each other in different parts.
+        """
+        points = _points(points_m)
+        if not len(points):
+            return points
+        return self._polyline(points)
+
+    def _ends(self, points_m: Floats) -> _Ends:
+        points = _points(points_m)
+        part = self.part_of(points)
+        linked = corner_kernels.tangents(points, part, self._corners, self._corner_part, self.grid)
+        start = np.concatenate([[0], np.cumsum(linked.sum(axis=1))]).astype(np.int64)
+        return _Ends(points, part, start, np.nonzero(linked)[1].astype(np.int64))
+
+    def _lengths(self, a: _Ends, b: _Ends, *, symmetric: bool) -> Floats:
+        if not len(a.items) or not len(b.items):  # no path bends, and the graph need not be made for it
+            a, b = _without_corners(a), _without_corners(b)
+        lengths = self.corner_lengths_m if len(a.items) else np.zeros((0, 0))
+        return np.asarray(corner_kernels.path_lengths(*a, *b, self._corners, lengths, self.grid, symmetric))
+
+    def _polyline(self, points: Floats) -> Floats:
+        part = self.part_of(points)
+        for index in np.flatnonzero(part < 0):
+            raise PlanError(f"point {points[index].tolist()} lies outside the space where robots can be")
+        for index in np.flatnonzero(part[1:] != part[:-1]):
+            raise PlanError(
+                f"no path leads from {points[index].tolist()} to {points[index + 1].tolist()}: they are in two parts"
+            )
+        straight = kernels.free_segments(points[:-1], points[1:], self.grid)
+        bent = self._ends(points) if not straight.all() else None
+        pieces = [points[:1]]
+        for k in range(len(points) - 1):
+            if bent is not None and not straight[k]:
+                pieces.append(self.corners_m[self._corners_between(bent, k)])
+            pieces.append(points[k + 1 : k + 2])
+        line = np.vstack(pieces)
+        return line[np.r_[True, (line[1:] != line[:-1]).any(axis=1)]]
+
+    def _corners_between(self, ends: _Ends, k: int) -> list[int]:
+        """Corners on the shortest path from point k to the next one, which it does not see."""
+        (ax, ay), (bx, by) = ends.points[k], ends.points[k + 1]
+        from_a, from_b = (
+            ends.items[ends.start[k] : ends.start[k + 1]],
+            ends.items[ends.start[k + 1] : ends.start[k + 2]],
+        )
+        if not len(from_a) or not len(from_b):
+            raise PlanError(f"no path leads from {[ax, ay]} to {[bx, by]}: one of them sees no corner of the space")
+        first = np.hypot(self.corners_m[from_a, 0] - ax, self.corners_m[from_a, 1] - ay)
+        last = np.hypot(self.corners_m[from_b, 0] - bx, self.corners_m[from_b, 1] - by)
+        total = first[:, None] + self.corner_lengths_m[np.ix_(from_a, from_b)] + last
+        best = int(np.argmin(total))
+        if not np.isfinite(total.flat[best]):
+            raise PlanError(f"no path leads from {[ax, ay]} to {[bx, by]}")
+        start, corner = int(from_a[best // len(from_b)]), int(from_b[best % len(from_b)])
+        chain = [corner]
+        while corner != start:
+            corner = int(self.corner_before[start, corner])
+            chain.append(corner)
+        return chain[::-1]
 
 
-def reflex_corners(space: MultiPolygon) -> Floats:
-    """Corners (c, 6) of the region where a path may bend: x, y, then the border's corner before and the one after."""
-    found = [np.zeros((0, 6))]
-    for ring in shapely.get_rings(shapely.get_parts(shapely.orient_polygons(space))):
-        xy = shapely.get_coordinates(ring)[:-1]
-        before, after = np.roll(xy, 1, axis=0), np.roll(xy, -1, axis=0)
-        into, out = xy - before, after - xy
-        # the region lies to the left of its oriented rings: a right turn is a reflex corner
-        turn = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
-        reflex = turn < -1e-12 * np.hypot(*into.T) * np.hypot(*out.T)
-        found.append(np.hstack([xy, before, after])[reflex])
-    return np.ascontiguousarray(np.vstack(found))
-
-
-def without_standing(path_m: Floats) -> Floats:
-    """The polyline without points that repeat the one before; at least both ends stay."""
-    moves = np.concatenate([[True], (np.diff(path_m, axis=0) != 0).any(axis=1)])
-    return path_m[moves] if moves.sum() > 1 else path_m[[0, -1]]
+def _without_corners(ends: _Ends) -> _Ends:
+    return ends._replace(start=np.zeros(len(ends.points) + 1, dtype=np.int64), items=np.zeros(0, dtype=np.int64))
 
 
 def _points(points_m: Floats) -> Floats:
-    return np.ascontiguousarray(points_m, dtype=np.float64).reshape(-1, 2)
+    points = np.array(points_m, dtype=np.float64, order="C")
+    points = points.reshape(-1, 2) if points.size == 0 else points
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError(f"points_m: shape {points.shape} is not allowed; must be (n, 2)")
+    if not np.isfinite(points).all():
+        raise ValueError(f"points_m: row {int(np.argmin(np.isfinite(points).all(axis=1)))} is not finite")
+    return points

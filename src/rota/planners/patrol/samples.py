@@ -12,6 +12,7 @@ from shapely import MultiPolygon
 
 from rota.geometry.free_space import DemandedRegion
 from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.start.kernels import walls_that_hide
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -154,7 +155,7 @@ def prepare(
 
 
 def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple[Ints, Ints]:
-    """For each point the walls within reach: starts (n + 1,) and indices; points that ask for visits have none."""
+    """For each point the walls within reach that hide something from it: starts (n + 1,) and indices (no wall hides a visit)."""
     n = len(points)
     if not len(walls):
         return np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -163,8 +164,11 @@ def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple
     found = tree.query(shapely.points(points.xy_m[wanted]), predicate="dwithin", distance=reach_m)
     point, wall = wanted[found[0]], found[1]
     order = np.lexsort((wall, point))
-    start = np.searchsorted(point[order], np.arange(n + 1)).astype(np.int64)
-    return start, np.ascontiguousarray(wall[order], dtype=np.int64)
+    point, wall = point[order], np.ascontiguousarray(wall[order], dtype=np.int64)
+    start = np.searchsorted(point, np.arange(n + 1)).astype(np.int64)
+    x, y = (np.ascontiguousarray(points.xy_m[:, axis]) for axis in (0, 1))
+    needed = walls_that_hide(x, y, start, wall, np.ascontiguousarray(walls))
+    return np.searchsorted(point[needed], np.arange(n + 1)).astype(np.int64), wall[needed]
 
 
 def with_shrink(points: SamplePoints, shrink_m: float) -> SamplePoints:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numba import njit
 
-from rota.planners.patrol.kernels import Samples, leg_sees
+from rota.planners.patrol.kernels import TOUCH_M, Samples, leg_sees
 
 
 @njit(cache=True)
@@ -22,6 +23,53 @@ def places_see(x: Any, y: Any, reach: float, square: int, serves: int, s: Sample
     for i in range(n):
         leg_sees(x[i], y[i], x[i], y[i], reach, square, serves, s, items[start[i] : start[i + 1]])
     return start, items
+
+
+@njit(cache=True)
+def walls_that_hide(x: Any, y: Any, start: Any, items: Any, walls: Any) -> Any:
+    """Which of each point's walls (flags like items) are the nearest in some direction: the others hide nothing more.
+
+    Between two neighbouring directions of wall ends the nearest wall is the same one, so one ray there tells it.
+    """
+    needed = np.zeros(items.shape[0], dtype=np.bool_)
+    for i in range(x.shape[0]):
+        begin, end = start[i], start[i + 1]
+        angles = np.empty(2 * (end - begin) + 1)
+        for j in range(begin, end):
+            w = walls[items[j]]
+            angles[2 * (j - begin)] = math.atan2(w[1] - y[i], w[0] - x[i])
+            angles[2 * (j - begin) + 1] = math.atan2(w[3] - y[i], w[2] - x[i])
+        if end == begin:
+            continue
+        angles[-1] = np.min(angles[:-1]) + 2 * math.pi
+        angles.sort()
+        for a in range(angles.shape[0] - 1):
+            middle = (angles[a] + angles[a + 1]) / 2
+            dx, dy = math.cos(middle), math.sin(middle)
+            near, first = math.inf, -1
+            for j in range(begin, end):
+                far = ray_hits(dx, dy, walls[items[j]], x[i], y[i])
+                if far < near:
+                    near, first = far, j
+            if first >= 0:
+                needed[first] = True
+    return needed
+
+
+@njit(cache=True)
+def ray_hits(dx: float, dy: float, wall: Any, x: float, y: float) -> float:
+    """Distance along a ray from (x, y) in the direction d to the wall, inf when it misses or starts on the wall's line."""
+    ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
+    wx, wy = vx - ux, vy - uy
+    turn = ux * vy - uy * vx
+    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
+        return math.inf
+    across = dx * wy - dy * wx
+    if across == 0.0:
+        return math.inf
+    along = (dy * ux - dx * uy) / across
+    far = (ux * wy - uy * wx) / across
+    return far if far > 0 and 0 <= along <= 1 else math.inf
 
 
 @njit(cache=True)

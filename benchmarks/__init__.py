@@ -1,0 +1,1 @@
+"""What planning and checking cost from the shell: ``python -m benchmarks [name ...]`` prints the table."""

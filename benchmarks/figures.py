@@ -1,0 +1,103 @@
+"""The figures, one function each: measure and give rows of the table."""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
+from benchmarks.planning import met_with, peak, plan_and_check, planned_warm, seconds, told
+from benchmarks.shell import python, rota
+from benchmarks.warm_cache import measured_warm
+
+FIG13 = EXAMPLES / "sun2019-fig13.yaml"
+BUILDINGS = ("building",)  # walls cut sight there, so nothing general can be asked of the number of robots
+
+
+class Row(NamedTuple):
+    """One line of the table. ``reached`` None: not measured, or nothing is asked."""
+
+    name: str
+    asked: str
+    measured: str
+    reached: bool | None
+
+
+def fig13_warm(folder: Path) -> Iterator[Row]:
+    """Sun 2019's map, planned and checked by a program that has compiled already."""
+    runs = planned_warm(FIG13, folder)
+    reached = seconds(runs) < 15 and (met_with(runs) or 6) <= 5
+    yield Row("sun2019-fig13, plan + check", "< 15 s, at most 5 robots, met", told(runs), reached)
+
+
+def fig13_cold(folder: Path) -> Iterator[Row]:
+    """The same in a fresh installation: nothing is compiled yet."""
+    with tempfile.TemporaryDirectory() as empty:
+        planned = plan_and_check(FIG13, folder, {"NUMBA_CACHE_DIR": empty})
+    says = "compiling" in planned.plan.err
+    reached = planned.wall_s < 60 and says and met_with([planned]) is not None
+    measured = f"{told([planned])}; {'says' if says else 'does not say'} that it compiles"
+    yield Row("the same, first run (cold cache)", "< 60 s, says that it compiles", measured, reached)
+
+
+def parcel_nl(folder: Path) -> Iterator[Row]:
+    """A Dutch parcel from GeoJSON."""
+    yield _real("parcel-nl", folder)
+
+
+def cumberland(folder: Path) -> Iterator[Row]:
+    """A building from a ROS map."""
+    yield _real("cumberland", folder)
+
+
+def _real(name: str, folder: Path) -> Row:
+    if not DATA.is_dir():
+        return Row(f"{name}, plan + check", "< 60 s, met", "not measured: ../shared/data is missing", None)
+    runs = planned_warm(write_real_mission(name, folder), folder)
+    return Row(f"{name}, plan + check", "< 60 s, met", told(runs), seconds(runs) < 60 and met_with(runs) is not None)
+
+
+def importing(folder: Path) -> Iterator[Row]:
+    """How long ``import rota`` keeps one waiting."""
+    runs = measured_warm(lambda: python("-c", "import rota"), lambda run: run.wall_s, repeats=5)
+    wall_s = statistics.median(run.wall_s for run in runs)
+    yield Row("import rota, with the interpreter's start", "< 0.5 s", f"{wall_s:.2f} s, {peak(runs)}", wall_s < 0.5)
+
+
+def square_kilometre(folder: Path) -> Iterator[Row]:
+    """The check alone, on a large plan."""
+    plan_file = folder / "square-kilometre.rota.json"
+    made = python("-m", "benchmarks.square_kilometre", plan_file)
+    if made.code != 0:
+        raise RuntimeError(made.err)
+    runs = measured_warm(lambda: rota("check", plan_file), lambda run: run.wall_s)
+    wall_s = statistics.median(run.wall_s for run in runs)
+    verdict = runs[0].out.splitlines()[0] if runs[0].code in (0, 1) else runs[0].failure()
+    reached = wall_s < 10 and all(run.peak_bytes < 2e9 for run in runs) and verdict == "verdict: met"
+    measured = f"{wall_s:.1f} s, {peak(runs)}; {verdict}"
+    yield Row("check of 20 robots on 1 km2, r = 10 m", "< 10 s, < 2 GB, met", measured, reached)
+
+
+def examples(folder: Path) -> Iterator[Row]:
+    """Every example mission."""
+    for mission in example_missions():
+        runs = planned_warm(mission, folder)
+        robots = met_with(runs)
+        bound = runs[0].report["lower_bound_robots"] if robots else 0
+        asked = "met" if mission.stem in BUILDINGS else "met, at most 2 x bound + 1 robots"
+        reached = robots is not None and (mission.stem in BUILDINGS or robots <= 2 * bound + 1)
+        yield Row(f"examples/{mission.name}", asked, told(runs), reached)
+
+
+FIGURES: dict[str, Callable[[Path], Iterator[Row]]] = {
+    "fig13": fig13_warm,
+    "fig13-cold": fig13_cold,
+    "parcel-nl": parcel_nl,
+    "cumberland": cumberland,
+    "import": importing,
+    "square-kilometre": square_kilometre,
+    "examples": examples,
+}

@@ -1,0 +1,79 @@
+"""``rota plan`` and ``rota check`` of one mission at quick effort: what they took and what came out."""
+
+from __future__ import annotations
+
+import functools
+import json
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.shell import Run, rota
+from benchmarks.warm_cache import measured_warm
+
+
+@dataclass(frozen=True, kw_only=True)
+class Planned:
+    """One planning and checking. ``report``: what ``rota check --json`` printed; None when either command failed."""
+
+    plan: Run
+    check: Run | None
+    report: dict[str, Any] | None
+
+    @property
+    def wall_s(self) -> float:
+        """Seconds for both commands."""
+        return self.plan.wall_s + (self.check.wall_s if self.check else 0.0)
+
+    @property
+    def peak_bytes(self) -> int:
+        """The larger of both commands' memory."""
+        return max(self.plan.peak_bytes, self.check.peak_bytes if self.check else 0)
+
+
+def plan_and_check(mission: Path, folder: Path, environment: Mapping[str, str] | None = None) -> Planned:
+    """Plan ``mission`` and check the plan, which is left in ``folder``."""
+    plan_file = folder / f"{mission.stem}.rota.json"
+    plan = rota("plan", mission, "--effort", "quick", "-o", plan_file, environment=environment)
+    if plan.code != 0:
+        return Planned(plan=plan, check=None, report=None)
+    check = rota("check", plan_file, "--json", environment=environment)
+    return Planned(plan=plan, check=check, report=json.loads(check.out) if check.code in (0, 1) else None)
+
+
+@functools.cache
+def planned_warm(mission: Path, folder: Path) -> tuple[Planned, ...]:
+    """The same with a warm cache, repeated while short; measured once, although two figures may ask for it."""
+    return tuple(measured_warm(lambda: plan_and_check(mission, folder), lambda planned: planned.wall_s))
+
+
+def met_with(runs: Sequence[Planned]) -> int | None:
+    """The robots of a plan that the check passes; None when any run failed."""
+    reports = [planned.report for planned in runs]
+    if any(report is None or report["verdict"] != "met" for report in reports):
+        return None
+    return reports[0]["robots"]
+
+
+def told(runs: Sequence[Planned]) -> str:
+    """The measured cell of the table: seconds, memory, robots, bound and verdict, or what went wrong."""
+    for planned in runs:
+        if planned.check is None or planned.report is None:
+            return (planned.check or planned.plan).failure()
+    plan_s = statistics.median(planned.plan.wall_s for planned in runs)
+    check_s = statistics.median(planned.check.wall_s for planned in runs)
+    report = runs[0].report
+    outcome = f"{report['robots']} robots (bound {report['lower_bound_robots']}), {report['verdict']}"
+    return f"{seconds(runs):.1f} s (plan {plan_s:.1f}, check {check_s:.1f}), {peak(runs)}; {outcome}"
+
+
+def seconds(runs: Sequence[Planned]) -> float:
+    """Median of the wall times."""
+    return statistics.median(planned.wall_s for planned in runs)
+
+
+def peak(runs: Sequence[Planned | Run]) -> str:
+    """The most memory of any of the runs, for people."""
+    return f"{max(measured.peak_bytes for measured in runs) / 1e6:.0f} MB"

@@ -1,0 +1,68 @@
+"""Runs of a command as a shell would make them: wall time, peak memory, exit code and what was printed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+PATIENCE_S = 900.0  # a command that takes longer is ended: its figure is missed many times over
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """What one command took and said. ``peak_bytes``: most resident memory of its process."""
+
+    wall_s: float
+    peak_bytes: int
+    code: int
+    out: str
+    err: str
+
+    def failure(self) -> str:
+        """Why it failed, in a few words."""
+        lines = self.err.strip().splitlines() or ["nothing on stderr"]
+        ended = f"ended after {PATIENCE_S:.0f} s" if self.wall_s >= PATIENCE_S else f"exit code {self.code}"
+        return f"{ended} after {self.wall_s:.1f} s: {lines[-1]}"
+
+
+def run(command: Sequence[str | Path], *, environment: Mapping[str, str] | None = None) -> Run:
+    """Run ``command`` to its end, and no longer than ``PATIENCE_S``; ``environment`` is added to the inherited one."""
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        started_s = time.perf_counter()
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env={**os.environ, **(environment or {})}
+        )
+        patience = threading.Timer(PATIENCE_S, process.kill)
+        patience.start()
+        # wait4 gives this process's own peak; RUSAGE_CHILDREN would give the largest of all so far
+        _, status, usage = os.wait4(process.pid, 0)
+        wall_s = time.perf_counter() - started_s
+        process.returncode = os.waitstatus_to_exitcode(status)
+        patience.cancel()
+        texts = [_text(stream) for stream in (out, err)]
+    unit = 1 if sys.platform == "darwin" else 1024
+    return Run(wall_s=wall_s, peak_bytes=usage.ru_maxrss * unit, code=process.returncode, out=texts[0], err=texts[1])
+
+
+def _text(stream: IO[bytes]) -> str:
+    stream.seek(0)
+    return stream.read().decode(errors="replace")
+
+
+def rota(*arguments: str | Path, environment: Mapping[str, str] | None = None) -> Run:
+    """Run the installed ``rota`` program."""
+    return run([Path(sysconfig.get_path("scripts")) / "rota", *arguments], environment=environment)
+
+
+def python(*arguments: str | Path) -> Run:
+    """Run this Python interpreter."""
+    return run([sys.executable, *arguments])
