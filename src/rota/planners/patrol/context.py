@@ -71,7 +71,7 @@ class Work:
 
 
 WORK: dict[Effort, Work] = {
-    "quick": Work(moves=250_000, tries=3, repairs=12, most_moves=2_000_000),
+    "quick": Work(moves=200_000, tries=3, repairs=12, most_moves=2_000_000),
     "normal": Work(moves=1_000_000, tries=8, repairs=20, most_moves=10_000_000),
     "high": Work(moves=6_000_000, tries=20, repairs=30, most_moves=60_000_000),
 }

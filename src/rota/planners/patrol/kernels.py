@@ -82,56 +82,40 @@ def uniform(rng: Any) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def norm(dx: float, dy: float) -> float:
+    """Length of a vector; the library's hypot guards against overflow, which costs more than all the rest here."""
+    return math.sqrt(dx * dx + dy * dy)
+
+
+@njit(cache=True, error_model="numpy")
 def hidden_until(t: float, ux: float, uy: float, vx: float, vy: float, px: float, py: float, dx: float, dy: float) -> float:
     """End of the interval of leg parameters round ``t`` in which a wall hides the origin, or t if it does not.
 
     The wall runs from u to v, the leg from p on along d, all seen from the hidden point.
     """
+    wx, wy = vx - ux, vy - uy
     turn = ux * vy - uy * vx
     if turn < 0:
-        ux, uy, vx, vy, turn = vx, vy, ux, uy, -turn
-    wx, wy = vx - ux, vy - uy
-    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
+        wx, wy = -wx, -wy
+    # the shadow is where all three are positive: behind the wall, and between the rays through its ends
+    at, slope = wy * (px - ux) - wx * (py - uy), wy * dx - wx * dy
+    now = at + t * slope
+    if now < 0 or (now == 0 and slope <= 0) or turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
         return t
-    end = math.inf
-    # the shadow is where all three are positive: left of the first ray, right of the second, behind the wall
-    for side in range(3):
-        if side == 0:
-            at, slope = ux * py - uy * px, ux * dy - uy * dx
-        elif side == 1:
-            at, slope = px * vy - py * vx, dx * vy - dy * vx
-        else:
-            at, slope = -(wx * (py - uy) - wy * (px - ux)), -(wx * dy - wy * dx)
-        now = at + t * slope
-        if now < 0 or (now == 0 and slope <= 0):
-            return t
-        if slope < 0:
-            end = min(end, -at / slope)
-    return end
-
-
-@njit(cache=True, error_model="numpy")
-def in_sight(
-    px: float, py: float, dx: float, dy: float, first: float, last: float, cx: float, cy: float,
-    walls: Any, items: Any, begin: int, end: int,
-) -> bool:  # fmt: skip
-    """Whether c is not hidden all the way first..last along a leg that starts at c + p and runs along d."""
-    t = first
-    standing = dx * dx + dy * dy < STANDING_M2
-    moved = True
-    while moved:
-        moved = False
-        for j in range(begin, end):
-            k = items[j]
-            until = hidden_until(
-                t, walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy, px, py, dx, dy
-            )
-            if until > t:
-                if until >= last or standing:
-                    return False
-                t = until + 1e-12
-                moved = True
-    return True
+    end = -at / slope if slope < 0 else math.inf
+    if turn < 0:
+        ux, uy, vx, vy = vx, vy, ux, uy
+    at, slope = ux * py - uy * px, ux * dy - uy * dx
+    now = at + t * slope
+    if now < 0 or (now == 0 and slope <= 0):
+        return t
+    if slope < 0:
+        end = min(end, -at / slope)
+    at, slope = px * vy - py * vx, dx * vy - dy * vx
+    now = at + t * slope
+    if now < 0 or (now == 0 and slope <= 0):
+        return t
+    return min(end, -at / slope) if slope < 0 else end
 
 
 @njit(cache=True, error_model="numpy")
@@ -160,6 +144,43 @@ def range_interval(px: float, py: float, dx: float, dy: float, reach: float, squ
     return max(0.0, (-ab - root) / aa), min(1.0, (-ab + root) / aa)
 
 
+# numba counts references to every array it passes to a function: inlined, since that cost four times the work itself
+@njit(cache=True, error_model="numpy", inline="always")
+def in_sight(
+    px: float, py: float, dx: float, dy: float, near: float, reach: float, square: int, cx: float, cy: float,
+    walls: Any, items: Any, begin: int, end: int,
+) -> bool:  # fmt: skip
+    """Whether c is in range and not hidden somewhere on a leg that starts at c + p and runs along d.
+
+    near: a leg parameter in range, where sight is likeliest: mostly one look from there is enough.
+    """
+    hidden = False
+    for j in range(begin, end):
+        k = items[j]
+        ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
+        if hidden_until(near, ux, uy, vx, vy, px, py, dx, dy) > near:
+            hidden = True
+            break
+    if not hidden:
+        return True
+    if dx * dx + dy * dy < STANDING_M2:
+        return False
+    t, last = range_interval(px, py, dx, dy, reach, square)
+    moved = True
+    while moved:
+        moved = False
+        for j in range(begin, end):
+            k = items[j]
+            ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
+            until = hidden_until(t, ux, uy, vx, vy, px, py, dx, dy)
+            if until > t:
+                if until >= last:
+                    return False
+                t = until + 1e-12
+                moved = True
+    return True
+
+
 @njit(cache=True, error_model="numpy")
 def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any) -> int:
     """Write the samples of period class >= serves that the leg a-b sees; return how many, or -1 when out is too short."""
@@ -175,6 +196,7 @@ def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: i
     y1 = min(rows - 1, int((max(ay, by) + far - low) / cell))
     dx, dy = bx - ax, by - ay
     aa = dx * dx + dy * dy
+    per_aa = 1 / aa if aa >= STANDING_M2 else 0.0
     out_of_lane = (far + 0.7072 * cell) * math.sqrt(aa)
     found = 0
     room = out.shape[0]
@@ -191,24 +213,29 @@ def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: i
                 wide = square
                 if visit[i] > 0:
                     r, wide = visit[i], 0
-                if not wide:
-                    t = 0.0
-                    if aa >= STANDING_M2:
-                        t = min(1.0, max(0.0, -(px * dx + py * dy) / aa))
+                t = 0.0
+                if aa >= STANDING_M2:
+                    t = -(px * dx + py * dy) * per_aa
+                    t = 0.0 if t < 0 else (1.0 if t > 1 else t)
+                if wide:
+                    first, last = range_interval(px, py, dx, dy, r, wide)
+                    if first > last:
+                        continue
+                    t = first if t < first else (last if t > last else t)
+                else:
                     qx, qy = px + t * dx, py + t * dy
                     if qx * qx + qy * qy > r * r:
                         continue
                 if period[i] < serves:
                     continue
-                hides = visit[i] == 0 and wall_start[i + 1] > wall_start[i]
-                if wide or hides:
-                    first, last = range_interval(px, py, dx, dy, r, wide)
-                    if first > last:
-                        continue
-                    if hides and not in_sight(
-                        px, py, dx, dy, first, last, xs[i], ys[i], walls, wall_item, wall_start[i], wall_start[i + 1]
-                    ):
-                        continue
+                if (
+                    visit[i] == 0
+                    and wall_start[i + 1] > wall_start[i]
+                    and not in_sight(
+                        px, py, dx, dy, t, r, wide, xs[i], ys[i], walls, wall_item, wall_start[i], wall_start[i + 1]
+                    )
+                ):
+                    continue
                 if found == room:
                     return -1
                 out[found] = i
@@ -255,7 +282,7 @@ def tour_length(k: int, t: Tours) -> float:
     total = 0.0
     for i in range(n):
         j = i + 1 if i + 1 < n else 0
-        total += math.hypot(t.x[k, j] - t.x[k, i], t.y[k, j] - t.y[k, i])
+        total += norm(t.x[k, j] - t.x[k, i], t.y[k, j] - t.y[k, i])
         if t.turn_m[k] > 0 and n > 1:
             h = j + 1 if j + 1 < n else 0
             total += corner_m(t.x[k, i], t.y[k, i], t.x[k, j], t.y[k, j], t.x[k, h], t.y[k, h], t.turn_m[k])
@@ -337,13 +364,13 @@ def splice_length(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: 
     x, y = px, py
     for i in range(removed + 1):
         j = (at + i) % n
-        change -= math.hypot(t.x[k, j] - x, t.y[k, j] - y)
+        change -= norm(t.x[k, j] - x, t.y[k, j] - y)
         x, y = t.x[k, j], t.y[k, j]
     x, y = px, py
     for i in range(added + 1):
         j = (at + removed) % n
         qx, qy = (new_x[i], new_y[i]) if i < added else (t.x[k, j], t.y[k, j])
-        leg = math.hypot(qx - x, qy - y)
+        leg = norm(qx - x, qy - y)
         if leg > most_m:
             return math.inf
         change += leg

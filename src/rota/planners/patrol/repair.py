@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
-MOST_NEW_POINTS = 4_000
+MOST_NEW_POINTS = 1_500
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +113,7 @@ def with_robots(tour: Tour) -> Tour:
 def new_points(problem: Problem, verdict: Verdict, *, shrink_m: float) -> SamplePoints:
     """The places that the judge found unmet, as samples; of a crowd of them one every few centimetres."""
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
-    grid_m = 0.02 * problem.reach_m
+    grid_m = 0.04 * problem.reach_m
     found = [no_points()]
     for k, demand in enumerate(verdict.demands):
         xy = verdict.unmet_points_m[verdict.unmet_demand == k]
@@ -143,7 +143,7 @@ def see_the_rest(context: Context, tours: list[Tour], points: SamplePoints, samp
         seed=seed,
         range_margin_m=problem.range_margin_m,
     )
-    search.mend(1000 + 200 * search.unseen)
+    search.mend(500 + 40 * search.unseen)
     tours = search.tours
     for _ in range(5):
         unseen = search.unseen_samples

@@ -26,6 +26,7 @@ GROUPINGS = 2  # ways to group the period classes that are tried
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 1.5, 4.0
 RESERVE = 0.03  # share of the budgets left for the mending
+NARROW = 0.03  # share of the ground, and of the budgets, that mending and cooler annealing may still gain
 # travel of the tightest plan worth a try, as a multiple of area / swath
 SQUEEZE: dict[Effort, float] = {"quick": 1.3, "normal": 1.2, "high": 1.1}
 
@@ -120,18 +121,17 @@ def reduce_robots(
         if rival is not None and rival.met and sum(robots) >= len(rival.plan.trajectories):
             break
         context.progress(0.1 + 0.8 * turn / work.tries, f"trying {sum(robots)} robots")
-        found = anneal_and_settle(context, tours, extra, seed=context.seed + 1000 * turn)
-        extra = found.extra
-        if found.met and found.fits and (best is None or better(found, best)):
+        tours, extra, found = anneal_and_settle(context, tours, extra, seed=context.seed + 1000 * turn)
+        if found is not None and (best is None or better(found, best)):
             best = found
             smaller = one_robot_fewer(context.problem, found.tours)
             if smaller is None:
                 break
             tours = smaller
+        elif best is not None:
+            break
         else:
-            if best is not None:
-                break
-            tours = one_robot_more(found.tours)
+            tours = one_robot_more(tours)
     if best is None and (incumbent is None or not incumbent.met):
         context.progress(0.9, "finishing with the robots that surely suffice")
         tours = [with_robots_needed(tour) for tour in (tours if tried else start)]
@@ -139,24 +139,33 @@ def reduce_robots(
     return best
 
 
-def anneal_and_settle(context: Context, tours: list[Tour], extra: SamplePoints, *, seed: int) -> Settled:
-    """Anneal, then mend; while that fails, anneal again from there, cooler, knowing what the judge missed."""
-    work, reach_m = context.work, context.problem.reach_m
+def anneal_and_settle(
+    context: Context, tours: list[Tour], extra: SamplePoints, *, seed: int
+) -> tuple[list[Tour], SamplePoints, Settled | None]:
+    """Anneal, then mend; while that fails narrowly, anneal again from there, cooler, knowing what the judge missed.
+
+    The tours, the points known in the end, and the settled plan if the judge passed it within the budgets.
+    """
+    reach_m, moves = context.problem.reach_m, context.work.moves
     heat_m = reach_m / 2
-    moves = work.moves
     while True:
-        tours = annealed(context, tours, extra, heat_m=heat_m, moves=moves, seed=seed)
-        found = settle(context, tours, extra, may_add=False, rounds=work.repairs)
-        if (found.met and found.fits) or heat_m < reach_m / 16 or context.should_stop():
-            return found
-        tours, extra = found.tours, found.extra
+        search = annealed(context, tours, extra, heat_m=heat_m, moves=moves, seed=seed)
+        tours = search.tours
+        near = search.unseen_share < NARROW and search.over_budget_share < NARROW
+        if near:
+            found = settle(context, tours, extra, may_add=False, rounds=context.work.repairs)
+            tours, extra = found.tours, found.extra
+            if found.met and found.fits:
+                return tours, extra, found
+        if heat_m < reach_m / 16 or not near or context.should_stop():
+            return tours, extra, None
         heat_m, moves, seed = heat_m / 2, moves // 2, seed + 1
 
 
 def annealed(
     context: Context, tours: list[Tour], extra: SamplePoints, *, heat_m: float, moves: int, seed: int
-) -> list[Tour]:
-    """The tours after annealing: everything seen if it can be, within the budgets if it can be, then short."""
+) -> Annealing:
+    """The search after annealing: everything seen if it can be, within the budgets if it can be, then short."""
     problem = context.problem
     _, samples = prepared_with(problem, extra)
     search = Annealing(
@@ -173,7 +182,7 @@ def annealed(
     moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))
     cold_m = problem.reach_m / 200
     search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=context.should_stop)
-    return search.tours
+    return search
 
 
 def prices(tours: list[Tour]) -> Floats:

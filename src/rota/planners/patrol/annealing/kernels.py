@@ -18,6 +18,7 @@ from rota.planners.patrol.kernels import (
     Tours,
     count_leg,
     free_leg,
+    norm,
     make_leg,
     open_gap,
     splice_is_free,
@@ -130,15 +131,15 @@ def try_two_opt(k: int, i: int, limit: float, most_m: float, space: EdgeGrid, s:
     ax, ay = t.x[k, i], t.y[k, i]
     i1 = i + 1 if i + 1 < n else 0
     bx, by = t.x[k, i1], t.y[k, i1]
-    ab = math.hypot(bx - ax, by - ay)
+    ab = norm(bx - ax, by - ay)
     best, j = math.inf, -1
     for m in range(n):
         m1 = m + 1 if m + 1 < n else 0
         if m == i or m == i1 or m1 == i:
             continue
         cx, cy, dx, dy = t.x[k, m], t.y[k, m], t.x[k, m1], t.y[k, m1]
-        ac, bd = math.hypot(cx - ax, cy - ay), math.hypot(dx - bx, dy - by)
-        change = ac + bd - ab - math.hypot(dx - cx, dy - cy)
+        ac, bd = norm(cx - ax, cy - ay), norm(dx - bx, dy - by)
+        change = ac + bd - ab - norm(dx - cx, dy - cy)
         if change < best and ac <= most_m and bd <= most_m:
             best, j = change, m
     if j < 0:
@@ -199,7 +200,7 @@ def reverse(k: int, first: int, last: int, t: Tours) -> None:
 def cheapest_leg(px: float, py: float, qx: float, qy: float, tour: int, serves: int, t: Tours) -> tuple[int, int, int, float]:
     """Tour, leg and direction (1: p first) where the way p-q adds least; tour -1 means any that serves that class."""
     best, best_k, best_i, best_way = math.inf, -1, -1, 1
-    inner = math.hypot(qx - px, qy - py)
+    inner = norm(qx - px, qy - py)
     for k in range(t.n.shape[0]):
         if (tour >= 0 and k != tour) or t.serves[k] > serves:
             continue
@@ -208,9 +209,9 @@ def cheapest_leg(px: float, py: float, qx: float, qy: float, tour: int, serves: 
         for i in range(n):
             j = i + 1 if i + 1 < n else 0
             ax, ay, bx, by = t.x[k, i], t.y[k, i], t.x[k, j], t.y[k, j]
-            ab = math.hypot(bx - ax, by - ay)
-            ahead = math.hypot(px - ax, py - ay) + math.hypot(qx - bx, qy - by)
-            back = math.hypot(qx - ax, qy - ay) + math.hypot(px - bx, py - by)
+            ab = norm(bx - ax, by - ay)
+            ahead = norm(px - ax, py - ay) + norm(qx - bx, qy - by)
+            back = norm(qx - ax, qy - ay) + norm(px - bx, py - by)
             added = (min(ahead, back) + inner - ab) * price
             if added < best:
                 best, best_k, best_i, best_way = added, k, i, 1 if ahead <= back else -1
@@ -285,7 +286,7 @@ def propose_insert(space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
     long = dx * dx + dy * dy
     at = 0.0 if long < 1e-18 else min(1.0, max(0.0, ((cx - ax) * dx + (cy - ay) * dy) / long))
     px, py = ax + at * dx - cx, ay + at * dy - cy
-    far = math.hypot(px, py)
+    far = norm(px, py)
     if far <= reach or uniform(t.rng) < 0.3:  # already near, so hidden: look from elsewhere
         angle, r = 2 * math.pi * uniform(t.rng), reach * math.sqrt(uniform(t.rng))
         qx, qy = cx + r * math.cos(angle), cy + r * math.sin(angle)

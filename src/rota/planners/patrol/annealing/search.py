@@ -195,9 +195,14 @@ class Annealing:
         return np.sort(self._state.unseen_item[: self.unseen])
 
     @property
-    def over_budget_m(self) -> float:
-        """Metres by which the tours exceed their budgets, together."""
-        return float(np.maximum(0.0, self._state.length - self._state.budget_m).sum())
+    def unseen_share(self) -> float:
+        """Weight of the samples that no tour sees, as a share of all."""
+        return float(self._samples.weight[self.unseen_samples].sum() / self._samples.weight.sum())
+
+    @property
+    def over_budget_share(self) -> float:
+        """The greatest excess of a tour over its budget, as a share of the budget."""
+        return max(0.0, *(tour_length_m(tour) / tour.budget_m - 1 for tour in self.tours))
 
     @property
     def tours(self) -> list[Tour]:
