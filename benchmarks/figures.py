@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
-from benchmarks.planning import met_with, peak, plan_and_check, planned_warm, seconds, told
+from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
 from benchmarks.shell import python, rota
 from benchmarks.warm_cache import measured_warm
 
@@ -29,7 +29,7 @@ class Row(NamedTuple):
 def fig13_warm(folder: Path) -> Iterator[Row]:
     """Sun 2019's map, planned and checked by a program that has compiled already."""
     runs = planned_warm(FIG13, folder)
-    reached = seconds(runs) < 15 and (met_with(runs) or 6) <= 5
+    reached = median_run(runs).wall_s < 15 and (met_with(runs) or 6) <= 5
     yield Row("sun2019-fig13, plan + check", "< 15 s, at most 5 robots, met", told(runs), reached)
 
 
@@ -40,7 +40,7 @@ def fig13_cold(folder: Path) -> Iterator[Row]:
     says = "compiling" in planned.plan.err
     reached = planned.wall_s < 60 and says and met_with([planned]) is not None
     measured = f"{told([planned])}; {'says' if says else 'does not say'} that it compiles"
-    yield Row("the same, first run (cold cache)", "< 60 s, says that it compiles", measured, reached)
+    yield Row("sun2019-fig13, plan + check, first run (cold cache)", "< 60 s, says that it compiles", measured, reached)
 
 
 def parcel_nl(folder: Path) -> Iterator[Row]:
@@ -54,10 +54,12 @@ def cumberland(folder: Path) -> Iterator[Row]:
 
 
 def _real(name: str, folder: Path) -> Row:
+    what, asked = f"{name}, plan + check", "< 60 s, met"
     if not DATA.is_dir():
-        return Row(f"{name}, plan + check", "< 60 s, met", "not measured: ../shared/data is missing", None)
+        return Row(what, asked, "not measured: ../shared/data is missing", None)
     runs = planned_warm(write_real_mission(name, folder), folder)
-    return Row(f"{name}, plan + check", "< 60 s, met", told(runs), seconds(runs) < 60 and met_with(runs) is not None)
+    reached = median_run(runs).wall_s < 60 and met_with(runs) is not None
+    return Row(what, asked, told(runs), reached)
 
 
 def importing(folder: Path) -> Iterator[Row]:

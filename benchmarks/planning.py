@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import json
-import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,7 +39,7 @@ def plan_and_check(mission: Path, folder: Path, environment: Mapping[str, str] |
     if plan.code != 0:
         return Planned(plan=plan, check=None, report=None)
     check = rota("check", plan_file, "--json", environment=environment)
-    return Planned(plan=plan, check=check, report=json.loads(check.out) if check.code in (0, 1) else None)
+    return Planned(plan=plan, check=check, report=json.loads(check.out) if check.out.startswith("{") else None)
 
 
 @functools.cache
@@ -62,16 +61,15 @@ def told(runs: Sequence[Planned]) -> str:
     for planned in runs:
         if planned.check is None or planned.report is None:
             return (planned.check or planned.plan).failure()
-    plan_s = statistics.median(planned.plan.wall_s for planned in runs)
-    check_s = statistics.median(planned.check.wall_s for planned in runs)
-    report = runs[0].report
-    outcome = f"{report['robots']} robots (bound {report['lower_bound_robots']}), {report['verdict']}"
-    return f"{seconds(runs):.1f} s (plan {plan_s:.1f}, check {check_s:.1f}), {peak(runs)}; {outcome}"
+    median, report = median_run(runs), runs[0].report
+    took = f"{median.wall_s:.1f} s (plan {median.plan.wall_s:.1f}, check {median.check.wall_s:.1f})"
+    robots = f"{report['robots']} robots (bound {report['lower_bound_robots']})"
+    return f"{took}, {peak(runs)}; {robots}, {report['verdict']}"
 
 
-def seconds(runs: Sequence[Planned]) -> float:
-    """Median of the wall times."""
-    return statistics.median(planned.wall_s for planned in runs)
+def median_run(runs: Sequence[Planned]) -> Planned:
+    """The run that took the median wall time (their number is odd)."""
+    return sorted(runs, key=lambda planned: planned.wall_s)[len(runs) // 2]
 
 
 def peak(runs: Sequence[Planned | Run]) -> str:

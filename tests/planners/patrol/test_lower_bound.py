@@ -18,7 +18,7 @@ from rota.planners.patrol.problem import set_up_problem
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
-# Sun et al. 2019: periods of zones 1, 2 and 3 in seconds (section 5.1, then Table 6, cases 1 to 6), and the paper's robots
+# Sun et al. 2019: periods of zones 1, 2, 3 in seconds (section 5.1, then Table 6, cases 1 to 6), and the paper's robots
 CASES = {
     (8, 20, 40): 5,
     (12, 10, 40): 5,
@@ -121,7 +121,7 @@ def test_the_worst_window_has_the_length_of_a_period() -> None:
 
 
 def test_never_above_robots_that_follow_each_other_round_a_ring() -> None:
-    # k robots on a circle of radius R >= r see the ring of area 4 pi R r once per 2 pi R / (k V): not one could go by area
+    # k robots on a circle of radius R >= r see the ring of area 4 pi R r once per 2 pi R / (k V)
     rng = np.random.default_rng(5)
     for _ in range(200):
         k = int(rng.integers(1, 12))

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
+from rota.geometry.kernels import EdgeGrid, segment_is_free
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -59,7 +59,7 @@ class Tours(NamedTuple):
     seen: NDArray[np.int32]
     seen_n: Ints
     free_slots: Ints
-    count: Ints
+    times_seen: Ints
     unseen_item: Ints
     unseen_place: Ints
     ints: Ints  # [free slots, unseen samples, accepted moves]
@@ -88,10 +88,13 @@ def norm(dx: float, dy: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def hidden_until(t: float, ux: float, uy: float, vx: float, vy: float, px: float, py: float, dx: float, dy: float) -> float:
+def hidden_until(
+    t: float, ux: float, uy: float, vx: float, vy: float, px: float, py: float, dx: float, dy: float, corner: float
+) -> float:  # fmt: skip
     """End of the interval of leg parameters round ``t`` in which a wall hides the origin, or t if it does not.
 
-    The wall runs from u to v, the leg from p on along d, all seen from the hidden point.
+    The wall runs from u to v, its obstacle on the left, the leg from p on along d, all seen from the hidden point. A
+    point that lies on the wall, farther than ``corner`` from its ends, is hidden from the obstacle's side.
     """
     wx, wy = vx - ux, vy - uy
     turn = ux * vy - uy * vx
@@ -100,7 +103,14 @@ def hidden_until(t: float, ux: float, uy: float, vx: float, vy: float, px: float
     # the shadow is where all three are positive: behind the wall, and between the rays through its ends
     at, slope = wy * (px - ux) - wx * (py - uy), wy * dx - wx * dy
     now = at + t * slope
-    if now < 0 or (now == 0 and slope <= 0) or turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
+    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
+        if turn >= 0:  # the sign above is for the side away from the point: here it is the obstacle's that counts
+            at, slope, now = -at, -slope, -now
+        now -= TOUCH_M * norm(wx, wy)
+        if now <= 0 or ux * vx + uy * vy >= 0 or min(ux * ux + uy * uy, vx * vx + vy * vy) <= corner * corner:
+            return t
+        return t - now / slope if slope < 0 else math.inf
+    if now < 0 or (now == 0 and slope <= 0):
         return t
     end = -at / slope if slope < 0 else math.inf
     if turn < 0:
@@ -148,7 +158,7 @@ def range_interval(px: float, py: float, dx: float, dy: float, reach: float, squ
 @njit(cache=True, error_model="numpy", inline="always")
 def in_sight(
     px: float, py: float, dx: float, dy: float, near: float, reach: float, square: int, cx: float, cy: float,
-    walls: Any, items: Any, begin: int, end: int,
+    walls: Any, items: Any, begin: int, end: int, corner: float,
 ) -> bool:  # fmt: skip
     """Whether c is in range and not hidden somewhere on a leg that starts at c + p and runs along d.
 
@@ -158,7 +168,7 @@ def in_sight(
     for j in range(begin, end):
         k = items[j]
         ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-        if hidden_until(near, ux, uy, vx, vy, px, py, dx, dy) > near:
+        if hidden_until(near, ux, uy, vx, vy, px, py, dx, dy, corner) > near:
             hidden = True
             break
     if not hidden:
@@ -172,7 +182,7 @@ def in_sight(
         for j in range(begin, end):
             k = items[j]
             ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-            until = hidden_until(t, ux, uy, vx, vy, px, py, dx, dy)
+            until = hidden_until(t, ux, uy, vx, vy, px, py, dx, dy, corner)
             if until > t:
                 if until >= last:
                     return False
@@ -182,12 +192,14 @@ def in_sight(
 
 
 @njit(cache=True, error_model="numpy")
-def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any) -> int:
-    """Write the samples of period class >= serves that the leg a-b sees; return how many, or -1 when out is too short."""
+def leg_sees(
+    ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any
+) -> int:
+    """Write the samples of period class >= serves that the leg a-b sees; return how many, or -1 if out is short."""
     # local names: the loop below runs over everything near every leg that is ever tried
     xs, ys, period, visit, shrink = s.x, s.y, s.period, s.visit_m, s.shrink_m
     wall_start, wall_item, walls, bin_start = s.wall_start, s.wall_item, s.walls, s.bin_start
-    left, low, cell, farthest = s.origin[0], s.origin[1], s.origin[2], s.origin[3]
+    left, low, cell, farthest, corner = s.origin[0], s.origin[1], s.origin[2], s.origin[3], s.origin[4]
     columns, rows = s.bins[0], s.bins[1]
     far = max(reach * (1.4142135623730951 if square else 1.0), farthest)
     x0 = max(0, int((min(ax, bx) - far - left) / cell))
@@ -232,7 +244,20 @@ def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: i
                     visit[i] == 0
                     and wall_start[i + 1] > wall_start[i]
                     and not in_sight(
-                        px, py, dx, dy, t, r, wide, xs[i], ys[i], walls, wall_item, wall_start[i], wall_start[i + 1]
+                        px,
+                        py,
+                        dx,
+                        dy,
+                        t,
+                        r,
+                        wide,
+                        xs[i],
+                        ys[i],
+                        walls,
+                        wall_item,
+                        wall_start[i],
+                        wall_start[i + 1],
+                        corner,
                     )
                 ):
                     continue
@@ -246,7 +271,7 @@ def leg_sees(ax: float, ay: float, bx: float, by: float, reach: float, square: i
 @njit(cache=True, error_model="numpy")
 def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
     """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
-    count, seen, weight, item, place = t.count, t.seen, s.weight, t.unseen_item, t.unseen_place
+    count, seen, weight, item, place = t.times_seen, t.seen, s.weight, t.unseen_item, t.unseen_place
     unseen, change = t.ints[1], 0.0
     for j in range(t.seen_n[slot]):
         i = seen[slot, j]
@@ -320,7 +345,7 @@ def free_leg(slot: int, t: Tours) -> None:
 @njit(cache=True, error_model="numpy")
 def set_up(s: Samples, t: Tours) -> bool:
     """Count everything from the tours' vertices; False when slots or their room run out."""
-    t.count[:] = 0
+    t.times_seen[:] = 0
     t.ints[0] = t.free_slots.shape[0]
     t.ints[1] = s.x.shape[0]
     t.ints[2] = 0
@@ -379,7 +404,9 @@ def splice_length(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: 
 
 
 @njit(cache=True, error_model="numpy")
-def splice_is_free(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours) -> bool:
+def splice_is_free(
+    k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours
+) -> bool:
     """Whether all new legs of the splice stay in the standing space."""
     n = t.n[k]
     x, y = t.x[k, (at - 1) % n], t.y[k, (at - 1) % n]

@@ -25,8 +25,8 @@ def footprint_m2(robot: Robot) -> float:
 def area_rate_bound(areas_m2: Sequence[float], periods_s: Sequence[float], robot: Robot) -> int:
     """Robots at least, since each area must come into range within any window of its period.
 
-    areas_m2, periods_s: (k,) disjoint areas that can be seen, and their periods. Within a window of length 1 / mu a robot
-    brings ``sweep / mu`` of new area into range and holds its footprint, hence
+    areas_m2, periods_s: (k,) disjoint areas that can be seen, and their periods. Within a window of length 1 / mu a
+    robot brings ``sweep / mu`` of new area into range and holds its footprint, hence
 
         robots >= max over mu in {1 / T_z} of sum_z A_z min(1 / T_z, mu) / (sweep + footprint mu).
 

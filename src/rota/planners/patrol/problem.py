@@ -51,7 +51,7 @@ class Problem:
     places_m: Floats
     places_part: Ints
     sees_start: Ints
-    sees_item: NDArray[np.int32]
+    sees_item: Ints
     lower_bound: int
     ideal_robots: float
     range_margin_m: float
@@ -192,12 +192,15 @@ def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, ask
     share = lost_m2 / asked_m2 if asked_m2 > 0 else 0.0
     if share <= MOST_EXCLUDED and (mission.unseeable == "exclude" or not len(hopeless)):
         return
-    blobs = shapely.get_parts(shapely.union_all(shapely.buffer(shapely.points(points.xy_m[hopeless]), 1e-9 + np.sqrt(
-        points.area_m2[hopeless]))))
+    blobs = shapely.get_parts(
+        shapely.union_all(
+            shapely.buffer(shapely.points(points.xy_m[hopeless]), 1e-9 + np.sqrt(points.area_m2[hopeless]))
+        )
+    )
     blobs = sorted(blobs, key=lambda blob: -float(blob.area))[:5]
     places = ", ".join(f"({blob.centroid.x:.2f}, {blob.centroid.y:.2f})" for blob in blobs)
     allowed = "unseeable: refuse allows none" if mission.unseeable == "refuse" else f"{MOST_EXCLUDED:.0%} is allowed"
     raise NoPlanFound(
-        f"about {max(lost_m2, 0.0):.2f} m2 ({share:.1%} of what is asked) cannot be seen from anywhere a robot can stand,"
+        f"about {lost_m2:.2f} m2 ({share:.1%} of what is asked) cannot be seen from anywhere a robot can stand,"
         f" for instance round {places}; {allowed}"
     )

@@ -25,6 +25,8 @@ Ints = NDArray[np.int64]
 
 UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
 MOST_NEW_POINTS = 1_500
+MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
+MOST_VISITS = 12  # places that are gone to in one round for the sake of stubborn points
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +87,8 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
     With ``may_add`` a tour that outgrows its budget gets another robot. Returns the last state.
     """
     problem = context.problem
-    turn = 0
+    turn, stuck = 0, 0
+    complaints = -1
     while True:
         points, samples = prepared_with(problem, extra)
         tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
@@ -93,15 +96,28 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
             tours = [with_robots(tour) for tour in tours]
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
-        settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=extra)
         turn += 1
-        found = new_points(problem, verdict, shrink_m=turn * 0.25 * problem.range_margin_m)
-        settled = replace(settled, extra=joined([extra, found]))
-        if settled.met or not len(found) or turn == rounds or context.should_stop():
+        found = new_points(problem, verdict, turn)
+        settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
+        stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
+        complaints = len(verdict.unmet_points_m)
+        if settled.met or not len(found) or turn == rounds or stuck == MOST_STUCK or context.should_stop():
             return settled
         if not may_add and not settled.fits:
             return settled
         extra = settled.extra
+        if stuck:
+            # every point is seen, but no one view takes in a whole piece round it: go and look from nearby
+            for i in range(min(len(found), MOST_VISITS)):
+                place = nearby_place(problem, found.xy_m[i], float(found.visit_m[i]), stuck)
+                if place is not None:
+                    tours = led_past(problem, tours, place, int(found.period[i]))
+
+
+def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:
+    """A place from where the point is seen well: in the middle of its view, of a view cut shorter every turn."""
+    margin_m = problem.reach_m * (1 - 0.6**turn) + problem.range_margin_m
+    return place_that_sees(point_m, visit_m, problem.space, problem.walls, problem.robot, margin_m)
 
 
 def with_robots(tour: Tour) -> Tour:
@@ -110,10 +126,11 @@ def with_robots(tour: Tour) -> Tour:
     return replace(tour, robots=max(tour.robots, needed))
 
 
-def new_points(problem: Problem, verdict: Verdict, *, shrink_m: float) -> SamplePoints:
-    """The places that the judge found unmet, as samples; of a crowd of them one every few centimetres."""
+def new_points(problem: Problem, verdict: Verdict, turn: int) -> SamplePoints:
+    """The places that the judge found unmet, as samples; of a crowd of them a few, more and nearer in every round."""
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
-    grid_m = 0.04 * problem.reach_m
+    grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
+    shrink_m = turn * 0.25 * problem.range_margin_m
     found = [no_points()]
     for k, demand in enumerate(verdict.demands):
         xy = verdict.unmet_points_m[verdict.unmet_demand == k]
@@ -131,7 +148,9 @@ def new_points(problem: Problem, verdict: Verdict, *, shrink_m: float) -> Sample
     return joined(found)
 
 
-def see_the_rest(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
+def see_the_rest(
+    context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int
+) -> list[Tour]:
     """Bend the tours a little until they see all samples; lead them by a way of their own to what is left."""
     problem = context.problem
     search = Annealing(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import DemandedRegion
-from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.kernels import TOUCH_M, Samples
 from rota.planners.patrol.start.kernels import walls_that_hide
 
 Floats = NDArray[np.float64]
@@ -148,14 +148,14 @@ def prepare(
         wall_item=wall_item,
         walls=np.ascontiguousarray(longer),
         bin_start=start,
-        origin=np.array([low[0], low[1], cell_m, far_m]),
+        origin=np.array([low[0], low[1], cell_m, far_m, 1.001 * wall_margin_m + TOUCH_M]),
         bins=bins.astype(np.int64),
     )
     return samples, order
 
 
 def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple[Ints, Ints]:
-    """For each point the walls within reach that hide something from it: starts (n + 1,) and indices (no wall hides a visit)."""
+    """For each point the walls within reach that hide anything from it: starts (n + 1,), indices; visits have none."""
     n = len(points)
     if not len(walls):
         return np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)

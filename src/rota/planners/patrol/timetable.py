@@ -75,15 +75,17 @@ def started_at(times_s: Floats, places_m: Floats, phase_s: float) -> tuple[Float
     if on_vertex:
         here = places_m[int(np.searchsorted(times_s, phase_s))]
     # the seam's two rows are one: the end of the old round is the start of the new
-    times = np.concatenate([[0.0], times_s[after] - phase_s, times_s[before][1:] + (duration_s - phase_s), [duration_s]])
+    times = np.concatenate(
+        [[0.0], times_s[after] - phase_s, times_s[before][1:] + (duration_s - phase_s), [duration_s]]
+    )
     places = np.vstack([here, places_m[after], places_m[before][1:], here])
     return times, places
 
 
-def trajectories_of(tours: Sequence[Tour], durations_s: Sequence[float | None], offsets_s: Sequence[float]) -> list[
-    tuple[Floats, Floats]
-]:
-    """Times and places of every robot, tour by tour: the robots of a tour follow each other at equal distances in time."""
+def trajectories_of(
+    tours: Sequence[Tour], durations_s: Sequence[float | None], offsets_s: Sequence[float]
+) -> list[tuple[Floats, Floats]]:
+    """Times and places of every robot, tour by tour; those of one tour follow each other at equal times."""
     found = []
     for tour, duration_s, offset_s in zip(tours, durations_s, offsets_s, strict=True):
         times_s, places_m = loop_timetable(tour.vertices_m, tour.robot, duration_s)

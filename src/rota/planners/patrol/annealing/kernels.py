@@ -18,8 +18,8 @@ from rota.planners.patrol.kernels import (
     Tours,
     count_leg,
     free_leg,
-    norm,
     make_leg,
+    norm,
     open_gap,
     splice_is_free,
     splice_length,
@@ -30,7 +30,9 @@ from rota.planners.patrol.kernels import (
 
 
 @njit(cache=True, error_model="numpy")
-def take_out(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, level: int, s: Samples, t: Tours) -> bool:
+def take_out(
+    k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, level: int, s: Samples, t: Tours
+) -> bool:
     """Replace ``removed`` vertices of tour k from ``at`` on by new ones; remembered at ``level`` for ``put_back``.
 
     ``at + removed`` may not pass the end. False, with nothing changed, when there is no room for a new leg's samples.
@@ -135,7 +137,7 @@ def try_two_opt(k: int, i: int, limit: float, most_m: float, space: EdgeGrid, s:
     best, j = math.inf, -1
     for m in range(n):
         m1 = m + 1 if m + 1 < n else 0
-        if m == i or m == i1 or m1 == i:
+        if m in (i, i1) or m1 == i:
             continue
         cx, cy, dx, dy = t.x[k, m], t.y[k, m], t.x[k, m1], t.y[k, m1]
         ac, bd = norm(cx - ax, cy - ay), norm(dx - bx, dy - by)
@@ -197,7 +199,9 @@ def reverse(k: int, first: int, last: int, t: Tours) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def cheapest_leg(px: float, py: float, qx: float, qy: float, tour: int, serves: int, t: Tours) -> tuple[int, int, int, float]:
+def cheapest_leg(
+    px: float, py: float, qx: float, qy: float, tour: int, serves: int, t: Tours
+) -> tuple[int, int, int, float]:
     """Tour, leg and direction (1: p first) where the way p-q adds least; tour -1 means any that serves that class."""
     best, best_k, best_i, best_way = math.inf, -1, -1, 1
     inner = norm(qx - px, qy - py)
@@ -250,8 +254,10 @@ def try_or_opt(
         if fair and t.turn_m[k] == 0 and t.turn_m[to] == 0:
             added = tour_cost(to, to_length + into, t) - to_cost + tour_cost(k, t.length[k], t) - old_cost
             fair = added - unseen <= limit
-        if fair and splice_is_free(to, leg + 1, none, new_x, new_y, m, space, t) and take_out(
-            to, leg + 1, none, new_x, new_y, m, second, s, t
+        if (
+            fair
+            and splice_is_free(to, leg + 1, none, new_x, new_y, m, space, t)
+            and take_out(to, leg + 1, none, new_x, new_y, m, second, s, t)
         ):
             length = tour_length(to, t) if t.turn_m[to] > 0 else to_length + into
             change = tour_cost(to, length, t) - to_cost + t.unseen[0] - unseen
@@ -321,9 +327,7 @@ def mend(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> No
             return
         k, leg = propose_insert(space, s, t, new_x, new_y)
         if k >= 0:
-            t.ints[2] += try_splice(
-                k, leg + 1, np.int64(0), new_x, new_y, np.int64(1), -1e-9, most_m, space, s, t
-            )
+            t.ints[2] += try_splice(k, leg + 1, np.int64(0), new_x, new_y, np.int64(1), -1e-9, most_m, space, s, t)
 
 
 @njit(cache=True, error_model="numpy")

@@ -66,7 +66,7 @@ def turns_rad(vertices_m: Floats) -> Floats:
 def without_repeats(vertices_m: Floats) -> Floats:
     """The closed polyline without vertices that repeat the one before; at least one vertex stays."""
     keep = (np.roll(vertices_m, 1, axis=0) != vertices_m).any(axis=1)
-    return vertices_m[keep] if keep.any() else vertices_m[:1]
+    return np.asarray(vertices_m[keep] if keep.any() else vertices_m[:1])
 
 
 def split_legs(vertices_m: Floats, longest_m: float) -> Floats:
@@ -94,7 +94,7 @@ class Annealing:
         range_margin_m: float,
         reserve: float = 0.0,
     ) -> None:
-        """price, over_price: (k,) cost per metre of each tour, and per metre above its budget less the reserve (a share)."""
+        """price, over_price: (k,) cost per metre of each tour, and above its budget less the reserve (a share)."""
         self._tours = [replace(t, vertices_m=without_repeats(t.vertices_m)) for t in tours]
         self._samples = samples
         self._space = space
@@ -103,9 +103,7 @@ class Annealing:
         self._step_m = float(reach_m.max())
         self._state = self._allocate(price, over_price, seed, range_margin_m, reserve)
 
-    def _allocate(
-        self, price: Floats, over_price: Floats, seed: int, range_margin_m: float, reserve: float
-    ) -> Tours:
+    def _allocate(self, price: Floats, over_price: Floats, seed: int, range_margin_m: float, reserve: float) -> Tours:
         tours = self._tours
         shapes = [split_legs(t.vertices_m, self._longest_m) for t in tours]
         n = np.array([len(shape) for shape in shapes], dtype=np.int64)
@@ -114,9 +112,7 @@ class Annealing:
         for k, shape in enumerate(shapes):
             x[k, : n[k]], y[k, : n[k]] = shape.T
         discs = [t.robot.sensor if isinstance(t.robot.sensor, DiscSensor) else None for t in tours]
-        reach = [
-            d.radius_m if d else t.robot.sensor.reach_m / np.sqrt(2) for d, t in zip(discs, tours, strict=True)
-        ]
+        reach = [d.radius_m if d else t.robot.sensor.reach_m / np.sqrt(2) for d, t in zip(discs, tours, strict=True)]
         count = len(self._samples.x)
         slots = int(2 * n.sum() + 64 * len(tours) + 64)
         state = Tours(
@@ -135,7 +131,7 @@ class Annealing:
             seen=np.zeros((slots, self._slot_room()), dtype=np.int32),
             seen_n=np.zeros(slots, dtype=np.int64),
             free_slots=np.zeros(slots, dtype=np.int64),
-            count=np.zeros(count, dtype=np.int64),
+            times_seen=np.zeros(count, dtype=np.int64),
             unseen_item=np.zeros(count, dtype=np.int64),
             unseen_place=np.zeros(count, dtype=np.int64),
             ints=np.zeros(3, dtype=np.int64),

@@ -29,7 +29,11 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
     """Ways to serve the period classes by groups (each by its shortest period), the fewest expected robots first."""
     classes = range(len(problem.periods_s))
     area_m2 = [
-        sum(r.shape.area for r, k in zip(problem.regions, problem.region_class, strict=True) if k == c and r.demand != "visit")
+        sum(
+            r.shape.area
+            for r, k in zip(problem.regions, problem.region_class, strict=True)
+            if k == c and r.demand != "visit"
+        )
         for c in classes
     ]
 
@@ -92,8 +96,10 @@ def distances(problem: Problem, places_m: Floats) -> Floats:
 
 def tour_past(problem: Problem, places_m: Floats, serves: int, part: int) -> Tour:
     """The closed tour past all places along shortest paths, with the robots that it needs."""
-    order = lane_order(places_m, problem.swath_m) if len(places_m) > MOST_ORDERED else short_order(
-        distances(problem, places_m)
+    order = (
+        lane_order(places_m, problem.swath_m)
+        if len(places_m) > MOST_ORDERED
+        else short_order(distances(problem, places_m))
     )
     stops = places_m[order]
     vertices = problem.paths.paths_along(np.vstack([stops, stops[:1]]))[:-1] if len(stops) > 1 else stops

@@ -29,7 +29,8 @@ def places_see(x: Any, y: Any, reach: float, square: int, serves: int, s: Sample
 def walls_that_hide(x: Any, y: Any, start: Any, items: Any, walls: Any) -> Any:
     """Which of each point's walls (flags like items) are the nearest in some direction: the others hide nothing more.
 
-    Between two neighbouring directions of wall ends the nearest wall is the same one, so one ray there tells it.
+    Walls may meet but not cross: between two neighbouring directions of wall ends the nearest wall is the same one, so
+    one ray there tells it. A wall that the point lies on always counts: it hides what is behind it.
     """
     needed = np.zeros(items.shape[0], dtype=np.bool_)
     for i in range(x.shape[0]):
@@ -39,6 +40,7 @@ def walls_that_hide(x: Any, y: Any, start: Any, items: Any, walls: Any) -> Any:
             w = walls[items[j]]
             angles[2 * (j - begin)] = math.atan2(w[1] - y[i], w[0] - x[i])
             angles[2 * (j - begin) + 1] = math.atan2(w[3] - y[i], w[2] - x[i])
+            needed[j] = lies_on(w, x[i], y[i])
         if end == begin:
             continue
         angles[-1] = np.min(angles[:-1]) + 2 * math.pi
@@ -57,8 +59,17 @@ def walls_that_hide(x: Any, y: Any, start: Any, items: Any, walls: Any) -> Any:
 
 
 @njit(cache=True)
+def lies_on(wall: Any, x: float, y: float) -> bool:
+    """Whether a point lies on a wall, its ends not included."""
+    ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
+    wx, wy = vx - ux, vy - uy
+    turn = ux * vy - uy * vx
+    return turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy) and ux * vx + uy * vy < 0
+
+
+@njit(cache=True)
 def ray_hits(dx: float, dy: float, wall: Any, x: float, y: float) -> float:
-    """Distance along a ray from (x, y) in the direction d to the wall, inf when it misses or starts on the wall's line."""
+    """Distance along a ray from (x, y) along d to the wall, inf when it misses or starts on the wall's line."""
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
     wx, wy = vx - ux, vy - uy
     turn = ux * vy - uy * vx

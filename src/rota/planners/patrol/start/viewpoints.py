@@ -42,13 +42,13 @@ def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, sampl
     reach, square = sensor_arguments(robot, range_margin_m)
     x, y = np.ascontiguousarray(places_m[:, 0]), np.ascontiguousarray(places_m[:, 1])
     start, items = places_see(x, y, reach, square, 0, samples, len(samples.x))
-    return start, items
+    return start, np.asarray(items, dtype=np.int64)
 
 
 def choose_viewpoints(
-    start: Ints, items: NDArray[np.int32], wanted: NDArray[np.bool_], weight: Floats
+    start: Ints, items: Ints, wanted: NDArray[np.bool_], weight: Floats
 ) -> tuple[Ints, NDArray[np.bool_]]:
-    """Places (greedy set cover) that see all wanted samples which any place sees; and which samples (s,) stay unseen."""
+    """Places (greedy set cover) that see all wanted samples that any place sees; which samples (s,) stay unseen."""
     covered = ~wanted
     chosen: Ints = greedy_cover(start, items, np.where(wanted, np.maximum(weight, 1e-6), 0.0), covered)
     return chosen, wanted & ~covered
@@ -64,7 +64,9 @@ def place_that_sees(
     else:
         view = visibility_polygon(point_m, walls, reach * (np.sqrt(2) if square else 1.0))
         x, y = point_m
-        cut = shapely.box(x - reach, y - reach, x + reach, y + reach) if square else shapely.Point(point_m).buffer(reach)
+        cut = (
+            shapely.box(x - reach, y - reach, x + reach, y + reach) if square else shapely.Point(point_m).buffer(reach)
+        )
         view = view.intersection(cut)
     places = view.intersection(space)
     if places.is_empty:
