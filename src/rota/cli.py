@@ -93,7 +93,7 @@ def plan(
     for warning in read.warnings:
         _say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
-    _mention_compiling("planners/patrol", "geometry", "check")
+    _mention_compiling("planners/patrol/annealing", "geometry", "check")
     raise typer.Exit(_plan_and_write(asked, target, seed, time_limit, best))
 
 

@@ -86,7 +86,7 @@ def _class_gap(starts, ends, bounds, robots, members, parts, unit_s, limit_s):
         period = parts[robots[m]] * unit_s
         gap, when = _lone_gap(starts, ends, bounds[m], bounds[m + 1], period)
         return gap, when, period, True
-    common, count = 1, 0
+    common, count = parts[robots[members[0]]], 0
     for m in members:
         part = parts[robots[m]]
         common = min(common // _divisor(common, part) * part, 1 << 40)

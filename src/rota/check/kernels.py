@@ -278,6 +278,6 @@ def worst_gaps(
             gaps[k], begins[k] = 0.0, from_s
         elif n_robots:
             gaps[k], begins[k], exact[k] = team_gap(
-                starts, ends, bounds, robots, n_robots, classes, parts, units_s, limits_s[k], from_s
+                starts, ends, bounds, robots, np.int64(n_robots), classes, parts, units_s, limits_s[k], from_s
             )
     return gaps, begins, firsts, exact

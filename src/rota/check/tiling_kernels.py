@@ -119,12 +119,14 @@ def halve(offsets, corners, cuts, narrowest_m):
                 p = side * (nx * corners[i, 0] + ny * corners[i, 1] - c)
                 q = side * (nx * corners[j, 0] + ny * corners[j, 1] - c)
                 if p >= 0:
-                    new_corners[top] = corners[i]
+                    new_corners[top, 0], new_corners[top, 1] = corners[i, 0], corners[i, 1]
                     top += 1
                 if (p > 0 and q < 0) or (p < 0 and q > 0):
-                    new_corners[top] = corners[i] + p / (p - q) * (corners[j] - corners[i])
+                    for axis in range(2):
+                        step = p / (p - q) * (corners[j, axis] - corners[i, axis])
+                        new_corners[top, axis] = corners[i, axis] + step
                     top += 1
-            if half_width(new_corners, start, top) > narrowest_m:
+            if half_width(new_corners, np.int64(start), np.int64(top)) > narrowest_m:
                 parent[count] = k
                 count += 1
                 new_offsets[count] = top

@@ -214,7 +214,7 @@ def _clip_to_grid(ax, ay, dx, dy, grid):
 def _contacts(ax, ay, bx, by, grid, touches):
     """How many touches of edges lie on the segment, -1 when it properly crosses one.
 
-    touches: None, or an array that takes the parameters at which edge ends lie on the segment.
+    touches: row by row takes the two parameters at which an edge's ends lie on the segment; empty: not asked for.
     """
     dx, dy = bx - ax, by - ay
     length = sqrt(dx * dx + dy * dy)
@@ -232,12 +232,12 @@ def _contacts(ax, ay, bx, by, grid, touches):
             if contact == 2:
                 return -1
             if contact == 1:
-                if touches is not None:
+                if len(touches):
                     for e in range(2):
                         ex, ey = grid.edges[k, 2 * e] - ax, grid.edges[k, 2 * e + 1] - ay
                         on_line = abs(dx * ey - dy * ex) <= TOUCH_M * length
                         s = (dx * ex + dy * ey) / (length * length)
-                        touches[2 * count + e] = min(max(s, 0.0), 1.0) if on_line else 0.0
+                        touches[count, e] = min(max(s, 0.0), 1.0) if on_line else 0.0
                 count += 1
         clear = abs(grid.clear[c])
         if clear > 1:
@@ -260,9 +260,10 @@ def _contacts(ax, ay, bx, by, grid, touches):
 @njit(cache=True)
 def _meets_between_touches(ax, ay, bx, by, grid, count, what):
     """Whether a stretch of the segment between two touches lies in what (INSIDE or OUTSIDE)."""
-    touches = np.zeros(2 * count + 1)
-    _contacts(ax, ay, bx, by, grid, touches)
-    touches[2 * count] = 1.0
+    rows = np.zeros((count + 1, 2))
+    _contacts(ax, ay, bx, by, grid, rows)
+    rows[count] = 1.0
+    touches = rows.ravel()
     for n in range(1, len(touches)):
         value, m = touches[n], n
         while m > 0 and touches[m - 1] > value:
@@ -285,7 +286,7 @@ def segment_is_free(ax, ay, bx, by, grid):
     """Whether the segment stays in the closed space; both ends must lie in it."""
     if (ax - bx) ** 2 + (ay - by) ** 2 <= TOUCH_M * TOUCH_M:
         return True
-    count = _contacts(ax, ay, bx, by, grid, None)
+    count = _contacts(ax, ay, bx, by, grid, grid.edges[:0])
     if count <= 0:
         return count == 0
     return not _meets_between_touches(ax, ay, bx, by, grid, count, OUTSIDE)
@@ -298,7 +299,7 @@ def point_sees_point(ax, ay, bx, by, grid):
         return False
     if (ax - bx) ** 2 + (ay - by) ** 2 <= TOUCH_M * TOUCH_M:
         return True
-    count = _contacts(ax, ay, bx, by, grid, None)
+    count = _contacts(ax, ay, bx, by, grid, grid.edges[:0])
     if count <= 0:
         return count == 0
     return not _meets_between_touches(ax, ay, bx, by, grid, count, INSIDE)

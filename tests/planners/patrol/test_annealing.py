@@ -21,10 +21,11 @@ from rota.planners.patrol.annealing.search import (
     turns_rad,
     without_repeats,
 )
-from rota.planners.patrol.kernels import Tours, corner_m, leg_sees, set_up, tour_length, uniform
+from rota.planners.patrol.kernels import leg_sees
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, prepared_with
 from rota.planners.patrol.start.first_tours import first_tours
+from rota.planners.patrol.tour_kernels import Tours, corner_m, set_up, tour_length, uniform
 
 Floats = NDArray[np.float64]
 ROBOT = Robot(name="r", speed_m_s=2, sensor=DiscSensor(radius_m=3))

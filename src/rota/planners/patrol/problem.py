@@ -64,6 +64,12 @@ class Problem:
         return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
 
     @property
+    def enough_robots(self) -> int:
+        """Fewer need not be looked for: the proved bound, or all the robots of a fleet with a fixed number."""
+        fleet = self.mission.fleet.robots
+        return max(self.lower_bound, len(fleet) if fleet else 0)
+
+    @property
     def swath_m(self) -> float:
         """Width of the lane that a moving robot sees, where nothing hides anything."""
         return 2 * self.reach_m

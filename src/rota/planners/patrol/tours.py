@@ -23,6 +23,8 @@ from rota.planners.patrol.start.first_tours import class_groups, first_tours, wi
 Floats = NDArray[np.float64]
 
 GROUPINGS = 2  # ways to group the period classes that are tried
+HOLDS_MUCH = 0.15  # footprint over what is swept in the shortest period
+FRUGAL = 0.62  # robots of their own, as a share of those of a shared tour, to begin with
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 1.5, 4.0
 RESERVE = 0.03  # share of the budgets left for the mending
@@ -74,13 +76,19 @@ def fewest_robots(context: Context) -> Settled:
     problem = context.problem
     best: Settled | None = None
     extra = no_points()
-    groupings = list(class_groups(problem))[:GROUPINGS]
-    for turn, groups in enumerate(groupings):
-        if best is not None and (context.should_stop() or len(best.plan.trajectories) <= problem.lower_bound):
+    variants = starts(problem)
+    for turn, (groups, separate) in enumerate(variants):
+        if (
+            best is not None
+            and best.met
+            and (context.should_stop() or len(best.plan.trajectories) <= problem.lower_bound)
+        ):
             break
-        start = first_tours(problem, groups)
-        context.progress(0.1 + 0.4 * turn, f"{sum(t.robots for t in start)} robots suffice; looking for fewer")
-        goal = [replace(tour, robots=hoped_robots(tour)) for tour in start]
+        frugal = FRUGAL if best is not None and best.met else 1.0
+        start = first_tours(problem, groups, separate=separate, frugal=frugal)
+        context.progress(0.1 + 0.8 * turn / len(variants), f"{sum(t.robots for t in start)} robots suffice")
+        hopes = hoped_robots(problem, start)
+        goal = [replace(tour, robots=1 if separate else hope) for tour, hope in zip(start, hopes, strict=True)]
         found = reduce_robots(context, start, goal, extra, best)
         if found is not None and (best is None or better(found, best)):
             best = found
@@ -88,6 +96,19 @@ def fewest_robots(context: Context) -> Settled:
     if best is None:
         raise NoPlanFound("the search found no tours at all")
     return best
+
+
+def starts(problem: Problem) -> list[tuple[tuple[tuple[int, ...], ...], bool]]:
+    """What the search begins with, one after the other: groups of period classes, and whether robots keep apart.
+
+    Keeping apart is worth a try for bodies, and where a robot holds much of what it sweeps in a period.
+    """
+    groups = list(class_groups(problem))[:GROUPINGS]
+    shared = [(group, False) for group in groups]
+    swept_m = problem.robot.speed_m_s * problem.periods_s[0]
+    if problem.robot.body_radius_m > 0 or math.pi * problem.reach_m > HOLDS_MUCH * 2 * swept_m:
+        shared.insert(1, (groups[0], True))
+    return shared
 
 
 def better(one: Settled, other: Settled) -> bool:
@@ -99,9 +120,34 @@ def better(one: Settled, other: Settled) -> bool:
     return rank(one) < rank(other)
 
 
-def hoped_robots(tour: Tour) -> int:
-    """Robots for a first try: annealing usually shortens a first tour by a fifth."""
-    return max(1, math.ceil(0.8 * tour_length_m(tour) / replace(tour, robots=1).budget_m))
+def hoped_robots(problem: Problem, tours: list[Tour]) -> list[int]:
+    """Robots per tour for a first try: annealing shortens a first tour by a fifth, or to little above the ideal."""
+    ideal = ideal_shares(problem, tours)
+    shares = [tour_length_m(tour) / replace(tour, robots=1).budget_m for tour in tours]
+    return [max(1, math.ceil(min(0.8 * share, 1.3 * best))) for share, best in zip(shares, ideal, strict=True)]
+
+
+def ideal_shares(problem: Problem, tours: list[Tour]) -> list[float]:
+    """Robots that each tour would need if it swept its ground in perfect lanes.
+
+    A tour's ground: what asks for its period or a longer one, up to the next longer period of a tour; shared among the
+    tours of one period in proportion to their lengths.
+    """
+    served = sorted({tour.serves for tour in tours})
+    swept_m2_s = problem.swath_m * problem.robot.speed_m_s
+    found = []
+    for tour in tours:
+        later = [c for c in served if c > tour.serves]
+        classes = range(tour.serves, min(later, default=len(problem.periods_s)))
+        ground_m2 = sum(
+            region.shape.area
+            for region, c in zip(problem.regions, problem.region_class, strict=True)
+            if c in classes and region.demand == "every_point"
+        )
+        alike_m = sum(tour_length_m(other) for other in tours if other.serves == tour.serves)
+        part = tour_length_m(tour) / alike_m if alike_m > 0 else 1.0
+        found.append(part * ground_m2 / (swept_m2_s * tour.period_s))
+    return found
 
 
 def reduce_robots(
@@ -197,15 +243,13 @@ def one_robot_fewer(problem: Problem, tours: list[Tour]) -> list[Tour] | None:
     A tour's last robot may go when a tour of the same part can serve its points.
     """
     robots = sum(tour.robots for tour in tours)
-    shares = [tour_length_m(tour) / replace(tour, robots=1).budget_m for tour in tours]
-    if robots <= problem.lower_bound or problem.ideal_robots * SQUEEZE[problem.mission.planning.effort] > robots - 1:
+    if robots <= problem.enough_robots or problem.ideal_robots * SQUEEZE[problem.mission.planning.effort] > robots - 1:
         return None
+    ideal = ideal_shares(problem, tours)
 
     def asked(k: int) -> float:
         alone = all(i == k or t.part != tours[k].part or t.serves > tours[k].serves for i, t in enumerate(tours))
-        if tours[k].robots == 1 and alone:
-            return math.inf
-        return shares[k] - (tours[k].robots - 1)
+        return math.inf if tours[k].robots == 1 and alone else ideal[k] - (tours[k].robots - 1)
 
     k = min(range(len(tours)), key=asked)
     if not math.isfinite(asked(k)):

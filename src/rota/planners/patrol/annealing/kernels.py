@@ -12,14 +12,13 @@ import numpy as np
 from numba import njit
 
 from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
-from rota.planners.patrol.kernels import (
+from rota.planners.patrol.kernels import Samples, norm
+from rota.planners.patrol.tour_kernels import (
     MOST_REMOVED,
-    Samples,
     Tours,
     count_leg,
     free_leg,
     make_leg,
-    norm,
     open_gap,
     splice_is_free,
     splice_length,

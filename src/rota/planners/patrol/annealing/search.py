@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from rota.geometry.kernels import EdgeGrid
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.annealing import kernels as annealing_kernels
-from rota.planners.patrol.kernels import MOST_REMOVED, Samples, Tours, set_up
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.tour_kernels import MOST_REMOVED, Tours, set_up
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -60,7 +61,7 @@ def turns_rad(vertices_m: Floats) -> Floats:
     after = np.roll(vertices_m, -1, axis=0) - vertices_m
     before = np.roll(after, 1, axis=0)
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return np.abs(np.arctan2(cross, (before * after).sum(axis=1)))
+    return np.asarray(np.abs(np.arctan2(cross, (before * after).sum(axis=1))))
 
 
 def without_repeats(vertices_m: Floats) -> Floats:

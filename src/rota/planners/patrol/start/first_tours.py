@@ -56,8 +56,15 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
     return iter(sorted(found, key=expected))
 
 
-def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Tour]:
-    """Tours that see every sample, one at least per group, each with the robots that its length needs."""
+def first_tours(
+    problem: Problem, groups: tuple[tuple[int, ...], ...], *, separate: bool = False, frugal: float = 1.0
+) -> list[Tour]:
+    """Tours that see every sample, one at least per group, each with the robots that its length needs.
+
+    separate: where several robots would share a tour, each gets a neighbourhood of its own instead; frugal: for so
+    many times as many robots. To share is shorter in the open; to keep apart is better in narrow places, where a
+    shared tour goes there and back, and for bodies, which would meet.
+    """
     tours: list[Tour] = []
     covered = np.zeros(len(problem.points), dtype=bool)
     for group in groups:
@@ -66,8 +73,32 @@ def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[T
         for place in chosen:
             covered[problem.sees_item[problem.sees_start[place] : problem.sees_start[place + 1]]] = True
         for part, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
-            tours.append(tour_past(problem, problem.places_m[cluster], group[0], part))
+            tour = tour_past(problem, problem.places_m[cluster], group[0], part)
+            count = math.ceil(frugal * tour_length_m(tour) / replace(tour, robots=1).budget_m)
+            if not separate or count < 2 or len(cluster) > MOST_GEODESIC:
+                tours.append(tour)
+                continue
+            for label in neighbourhoods(distances(problem, problem.places_m[cluster]), count):
+                tours.append(tour_past(problem, problem.places_m[cluster[label]], group[0], part))
     return tours
+
+
+def neighbourhoods(distance_m: Floats, count: int) -> Iterator[Ints]:
+    """The places (n, n distances) in at most ``count`` groups round medoids: far apart at first, then moved to rest."""
+    medoids = [int(np.argmax(distance_m.sum(axis=1)))]
+    while len(medoids) < min(count, len(distance_m)):
+        medoids.append(int(np.argmax(distance_m[medoids].min(axis=0))))
+    for _ in range(20):
+        nearest = np.argmin(distance_m[medoids], axis=0)
+        groups = [np.flatnonzero(nearest == k) for k in range(len(medoids))]
+        moved = [int(g[np.argmin(distance_m[np.ix_(g, g)].sum(axis=1))]) for g in groups if len(g)]
+        if moved == medoids:
+            break
+        medoids = moved
+    nearest = np.argmin(distance_m[medoids], axis=0)
+    for k in range(len(medoids)):
+        if (nearest == k).any():
+            yield np.flatnonzero(nearest == k)
 
 
 def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[int, Ints]]:
