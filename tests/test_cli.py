@@ -200,6 +200,36 @@ def test_bad_arguments_are_exit_code_2_before_any_planning(
     assert yard.read_text() == YARD
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("area: [[0, 0], [10, 0], [10, 10], [0, 10]]", "area: {", "not YAML"),
+        ("period_s: 40", "perod_s: 40", "did you mean 'period_s'?"),
+        ("speed_m_s: 1", "speed_m_s: fast", '"fast" is not allowed; a number is needed'),
+        ("[10, 0], [10, 10]", "[10, 10], [10, 0]", "crosses or touches itself at (5, 5)"),
+        ("[10, 0], [10, 10], [0, 10]", "[10, 0]", "a ring of 2 distinct points"),
+        ("period_s: 40", "period_s: .nan", "a finite number is needed"),
+        ("radius_m: 20", "radius_m: 0.0001", "at most 50 million are possible; give radius_m of at least"),
+        ("lat: 48.1, lon: 11.5", "lat: 148.1, lon: 11.5", "origin.lat: 148.1 is not allowed"),
+        ("origin:", "zones: [{name: z, period_s: 9, ring: [[20, 0], [30, 0], [30, 9]]}]\norigin:", "10 m away"),
+        ("origin:", "obstacles: [[[-1, -1], [11, -1], [11, 11], [-1, 11]]]\norigin:", "cover the whole area"),
+        ("[[0, 0], [10, 0], [10, 10], [0, 10]]", "{map: none.yaml, inside: [1, 1]}", "none.yaml: no such file"),
+    ],
+)
+def test_a_bad_mission_is_exit_code_2_and_leaves_the_old_plan(
+    old: str, new: str, message: str, yard: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("yard.rota.json").write_text("old")
+    yard.write_text(YARD.replace(old, new))
+    assert run(["plan", "yard.yaml", "--best"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "rota: error: yard.yaml:" in err
+    assert message in err
+    assert Path("yard.rota.json").read_text() == "old"
+    assert sorted(os.listdir()) == ["yard.rota.json", "yard.yaml"]
+
+
 def test_every_fault_of_a_mission_is_a_line_on_stderr(yard: Path, capsys: pytest.CaptureFixture[str]) -> None:
     yard.write_text(YARD.replace("period_s: 40", "period_s: 0").replace("speed_m_s: 1", "speed_m_s: 0"))
     assert run(["plan", "yard.yaml"]) == 2

@@ -87,6 +87,8 @@ def robots_sentence(plan: Plan) -> str:
     count = f"{n} robot" + ("s" if n != 1 else "")
     if bound is None:
         return f"{count}; no lower bound is known."
-    if n <= bound:
+    if n < bound:
+        return f"{count}; meeting the demand takes at least {bound}, proved."
+    if n == bound:
         return f"{count}: no plan needs fewer, proved."
     return f"{count}; no plan with fewer than {bound} exists, proved."

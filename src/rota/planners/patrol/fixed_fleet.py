@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from rota.errors import NoPlanFound
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Tour, tour_length_m
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.repair import Settled, plan_of
 
@@ -30,18 +31,34 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled) -> Plan:
             return plan
         raise NoPlanFound(f"the plan for {len(fleet)} robots does not pass the check", best=plan)
     parts = {tour.part for tour in fewest.tours}
-    reason = f"{len(fleet)} robots are too few: proved: {problem.lower_bound} at least; found: {needed} suffice"
+    proved = f"proved: at least {counted(max(problem.lower_bound, 1))}"
+    reason = f"{counted(len(fleet))} cannot meet the demand: {proved}; found: {needed} can"
     if len(parts) > len(fleet):
+        some = plan_of(problem, [replace(tour, robots=1) for tour in fewest.tours[: len(fleet)]], context.seed)
         raise NoPlanFound(
-            f"{reason}; the area falls into {len(parts)} parts between which no robot can travel", best=None
+            f"{reason}; the ground falls into {len(parts)} parts between which no robot can travel, and each must be"
+            f" watched by a robot of its own; {worst_reached(context.judge(some))} with {counted(len(fleet))}",
+            best=some,
         )
     tours = with_so_many(problem, fewest.tours, len(fleet))
     plan = plan_of(problem, tours, context.seed)
     verdict = context.judge(plan)
     if verdict.verdict == "met":
         return plan
-    ratio = max((d.worst_gap_s / d.period_s for d in verdict.demands), default=0.0)
-    raise NoPlanFound(f"{reason}; worst gap reached with {len(fleet)}: {ratio:.3f} of its period", best=plan)
+    raise NoPlanFound(f"{reason}; {worst_reached(verdict)} with {counted(len(fleet))}", best=plan)
+
+
+def counted(robots: int) -> str:
+    """So many robots, in words."""
+    return "1 robot" if robots == 1 else f"{robots} robots"
+
+
+def worst_reached(verdict: Verdict) -> str:
+    """The worst gap of a plan in units of its period."""
+    ratio = max((d.worst_gap_at_least_s / d.period_s for d in verdict.demands), default=0.0)
+    if math.isinf(ratio):
+        return "some of it is never seen"
+    return f"the worst gap is {ratio:.3f} times its period"
 
 
 def busiest_helped(tours: list[Tour]) -> list[Tour]:

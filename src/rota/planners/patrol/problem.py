@@ -26,6 +26,7 @@ Ints = NDArray[np.int64]
 MOST_SAMPLES = 400_000
 SAMPLES_PER_REACH = 5
 SHRINK = 0.3  # of the lattice's spacing: what lies between its points is then nearly always seen too
+LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 
 
@@ -54,6 +55,7 @@ class Problem:
     sees_item: Ints
     lower_bound: int
     ideal_robots: float
+    enough_robots: int  # fewer need not be looked for: the bound, or a fleet's fixed number
     range_margin_m: float
     spacing_m: float
 
@@ -62,12 +64,6 @@ class Problem:
         """Radius of the sensor's disc, or half the side of its square."""
         sensor = self.robot.sensor
         return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
-
-    @property
-    def enough_robots(self) -> int:
-        """Fewer need not be looked for: the proved bound, or all the robots of a fleet with a fixed number."""
-        fleet = self.mission.fleet.robots
-        return max(self.lower_bound, len(fleet) if fleet else 0)
 
     @property
     def swath_m(self) -> float:
@@ -113,10 +109,12 @@ def set_up_problem(mission: Mission) -> Problem:
     spacing_m = max(reach_m / SAMPLES_PER_REACH, float(np.sqrt(asked_m2 / MOST_SAMPLES)))
     walls = sight_walls(mission)
     margin_m = range_margin(reach_m)
+    # on large areas rounds of mending cost more than a little overlap
+    shrink = SHRINK if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
     points = joined(
         [
             region_points(
-                region, i, region_class[i], spacing_m=spacing_m, shrink_m=SHRINK * spacing_m, inset_m=0.002 * reach_m
+                region, i, region_class[i], spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m
             )
             for i, region in enumerate(regions)
         ]
@@ -148,6 +146,7 @@ def set_up_problem(mission: Mission) -> Problem:
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
+    bound = area_rate_bound(areas, [periods_s[c] for c in region_class], strongest_robot(mission.fleet))
     return Problem(
         mission=mission,
         robot=robot,
@@ -164,7 +163,8 @@ def set_up_problem(mission: Mission) -> Problem:
         places_part=paths.part_of(places_m),
         sees_start=start,
         sees_item=items,
-        lower_bound=area_rate_bound(areas, [periods_s[c] for c in region_class], strongest_robot(mission.fleet)),
+        lower_bound=bound,
+        enough_robots=max(bound, len(mission.fleet.robots or ())),
         ideal_robots=sum(
             r.shape.area / (2 * reach_m * robot.speed_m_s * r.period_s) for r in regions if r.demand == "every_point"
         ),

@@ -142,7 +142,7 @@ def new_points(problem: Problem, verdict: Verdict, turn: int) -> SamplePoints:
             continue
         _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
         thinned = xy[np.sort(first)]
-        thinned = thinned[:: max(1, len(thinned) // MOST_NEW_POINTS)]
+        thinned = thinned[:: max(1, len(thinned) // max(MOST_NEW_POINTS, len(problem.points) // 20))]
         area_m2 = problem.spacing_m**2
         found.append(points_of(thinned, area_m2, problem.region_class[i], i, shrink_m=shrink_m))
     return joined(found)

@@ -50,7 +50,9 @@ def plan_patrol(
     problem = set_up_problem(mission)
     context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     if mission.fleet.robots is not None:
-        return plan_for_fixed_fleet(context, fewest_robots(context))
+        free = replace(mission, fleet=replace(mission.fleet, robots=None))
+        as_many = replace(context, problem=replace(problem, mission=free))
+        return plan_for_fixed_fleet(context, fewest_robots(as_many))
     best = fewest_robots(context)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
