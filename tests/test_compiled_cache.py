@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 import rota
-from rota.compiled_cache import is_compiled
+from rota import compiled_cache
+from rota.compiled_cache import check_compiled_meanwhile, is_compiled
 
 
 def index_of(folder: Path, name: str, *, age_s: float) -> None:
@@ -41,3 +44,11 @@ def test_a_package_without_kernels_is_compiled(tmp_path: Path, monkeypatch: pyte
 def test_the_packages_that_the_program_asks_for_have_main_kernels() -> None:
     for package in ("check", "geometry", "planners/patrol/annealing"):
         assert (Path(rota.__file__).parent / package / "kernels.py").exists()
+
+
+def test_the_check_is_compiled_in_another_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # with the usual cache, compiled by now, it is over soon; what counts is that it runs through without a fault
+    done = subprocess.run([sys.executable, "-c", compiled_cache._CHECK_SOMETHING], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    with check_compiled_meanwhile():
+        assert is_compiled()

@@ -7,7 +7,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
@@ -85,6 +85,7 @@ def plan(
     best: Annotated[bool, typer.Option("--best", help="Write the best plan even if it misses its demand.")] = False,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
+    from rota.compiled_cache import check_compiled_meanwhile, is_compiled
     from rota.files.mission_file import read_mission
 
     target = output if output is not None else f"{mission.stem}.rota.json"
@@ -94,7 +95,9 @@ def plan(
         _say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
     _mention_compiling("planners/patrol/annealing", "geometry", "check")
-    raise typer.Exit(_plan_and_write(asked, target, seed, time_limit, best))
+    with nullcontext() if is_compiled("check") else check_compiled_meanwhile():
+        code = _plan_and_write(asked, target, seed, time_limit, best)
+    raise typer.Exit(code)
 
 
 def _plan_and_write(mission: Mission, target: str, seed: int, time_limit_s: float | None, best: bool) -> int:
