@@ -133,7 +133,8 @@ def set_up_problem(mission: Mission) -> Problem:
         lambda point_m, visit_m: place_that_sees(point_m, visit_m, space, walls, robot, margin_m),
         lambda place_m: what_places_see(place_m[None], robot, margin_m, samples)[1].astype(np.int64),
     )
-    refuse_unseeable(mission, points, hopeless, asked_m2)
+    asked_shapes = [region.shape for region in regions if region.demand == "every_point"]
+    refuse_unseeable(mission, points, hopeless, asked_shapes)
     areas = seeable_areas(regions, points, hopeless, spacing_m)
     if len(hopeless):
         keep = np.ones(len(points), dtype=bool)
@@ -147,6 +148,8 @@ def set_up_problem(mission: Mission) -> Problem:
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
     bound = area_rate_bound(areas, [periods_s[c] for c in region_class], strongest_robot(mission.fleet))
+    if len(points):
+        bound = max(bound, 1)  # something asked can be seen: the areas above are rounded down, perhaps to nothing
     return Problem(
         mission=mission,
         robot=robot,
@@ -187,14 +190,19 @@ def seeable_areas(
     return areas
 
 
-def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, asked_m2: float) -> None:
+def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, asked_shapes: list[MultiPolygon]) -> None:
     """Stop when a visit is impossible, or what cannot be seen is refused by the mission or is too much of it."""
     visits = hopeless[points.visit_m[hopeless] > 0]
     if len(visits):
         x, y = points.xy_m[visits[0]]
         raise NoPlanFound(f"no robot can be inside the zone at ({x:.2f}, {y:.2f}): its body does not fit there")
     inside = hopeless[points.shrink_m[hopeless] > 0]  # the lattice; border points stand for no ground of their own
-    lost_m2 = float(points.area_m2[inside].sum())
+    # squares of the lattice stick out of narrow ground: only what lies on demanded ground is lost
+    half_m = np.sqrt(points.area_m2[inside]) / 2
+    x, y = points.xy_m[inside].T
+    squares = shapely.union_all(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
+    lost_m2 = float(shapely.area(shapely.intersection(squares, shapely.union_all(asked_shapes))))
+    asked_m2 = sum(shape.area for shape in asked_shapes)
     share = lost_m2 / asked_m2 if asked_m2 > 0 else 0.0
     if share <= MOST_EXCLUDED and (mission.unseeable == "exclude" or not len(hopeless)):
         return
