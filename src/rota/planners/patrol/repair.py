@@ -148,12 +148,9 @@ def new_points(problem: Problem, verdict: Verdict, turn: int) -> SamplePoints:
     return joined(found)
 
 
-def see_the_rest(
-    context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int
-) -> list[Tour]:
-    """Bend the tours a little until they see all samples; lead them by a way of their own to what is left."""
-    problem = context.problem
-    search = Annealing(
+def mending(problem: Problem, tours: list[Tour], samples: Samples, seed: int) -> Annealing:
+    """A search that bends legs to see more: metres cost next to nothing unless they exceed a budget."""
+    return Annealing(
         tours,
         samples,
         problem.space_grid,
@@ -162,6 +159,14 @@ def see_the_rest(
         seed=seed,
         range_margin_m=problem.range_margin_m,
     )
+
+
+def see_the_rest(
+    context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int
+) -> list[Tour]:
+    """Bend the tours a little until they see all samples; lead them by a way of their own to what is left."""
+    problem = context.problem
+    search = mending(problem, tours, samples, seed)
     search.mend(500 + 40 * search.unseen)
     tours = search.tours
     for _ in range(5):
@@ -172,15 +177,7 @@ def see_the_rest(
         if longer is None:
             break
         tours = longer
-        search = Annealing(
-            tours,
-            samples,
-            problem.space_grid,
-            price=np.full(len(tours), 0.02),
-            over_price=np.full(len(tours), 6.0),
-            seed=seed,
-            range_margin_m=problem.range_margin_m,
-        )
+        search = mending(problem, tours, samples, seed)
     return tours
 
 
