@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 import shapely
 from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Polygon, box
+from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import border_segments
 from rota.planners.patrol.kernels import Samples, leg_sees, range_interval
-from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare
+from rota.planners.patrol.samples import SamplePoints, joined, lattice_places, points_of, prepare
 
 Floats = NDArray[np.float64]
 NO_WALLS = np.zeros((0, 4))
@@ -33,11 +34,21 @@ def scene(points: SamplePoints, walls: Floats, reach_m: float, wall_margin_m: fl
 
 
 def seen(leg: Floats, reach: float, square: int, serves: int, samples: Samples) -> set[int]:
-    out = np.empty(len(samples.x), dtype=np.int32)
     a, b = leg
-    found = leg_sees(float(a[0]), float(a[1]), float(b[0]), float(b[1]), reach, square, serves, samples, out)
-    assert len(set(out[:found].tolist())) == found  # each once
-    return set(out[:found].tolist())
+    found = items(float(a[0]), float(a[1]), float(b[0]), float(b[1]), reach, square, serves, samples)
+    assert len(set(found)) == len(found)  # each once
+    return set(found)
+
+
+def items(
+    ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, samples: Samples
+) -> list[int]:
+    """The samples of the runs that ``leg_sees`` tells; no run is empty or reaches past the last sample."""
+    out = np.empty(2 * len(samples.x), dtype=np.int32)
+    runs = out[: leg_sees(ax, ay, bx, by, reach, square, serves, samples, out)].reshape(-1, 2)
+    assert (runs[:, 0] < runs[:, 1]).all()
+    assert (runs <= len(samples.x)).all()
+    return [i for first, end in runs for i in range(first, end)]
 
 
 def in_range(point: Floats, places: Floats, reach: float, square: bool) -> NDArray[np.bool_]:
@@ -232,10 +243,52 @@ def test_range_by_hand() -> None:
 
 
 def test_too_little_room_is_told() -> None:
-    s = scene(points_of(np.zeros((5, 2)), 1.0, 0, 0), NO_WALLS, 1.0)
-    room = np.empty(4, dtype=np.int32)
-    assert leg_sees(0.0, 0.0, 1.0, 0.0, 1.0, 0, 0, s.samples, room) == -1
-    assert leg_sees(0.0, 0.0, 1.0, 0.0, 1.0, 0, 0, s.samples, np.empty(5, dtype=np.int32)) == 5
+    # of six points in one bin every second one is seen: three runs, two numbers each
+    points = points_of(np.array([[0.0, 0.9 + 0.2 * (i % 2)] for i in range(6)]), 1.0, 0, 0)
+    s = scene(points, NO_WALLS, 4.0)
+    assert leg_sees(0.0, 0.0, 1.0, 0.0, 1.0, 0, 0, s.samples, np.empty(5, dtype=np.int32)) == -1
+    assert leg_sees(0.0, 0.0, 1.0, 0.0, 1.0, 0, 0, s.samples, np.empty(6, dtype=np.int32)) == 6
+    grid = scene(lattice_of(box(0, 0, 6, 6), 1.0), NO_WALLS, 4.0)
+    assert leg_sees(3.0, 3.0, 3.0, 3.0, 1.0, 0, 0, grid.samples, np.empty(3, dtype=np.int32)) == -1
+    assert leg_sees(3.0, 3.0, 3.0, 3.0, 1.0, 0, 0, grid.samples, np.empty(4, dtype=np.int32)) == 4
+    # rows of nothing but seen samples that follow each other are one run
+    assert leg_sees(3.0, 3.0, 3.0, 3.0, 9.0, 0, 0, grid.samples, np.empty(2, dtype=np.int32)) == 2
+
+
+def lattice_of(
+    shape: BaseGeometry, spacing_m: float, region: int = 0, period: int = 0, shrink_m: float = 0.0
+) -> SamplePoints:
+    xy_m, row, column = lattice_places(MultiPolygon(list(getattr(shape, "geoms", [shape]))), spacing_m)
+    points = points_of(xy_m, spacing_m**2, period, region, shrink_m=shrink_m)
+    return replace(points, row=row, column=column)
+
+
+@pytest.mark.parametrize("square", [0, 1])
+def test_rows_of_lattices_see_what_single_points_see(square: int) -> None:
+    rng = np.random.default_rng(5)
+    compared = 0
+    for _ in range(12):
+        corners = 8 * np.argwhere(rng.random((4, 4)) < 0.4) + rng.uniform(1, 4, (1, 2))
+        blocks = shapely.union_all(
+            [box(x, y, x + w, y + 3) for (x, y), w in zip(corners, rng.uniform(1, 7, len(corners)), strict=True)]
+        )
+        parts = [box(0, 0, 15, 34).difference(blocks), box(15, 0, 34, 34).difference(blocks)]
+        points = joined([lattice_of(part, 0.7 + 0.2 * i, i, i, 0.1 * i) for i, part in enumerate(parts)])
+        # a few of them are missing, as those are that nobody can see
+        points = points[np.flatnonzero(rng.random(len(points)) < 0.97)]
+        walls = border_segments(blocks)
+        loose = replace(points, row=np.full(len(points), -1), column=np.full(len(points), -1))
+        rows, single = scene(points, walls, 6.0, 0.005), scene(loose, walls, 6.0, 0.005)
+        for leg in np.hstack([rng.uniform(0, 34, (40, 2)), rng.normal(0, 6, (40, 2))]):
+            ends = np.array([leg[:2], leg[:2] + leg[2:] * rng.choice([0.0, 1.0], 2, p=[0.1, 0.9])])
+            if LineString(ends).intersects(blocks):
+                continue
+            serves = int(rng.integers(0, 2))
+            one = rows.points.xy_m[sorted(seen(ends, 5.0, square, serves, rows.samples))]
+            other = single.points.xy_m[sorted(seen(ends, 5.0, square, serves, single.samples))]
+            assert sorted(map(tuple, one.tolist())) == sorted(map(tuple, other.tolist()))
+            compared += len(one)
+    assert compared > 5000
 
 
 def test_the_interval_in_range_against_dense_times() -> None:

@@ -24,6 +24,7 @@ class SamplePoints:
 
     visit_m: 0, or for a zone that asks for visits the distance at which a robot is surely inside. shrink_m: how much
     shorter the sensor is taken for this point, since it stands for the ground round it. region: index of the demand.
+    row, column: place in the region's lattice, -1 for points that lie on none.
     """
 
     xy_m: Floats
@@ -32,6 +33,8 @@ class SamplePoints:
     visit_m: Floats
     shrink_m: Floats
     region: Ints
+    row: Ints
+    column: Ints
 
     def __len__(self) -> int:
         return len(self.area_m2)
@@ -44,6 +47,8 @@ class SamplePoints:
             visit_m=self.visit_m[which],
             shrink_m=self.shrink_m[which],
             region=self.region[which],
+            row=self.row[which],
+            column=self.column[which],
         )
 
 
@@ -56,6 +61,8 @@ def joined(parts: Sequence[SamplePoints]) -> SamplePoints:
         visit_m=np.concatenate([p.visit_m for p in parts]),
         shrink_m=np.concatenate([p.shrink_m for p in parts]),
         region=np.concatenate([p.region for p in parts]),
+        row=np.concatenate([p.row for p in parts]),
+        column=np.concatenate([p.column for p in parts]),
     )
 
 
@@ -71,19 +78,28 @@ def points_of(
         visit_m=np.full(n, visit_m),
         shrink_m=np.full(n, shrink_m),
         region=np.full(n, region, dtype=np.int64),
+        row=np.full(n, -1, dtype=np.int64),
+        column=np.full(n, -1, dtype=np.int64),
     )
 
 
 def lattice(shape: MultiPolygon, spacing_m: float) -> Floats:
     """Centres (n, 2) of the lattice squares that lie in the shape."""
+    return lattice_places(shape, spacing_m)[0]
+
+
+def lattice_places(shape: MultiPolygon, spacing_m: float) -> tuple[Floats, Ints, Ints]:
+    """Centres (n, 2) of the lattice squares that lie in the shape, row by row, with their rows and columns (n,)."""
     x0, y0, x1, y1 = shape.bounds
     columns, rows = int(np.ceil((x1 - x0) / spacing_m)), int(np.ceil((y1 - y0) / spacing_m))
     # centred, so that what is left over is shared by both borders
     xs = (x0 + x1) / 2 + (np.arange(columns) - (columns - 1) / 2) * spacing_m
     ys = (y0 + y1) / 2 + (np.arange(rows) - (rows - 1) / 2) * spacing_m
     shapely.prepare(shape)
-    rows_xy = [np.column_stack([xs, np.full(columns, y)]) for y in ys]
-    return np.concatenate([row[shapely.contains_xy(shape, row)] for row in rows_xy])
+    inside = [np.flatnonzero(shapely.contains_xy(shape, xs, np.full(columns, y))) for y in ys]
+    row = np.repeat(np.arange(rows, dtype=np.int64), [len(found) for found in inside])
+    column = np.concatenate(inside).astype(np.int64)
+    return np.column_stack([xs[column], ys[row]]), row, column
 
 
 def border(shape: MultiPolygon, spacing_m: float, inset_m: float) -> Floats:
@@ -101,7 +117,9 @@ def region_points(
     """The points that stand for one demanded region; a zone that asks for visits is one point."""
     if region.demand == "visit":
         return visit_point(region.shape, index, period, region.shape.area)
-    inside = points_of(lattice(region.shape, spacing_m), spacing_m**2, period, index, shrink_m=shrink_m)
+    places_m, row, column = lattice_places(region.shape, spacing_m)
+    inside = points_of(places_m, spacing_m**2, period, index, shrink_m=shrink_m)
+    inside = replace(inside, row=row, column=column)
     edge = points_of(border(region.shape, spacing_m, inset_m), spacing_m**2 / 4, period, index)
     return joined([inside, edge])
 
@@ -120,16 +138,21 @@ def prepare(
     """The arrays that the kernels work on, and the order (n,) in which the points stand in them.
 
     walls: (k, 4) segments that block sight, lengthened by ``wall_margin_m`` at both ends so that nothing counts as seen
-    by a hair's breadth. Points are sorted by bins of the size of the reach; each knows the walls within reach.
+    by a hair's breadth. Points on lattices stand first, row by row; the others by bins of the size of the reach. Each
+    knows the walls within reach.
     """
     far_m = max(reach_m, float(points.visit_m.max(initial=0.0)))
+    on_lattice = np.flatnonzero(points.row >= 0)
+    on_lattice = on_lattice[np.lexsort((points.column[on_lattice], points.row[on_lattice], points.region[on_lattice]))]
+    loose = np.flatnonzero(points.row < 0)
     low = points.xy_m.min(axis=0)
     cell_m = max(reach_m / 2, 1e-9)
-    places = ((points.xy_m - low) / cell_m).astype(np.int64)
-    bins = places.max(axis=0) + 1
+    places = ((points.xy_m[loose] - low) / cell_m).astype(np.int64)
+    bins = places.max(axis=0, initial=0) + 1
     which = places[:, 1] * bins[0] + places[:, 0]
-    order = np.argsort(which, kind="stable").astype(np.int64)
-    start = np.searchsorted(which[order], np.arange(bins[0] * bins[1] + 1)).astype(np.int64)
+    by_bin = np.argsort(which, kind="stable")
+    start = len(on_lattice) + np.searchsorted(which[by_bin], np.arange(bins[0] * bins[1] + 1))
+    order = np.concatenate([on_lattice, loose[by_bin]]).astype(np.int64)
     points = points[order]
     wall_start, wall_item = walls_in_reach(points, walls, reach_m)
     longer = walls.copy().reshape(-1, 4)
@@ -137,6 +160,7 @@ def prepare(
     along *= wall_margin_m / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-12)
     longer[:, :2] -= along
     longer[:, 2:] += along
+    frames, frame_ints, column_start = lattice_frames(points[np.arange(len(on_lattice))])
     samples = Samples(
         x=np.ascontiguousarray(points.xy_m[:, 0]),
         y=np.ascontiguousarray(points.xy_m[:, 1]),
@@ -147,11 +171,49 @@ def prepare(
         wall_start=wall_start,
         wall_item=wall_item,
         walls=np.ascontiguousarray(longer),
-        bin_start=start,
+        next_walled=next_with_walls(wall_start),
+        frames=frames,
+        frame_ints=frame_ints,
+        column_start=column_start,
+        bin_start=start.astype(np.int64),
         origin=np.array([low[0], low[1], cell_m, far_m, 1.001 * wall_margin_m + TOUCH_M]),
         bins=bins.astype(np.int64),
     )
     return samples, order
+
+
+def lattice_frames(points: SamplePoints) -> tuple[Floats, Ints, NDArray[np.int32]]:
+    """Where the lattices of the points, sorted by region, row and column, lie, and where their rows begin.
+
+    Per lattice (f, 4) the place of row 0 and column 0, the spacing, and by how much the sensor is taken shorter;
+    (f, 4) the period class, rows, columns, and where its part of the table begins. The table tells for each row and
+    column (one past the last included) the first point at or after it; rows that lie between two points are empty.
+    """
+    frames, ints, tables = [], [], [np.zeros(0, dtype=np.int64)]
+    begin = 0
+    for region in np.unique(points.region):
+        which = np.flatnonzero(points.region == region)
+        first, here = which[0], points[which]
+        rows, columns = int(here.row.max()) + 1, int(here.column.max()) + 1
+        spacing_m = float(np.sqrt(here.area_m2[0]))
+        corner_m = here.xy_m[0] - spacing_m * np.array([here.column[0], here.row[0]])
+        frames.append([*corner_m, spacing_m, here.shrink_m[0]])
+        ints.append([here.period[0], rows, columns, begin])
+        place = here.row * (columns + 1) + here.column
+        tables.append(first + np.searchsorted(place, np.arange(rows * (columns + 1))))
+        begin += rows * (columns + 1)
+    return (
+        np.array(frames, dtype=np.float64).reshape(-1, 4),
+        np.array(ints, dtype=np.int64).reshape(-1, 4),
+        np.concatenate(tables).astype(np.int32),
+    )
+
+
+def next_with_walls(wall_start: Ints) -> Ints:
+    """For each point (n,) the first one, from itself on, that has walls near it; n when none follows."""
+    n = len(wall_start) - 1
+    own = np.where(np.diff(wall_start) > 0, np.arange(n), n)
+    return np.ascontiguousarray(np.minimum.accumulate(own[::-1])[::-1], dtype=np.int64)
 
 
 def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple[Ints, Ints]:

@@ -1,8 +1,11 @@
-"""Compiled bookkeeping of the tours: lengths, what their legs see, how often each sample is seen, and splices.
+"""Compiled bookkeeping of the tours: their vertices, what their legs see, how often each sample is seen, and trials.
 
-A tour is a closed polyline; leg i runs from vertex i to vertex i + 1 (the last one back to vertex 0; the only leg of a
-tour of one vertex has no length). Each leg keeps the list of the samples it sees in a slot, so that taking a leg away
-needs no geometry.
+A tour is a ring of vertices, linked both ways. Leg v runs from vertex v to the vertex after it (the only leg of a tour
+of one vertex has no length) and keeps the list of the samples it sees in a slot, so that taking a leg away needs no
+geometry. Vertices lie in buckets of the plane, so that a move finds its neighbours without a walk along the tours.
+
+A move is tried as a whole: new legs are counted first, then old ones taken away, so that few samples pass through
+being unseen; only when it is kept do the rings change.
 """
 
 from __future__ import annotations
@@ -11,24 +14,37 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from rota.geometry.kernels import EdgeGrid, segment_is_free
-from rota.planners.patrol.kernels import Samples, leg_sees, norm
+from rota.planners.patrol.kernels import Samples, compiled, leg_sees, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_REMOVED = 4  # vertices that one splice takes out at most
+MOST_TRIED = 64  # legs that one trial makes or takes away at most
+# places in Tours.ints
+SLOTS_LEFT, UNSEEN, ACCEPTED, VERTICES_LEFT, VERTICES, TRIED_NEW, TRIED_OLD, FULL = range(8)
+NUMBERS = 8
 
 
 class Tours(NamedTuple):
-    """All tours, what their legs see, and how often each sample is seen; see ``annealing/search.py``."""
+    """All tours, what their legs see, and how often each sample is seen; see ``annealing/state.py``."""
 
     x: Floats
     y: Floats
+    after: Ints
+    before: Ints
+    tour: Ints
     slot: Ints
+    in_use: Ints
+    place: Ints
+    free_vertices: Ints
+    bucket: Ints
+    bucket_after: Ints
+    bucket_before: Ints
+    grid: Floats
+    grid_n: Ints
+    anchor: Ints
     n: Ints
     length: Floats
     reach_m: Floats
@@ -38,21 +54,25 @@ class Tours(NamedTuple):
     price: Floats
     budget_m: Floats
     over_price: Floats
+    hub: Ints
+    petals: Ints
+    visits: Ints
+    whole_m: Floats
     seen: NDArray[np.int32]
     seen_n: Ints
     free_slots: Ints
-    times_seen: Ints
+    times_seen: NDArray[np.int32]
     unseen_item: Ints
     unseen_place: Ints
-    ints: Ints  # [free slots, unseen samples, accepted moves]
-    unseen: Floats  # [weight of the unseen samples]
-    removed_x: Floats
-    removed_y: Floats
-    removed_slot: Ints
+    ints: Ints
+    unseen: Floats
+    tried_new: Ints
+    tried_old: Ints
     rng: NDArray[np.uint64]
+    scratch: Floats
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def uniform(rng: Any) -> float:
     """One number in [0, 1) of an xorshift64* sequence: the same on every machine and thread."""
     s = rng[0]
@@ -63,30 +83,40 @@ def uniform(rng: Any) -> float:
     return float((s * np.uint64(2685821657736338717)) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
     """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
-    count, seen, weight, item, place = t.times_seen, t.seen, s.weight, t.unseen_item, t.unseen_place
-    unseen, change = t.ints[1], 0.0
-    for j in range(t.seen_n[slot]):
-        i = seen[slot, j]
-        before = count[i]
-        count[i] = before + step
-        if step > 0 and before == 0:
-            unseen -= 1
-            item[place[i]] = item[unseen]
-            place[item[unseen]] = place[i]
-            change -= weight[i]
-        elif step < 0 and before == 1:
-            item[unseen] = i
-            place[i] = unseen
-            unseen += 1
-            change += weight[i]
-    t.ints[1] = unseen
-    t.unseen[0] += change
+    runs = t.seen[slot]
+    last = 0 if step > 0 else 1  # the count before, at which a sample begins or ceases to be seen
+    change = np.int32(step)
+    for j in range(0, t.seen_n[slot], 2):
+        first = np.int64(runs[j])
+        part = t.times_seen[first : np.int64(runs[j + 1])]
+        turned = 0
+        for i in range(part.shape[0]):
+            turned += part[i] == last
+            part[i] += change
+        if turned == 0:
+            continue
+        now = last + step
+        for i in range(part.shape[0]):
+            if part[i] != now:
+                continue
+            sample = first + i
+            if step > 0:
+                t.ints[UNSEEN] -= 1
+                end = t.unseen_item[t.ints[UNSEEN]]
+                t.unseen_item[t.unseen_place[sample]] = end
+                t.unseen_place[end] = t.unseen_place[sample]
+                t.unseen[0] -= s.weight[sample]
+            else:
+                t.unseen_item[t.ints[UNSEEN]] = sample
+                t.unseen_place[sample] = t.ints[UNSEEN]
+                t.ints[UNSEEN] += 1
+                t.unseen[0] += s.weight[sample]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, turn_m: float) -> float:
     """Turning at b on the way a-b-c, as metres of travel that take the same time."""
     ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
@@ -95,120 +125,212 @@ def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, t
     return turn_m * abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
+def corner_at(a: int, b: int, c: int, t: Tours) -> float:
+    """Turning at vertex b on the way from vertex a to vertex c, as metres."""
+    return corner_m(t.x[a], t.y[a], t.x[b], t.y[b], t.x[c], t.y[c], t.turn_m[t.tour[b]])
+
+
+@compiled
+def apart(a: int, b: int, t: Tours) -> float:
+    """Distance of two vertices."""
+    return norm(t.x[b] - t.x[a], t.y[b] - t.y[a])
+
+
+@compiled
 def tour_length(k: int, t: Tours) -> float:
     """Length of tour k in metres, turning included as the metres that take the same time."""
-    n = t.n[k]
-    total = 0.0
-    for i in range(n):
-        j = i + 1 if i + 1 < n else 0
-        total += norm(t.x[k, j] - t.x[k, i], t.y[k, j] - t.y[k, i])
-        if t.turn_m[k] > 0 and n > 1:
-            h = j + 1 if j + 1 < n else 0
-            total += corner_m(t.x[k, i], t.y[k, i], t.x[k, j], t.y[k, j], t.x[k, h], t.y[k, h], t.turn_m[k])
-    return total
+    first = t.anchor[k]
+    total, v = 0.0, first
+    while True:
+        total += apart(v, t.after[v], t)
+        if t.turn_m[k] > 0 and t.n[k] > 1:
+            total += corner_at(t.before[v], v, t.after[v], t)
+        v = t.after[v]
+        if v == first:
+            return total
 
 
-@njit(cache=True, error_model="numpy")
-def tour_cost(k: int, length: float, t: Tours) -> float:
-    """Price of a tour of this length: every metre a little, metres over budget a lot."""
-    return t.price[k] * length + t.over_price[k] * max(0.0, length - t.budget_m[k])
+@compiled
+def over_budget_cost(h: int, t: Tours) -> float:
+    """Price of what tour h, or the hub h with its petals, is over budget: in each of its rounds and in all of them."""
+    first, last = t.petals[h, 0], t.petals[h, 1]
+    if first == last:
+        return t.over_price[h] * max(0.0, t.length[h] - t.budget_m[h])
+    over, whole = 0.0, 0.0
+    for petal in range(first, last):
+        round_m = t.length[h] + t.length[petal]
+        over += max(0.0, round_m - t.budget_m[h])
+        whole += t.visits[petal] * round_m
+    return t.over_price[h] * (over + max(0.0, whole - t.whole_m[h]))
 
 
-@njit(cache=True, error_model="numpy")
-def make_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: Tours) -> int:
-    """Slot of a new leg of tour k with what it sees, counted; -1 when slots or a slot's room run out."""
-    if t.ints[0] == 0:
-        return -1
-    slot = t.free_slots[t.ints[0] - 1]
+@compiled
+def length_cost(k: int, change_m: float, t: Tours) -> float:
+    """What it costs if tour k becomes longer by so much: every metre a little, metres over budget a lot."""
+    h = t.hub[k]
+    if t.petals[h, 0] == t.petals[h, 1]:
+        was, budget = t.length[k], t.budget_m[k]
+        over = max(0.0, was + change_m - budget) - max(0.0, was - budget)
+        return t.price[k] * change_m + t.over_price[k] * over
+    was = over_budget_cost(h, t)
+    kept = t.length[k]
+    t.length[k] = kept + change_m
+    now = over_budget_cost(h, t)
+    t.length[k] = kept
+    return t.price[k] * change_m + now - was
+
+
+@compiled
+def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: Tours) -> bool:
+    """Count what a new leg of tour k sees; it joins the trial. False (and FULL set) when there is no room for it."""
+    left, tried = t.ints[SLOTS_LEFT], t.ints[TRIED_NEW]
+    if left == 0 or tried == MOST_TRIED:
+        t.ints[FULL] = 1
+        return False
+    slot = t.free_slots[left - 1]
     found = leg_sees(ax, ay, bx, by, t.reach_m[k], t.square[k], t.serves[k], s, t.seen[slot])
     if found < 0:
-        return -1
-    t.ints[0] -= 1
+        t.ints[FULL] = 1
+        return False
+    t.ints[SLOTS_LEFT] = left - 1
     t.seen_n[slot] = found
+    t.tried_new[tried] = slot
+    t.ints[TRIED_NEW] = tried + 1
     count_leg(slot, np.int64(1), s, t)
-    return slot
+    return True
 
 
-@njit(cache=True, error_model="numpy")
-def free_leg(slot: int, t: Tours) -> None:
-    """Give a slot back."""
-    t.free_slots[t.ints[0]] = slot
-    t.ints[0] += 1
+@compiled
+def old_leg(slot: int, s: Samples, t: Tours) -> None:
+    """Take away what a leg sees; it joins the trial."""
+    count_leg(slot, np.int64(-1), s, t)
+    t.tried_old[t.ints[TRIED_OLD]] = slot
+    t.ints[TRIED_OLD] += 1
 
 
-@njit(cache=True, error_model="numpy")
-def set_up(s: Samples, t: Tours) -> bool:
-    """Count everything from the tours' vertices; False when slots or their room run out."""
+@compiled
+def begin(t: Tours) -> None:
+    """Begin a trial."""
+    t.ints[TRIED_NEW] = 0
+    t.ints[TRIED_OLD] = 0
+
+
+@compiled
+def keep(t: Tours) -> None:
+    """Keep the trial: the slots of the old legs are free again, those of the new ones are the caller's to place."""
+    for i in range(t.ints[TRIED_OLD]):
+        t.free_slots[t.ints[SLOTS_LEFT]] = t.tried_old[i]
+        t.ints[SLOTS_LEFT] += 1
+    t.ints[ACCEPTED] += 1
+
+
+@compiled
+def undo(unseen: float, s: Samples, t: Tours) -> None:
+    """Undo the trial; ``unseen`` is the weight of the unseen samples before it, to the last bit."""
+    for i in range(t.ints[TRIED_OLD]):
+        count_leg(t.tried_old[i], np.int64(1), s, t)
+    for i in range(t.ints[TRIED_NEW] - 1, -1, -1):
+        count_leg(t.tried_new[i], np.int64(-1), s, t)
+        t.free_slots[t.ints[SLOTS_LEFT]] = t.tried_new[i]
+        t.ints[SLOTS_LEFT] += 1
+    t.unseen[0] = unseen
+
+
+@compiled
+def bucket_of(x: float, y: float, t: Tours) -> int:
+    """The bucket of a place; places outside the grid belong to its nearest one."""
+    i = min(max(int((x - t.grid[0]) / t.grid[2]), 0), t.grid_n[0] - 1)
+    j = min(max(int((y - t.grid[1]) / t.grid[2]), 0), t.grid_n[1] - 1)
+    return j * t.grid_n[0] + i
+
+
+@compiled
+def enter_bucket(v: int, t: Tours) -> None:
+    """Put vertex v in the bucket of its place."""
+    b = bucket_of(t.x[v], t.y[v], t)
+    first = t.bucket[b]
+    t.bucket_after[v], t.bucket_before[v] = first, -1 - b
+    if first >= 0:
+        t.bucket_before[first] = v
+    t.bucket[b] = v
+
+
+@compiled
+def leave_bucket(v: int, t: Tours) -> None:
+    """Take vertex v out of its bucket."""
+    before, after = t.bucket_before[v], t.bucket_after[v]
+    if before >= 0:
+        t.bucket_after[before] = after
+    else:
+        t.bucket[-1 - before] = after
+    if after >= 0:
+        t.bucket_before[after] = before
+
+
+@compiled
+def new_vertex(x: float, y: float, k: int, t: Tours) -> int:
+    """A vertex of tour k at a place, in its bucket, not yet linked; the caller has made sure that one is left."""
+    t.ints[VERTICES_LEFT] -= 1
+    v = t.free_vertices[t.ints[VERTICES_LEFT]]
+    t.x[v], t.y[v], t.tour[v] = x, y, k
+    t.in_use[t.ints[VERTICES]] = v
+    t.place[v] = t.ints[VERTICES]
+    t.ints[VERTICES] += 1
+    t.n[k] += 1
+    enter_bucket(v, t)
+    return v
+
+
+@compiled
+def free_vertex(v: int, t: Tours) -> None:
+    """Give a vertex back; the caller has unlinked it. A tour's anchor moves on before."""
+    k = t.tour[v]
+    leave_bucket(v, t)
+    t.n[k] -= 1
+    t.ints[VERTICES] -= 1
+    end = t.in_use[t.ints[VERTICES]]
+    t.in_use[t.place[v]] = end
+    t.place[end] = t.place[v]
+    t.free_vertices[t.ints[VERTICES_LEFT]] = v
+    t.ints[VERTICES_LEFT] += 1
+
+
+@compiled
+def set_up(x: Any, y: Any, tour: Any, s: Samples, t: Tours) -> bool:
+    """Lay out the vertices (tour by tour, each in its order) and count everything; False when there is no room."""
     t.times_seen[:] = 0
-    t.ints[0] = t.free_slots.shape[0]
-    t.ints[1] = s.x.shape[0]
-    t.ints[2] = 0
+    t.bucket[:] = -1
+    t.n[:] = 0
+    t.ints[:] = 0
+    t.ints[SLOTS_LEFT] = t.free_slots.shape[0]
+    t.ints[VERTICES_LEFT] = t.x.shape[0]
+    t.ints[UNSEEN] = s.x.shape[0]
     t.unseen[0] = 0.0
     for slot in range(t.free_slots.shape[0]):
         t.free_slots[slot] = slot
+    for v in range(t.x.shape[0]):
+        t.free_vertices[v] = t.x.shape[0] - 1 - v
     for i in range(s.x.shape[0]):
         t.unseen_item[i] = i
         t.unseen_place[i] = i
         t.unseen[0] += s.weight[i]
-    for k in range(t.n.shape[0]):
-        for i in range(t.n[k]):
-            j = (i + 1) % t.n[k]
-            t.slot[k, i] = make_leg(t.x[k, i], t.y[k, i], t.x[k, j], t.y[k, j], k, s, t)
-            if t.slot[k, i] < 0:
-                return False
-        t.length[k] = tour_length(k, t)
-    return True
-
-
-@njit(cache=True, error_model="numpy")
-def open_gap(k: int, at: int, removed: int, added: int, t: Tours) -> None:
-    """Move the tail of tour k so that ``removed`` vertices from ``at`` on become room for ``added``."""
-    n = t.n[k]
-    step = added - removed
-    if step > 0:
-        for i in range(n - 1, at + removed - 1, -1):
-            t.x[k, i + step], t.y[k, i + step], t.slot[k, i + step] = t.x[k, i], t.y[k, i], t.slot[k, i]
-    elif step < 0:
-        for i in range(at + removed, n):
-            t.x[k, i + step], t.y[k, i + step], t.slot[k, i + step] = t.x[k, i], t.y[k, i], t.slot[k, i]
-    t.n[k] = n + step
-
-
-@njit(cache=True, error_model="numpy")
-def splice_length(k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, most_m: float, t: Tours) -> float:
-    """Change of length if ``added`` vertices replaced ``removed`` ones from ``at`` on; inf when a leg were too long."""
-    n = t.n[k]
-    px, py = t.x[k, (at - 1) % n], t.y[k, (at - 1) % n]
-    change = 0.0
-    x, y = px, py
-    for i in range(removed + 1):
-        j = (at + i) % n
-        change -= norm(t.x[k, j] - x, t.y[k, j] - y)
-        x, y = t.x[k, j], t.y[k, j]
-    x, y = px, py
-    for i in range(added + 1):
-        j = (at + removed) % n
-        qx, qy = (new_x[i], new_y[i]) if i < added else (t.x[k, j], t.y[k, j])
-        leg = norm(qx - x, qy - y)
-        if leg > most_m:
-            return math.inf
-        change += leg
-        x, y = qx, qy
-    return change
-
-
-@njit(cache=True, error_model="numpy")
-def splice_is_free(
-    k: int, at: int, removed: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours
-) -> bool:
-    """Whether all new legs of the splice stay in the standing space."""
-    n = t.n[k]
-    x, y = t.x[k, (at - 1) % n], t.y[k, (at - 1) % n]
-    for i in range(added + 1):
-        j = (at + removed) % n
-        qx, qy = (new_x[i], new_y[i]) if i < added else (t.x[k, j], t.y[k, j])
-        if not segment_is_free(x, y, qx, qy, space):
+    first = np.int64(0)
+    for i in range(x.shape[0]):
+        v = new_vertex(x[i], y[i], tour[i], t)
+        if i == 0 or tour[i] != tour[i - 1]:
+            first = v
+            t.anchor[tour[i]] = v
+        else:
+            t.before[v] = v - 1
+            t.after[v - 1] = v
+        t.after[v], t.before[first] = first, v
+    for v in range(x.shape[0]):
+        w = t.after[v]
+        begin(t)
+        if not new_leg(t.x[v], t.y[v], t.x[w], t.y[w], t.tour[v], s, t):
             return False
-        x, y = qx, qy
+        t.slot[v] = t.tried_new[0]
+    for k in range(t.n.shape[0]):
+        t.length[k] = tour_length(k, t)
     return True

@@ -12,12 +12,13 @@ from rota.geometry.kernels import EdgeGrid
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.annealing import kernels as annealing_kernels
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.tour_kernels import MOST_REMOVED, Tours, set_up
+from rota.planners.patrol.tour_kernels import FULL, MOST_TRIED, NUMBERS, SLOTS_LEFT, UNSEEN, Tours, set_up
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LONGEST_LEG = 6.0  # legs of at most this many reaches, so that what one sees fits its slot
+LONGEST_LEG = 6.0  # legs of at most this many reaches, so that what one sees stays near its ends
+MOST_BUCKETS = 4_000_000
 CHUNK = 20_000  # moves between two looks at the stop flag
 
 
@@ -99,62 +100,65 @@ class Annealing:
         self._tours = [replace(t, vertices_m=without_repeats(t.vertices_m)) for t in tours]
         self._samples = samples
         self._space = space
+        self._price, self._over_price = price, over_price
+        self._range_margin_m, self._reserve = range_margin_m, reserve
         reach_m = np.array([t.robot.sensor.reach_m for t in tours])
         self._longest_m = LONGEST_LEG * float(reach_m.min())
         self._step_m = float(reach_m.max())
-        self._state = self._allocate(price, over_price, seed, range_margin_m, reserve)
+        self._room, self._spare = 64, 64
+        self._state = self._laid_out(np.array([seed * 0x9E3779B97F4A7C15 % 2**64 | 1], dtype=np.uint64))
 
-    def _allocate(self, price: Floats, over_price: Floats, seed: int, range_margin_m: float, reserve: float) -> Tours:
-        tours = self._tours
-        shapes = [split_legs(t.vertices_m, self._longest_m) for t in tours]
-        n = np.array([len(shape) for shape in shapes], dtype=np.int64)
-        room = int(2 * n.max() + 64)
-        x, y = np.zeros((len(tours), room)), np.zeros((len(tours), room))
-        for k, shape in enumerate(shapes):
-            x[k, : n[k]], y[k, : n[k]] = shape.T
-        discs = [t.robot.sensor if isinstance(t.robot.sensor, DiscSensor) else None for t in tours]
-        reach = [d.radius_m if d else t.robot.sensor.reach_m / np.sqrt(2) for d, t in zip(discs, tours, strict=True)]
-        count = len(self._samples.x)
-        slots = int(2 * n.sum() + 64 * len(tours) + 64)
-        state = Tours(
-            x=x,
-            y=y,
-            slot=np.zeros((len(tours), room), dtype=np.int64),
-            n=n,
-            length=np.zeros(len(tours)),
-            reach_m=np.array(reach) - range_margin_m,
-            square=np.array([0 if d else 1 for d in discs], dtype=np.int64),
+    def _laid_out(self, rng: NDArray[np.uint64]) -> Tours:
+        """The tours laid out for the kernels, with as much room for what their legs see as it takes."""
+        shapes = [split_legs(t.vertices_m, self._longest_m) for t in self._tours]
+        places_m = np.vstack(shapes)
+        tour = np.repeat(np.arange(len(shapes)), [len(shape) for shape in shapes])
+        while True:
+            state = self._allocate(len(places_m), rng)
+            x, y = np.ascontiguousarray(places_m[:, 0]), np.ascontiguousarray(places_m[:, 1])
+            if set_up(x, y, tour, self._samples, state):
+                return state
+            self._room *= 2
+
+    def _allocate(self, vertices: int, rng: NDArray[np.uint64]) -> Tours:
+        tours, count = self._tours, len(self._samples.x)
+        room = vertices + vertices // 2 + self._spare
+        slots = room + MOST_TRIED
+        reach_m = np.array([in_range_m(t.robot) for t in tours])
+        grid, grid_n = bucket_grid(self._space, float(reach_m.min()))
+        ids = np.arange(len(tours), dtype=np.int64)
+
+        def numbers(n: int) -> Ints:
+            return np.zeros(n, dtype=np.int64)
+
+        return Tours(
+            x=np.zeros(room), y=np.zeros(room), after=numbers(room), before=numbers(room), tour=numbers(room),
+            slot=numbers(room), in_use=numbers(room), place=numbers(room), free_vertices=numbers(room),
+            bucket=numbers(int(grid_n.prod())), bucket_after=numbers(room), bucket_before=numbers(room),
+            grid=grid, grid_n=grid_n,
+            anchor=numbers(len(tours)), n=numbers(len(tours)), length=np.zeros(len(tours)),
+            reach_m=reach_m - self._range_margin_m,
+            square=np.array([0 if isinstance(t.robot.sensor, DiscSensor) else 1 for t in tours], dtype=np.int64),
             serves=np.array([t.serves for t in tours], dtype=np.int64),
             turn_m=np.array([t.turn_m_per_rad for t in tours]),
-            price=np.asarray(price, dtype=np.float64),
-            budget_m=np.array([t.budget_m for t in tours]) * (1 - reserve),
-            over_price=np.asarray(over_price, dtype=np.float64),
-            seen=np.zeros((slots, self._slot_room()), dtype=np.int32),
-            seen_n=np.zeros(slots, dtype=np.int64),
-            free_slots=np.zeros(slots, dtype=np.int64),
-            times_seen=np.zeros(count, dtype=np.int64),
-            unseen_item=np.zeros(count, dtype=np.int64),
-            unseen_place=np.zeros(count, dtype=np.int64),
-            ints=np.zeros(3, dtype=np.int64),
-            unseen=np.zeros(1),
-            removed_x=np.zeros((2, MOST_REMOVED)),
-            removed_y=np.zeros((2, MOST_REMOVED)),
-            removed_slot=np.zeros((2, MOST_REMOVED + 1), dtype=np.int64),
-            rng=np.array([seed * 0x9E3779B97F4A7C15 % 2**64 | 1], dtype=np.uint64),
-        )
-        if not set_up(self._samples, state):
-            # a crowd of samples somewhere: give every slot room for all there could be
-            state = state._replace(seen=np.zeros((slots, count), dtype=np.int32))
-            set_up(self._samples, state)
-        return state
+            price=np.asarray(self._price, dtype=np.float64),
+            budget_m=np.array([t.budget_m for t in tours]) * (1 - self._reserve),
+            over_price=np.asarray(self._over_price, dtype=np.float64),
+            hub=ids, petals=np.zeros((len(tours), 2), dtype=np.int64), visits=np.ones(len(tours), dtype=np.int64),
+            whole_m=np.full(len(tours), np.inf),
+            seen=np.zeros((slots, self._room), dtype=np.int32), seen_n=numbers(slots), free_slots=numbers(slots),
+            times_seen=np.zeros(count, dtype=np.int32), unseen_item=numbers(count), unseen_place=numbers(count),
+            ints=numbers(NUMBERS), unseen=np.zeros(1),
+            tried_new=numbers(MOST_TRIED), tried_old=numbers(MOST_TRIED), rng=rng, scratch=np.zeros((4, 8)),
+        )  # fmt: skip
 
-    def _slot_room(self) -> int:
-        """Samples that the longest leg may see: those of the fullest bins under its lane, with some to spare."""
-        per_bin = np.diff(self._samples.bin_start)
-        cell_m, far_m = self._samples.origin[2], self._samples.origin[3]
-        lane_m2 = 2 * far_m * self._longest_m + 4 * far_m**2
-        fullest = np.sort(per_bin)[::-1][: int(np.ceil(2 * lane_m2 / cell_m**2)) + 4]
-        return max(16, min(len(self._samples.x), int(fullest.sum())))
+    def _grow(self) -> None:
+        """Make room for more vertices, or for legs that see more, whichever a move lacked."""
+        if self._state.ints[SLOTS_LEFT] > MOST_TRIED // 2:
+            self._room *= 2
+        self._spare *= 2
+        self._tours = self.tours
+        self._state = self._laid_out(self._state.rng)
 
     def run(
         self,
@@ -166,25 +170,33 @@ class Annealing:
         done: Callable[[int], None] = lambda moves: None,
     ) -> bool:
         """Anneal; True when all moves were made, False when ``should_stop`` ended it early."""
-        for first in range(0, moves, CHUNK):
+        first = 0
+        while first < moves:
             if should_stop():
                 return False
-            chunk = min(CHUNK, moves - first)
-            annealing_kernels.anneal(
-                first, chunk, moves, hot_m, cold_m, self._step_m, self._longest_m,
+            made = annealing_kernels.anneal(
+                first, min(CHUNK, moves - first), moves, hot_m, cold_m, self._step_m, self._longest_m,
                 self._space, self._samples, self._state,
             )  # fmt: skip
-            done(chunk)
+            first += made
+            if self._state.ints[FULL]:
+                self._grow()
+            done(made)
         return True
 
     def mend(self, tries: int) -> None:
         """Bend legs towards what is unseen and leave all else alone, so that nothing seen elsewhere is lost."""
-        annealing_kernels.mend(tries, self._longest_m, self._space, self._samples, self._state)
+        while tries > 0:
+            made = annealing_kernels.mend(tries, self._longest_m, self._space, self._samples, self._state)
+            if not self._state.ints[FULL]:
+                return
+            tries -= made
+            self._grow()
 
     @property
     def unseen(self) -> int:
         """Number of samples that no tour sees."""
-        return int(self._state.ints[1])
+        return int(self._state.ints[UNSEEN])
 
     @property
     def unseen_samples(self) -> Ints:
@@ -205,7 +217,28 @@ class Annealing:
     def tours(self) -> list[Tour]:
         """The tours as they stand."""
         state = self._state
-        return [
-            replace(tour, vertices_m=np.column_stack([state.x[k, : state.n[k]], state.y[k, : state.n[k]]]))
-            for k, tour in enumerate(self._tours)
-        ]
+        return [replace(tour, vertices_m=ring_of(state, k)) for k, tour in enumerate(self._tours)]
+
+
+def in_range_m(robot: Robot) -> float:
+    """Radius of a disc sensor, or half the side of a square one."""
+    sensor = robot.sensor
+    return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+
+
+def bucket_grid(space: EdgeGrid, reach_m: float) -> tuple[Floats, Ints]:
+    """Corner and cell (3,), columns and rows (2,), of buckets as wide as the reach over the standing space."""
+    wide_m, high_m = space.nx * space.cell_m, space.ny * space.cell_m
+    cell_m = max(reach_m, np.sqrt(wide_m * high_m / MOST_BUCKETS))
+    counts = [int(np.ceil(wide_m / cell_m)) + 1, int(np.ceil(high_m / cell_m)) + 1]
+    return np.array([space.x0, space.y0, cell_m]), np.array(counts, dtype=np.int64)
+
+
+def ring_of(state: Tours, k: int) -> Floats:
+    """Places (n, 2) of the vertices of tour k, from its anchor on."""
+    order = np.empty(int(state.n[k]), dtype=np.int64)
+    v = int(state.anchor[k])
+    for i in range(len(order)):
+        order[i] = v
+        v = int(state.after[v])
+    return np.column_stack([state.x[order], state.y[order]])

@@ -13,15 +13,23 @@ from rota.planners.patrol.kernels import TOUCH_M, Samples, leg_sees
 
 @njit(cache=True)
 def places_see(x: Any, y: Any, reach: float, square: int, serves: int, s: Samples, room: int) -> Any:
-    """Samples that each place sees: starts (n + 1,) and indices; ``room`` bounds how many one place may see."""
+    """Samples that each place sees: starts (n + 1,) and indices; no place sees more than ``room``."""
     n = x.shape[0]
     start = np.zeros(n + 1, dtype=np.int64)
-    out = np.empty(room, dtype=np.int32)
+    runs = np.empty(2 * room, dtype=np.int32)
     for i in range(n):
-        start[i + 1] = start[i] + leg_sees(x[i], y[i], x[i], y[i], reach, square, serves, s, out)
+        found = leg_sees(x[i], y[i], x[i], y[i], reach, square, serves, s, runs)
+        start[i + 1] = start[i]
+        for j in range(0, found, 2):
+            start[i + 1] += runs[j + 1] - runs[j]
     items = np.empty(start[n], dtype=np.int32)
+    at = 0
     for i in range(n):
-        leg_sees(x[i], y[i], x[i], y[i], reach, square, serves, s, items[start[i] : start[i + 1]])
+        found = leg_sees(x[i], y[i], x[i], y[i], reach, square, serves, s, runs)
+        for j in range(0, found, 2):
+            for sample in range(runs[j], runs[j + 1]):
+                items[at] = sample
+                at += 1
     return start, items
 
 

@@ -1,0 +1,423 @@
+"""Compiled moves of the annealing: each is tried as a whole, weighed, then kept or undone.
+
+Numbers that callers write as literals are passed as ``np.int64``: numba would compile a function anew for each literal.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from rota.geometry.kernels import EdgeGrid, segment_is_free
+from rota.planners.patrol.kernels import Samples, compiled, norm
+from rota.planners.patrol.tour_kernels import (
+    FULL,
+    VERTICES_LEFT,
+    Tours,
+    apart,
+    begin,
+    corner_at,
+    corner_m,
+    enter_bucket,
+    free_vertex,
+    keep,
+    leave_bucket,
+    length_cost,
+    new_leg,
+    new_vertex,
+    old_leg,
+    over_budget_cost,
+    tour_length,
+    undo,
+)
+
+
+@compiled
+def pinned(v: int, t: Tours) -> bool:
+    """Whether vertex v is where a hub and its petals meet: it moves only with all of them."""
+    k = t.tour[v]
+    h = t.hub[k]
+    return bool(t.anchor[k] == v and t.petals[h, 0] < t.petals[h, 1])
+
+
+@compiled
+def chain_m(p: int, q: int, new_x: Any, new_y: Any, added: int, most_m: float, k: int, t: Tours) -> float:
+    """Length of the way from vertex p past the new places to vertex q; inf when a leg of it is too long.
+
+    With the turning at p and q, if tour k takes time to turn, and at all places between them.
+    """
+    turn_m = t.turn_m[k]
+    total = 0.0
+    ax, ay = t.x[t.before[p]], t.y[t.before[p]]
+    bx, by = t.x[p], t.y[p]
+    for i in range(added + 1):
+        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
+        leg = norm(cx - bx, cy - by)
+        if leg > most_m:
+            return math.inf
+        total += leg
+        if turn_m > 0:
+            total += corner_m(ax, ay, bx, by, cx, cy, turn_m)
+        ax, ay, bx, by = bx, by, cx, cy
+    if turn_m > 0:
+        total += corner_m(ax, ay, bx, by, t.x[t.after[q]], t.y[t.after[q]], turn_m)
+    return total
+
+
+@compiled
+def way_m(p: int, q: int, t: Tours) -> float:
+    """Length of the tour from vertex p on to vertex q, with the turning at both and in between."""
+    k = t.tour[p]
+    total: float = 0.0
+    v = p
+    while True:
+        total += apart(v, t.after[v], t)
+        if t.turn_m[k] > 0:
+            total += corner_at(t.before[v], v, t.after[v], t)
+        v = t.after[v]
+        if v == q:
+            break
+    if t.turn_m[k] > 0:
+        total += corner_at(t.before[q], q, t.after[q], t)
+    return total
+
+
+@compiled
+def chain_is_free(p: int, q: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours) -> bool:
+    """Whether the way from vertex p past the new places to vertex q stays in the standing space."""
+    x, y = t.x[p], t.y[p]
+    for i in range(added + 1):
+        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
+        if not segment_is_free(x, y, cx, cy, space):
+            return False
+        x, y = cx, cy
+    return True
+
+
+@compiled
+def new_chain(p: int, q: int, new_x: Any, new_y: Any, added: int, k: int, s: Samples, t: Tours) -> bool:
+    """Count what the legs from vertex p past the new places to vertex q see, as legs of tour k."""
+    x, y = t.x[p], t.y[p]
+    for i in range(added + 1):
+        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
+        if not new_leg(x, y, cx, cy, k, s, t):
+            return False
+        x, y = cx, cy
+    return True
+
+
+@compiled
+def place_legs(p: int, first: int, count: int, t: Tours) -> None:
+    """Give the legs from vertex p on the slots of the trial's new legs, beginning with number ``first``."""
+    v = p
+    for i in range(count):
+        t.slot[v] = t.tried_new[first + i]
+        v = t.after[v]
+
+
+@compiled
+def link(a: int, b: int, t: Tours) -> None:
+    """Let vertex b follow vertex a."""
+    t.after[a] = b
+    t.before[b] = a
+
+
+@compiled
+def change_legs(
+    p: int, removed: int, new_x: Any, new_y: Any, added: int, limit: float, most_m: float,
+    space: EdgeGrid, s: Samples, t: Tours,
+) -> bool:  # fmt: skip
+    """Replace the ``removed`` vertices after vertex p by ``added`` new places, if that costs at most ``limit``.
+
+    The only vertex of a tour is replaced by ``move_only``.
+    """
+    k = t.tour[p]
+    if t.ints[VERTICES_LEFT] < added:
+        t.ints[FULL] = 1
+        return False
+    q = p
+    for _ in range(removed + 1):
+        q = t.after[q]
+    short = t.n[k] + added - removed < 4 and t.turn_m[k] > 0  # the turning of a short ring is not a sum of its parts
+    change_m = 0.0
+    if not short:
+        new_m = chain_m(p, q, new_x, new_y, added, most_m, k, t)
+        if new_m == math.inf:
+            return False
+        change_m = new_m - way_m(p, q, t)
+        # nothing gains more than all that is unseen: most hopeless moves end here, before any geometry
+        if length_cost(k, change_m, t) - t.unseen[0] > limit:
+            return False
+    elif chain_m(p, q, new_x, new_y, added, most_m, k, t) == math.inf:
+        return False
+    else:
+        change_m = short_ring_m(p, removed, new_x, new_y, added, k, t) - t.length[k]
+    if not chain_is_free(p, q, new_x, new_y, added, space, t):
+        return False
+    unseen = t.unseen[0]
+    begin(t)
+    counted = new_chain(p, q, new_x, new_y, added, k, s, t)
+    if counted:
+        v = p
+        for _ in range(removed + 1):
+            old_leg(t.slot[v], s, t)
+            v = t.after[v]
+    if not counted or length_cost(k, change_m, t) + t.unseen[0] - unseen > limit:
+        undo(unseen, s, t)
+        return False
+    keep(t)
+    v = t.after[p]
+    last = p
+    for i in range(max(removed, added)):
+        if i < removed and i < added:
+            leave_bucket(v, t)
+            t.x[v], t.y[v] = new_x[i], new_y[i]
+            enter_bucket(v, t)
+            last, v = v, t.after[v]
+        elif i < removed:
+            gone, v = v, t.after[v]
+            if t.anchor[k] == gone:
+                t.anchor[k] = v
+            free_vertex(gone, t)
+        else:
+            made = new_vertex(new_x[i], new_y[i], k, t)
+            link(last, made, t)
+            last = made
+    link(last, q, t)
+    place_legs(p, np.int64(0), added + 1, t)
+    t.length[k] += change_m
+    return True
+
+
+@compiled
+def short_ring_m(p: int, removed: int, new_x: Any, new_y: Any, added: int, k: int, t: Tours) -> float:
+    """Length, turning included, of a ring of at most three vertices after the change; see ``change_legs``."""
+    x, y = t.scratch[2], t.scratch[3]
+    x[0], y[0] = t.x[p], t.y[p]
+    count = 1
+    for i in range(added):
+        x[count], y[count] = new_x[i], new_y[i]
+        count += 1
+    v = t.after[p]
+    for _ in range(removed):
+        v = t.after[v]
+    while v != p and count < 8:
+        x[count], y[count] = t.x[v], t.y[v]
+        count += 1
+        v = t.after[v]
+    total = 0.0
+    for i in range(count):
+        a, b, c = i, (i + 1) % count, (i + 2) % count
+        total += norm(x[b] - x[a], y[b] - y[a])
+        if count > 1:
+            total += corner_m(x[a], y[a], x[b], y[b], x[c], y[c], t.turn_m[k])
+    return total
+
+
+@compiled
+def move_together(
+    v: int, x: float, y: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours
+) -> bool:
+    """Move the only vertex of a tour, or that where a hub and its petals meet, if that costs at most ``limit``."""
+    h = t.hub[t.tour[v]]
+    first, last = t.petals[h, 0], t.petals[h, 1]
+    was = over_budget_cost(h, t)
+    unseen = t.unseen[0]
+    metres = 0.0
+    kept = t.x[v], t.y[v]
+    begin(t)
+    fair = True
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        a = t.anchor[k]
+        p, q = t.before[a], t.after[a]
+        if p == a:
+            fair = fair and new_leg(x, y, x, y, k, s, t)
+        else:
+            fair = (
+                fair
+                and norm(x - t.x[p], y - t.y[p]) <= most_m
+                and norm(x - t.x[q], y - t.y[q]) <= most_m
+                and segment_is_free(t.x[p], t.y[p], x, y, space)
+                and segment_is_free(x, y, t.x[q], t.y[q], space)
+                and new_leg(t.x[p], t.y[p], x, y, k, s, t)
+                and new_leg(x, y, t.x[q], t.y[q], k, s, t)
+            )
+        if not fair:
+            undo(unseen, s, t)
+            return False
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        a = t.anchor[k]
+        if t.before[a] != a:
+            old_leg(t.slot[t.before[a]], s, t)
+        old_leg(t.slot[a], s, t)
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        t.x[t.anchor[k]], t.y[t.anchor[k]] = x, y
+        now_m = tour_length(k, t)
+        metres += t.price[k] * (now_m - t.length[k])
+        t.length[k] = now_m
+    keeps = metres + over_budget_cost(h, t) - was + t.unseen[0] - unseen <= limit
+    if not keeps:
+        undo(unseen, s, t)
+        x, y = kept
+    else:
+        keep(t)
+    made = 0
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        a = t.anchor[k]
+        t.x[a], t.y[a] = kept
+        leave_bucket(a, t)
+        t.x[a], t.y[a] = x, y
+        enter_bucket(a, t)
+        if not keeps:
+            t.length[k] = tour_length(k, t)
+            continue
+        if t.before[a] != a:
+            t.slot[t.before[a]] = t.tried_new[made]
+            made += 1
+        t.slot[a] = t.tried_new[made]
+        made += 1
+    return bool(keeps)
+
+
+@compiled
+def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
+    """Reverse the way from after a to c, both of one tour, so that a-c and after a-after c are its new legs."""
+    k = t.tour[a]
+    b, d = t.after[a], t.after[c]
+    change_m = apart(a, c, t) + apart(b, d, t) - apart(a, b, t) - apart(c, d, t)
+    if t.turn_m[k] > 0:
+        change_m += corner_at(t.before[a], a, c, t) + corner_at(a, c, t.before[c], t)
+        change_m += corner_at(t.after[b], b, d, t) + corner_at(b, d, t.after[d], t)
+        change_m -= corner_at(t.before[a], a, b, t) + corner_at(a, b, t.after[b], t)
+        change_m -= corner_at(t.before[c], c, d, t) + corner_at(c, d, t.after[d], t)
+    if length_cost(k, change_m, t) - t.unseen[0] > limit:
+        return False
+    if not segment_is_free(t.x[a], t.y[a], t.x[c], t.y[c], space):
+        return False
+    if not segment_is_free(t.x[b], t.y[b], t.x[d], t.y[d], space):
+        return False
+    unseen = t.unseen[0]
+    begin(t)
+    counted = new_leg(t.x[a], t.y[a], t.x[c], t.y[c], k, s, t) and new_leg(t.x[b], t.y[b], t.x[d], t.y[d], k, s, t)
+    if counted:
+        old_leg(t.slot[a], s, t)
+        old_leg(t.slot[c], s, t)
+    if not counted or length_cost(k, change_m, t) + t.unseen[0] - unseen > limit:
+        undo(unseen, s, t)
+        return False
+    keep(t)
+    # the shorter of the two ways is turned round: b..c, or d..a, which comes to the same ring
+    inner, outer = b, d
+    while inner != c and outer != a:
+        inner, outer = t.after[inner], t.after[outer]
+    if inner == c:
+        reverse(b, c, t)
+        link(a, c, t)
+        link(b, d, t)
+        t.slot[a], t.slot[b] = t.tried_new[0], t.tried_new[1]
+    else:
+        reverse(d, a, t)
+        link(c, a, t)
+        link(d, b, t)
+        t.slot[c], t.slot[d] = t.tried_new[0], t.tried_new[1]
+    t.length[k] += change_m
+    return True
+
+
+@compiled
+def reverse(first: int, last: int, t: Tours) -> None:
+    """Turn round the way from vertex ``first`` to vertex ``last``; the caller links its ends."""
+    v = first
+    slot_before = t.slot[first]
+    while True:
+        after = t.after[v]
+        slot = t.slot[v]
+        t.after[v], t.before[v] = t.before[v], after
+        t.slot[v] = slot_before
+        slot_before = slot
+        if v == last:
+            return
+        v = after
+
+
+@compiled
+def try_or_opt(
+    v: int, m: int, e: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
+) -> bool:
+    """Move the m vertices from v on between vertex e, which is none of them, and the vertex after it, in any tour."""
+    k, to = t.tour[v], t.tour[e]
+    p, w = t.before[v], v
+    for _ in range(m - 1):
+        w = t.after[w]
+    q, f = t.after[w], t.after[e]
+    if f == v or t.n[k] <= m or (k == to and t.n[k] < m + 3):
+        return False
+    if (t.turn_m[k] > 0 and t.n[k] < m + 4) or (t.turn_m[to] > 0 and (k == to or t.n[to] < 3)):
+        return False  # corners of short rings depend on each other: left to the other moves
+    ahead = apart(e, v, t) + apart(w, f, t)
+    back = apart(e, w, t) + apart(v, f, t)
+    u = v if ahead <= back else w
+    for i in range(m):
+        new_x[i], new_y[i] = t.x[u], t.y[u]
+        u = t.after[u] if ahead <= back else t.before[u]
+    out_m = chain_m(p, q, new_x, new_y, np.int64(0), most_m, k, t)
+    into_m = chain_m(e, f, new_x, new_y, m, most_m, to, t)
+    if out_m == math.inf or into_m == math.inf:
+        return False
+    out_m -= way_m(p, q, t)
+    into_m -= way_m(e, f, t)
+    if moved_cost(k, out_m, to, into_m, t) - t.unseen[0] > limit:
+        return False
+    if not segment_is_free(t.x[p], t.y[p], t.x[q], t.y[q], space):
+        return False
+    if not chain_is_free(e, f, new_x, new_y, m, space, t):
+        return False
+    unseen = t.unseen[0]
+    begin(t)
+    counted = new_leg(t.x[p], t.y[p], t.x[q], t.y[q], k, s, t) and new_chain(e, f, new_x, new_y, m, to, s, t)
+    if counted:
+        u = p
+        for _ in range(m + 1):
+            old_leg(t.slot[u], s, t)
+            u = t.after[u]
+        old_leg(t.slot[e], s, t)
+    if not counted or moved_cost(k, out_m, to, into_m, t) + t.unseen[0] - unseen > limit:
+        undo(unseen, s, t)
+        return False
+    keep(t)
+    for _ in range(m):
+        if t.anchor[k] == v:
+            t.anchor[k] = q
+        after = t.after[v]
+        free_vertex(v, t)
+        v = after
+    link(p, q, t)
+    t.slot[p] = t.tried_new[0]
+    last = e
+    for i in range(m):
+        made = new_vertex(new_x[i], new_y[i], to, t)
+        link(last, made, t)
+        last = made
+    link(last, f, t)
+    place_legs(e, np.int64(1), m + 1, t)
+    t.length[k] += out_m
+    t.length[to] += into_m
+    return True
+
+
+@compiled
+def moved_cost(k: int, out_m: float, to: int, into_m: float, t: Tours) -> float:
+    """What it costs if tour k becomes longer by ``out_m`` (less than 0) and tour ``to`` by ``into_m``."""
+    if k == to:
+        return float(length_cost(k, out_m + into_m, t))
+    cost: float = length_cost(k, out_m, t)
+    t.length[k] += out_m
+    cost += length_cost(to, into_m, t)
+    t.length[k] -= out_m
+    return cost
