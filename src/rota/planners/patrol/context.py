@@ -67,18 +67,33 @@ Judge = Callable[[Plan], Verdict]
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """Bounds of the work: annealing moves (for tours of a few hundred corners), further tries, rounds of repair."""
+    """Bounds of the work.
+
+    moves: of one annealing, for tours of a few hundred corners; most_moves: for any. tries: splits of the ground that
+    are annealed in full for one number of robots, each up to ``coolings`` times, cooler and cooler. repairs: rounds of
+    mending. groupings: of the period classes.
+    least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is not tried.
+    """
 
     moves: int
-    tries: int
-    repairs: int
     most_moves: int
+    tries: int
+    coolings: int
+    repairs: int
+    groupings: int
+    least_squeeze: float
 
 
 WORK: dict[Effort, Work] = {
-    "quick": Work(moves=200_000, tries=3, repairs=12, most_moves=500_000),
-    "normal": Work(moves=1_000_000, tries=8, repairs=20, most_moves=5_000_000),
-    "high": Work(moves=6_000_000, tries=20, repairs=30, most_moves=60_000_000),
+    "quick": Work(
+        moves=300_000, most_moves=2_000_000, tries=2, coolings=4, repairs=12, groupings=4, least_squeeze=1.15
+    ),
+    "normal": Work(
+        moves=2_000_000, most_moves=10_000_000, tries=3, coolings=8, repairs=20, groupings=8, least_squeeze=1.1
+    ),
+    "high": Work(
+        moves=10_000_000, most_moves=100_000_000, tries=8, coolings=12, repairs=30, groupings=16, least_squeeze=1.05
+    ),
 }
 
 

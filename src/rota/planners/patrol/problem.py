@@ -24,8 +24,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_SAMPLES = 400_000
-SAMPLES_PER_REACH = 5
-SHRINK = 0.3  # of the lattice's spacing: what lies between its points is then nearly always seen too
+SAMPLES_PER_REACH = 8
+SHRINK = 0.4  # of the lattice's spacing: what lies between its points is then nearly always seen too
 LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 

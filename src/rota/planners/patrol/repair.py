@@ -24,6 +24,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
+OVER_PRICE = 6.0  # of a metre over budget
+DEAR = 20.0  # times what a sample is worth, while tours are tightened
+TIGHTER = 0.01  # share of the budgets to which they are tightened below them
 MOST_NEW_POINTS = 1_500
 MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
 MOST_VISITS = 12  # places that are gone to in one round for the sake of stubborn points
@@ -94,6 +97,8 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
         tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
         if may_add:
             tours = [with_robots(tour) for tour in tours]
+        elif any(tour_length_m(tour) > tour.budget_m for tour in tours):
+            tours = tightened(context, tours, samples, seed=context.seed + turn)
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
         turn += 1
@@ -154,11 +159,29 @@ def mending(problem: Problem, tours: list[Tour], samples: Samples, seed: int) ->
         tours,
         samples,
         problem.space_grid,
-        price=np.full(len(tours), 0.02),
-        over_price=np.full(len(tours), 6.0),
+        price=np.full(len(tours), 0.3),
+        over_price=np.full(len(tours), OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
     )
+
+
+def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: int) -> list[Tour]:
+    """The tours made shorter by moves too small to lose anything that is seen: to see is dear, and there is no heat."""
+    problem = context.problem
+    search = Annealing(
+        tours,
+        samples._replace(weight=DEAR * samples.weight),
+        problem.space_grid,
+        price=np.ones(len(tours)),
+        over_price=np.full(len(tours), OVER_PRICE),
+        seed=seed,
+        range_margin_m=problem.range_margin_m,
+        reserve=TIGHTER,
+    )
+    heat_m = problem.reach_m / 1000
+    search.run(context.work.moves // 4, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
+    return search.tours
 
 
 def see_the_rest(

@@ -3,34 +3,34 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
-from rota.mission import Effort, Mission
+from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, Tour, tour_length_m
+from rota.planners.patrol.annealing.search import Annealing, Tour, over_budget_share
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.fixed_fleet import plan_for_fixed_fleet
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
-from rota.planners.patrol.start.first_tours import class_groups, first_tours, with_robots_needed
+from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts
 
 Floats = NDArray[np.float64]
 
-GROUPINGS = 2  # ways to group the period classes that are tried
-HOLDS_MUCH = 0.15  # footprint over what is swept in the shortest period
-FRUGAL = 0.62  # robots of their own, as a share of those of a shared tour, to begin with
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
-PRICE, MOST_PRICE, OVER_PRICE = 0.3, 1.5, 4.0
+PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
 RESERVE = 0.03  # share of the budgets left for the mending
-NARROW = 0.03  # share of the ground, and of the budgets, that mending and cooler annealing may still gain
-# travel of the tightest plan worth a try, as a multiple of area / swath
-SQUEEZE: dict[Effort, float] = {"quick": 1.3, "normal": 1.2, "high": 1.1}
+UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
+COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
+COOLEST = 1 / 32  # of the reach: heat of the last annealings
+SCREENED = 0.25  # share of the moves that all splits get before the best of them get all
 
 
 def plan_patrol(
@@ -74,140 +74,104 @@ def unmet_reason(problem: Problem, best: Settled) -> str:
 
 
 def fewest_robots(context: Context) -> Settled:
-    """Search downwards from tours that surely suffice; the best settled plan (met unless all repair failed)."""
-    problem = context.problem
-    best: Settled | None = None
-    extra = no_points()
-    variants = starts(problem)
-    for turn, (groups, separate) in enumerate(variants):
-        if (
-            best is not None
-            and best.met
-            and (context.should_stop() or len(best.plan.trajectories) <= problem.lower_bound)
-        ):
-            break
-        frugal = FRUGAL if best is not None and best.met else 1.0
-        start = first_tours(problem, groups, separate=separate, frugal=frugal)
-        context.progress(0.1 + 0.8 * turn / len(variants), f"{sum(t.robots for t in start)} robots suffice")
-        hopes = hoped_robots(problem, start)
-        goal = [replace(tour, robots=1 if separate else hope) for tour, hope in zip(start, hopes, strict=True)]
-        found = reduce_robots(context, start, goal, extra, best)
-        if found is not None and (best is None or better(found, best)):
-            best = found
-            extra = found.extra
-    if best is None:
-        raise NoPlanFound("the search found no tours at all")
-    return best
+    """The settled plan with the fewest robots found (met unless all repair failed).
 
-
-def starts(problem: Problem) -> list[tuple[tuple[tuple[int, ...], ...], bool]]:
-    """What the search begins with, one after the other: groups of period classes, and whether robots keep apart.
-
-    Keeping apart is worth a try for bodies, and where a robot holds much of what it sweeps in a period.
+    Begins with a number that should be comfortable and goes up until a plan is met; or, when the first one was, down
+    one by one until none is, no further than the proved bound.
     """
-    groups = list(class_groups(problem))[:GROUPINGS]
-    shared = [(group, False) for group in groups]
-    swept_m = problem.robot.speed_m_s * problem.periods_s[0]
-    if problem.robot.body_radius_m > 0 or math.pi * problem.reach_m > HOLDS_MUCH * 2 * swept_m:
-        shared.insert(1, (groups[0], True))
-    return shared
-
-
-def better(one: Settled, other: Settled) -> bool:
-    """Whether one plan is to be preferred: met first, then fewer robots, then less travel."""
-
-    def rank(settled: Settled) -> tuple[bool, int, float]:
-        return (not settled.met, len(settled.plan.trajectories), sum(tour_length_m(t) for t in settled.tours))
-
-    return rank(one) < rank(other)
-
-
-def hoped_robots(problem: Problem, tours: list[Tour]) -> list[int]:
-    """Robots per tour for a first try: annealing shortens a first tour by a fifth, or to little above the ideal."""
-    ideal = ideal_shares(problem, tours)
-    shares = [tour_length_m(tour) / replace(tour, robots=1).budget_m for tour in tours]
-    return [max(1, math.ceil(min(0.8 * share, 1.3 * best))) for share, best in zip(shares, ideal, strict=True)]
-
-
-def ideal_shares(problem: Problem, tours: list[Tour]) -> list[float]:
-    """Robots that each tour would need if it swept its ground in perfect lanes.
-
-    A tour's ground: what asks for its period or a longer one, up to the next longer period of a tour; shared among the
-    tours of one period in proportion to their lengths.
-    """
-    served = sorted({tour.serves for tour in tours})
-    swept_m2_s = problem.swath_m * problem.robot.speed_m_s
-    found = []
-    for tour in tours:
-        later = [c for c in served if c > tour.serves]
-        classes = range(tour.serves, min(later, default=len(problem.periods_s)))
-        ground_m2 = sum(
-            region.shape.area
-            for region, c in zip(problem.regions, problem.region_class, strict=True)
-            if c in classes and region.demand == "every_point"
-        )
-        alike_m = sum(tour_length_m(other) for other in tours if other.serves == tour.serves)
-        part = tour_length_m(tour) / alike_m if alike_m > 0 else 1.0
-        found.append(part * ground_m2 / (swept_m2_s * tour.period_s))
-    return found
-
-
-def reduce_robots(
-    context: Context, start: list[Tour], goal: list[Tour], extra: SamplePoints, incumbent: Settled | None
-) -> Settled | None:
-    """Anneal for the hoped numbers of robots; add one where a tour outgrows its budget, take one where slack allows."""
-    work = context.work
-    best: Settled | None = None
-    tried: set[tuple[int, ...]] = set()
-    tours = goal
+    problem, work = context.problem, context.work
+    ways = starts(problem, work.groupings)
+    comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     for turn in range(work.tries):
-        robots = tuple(tour.robots for tour in tours)
-        if robots in tried or context.should_stop():
+        context.progress(0.1 + 0.3 * turn / work.tries, f"trying {comfortable + turn} robots")
+        best = with_so_many(context, ways, comfortable + turn, least_squeeze=1.0)
+        if best is not None and turn > 0:
+            return best
+        if best is not None or context.should_stop():
             break
-        tried.add(robots)
-        rival = best or incumbent
-        if rival is not None and rival.met and sum(robots) >= len(rival.plan.trajectories):
+    if best is None:
+        context.progress(0.4, "finishing with the robots that surely suffice")
+        return settle(context, ways[0].tours, no_points(), may_add=True, rounds=3 * work.repairs)
+    robots = first = sum(tour.robots for tour in best.tours)
+    while robots > problem.enough_robots and not context.should_stop():
+        robots -= 1
+        share = (first - robots) / (first - problem.enough_robots)
+        context.progress(0.4 + 0.5 * share, f"trying {robots} robots")
+        found = with_so_many(context, ways, robots, least_squeeze=work.least_squeeze)
+        if found is None:
             break
-        context.progress(0.1 + 0.8 * turn / work.tries, f"trying {sum(robots)} robots")
-        tours, extra, found = anneal_and_settle(context, tours, extra, seed=context.seed + 1000 * turn)
-        if found is not None and (best is None or better(found, best)):
-            best = found
-            smaller = one_robot_fewer(context.problem, found.tours)
-            if smaller is None:
-                break
-            tours = smaller
-        elif best is not None:
-            break
-        else:
-            tours = one_robot_more(tours)
-    if best is None and (incumbent is None or not incumbent.met):
-        context.progress(0.9, "finishing with the robots that surely suffice")
-        tours = [with_robots_needed(tour) for tour in (tours if tried else start)]
-        best = settle(context, tours, extra, may_add=True, rounds=3 * work.repairs)
+        best = found
     return best
 
 
-def anneal_and_settle(
-    context: Context, tours: list[Tour], extra: SamplePoints, *, seed: int
-) -> tuple[list[Tour], SamplePoints, Settled | None]:
+def fewest_with_room(ways: list[Start], room: float) -> int:
+    """The fewest robots with which the budgets of some way are so many times the ideal lengths."""
+    robots = min(len(way.tours) for way in ways)
+    while not any(
+        counts is not None and squeeze(way, counts) >= room
+        for way, counts in ((way, robots_each(way, robots)) for way in ways)
+    ):
+        robots += 1
+    return robots
+
+
+def surely_enough(ways: list[Start]) -> int:
+    """The fewest robots that the first tours of some way need as they are."""
+    return min(sum(tour.robots for tour in way.tours) for way in ways)
+
+
+def with_so_many(context: Context, ways: list[Start], robots: int, *, least_squeeze: float) -> Settled | None:
+    """A plan with so many robots that the judge passes, or None.
+
+    All splits are annealed a little; then the most promising ones in full, one after the other.
+    """
+    begun = splits(context.problem, ways, robots, least_squeeze)
+    if len(begun) > 1:
+        share = int(SCREENED * context.work.moves)
+        searches = annealed_all(context, begun, moves=share, seed=context.seed + 1000 * robots)
+        ranked = sorted(range(len(begun)), key=lambda i: (searches[i].shortfall_m, i))
+        begun = [searches[i].tours for i in ranked]
+    for turn, tours in enumerate(begun[: context.work.tries]):
+        if context.should_stop():
+            break
+        found = anneal_and_settle(context, tours, seed=context.seed + 1000 * robots + 100 * turn)
+        if found is not None:
+            return found
+    return None
+
+
+def annealed_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: int) -> list[Annealing]:
+    """Each of the splits after annealing, in their order, whatever the number of threads."""
+    heat_m = context.problem.reach_m / 2
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        jobs = [
+            pool.submit(annealed, context, tours, no_points(), heat_m=heat_m, moves=moves, seed=seed + i)
+            for i, tours in enumerate(begun)
+        ]
+        return [job.result() for job in jobs]
+
+
+def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Settled | None:
     """Anneal, then mend; while that fails narrowly, anneal again from there, cooler, knowing what the judge missed.
 
-    The tours, the points known in the end, and the settled plan if the judge passed it within the budgets.
+    The settled plan if the judge passed it within the budgets.
     """
-    reach_m, moves = context.problem.reach_m, context.work.moves
-    heat_m = reach_m / 2
-    while True:
-        search = annealed(context, tours, extra, heat_m=heat_m, moves=moves, seed=seed)
+    extra = no_points()
+    reach_m, work = context.problem.reach_m, context.work
+    for turn in range(work.coolings):
+        heat_m = max(reach_m / 2 ** (turn + 1), COOLEST * reach_m)
+        moves = work.moves if turn == 0 else work.moves // 2
+        search = annealed(context, tours, extra, heat_m=heat_m, moves=moves, seed=seed + turn)
         tours = search.tours
-        near = search.unseen_share < NARROW and search.over_budget_share < NARROW
-        if near:
-            found = settle(context, tours, extra, may_add=False, rounds=context.work.repairs)
-            tours, extra = found.tours, found.extra
-            if found.met and found.fits:
-                return tours, extra, found
-        if heat_m < reach_m / 16 or not near or context.should_stop():
-            return tours, extra, None
-        heat_m, moves, seed = heat_m / 2, moves // 2, seed + 1
+        if search.unseen_share > UNSEEN or search.over_budget_share > OVER:
+            break
+        found = settle(context, tours, extra, may_add=False, rounds=work.repairs)
+        tours, extra = found.tours, found.extra
+        if found.met and found.fits:
+            return found
+        if context.should_stop() or (turn > 0 and over_budget_share(tours) > OVER):
+            break
+    return None
 
 
 def annealed(
@@ -237,31 +201,3 @@ def prices(tours: list[Tour]) -> Floats:
     """Price (k,) of a metre of each tour: the shorter its period, the more of a robot a metre takes."""
     slowest_s = max(tour.period_s for tour in tours)
     return np.array([min(MOST_PRICE, PRICE * slowest_s / tour.period_s) for tour in tours])
-
-
-def one_robot_fewer(problem: Problem, tours: list[Tour]) -> list[Tour] | None:
-    """The tours with one robot fewer where that asks least; None when it asks too much or the bound is reached.
-
-    A tour's last robot may go when a tour of the same part can serve its points.
-    """
-    robots = sum(tour.robots for tour in tours)
-    if robots <= problem.enough_robots or problem.ideal_robots * SQUEEZE[problem.mission.planning.effort] > robots - 1:
-        return None
-    ideal = ideal_shares(problem, tours)
-
-    def asked(k: int) -> float:
-        alone = all(i == k or t.part != tours[k].part or t.serves > tours[k].serves for i, t in enumerate(tours))
-        return math.inf if tours[k].robots == 1 and alone else ideal[k] - (tours[k].robots - 1)
-
-    k = min(range(len(tours)), key=asked)
-    if not math.isfinite(asked(k)):
-        return None
-    if tours[k].robots > 1:
-        return [*tours[:k], replace(tours[k], robots=tours[k].robots - 1), *tours[k + 1 :]]
-    return [*tours[:k], *tours[k + 1 :]]
-
-
-def one_robot_more(tours: list[Tour]) -> list[Tour]:
-    """The tours with one robot more where the budget is fullest."""
-    k = max(range(len(tours)), key=lambda i: tour_length_m(tours[i]) / tours[i].budget_m)
-    return [*tours[:k], replace(tours[k], robots=tours[k].robots + 1), *tours[k + 1 :]]

@@ -55,6 +55,11 @@ def tour_length_m(tour: Tour) -> float:
     return total + tour.turn_m_per_rad * float(turns_rad(tour.vertices_m).sum())
 
 
+def over_budget_share(tours: Sequence[Tour]) -> float:
+    """The greatest excess of a tour over its budget, as a share of the budget; 0 when all keep within."""
+    return max(0.0, *(tour_length_m(tour) / tour.budget_m - 1 for tour in tours))
+
+
 def turns_rad(vertices_m: Floats) -> Floats:
     """Angle (n,) by which the direction changes at each vertex of a closed polyline; 0 for one vertex."""
     if len(vertices_m) < 2:
@@ -211,7 +216,14 @@ class Annealing:
     @property
     def over_budget_share(self) -> float:
         """The greatest excess of a tour over its budget, as a share of the budget."""
-        return max(0.0, *(tour_length_m(tour) / tour.budget_m - 1 for tour in self.tours))
+        return over_budget_share(self.tours)
+
+    @property
+    def shortfall_m(self) -> float:
+        """How far from done: what is unseen, as the metres it is worth, and metres over budget at their price."""
+        state = self._state
+        over_m = np.maximum(0.0, state.length - state.budget_m)
+        return float(state.unseen[0] + (over_m * state.over_price).sum())
 
     @property
     def tours(self) -> list[Tour]:

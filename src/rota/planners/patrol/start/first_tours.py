@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from rota.planners.patrol.annealing.search import Tour, tour_length_m
 from rota.planners.patrol.problem import Problem
@@ -56,16 +57,18 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
     return iter(sorted(found, key=expected))
 
 
-def first_tours(
-    problem: Problem, groups: tuple[tuple[int, ...], ...], *, separate: bool = False, frugal: float = 1.0
-) -> list[Tour]:
-    """Tours that see every sample, one at least per group, each with the robots that its length needs.
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """Places (indices) that one tour, or several, go past to see all that is theirs; ``serves`` is their class."""
 
-    separate: where several robots would share a tour, each gets a neighbourhood of its own instead; frugal: for so
-    many times as many robots. To share is shorter in the open; to keep apart is better in narrow places, where a
-    shared tour goes there and back, and for bodies, which would meet.
-    """
-    tours: list[Tour] = []
+    serves: int
+    part: int
+    places: Ints
+
+
+def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
+    """For each group of classes, part and cluster the places from which all of it is seen."""
+    found: list[Ground] = []
     covered = np.zeros(len(problem.points), dtype=bool)
     for group in groups:
         wanted = np.isin(problem.points.period, group) & ~covered
@@ -73,14 +76,46 @@ def first_tours(
         for place in chosen:
             covered[problem.sees_item[problem.sees_start[place] : problem.sees_start[place + 1]]] = True
         for part, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
-            tour = tour_past(problem, problem.places_m[cluster], group[0], part)
-            count = math.ceil(frugal * tour_length_m(tour) / replace(tour, robots=1).budget_m)
-            if not separate or count < 2 or len(cluster) > MOST_GEODESIC:
-                tours.append(tour)
-                continue
-            for label in neighbourhoods(distances(problem, problem.places_m[cluster]), count):
-                tours.append(tour_past(problem, problem.places_m[cluster[label]], group[0], part))
-    return tours
+            found.append(Ground(serves=group[0], part=part, places=cluster))
+    return found
+
+
+def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Tour]:
+    """Tours that see every sample, one per ground, each with the robots that its length needs."""
+    return [shared_tour(problem, ground) for ground in grounds(problem, groups)]
+
+
+def shared_tour(problem: Problem, ground: Ground) -> Tour:
+    """One tour past all places of the ground, with the robots that its length needs."""
+    return tour_past(problem, problem.places_m[ground.places], ground.serves, ground.part)
+
+
+def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
+    """Up to ``count`` tours of one robot, each past the places of a neighbourhood of its own.
+
+    To share a tour is shorter in the open; to keep apart is better in narrow places, where a shared tour goes there
+    and back, and for bodies, which would meet.
+    """
+    places_m = problem.places_m[ground.places]
+    if len(places_m) > MOST_GEODESIC:
+        labels = list(straight_neighbourhoods(places_m, count))
+    else:
+        labels = list(neighbourhoods(distances(problem, places_m), count))
+    return [tour_past(problem, places_m[label], ground.serves, ground.part) for label in labels]
+
+
+def straight_neighbourhoods(places_m: Floats, count: int) -> Iterator[Ints]:
+    """The places (n, 2) in at most ``count`` groups round their middles, by straight distances (Lloyd's iteration)."""
+    order = np.lexsort((places_m[:, 1], places_m[:, 0]))
+    middles_m = places_m[order[np.linspace(0, len(order) - 1, count).astype(np.int64)]]
+    nearest = np.zeros(len(places_m), dtype=np.int64)
+    for _ in range(30):
+        _, nearest = cKDTree(middles_m).query(places_m)
+        sums = np.column_stack([np.bincount(nearest, places_m[:, axis], count) for axis in (0, 1)])
+        middles_m = sums / np.maximum(1, np.bincount(nearest, minlength=count))[:, None]
+    for k in range(count):
+        if (nearest == k).any():
+            yield np.flatnonzero(nearest == k)
 
 
 def neighbourhoods(distance_m: Floats, count: int) -> Iterator[Ints]:

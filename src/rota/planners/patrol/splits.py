@@ -1,0 +1,116 @@
+"""Ways to share the ground among so many robots: which period classes go together, and who keeps to a tour alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.problem import Problem
+from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
+
+MOST_APART = 64  # robots, beyond which each on a tour of its own is not tried
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """One way to group the period classes: the grounds, a tour past each, and the metres of ideal lanes over each."""
+
+    grounds: list[Ground]
+    tours: list[Tour]
+    ideal_m: list[float]
+
+
+def starts(problem: Problem, most: int) -> list[Start]:
+    """Up to ``most`` ways to group the classes, the fewest expected robots first."""
+    found = []
+    for groups, _ in zip(class_groups(problem), range(most), strict=False):
+        here = grounds(problem, groups)
+        tours = [shared_tour(problem, ground) for ground in here]
+        found.append(Start(grounds=here, tours=tours, ideal_m=ideal_lengths_m(problem, tours)))
+    return found
+
+
+def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
+    """Metres that each tour would take if it swept its ground in perfect lanes.
+
+    A tour's ground: what asks for its period or a longer one, up to the next longer period of a tour; shared among the
+    tours of one period in proportion to their lengths. No tour is ideal below a hundredth of its own length.
+    """
+    served = sorted({tour.serves for tour in tours})
+    found = []
+    for tour in tours:
+        later = [c for c in served if c > tour.serves]
+        classes = range(tour.serves, min(later, default=len(problem.periods_s)))
+        ground_m2 = sum(
+            region.shape.area
+            for region, c in zip(problem.regions, problem.region_class, strict=True)
+            if c in classes and region.demand == "every_point"
+        )
+        own_m = tour_length_m(tour)
+        alike_m = sum(tour_length_m(other) for other in tours if other.serves == tour.serves)
+        part = own_m / alike_m if alike_m > 0 else 1.0
+        found.append(max(0.01 * own_m, part * ground_m2 / problem.swath_m))
+    return found
+
+
+def robots_each(start: Start, robots: int) -> list[int] | None:
+    """So many robots handed to the tours, each where the load is greatest; None when there are fewer than tours."""
+    if robots < len(start.tours):
+        return None
+    one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
+    counts = [1] * len(one_m)
+    for _ in range(robots - len(one_m)):
+        k = int(np.argmax([m / (n * b) for m, n, b in zip(start.ideal_m, counts, one_m, strict=True)]))
+        counts[k] += 1
+    return counts
+
+
+def squeeze(start: Start, counts: list[int]) -> float:
+    """How much longer than ideal the tours may be with so many robots each; below 1 there is no hope.
+
+    A tour may serve any ground of its part whose period is at least its own: within each part, all that the quickest
+    classes ask for must fit into the budgets of the tours of these classes.
+    """
+    room = math.inf
+    for part in {tour.part for tour in start.tours}:
+        here = [k for k, tour in enumerate(start.tours) if tour.part == part]
+        for serves in {start.tours[k].serves for k in here}:
+            quick = [k for k in here if start.tours[k].serves <= serves]
+            asked_m = sum(start.ideal_m[k] for k in quick)
+            budget_m = sum(replace(start.tours[k], robots=counts[k]).budget_m for k in quick)
+            if asked_m > 0:
+                room = min(room, budget_m / asked_m)
+    return room
+
+
+def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: float) -> list[list[Tour]]:
+    """The tours to begin with for so many robots, every way in which they might suffice; the roomiest first.
+
+    Robots that would share a tour are tried on tours of their own too.
+    """
+    found: list[tuple[float, list[Tour]]] = []
+    seen: set[tuple[tuple[int, int], ...]] = set()
+    for start in ways:
+        counts = robots_each(start, robots)
+        if counts is None:
+            continue
+        room = squeeze(start, counts)
+        if room < least_squeeze:
+            continue
+        shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
+        found.append((room, shared))
+        shape = tuple(sorted((tour.serves, tour.robots) for tour in shared))
+        if 1 < max(counts) <= MOST_APART and (shape not in seen or problem.robot.body_radius_m > 0):
+            apart = [
+                one
+                for ground, tour in zip(start.grounds, shared, strict=True)
+                for one in (tours_apart(problem, ground, tour.robots) if tour.robots > 1 else [tour])
+            ]
+            if len(apart) == robots:
+                found.append((room, [replace(tour, robots=1) for tour in apart]))
+        seen.add(shape)
+    order = sorted(range(len(found)), key=lambda i: -found[i][0])
+    return [found[i][1] for i in order]
