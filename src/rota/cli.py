@@ -149,7 +149,7 @@ def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
 
 def _show_outcome(answer: Plan, report: Report, target: str) -> None:
     from rota.check import report_table
-    from rota.plan_table import robot_rows, robots_sentence
+    from rota.plan_table import robot_rows, robots_sentence, rounded
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -160,7 +160,7 @@ def _show_outcome(answer: Plan, report: Report, target: str) -> None:
     table.add_column("serves")
     for row in robot_rows(answer):
         slack = "shared" if row.slack is None else f"{row.slack:.0%}"
-        length, time = f"{row.loop_length_m:.1f}", f"{row.loop_time_s:.1f}"
+        length, time = rounded(row.loop_length_m), rounded(row.loop_time_s)
         table.add_row(row.robot, length, time, slack, ", ".join(row.zones) or "nothing")
     console.print(table)
     console.print(robots_sentence(answer), markup=False)

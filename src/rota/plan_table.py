@@ -1,4 +1,4 @@
-"""What a plan comes to, robot by robot: loop length and time, zones served, slack. Rows and sentences, no layout."""
+"""What a plan comes to, robot by robot: loop length and time, zones served, slack. Rows and words, no layout."""
 
 from __future__ import annotations
 
@@ -79,6 +79,11 @@ def _demands(mission: Mission) -> tuple[Zone, ...]:
     if not pieces:
         return zones
     return (*zones, Zone(name=AREA, shape=MultiPolygon(pieces), period_s=mission.period_s))
+
+
+def rounded(value: float) -> str:
+    """A loop's metres or seconds as people are told them: one decimal; below 1 two digits that count."""
+    return f"{value:.1f}" if value >= 1 or value == 0 else f"{value:.2g}"
 
 
 def robots_sentence(plan: Plan) -> str:
