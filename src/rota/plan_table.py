@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 from shapely import LineString, MultiPolygon, Point, union_all
 
-from rota.mission import Mission, Sensor, Zone
+from rota.mission import AREA, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
-
-AREA = "area"  # as the check calls the area outside zones
 
 
 @dataclass(frozen=True, kw_only=True)
