@@ -1,4 +1,4 @@
-"""What a plan comes to, robot by robot: loop length and time, zones served, slack. Rows and words, no layout."""
+"""What a plan comes to, robot by robot, as rows and as plain text: loop length and time, zones served, slack."""
 
 from __future__ import annotations
 
@@ -82,6 +82,22 @@ def _demands(mission: Mission) -> tuple[Zone, ...]:
 def rounded(value: float) -> str:
     """A loop's metres or seconds as people are told them: one decimal; below 1 two digits that count."""
     return f"{value:.1f}" if value >= 1 or value == 0 else f"{value:.2g}"
+
+
+def robots_table(plan: Plan) -> str:
+    """The rows as plain text: names and zones to the left of their columns, numbers to the right."""
+    lines = [("robot", "loop m", "loop s", "slack", "serves")]
+    for row in robot_rows(plan):
+        slack = "shared" if row.slack is None else f"{row.slack:.0%}"
+        served = ", ".join(row.zones) or "nothing"
+        lines.append((row.robot, rounded(row.loop_length_m), rounded(row.loop_time_s), slack, served))
+    name, *numbers = (max(len(line[k]) for line in lines) for k in range(4))
+    return "\n".join(
+        "  ".join(
+            [line[0].ljust(name), *(cell.rjust(width) for cell, width in zip(line[1:4], numbers, strict=True)), line[4]]
+        )
+        for line in lines
+    )
 
 
 def robots_sentence(plan: Plan) -> str:

@@ -191,7 +191,7 @@ def test_another_suffix_is_refused_with_those_allowed(yard: Plan, tmp_path: Path
 
 
 def test_a_folder_that_is_not_there_is_named(yard: Plan, tmp_path: Path):
-    with pytest.raises(RotaError, match=r"nowhere.plan\.png: cannot be written: No such file"):
+    with pytest.raises(RotaError, match=r"nowhere.plan\.png: there is no folder .*; create it first"):
         draw_plan(yard, tmp_path / "nowhere" / "plan.png")
 
 

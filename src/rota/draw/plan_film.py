@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from rota.draw.film_frames import FilmFrames
 from rota.draw.gif_file import Frame, palette_of, write_gif
 from rota.draw.house_style import house_style
-from rota.draw.output_file import replaced_file, require_suffix
 from rota.errors import RotaError
+from rota.files.atomic_write import replaced_file, require_suffix
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]

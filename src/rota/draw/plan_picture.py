@@ -16,10 +16,10 @@ from matplotlib.image import AxesImage
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.house_style import house_style
 from rota.draw.mission_picture import draw_mission, mission_legend, period_text, plain
-from rota.draw.output_file import replaced_file, require_suffix
 from rota.draw.route_lines import draw_route_lines, route_legend
 from rota.draw.routes import routes_of
 from rota.draw.zone_labels import draw_zone_labels
+from rota.files.atomic_write import replaced_file, require_suffix
 from rota.mission import Mission
 from rota.plan import Plan
 
