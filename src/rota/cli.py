@@ -25,10 +25,8 @@ if TYPE_CHECKING:
 DONE, VIOLATED, BAD_INPUT, NO_PLAN, OUR_FAULT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 STANDARD_STREAM = "-"
 
-HELP = "Plan timed routes for teams of robots that must keep watching a whole area, and check every plan."
-
 app = typer.Typer(
-    help=HELP,
+    help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
     epilog="Exit codes: 0 done, 1 demand not met (check), 2 bad input, 3 no plan found, 70 our fault, 130 Ctrl-C.",
     no_args_is_help=True,
     add_completion=False,
