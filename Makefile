@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: setup demo test bench clean
+.PHONY: setup demo pictures test bench clean
 
 setup: .venv/ready
 
@@ -20,6 +20,11 @@ demo: setup
 	$(BIN)/rota check out/harbour.rota.json
 	$(BIN)/rota draw out/harbour.rota.json -o out/harbour.png
 	@echo "The plan: out/harbour.rota.json   its picture: out/harbour.png"
+
+# the README's pictures
+pictures: demo
+	$(BIN)/rota draw out/harbour.rota.json -o docs/harbour.png
+	$(BIN)/rota animate out/harbour.rota.json -o docs/harbour.gif
 
 test: setup
 	$(BIN)/ruff check

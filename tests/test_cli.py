@@ -15,6 +15,7 @@ from typing import Any
 
 import jsonschema
 import pytest
+from PIL import Image
 
 from rota.cli import run
 from rota.errors import NoPlanFound
@@ -301,6 +302,19 @@ def test_ctrl_c_without_a_passing_plan_writes_only_with_best(
     assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
 
 
+def test_ctrl_c_outside_the_search_is_told(
+    plan_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rota.draw.animate_plan", stopped)
+    assert run(["animate", str(plan_path), "-o", "yard.gif"]) == 130
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", "rota: interrupted\n")
+    assert not Path("yard.gif").exists()
+
+
 def test_a_second_ctrl_c_ends_at_once_and_leaves_the_old_file(yard: Path) -> None:
     Path("yard.rota.json").write_text("old")
     script = (
@@ -354,13 +368,16 @@ def test_check_reads_stdin(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["check", "none.json"], "none.json: cannot be read"),
+        (["check", "none.json"], "none.json: no such file; a plan file"),
         (["check", "yard.yaml"], "yard.yaml:1:1: not JSON"),
-        (["draw", "yard.rota.json", "-o", "p.bmp"], "'.bmp' is not known here; .png, .svg, .pdf are"),
-        (["draw", "yard.rota.json", "-o", "p"], "'' is not known here"),
-        (["draw", "none.json", "-o", "p.png"], "none.json: cannot be read"),
+        (["draw", "yard.rota.json", "-o", "p.bmp"], "'.bmp' is no format for a picture; .png, .svg or .pdf is needed"),
+        (["draw", "yard.rota.json", "-o", "p"], "p: no suffix is no format for a picture"),
+        (["draw", "none.json", "-o", "p.png"], "none.json: no such file; a plan file"),
         (["draw", "yard.rota.json", "-o", "none/p.png"], "there is no folder"),
-        (["animate", "yard.rota.json", "-o", "p.avi"], "'.avi' is not known here; .gif, .mp4 are"),
+        (["animate", "yard.rota.json", "-o", "p.avi"], "'.avi' is no format for a film; .gif or .mp4 is needed"),
+        (["animate", "yard.rota.json", "-o", "p.gif", "--fps", "0"], "fps: 0 is not allowed"),
+        (["animate", "yard.rota.json", "-o", "p.gif", "--seconds", "9999"], "seconds: 9999.0 is not allowed"),
+        (["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "-"], "the path of a folder is needed"),
         (["export", "yard.rota.json", "--to", "kmz", "-o", "p"], "'geojson', 'qgroundcontrol'"),
         (["export", "yard.rota.json", "--to", "geojson", "-o", "."], "is a folder"),
         (["export", "yard.rota.json", "--to", "geojson", "-o", "yard.rota.json"], "is the input itself"),
@@ -389,6 +406,11 @@ def test_pictures_films_and_exports_appear(plan_path: Path, capsys: pytest.Captu
     assert Path("yard.gif").read_bytes().startswith(b"GIF8")
     assert run(["export", "yard.rota.json", "--to", "geojson", "-o", "yard.geojson"]) == 0
     assert json.loads(Path("yard.geojson").read_text())["features"][0]["properties"]["name"] == "yard"
+    told = [line for line in capsys.readouterr().out.splitlines() if "compiling" not in line]
+    assert told == ["yard.PNG", "yard.gif", "yard.geojson"]
+    assert run(["animate", "yard.rota.json", "-o", "short.gif", "--seconds", "1", "--fps", "5"]) == 0
+    with Image.open("short.gif") as film:
+        assert film.n_frames == 5
     capsys.readouterr()
     assert run(["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "fly"]) == 0
     assert capsys.readouterr().out == "fly/robot-1.plan\n"
@@ -443,6 +465,22 @@ def test_the_installed_program_runs() -> None:
     done = subprocess.run([program, "schema", "nothing"], capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
     assert done.stdout == ""
+
+
+@pytest.mark.parametrize("module", ["rota", "rota.cli"])
+def test_it_runs_as_a_module(module: str) -> None:
+    asked = [sys.executable, "-m", module, "--version"]
+    done = subprocess.run(asked, capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stdout) == (0, "rota 0.1.0\n")
+
+
+def test_help_names_formats_and_exit_codes_and_cuts_no_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["--help"]) == 0
+    listed = capsys.readouterr().out
+    assert "..." not in listed.replace("ARGS]...", "")
+    assert "130 Ctrl-C" in listed
+    assert run(["export", "--help"]) == 0
+    assert "qgroundcontrol-px4" in capsys.readouterr().out
 
 
 def test_a_cold_cache_is_told(

@@ -9,7 +9,7 @@ from shapely import box
 
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
-from rota.plan_table import robot_rows, robots_sentence, zones_served
+from rota.plan_table import robot_rows, robots_sentence, robots_table, rounded, zones_served
 
 MISSION = Mission(
     name="yard",
@@ -92,3 +92,34 @@ def test_the_sentence_on_robots(robots: int, bound: int | None, sentence: str) -
     mission = dataclasses.replace(MISSION, fleet=dataclasses.replace(MISSION.fleet, robots=fleet))
     stays = tuple(Trajectory(robot=robot.name, times_s=[0.0], positions_m=[[5, 5]]) for robot in fleet)
     assert robots_sentence(Plan(mission=mission, trajectories=stays, lower_bound_robots=bound)) == sentence
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (0, "0.0"),
+        (9.285, "9.3"),
+        (3761.49, "3761.5"),
+        (1.0, "1.0"),
+        (0.998, "1"),
+        (0.0123, "0.012"),
+        (58_012.3, "58012.3"),
+    ],
+)
+def test_lengths_and_times_have_one_decimal_or_two_digits(value: float, told: str) -> None:
+    assert rounded(value) == told
+
+
+def test_the_table_is_aligned_and_never_wrapped() -> None:
+    zones = tuple(dataclasses.replace(MISSION.zones[0], name=f"a zone with a long name {k}") for k in range(9))
+    shared = there_and_back(2, 2, 8, 8, loop_s=900)
+    plan = Plan(
+        mission=dataclasses.replace(MISSION, zones=zones),
+        trajectories=(there_and_back(2, 2, 8, 8), dataclasses.replace(shared, robot="the longest")),
+    )
+    names = ", ".join([*(zone.name for zone in zones), "area"])
+    assert robots_table(plan).splitlines() == [
+        "robot        loop m  loop s   slack  serves",
+        f"r              17.0    10.0     50%  {names}",
+        f"the longest    17.0   900.0  shared  {names}",
+    ]

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from rota.errors import NoPlanFound, RotaError
 
@@ -28,8 +27,10 @@ STANDARD_STREAM = "-"
 
 app = typer.Typer(
     help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
+    epilog="Exit codes: 0 done, 1 demand not met (check), 2 bad input, 3 no plan found, 70 our fault, 130 Ctrl-C.",
     no_args_is_help=True,
     add_completion=False,
+    rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -50,6 +51,8 @@ def run(arguments: list[str]) -> int:
     try:
         app(arguments, prog_name="rota")
     except SystemExit as end:
+        if _comes_of_interrupt(end):
+            _say("interrupted")
         return end.code if isinstance(end.code, int) else DONE
     except NoPlanFound as outcome:
         _say(f"no plan: {outcome}")
@@ -65,6 +68,13 @@ def run(arguments: list[str]) -> int:
     return DONE
 
 
+def _comes_of_interrupt(end: BaseException | None) -> bool:
+    """Whether Ctrl-C ended the command, outside the search, which stops by itself and says so."""
+    while end is not None and not isinstance(end, KeyboardInterrupt):
+        end = end.__cause__ or end.__context__
+    return end is not None
+
+
 def _say(message: str) -> None:
     print(f"rota: {message}", file=sys.stderr, flush=True)
 
@@ -77,11 +87,17 @@ def plan(
     mission: Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")],
     output: Annotated[
         str | None,
-        typer.Option("-o", "--output", metavar="PLAN", help="The plan file; default STEM.rota.json, - stdout."),
+        typer.Option(
+            "-o", "--output", metavar="PLAN", help="The plan file; default MISSION's name with .rota.json; - stdout."
+        ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plan.")] = 0,
-    effort: Annotated[EffortName | None, typer.Option(help="Work to spend; default as the mission says.")] = None,
-    time_limit: Annotated[float | None, typer.Option(metavar="SECONDS", help="Stop early with the best plan.")] = None,
+    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same plan.")] = 0,
+    effort: Annotated[
+        EffortName | None, typer.Option(metavar="EFFORT", help="quick, normal or high; default as the mission says.")
+    ] = None,
+    time_limit: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
+    ] = None,
     best: Annotated[bool, typer.Option("--best", help="Write the best plan even if it misses its demand.")] = False,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
@@ -149,21 +165,11 @@ def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
 
 def _show_outcome(answer: Plan, report: Report, target: str) -> None:
     from rota.check import report_table
-    from rota.plan_table import robot_rows, robots_sentence
+    from rota.plan_table import robots_sentence, robots_table
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("robot")
-    table.add_column("loop m", justify="right")
-    table.add_column("loop s", justify="right")
-    table.add_column("slack", justify="right")
-    table.add_column("serves")
-    for row in robot_rows(answer):
-        slack = "shared" if row.slack is None else f"{row.slack:.0%}"
-        length, time = f"{row.loop_length_m:.1f}", f"{row.loop_time_s:.1f}"
-        table.add_row(row.robot, length, time, slack, ", ".join(row.zones) or "nothing")
-    console.print(table)
-    console.print(robots_sentence(answer), markup=False)
+    console.print(robots_table(answer), markup=False, soft_wrap=True)
+    console.print(robots_sentence(answer), markup=False, soft_wrap=True)
     if report.verdict == "met":
         console.print("Check: met, every demand, for ever.")
     else:
@@ -241,33 +247,55 @@ def draw(
     output: Annotated[str, typer.Option("-o", "--output", metavar="PICTURE", help="A .png, .svg or .pdf file.")],
 ) -> None:
     """Draw a plan and the worst revisit gap of every place."""
-    _require_suffix(output, (".png", ".svg", ".pdf"))
-    _require_target(output, source=plan)
-    answer = _read_plan(plan)
+    answer = _plan_to_show(plan, output, (".png", ".svg", ".pdf"), "a picture")
     from rota.draw import draw_plan
 
-    draw_plan(answer, Path(output))
+    _mention_compiling("check")
+    draw_plan(answer, output)
+    typer.echo(output)
 
 
 @app.command()
 def animate(
     plan: PlanPath,
-    output: Annotated[str, typer.Option("-o", "--output", metavar="FILM", help="A .gif or .mp4 file (needs ffmpeg).")],
+    output: Annotated[
+        str, typer.Option("-o", "--output", metavar="FILM", help="A .gif file, or .mp4 with ffmpeg on the path.")
+    ],
+    seconds: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="The film's length; default about 12, for one round.")
+    ] = None,
+    fps: Annotated[
+        int | None, typer.Option(metavar="FRAMES", help="Frames per second; default 8 for .gif, 20 for .mp4.")
+    ] = None,
 ) -> None:
-    """Animate a plan: robots moving, what they see, time since last seen."""
-    _require_suffix(output, (".gif", ".mp4"))
-    _require_target(output, source=plan)
-    answer = _read_plan(plan)
+    """Animate a plan: robots, and how long ago each place was seen."""
+    answer = _plan_to_show(plan, output, (".gif", ".mp4"), "a film")
     from rota.draw import animate_plan
 
-    animate_plan(answer, Path(output))
+    animate_plan(answer, output, seconds=seconds, fps=fps)
+    typer.echo(output)
+
+
+def _plan_to_show(plan: str, output: str, suffixes: tuple[str, ...], what: str) -> Plan:
+    """The plan, once it is clear that ``output`` can be written and is ``what`` by its suffix."""
+    from rota.files.atomic_write import require_suffix
+
+    require_suffix(output, suffixes, what)
+    _require_target(output, source=plan)
+    return _read_plan(plan)
 
 
 @app.command()
 def export(
     plan: PlanPath,
-    to: Annotated[ExportFormat, typer.Option(help="The format.")],
-    output: Annotated[str, typer.Option("-o", "--output", metavar="PATH", help="A file; a folder for qgroundcontrol.")],
+    to: Annotated[
+        ExportFormat,
+        typer.Option(metavar="FORMAT", help="geojson; qgroundcontrol (for ArduPilot) or qgroundcontrol-px4."),
+    ],
+    output: Annotated[
+        str,
+        typer.Option("-o", "--output", metavar="PATH", help="A file; for qgroundcontrol a folder, a file per robot."),
+    ],
 ) -> None:
     """Export a plan to what maps and robots read."""
     answer = _read_plan(plan)
@@ -277,6 +305,8 @@ def export(
         return
     from rota.files.qgroundcontrol import write_qgroundcontrol
 
+    if output == STANDARD_STREAM:
+        raise RotaError(f"-: {to} makes one file per robot and cannot write to stdout; the path of a folder is needed")
     for path in write_qgroundcontrol(answer, output, autopilot="ardupilot" if to == "qgroundcontrol" else "px4"):
         typer.echo(path)
 
@@ -290,13 +320,18 @@ def _export_geojson(answer: Plan, output: str) -> None:
         typer.echo(geojson_text(answer), nl=False)
     else:
         write_geojson(answer, output)
+        typer.echo(output)
 
 
 # ---------------------------------------------------------------- new, schema
 
 
 @app.command()
-def new(mission: Annotated[Path, typer.Argument(metavar="MISSION")] = Path("mission.yaml")) -> None:
+def new(
+    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="The file to write; - stdout.")] = Path(
+        "mission.yaml"
+    ),
+) -> None:
     """Write a commented example mission to start from."""
     from rota.files.atomic_write import write_atomically
     from rota.files.example_mission import example_mission_text
@@ -311,7 +346,9 @@ def new(mission: Annotated[Path, typer.Argument(metavar="MISSION")] = Path("miss
 
 
 @app.command()
-def schema(name: SchemaName) -> None:
+def schema(
+    name: Annotated[SchemaName, typer.Argument(metavar="NAME", help="mission, plan or report.")],
+) -> None:
     """Print the JSON Schema of a file format."""
     typer.echo(json.dumps(_schema_maker(name)(), indent=1))
 
@@ -344,13 +381,7 @@ def options(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and end.")
     ] = False,
 ) -> None:
-    """Plan timed routes for teams of robots that must keep watching a whole area, and check every plan."""
-
-
-def _require_suffix(path: str, allowed: tuple[str, ...]) -> None:
-    suffix = Path(path).suffix
-    if suffix.lower() not in allowed:
-        raise RotaError(f"{path}: the extension {suffix!r} is not known here; {', '.join(allowed)} are")
+    """Options of the program as a whole."""
 
 
 def _require_target(target: str, source: str | Path) -> None:
@@ -362,3 +393,7 @@ def _require_target(target: str, source: str | Path) -> None:
     require_writable(target)
     if os.path.exists(source) and os.path.exists(target) and os.path.samefile(source, target):
         raise RotaError(f"{target}: is the input itself and is not overwritten; name another file")
+
+
+if __name__ == "__main__":
+    main()

@@ -16,6 +16,9 @@ Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
 Effort = Literal["quick", "normal", "high"]
 
+AREA = "area"  # the name of the ground outside zones, wherever zones are told
+AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another name"
+
 
 def _require(ok: bool, where: str, value: object, allowed: str) -> None:
     if not ok:
@@ -205,7 +208,8 @@ class PatrolSettings:
 class Mission:
     """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
 
-    ``period_s`` is the period of the area outside zones (None: nothing is asked there).
+    ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
+    than ``AREA``, by which reports call that ground.
     """
 
     name: str
@@ -227,6 +231,7 @@ class Mission:
         _require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
         names = [zone.name for zone in self.zones]
         for zone in self.zones:
+            _require(zone.name != AREA, "zone.name", zone.name, AREA_IS_TAKEN)
             _require(names.count(zone.name) == 1, "zones", zone.name, "names must be unique")
             outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
             _require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")

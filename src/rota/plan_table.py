@@ -1,4 +1,4 @@
-"""What a plan comes to, robot by robot: loop length and time, zones served, slack. Rows and sentences, no layout."""
+"""What a plan comes to, robot by robot, as rows and as plain text: loop length and time, zones served, slack."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 from shapely import LineString, MultiPolygon, Point, union_all
 
-from rota.mission import Mission, Sensor, Zone
+from rota.mission import AREA, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
-
-AREA = "area"  # as the check calls the area outside zones
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +77,27 @@ def _demands(mission: Mission) -> tuple[Zone, ...]:
     if not pieces:
         return zones
     return (*zones, Zone(name=AREA, shape=MultiPolygon(pieces), period_s=mission.period_s))
+
+
+def rounded(value: float) -> str:
+    """A loop's metres or seconds as people are told them: one decimal; below 1 two digits that count."""
+    return f"{value:.1f}" if value >= 1 or value == 0 else f"{value:.2g}"
+
+
+def robots_table(plan: Plan) -> str:
+    """The rows as plain text: names and zones to the left of their columns, numbers to the right."""
+    lines = [("robot", "loop m", "loop s", "slack", "serves")]
+    for row in robot_rows(plan):
+        slack = "shared" if row.slack is None else f"{row.slack:.0%}"
+        served = ", ".join(row.zones) or "nothing"
+        lines.append((row.robot, rounded(row.loop_length_m), rounded(row.loop_time_s), slack, served))
+    name, *numbers = (max(len(line[k]) for line in lines) for k in range(4))
+    return "\n".join(
+        "  ".join(
+            [line[0].ljust(name), *(cell.rjust(width) for cell, width in zip(line[1:4], numbers, strict=True)), line[4]]
+        )
+        for line in lines
+    )
 
 
 def robots_sentence(plan: Plan) -> str:

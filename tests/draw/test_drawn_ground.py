@@ -45,7 +45,7 @@ def test_cells_in_a_wall_show_what_a_neighbour_shows():
     assert neighbours(ground_of(broad, cells=100))[3].tolist() == [30, 31, 31, 33, 34, 35, 36, 38, 38, 39]
 
 
-LONG = [(1000, 60, (48, 800)), (100, 100, (224, 224)), (1e5, 1, (1, 800))]
+LONG = [(1000, 60, (55, 913)), (100, 100, (224, 224)), (1e5, 1, (1, 1600)), (10, 10.01, (224, 224))]
 
 
 def test_holes_and_parts_of_the_area_are_left_out():
@@ -59,4 +59,8 @@ def test_holes_and_parts_of_the_area_are_left_out():
 @pytest.mark.parametrize(("width", "height", "shape"), LONG)
 def test_long_areas_get_long_grids(width: float, height: float, shape: tuple[int, int]):
     mission = Mission(name="m", area=box(0, 0, width, height), period_s=40, fleet=FLEET)
-    assert ground_of(mission).inside.shape == shape
+    ground = ground_of(mission, cells=50_000)
+    assert ground.inside.shape == shape
+    left, right, bottom, top = ground.extent_m
+    assert max(left, bottom) <= 1e-6 * ground.cell_m
+    assert min(right - width, top - height) >= -1e-6 * ground.cell_m

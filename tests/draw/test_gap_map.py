@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import shapely
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from shapely import box
+from shapely import Polygon, box
 
-from rota.draw.gap_map import draw_gap_map, gap_legend, gap_map
+from rota.draw.gap_map import gap_legend, gap_map
+from rota.draw.ground import neighbours
+from rota.draw.palette import AREA_EDGE
 from rota.draw.plan_picture import draw_gaps
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.plan import Plan, Trajectory
@@ -34,7 +38,7 @@ def test_a_robot_to_and_fro_leaves_gaps_of_twice_the_way_to_the_farther_end(stri
 
 def test_the_drawn_image_holds_these_numbers(strip: Plan):
     gaps = gap_map(strip, cells=500)
-    image = draw_gap_map(gaps, axes())
+    image = draw_gaps(strip, axes(), gaps)
     drawn = image.get_array()
     np.testing.assert_array_equal(drawn.mask, gaps.never)
     np.testing.assert_array_equal(drawn[~drawn.mask], gaps.ratio[~gaps.never])
@@ -51,7 +55,7 @@ def test_the_drawn_image_holds_these_numbers(strip: Plan):
 def test_a_gap_of_exactly_the_period_is_in_time(strip: Plan):
     exact = replace(strip, mission=replace(strip.mission, period_s=2 * 79.5))
     assert not gap_map(exact, cells=500).late.any()
-    image = draw_gap_map(gap_map(exact, cells=500), axes())
+    image = draw_gaps(exact, axes(), gap_map(exact, cells=500))
     assert 1 - 1e-9 < image.get_array().max() <= 1
 
 
@@ -68,6 +72,23 @@ def test_what_no_robot_can_see_is_excluded_not_missed():
     refused = gap_map(replace(plan, mission=replace(mission, unseeable="refuse")), cells=110)
     np.testing.assert_array_equal(refused.never, gaps.excluded)
     assert [entry.get_label() for entry in gap_legend(gaps)] == ["cannot be seen by any robot: 22.2 %"]
+
+
+def test_a_slanted_border_is_coloured_up_to_its_line_which_is_on_top(strip: Plan):
+    wedge = Polygon([(0, 0), (100, 0), (100, 60)])
+    plan = replace(strip, mission=replace(strip.mission, area=wedge))
+    ax = axes()
+    image = draw_gaps(plan, ax, gaps := gap_map(plan, cells=600))
+    coloured = ~np.ma.getmaskarray(image.get_array()) | gaps.never.ravel()[neighbours(gaps.ground)]
+    left, _, bottom, _ = image.get_extent()
+    inside = np.random.default_rng(1).uniform((0, 0), (100, 60), (20_000, 2))
+    inside = inside[shapely.contains_xy(wedge, inside)]
+    column, row = ((inside - (left, bottom)) // gaps.ground.cell_m).astype(int).T
+    assert coloured[row, column].all()
+    assert not gaps.ground.inside[row, column].all(), "some of it lies in cells whose middle is outside"
+    border = [patch for patch in ax.patches if patch.get_edgecolor() == to_rgba(AREA_EDGE)]
+    assert [patch.get_zorder() > image.get_zorder() for patch in border] == [True]
+    assert image.get_clip_path() is not None
 
 
 def test_nothing_asked_and_visits_are_not_mapped(yard: Plan):

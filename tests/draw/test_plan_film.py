@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from PIL import Image
 
 from rota.draw import animate_plan
@@ -40,16 +41,16 @@ def test_gif_has_the_frames_and_the_length_asked_for(yard: Plan, tmp_path: Path)
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_default_is_one_round_of_the_longest_loop_in_fifteen_seconds(yard: Plan, strip: Plan):
+def test_default_is_one_round_of_the_longest_loop_in_twelve_seconds(yard: Plan, strip: Plan):
     times, speedup = film_times_s(strip, None, 12, None)
-    assert (len(times), speedup) == (180, pytest.approx(160 / 15))
-    np.testing.assert_allclose(times[[0, 1, -1]], [0, 160 / 180, 160 - 160 / 180])
+    assert (len(times), speedup) == (144, pytest.approx(160 / 12))
+    np.testing.assert_allclose(times[[0, 1, -1]], [0, 160 / 144, 160 - 160 / 144])
     # a loop of 23 s and speed-up 0.1 would take 230 s of film; a minute is the most
     assert len(film_times_s(yard, None, 10, 0.1)[0]) == 600
     # short loops are shown in real time
     short = replace(yard, trajectories=yard.trajectories[3:4])
-    assert film_times_s(short, None, 10, None)[1] == 1
-    assert len(film_times_s(short, None, 10, None)[0]) == 130
+    assert film_times_s(short, 13, 10, None)[1] == 1
+    assert len(film_times_s(short, 13, 10, None)[0]) == 130
     assert len(film_times_s(short, 3, 10, None)[0]) == 30
 
 
@@ -64,6 +65,24 @@ def test_frames_differ_only_where_something_moves_and_have_even_sizes(yard: Plan
     # the margin below the map and left of it stands still
     assert not changed[-60:].any()
     assert not changed[100:, :40].any()
+
+
+def test_trails_follow_the_loop_round_its_corners_and_not_more_than_once(yard: Plan):
+    film = FilmFrames(yard, 10.0)
+    list(film.frames(np.array([0.0, 7.0, 50.0])))
+    trails = [np.array(part) for part in film._trails.get_segments()]
+    # a second of film is 10 s: 100 m
+    for robot, length_m in ((0, 100.0), (1, 100.0), (2, 100.0)):
+        assert np.hypot(*np.diff(trails[robot], axis=0).T).sum() == pytest.approx(length_m)
+        onto_loop = shapely.distance(
+            shapely.LinearRing(yard.trajectories[robot].positions_m), shapely.points(trails[robot])
+        )
+        assert onto_loop.max() < 1e-9
+    np.testing.assert_allclose([trail[-1] for trail in trails], film._marks.get_offsets())
+    short = FilmFrames(yard, 200.0)
+    list(short.frames(np.array([0.0, 300.0])))
+    lengths_m = [np.hypot(*np.diff(part, axis=0).T).sum() for part in short._trails.get_segments()]
+    assert lengths_m[:3] == pytest.approx([230, 230, 230])
 
 
 def test_the_robot_that_is_drawn_is_where_it_should_be(strip: Plan):

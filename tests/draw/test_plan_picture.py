@@ -14,14 +14,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
 from PIL import Image
-from shapely import box
+from shapely import LineString, box
 
 from rota.draw import draw_plan, draw_routes
+from rota.draw.mission_picture import period_text
 from rota.draw.palette import ROUTE_COLOURS, route_style
 from rota.draw.plan_picture import plan_figure
+from rota.draw.route_lines import route_label
+from rota.draw.routes import routes_of
 from rota.errors import RotaError
-from rota.mission import Mission
-from rota.plan import Plan
+from rota.mission import Mission, Zone
+from rota.plan import Plan, Trajectory
+from rota.plan_table import robot_rows, rounded
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-", ".svg": b"<?xml"}
 
@@ -71,7 +75,7 @@ def test_equal_aspect_and_both_maps_alike(yard: Plan):
 def test_one_line_per_loop_and_one_mark_per_robot(yard: Plan):
     ax = drawn_routes(yard)
     labels = [line.get_label() for line in ax.get_lines() if not line.get_label().startswith("_")]
-    assert labels == ["1–3  robot-1 … robot-3: 230 m, 23 s", "robot-4: 94 m, 11 s", "robot-5: stays"]
+    assert labels == ["robot-1 … robot-3: 230.0 m, 23.0 s", "robot-4: 94.3 m, 11.0 s", "robot-5: stays"]
     marks = [text for text in ax.texts if text.get_text().isdigit()]
     assert [text.get_text() for text in marks] == ["1", "2", "3", "4", "5"]
     assert [text.get_bbox_patch().get_facecolor()[:3] for text in marks] == [
@@ -82,6 +86,34 @@ def test_one_line_per_loop_and_one_mark_per_robot(yard: Plan):
     assert sum(isinstance(child, Quiver) for child in ax.get_children()) == 2
     assert len(ax.get_lines()) == 4
     assert min(text.get_fontsize() for text in ax.texts) >= 7
+
+
+def test_the_legend_tells_lengths_and_times_as_the_table_does(yard: Plan):
+    rows = {row.robot: (rounded(row.loop_length_m), rounded(row.loop_time_s)) for row in robot_rows(yard)}
+    for route in routes_of(yard)[:2]:
+        label = route_label(yard, route)
+        for robot in route.robots:
+            length_m, time_s = rows[yard.trajectories[robot].robot]
+            assert label.endswith(f": {length_m} m, {time_s} s")
+
+
+def test_names_without_their_number_get_it(yard: Plan):
+    names = ("robot-3", "robot-1", "boat", "robot-4", "b5")
+    renamed = tuple(replace(trajectory, robot=name) for trajectory, name in zip(yard, names, strict=True))
+    plan = replace(yard, trajectories=renamed)
+    labels = [route_label(plan, route).split(":")[0] for route in routes_of(plan)]
+    assert labels == ["1–3  robot-3 … boat", "robot-4", "b5"]
+
+
+@pytest.mark.parametrize(
+    ("period_s", "words"),
+    [
+        (0.5, "0.5 s"), (8, "8 s"), (599, "599 s"), (600, "10 min"), (1000, "1000 s"), (1234.5, "1234.5 s"),
+        (5400, "90 min"), (7200, "2 h"), (86_400, "24 h"),
+    ],
+)  # fmt: skip
+def test_a_period_is_told_as_it_was_asked(period_s: float, words: str):
+    assert period_text(period_s) == words
 
 
 def test_zones_are_labelled_with_what_they_ask(yard: Plan):
@@ -95,6 +127,22 @@ def test_zones_are_labelled_with_what_they_ask(yard: Plan):
         assert frame.x0 <= one.x0
         assert one.x1 <= frame.x1
         assert not any(one.overlaps(other) for other in boxes[:k])
+
+
+@pytest.mark.parametrize("side_m", [4.0, 8.0, 60.0])
+def test_a_label_does_not_hide_the_small_loop_of_its_zone(yard: Plan, side_m: float):
+    ring = [(30, 30), (30 + side_m, 30), (30 + side_m, 30 + side_m), (30, 30 + side_m), (30, 30)]
+    there = Trajectory(robot="robot-1", times_s=np.arange(5.0) * side_m, positions_m=ring)
+    zone = Zone(name="tank", shape=box(28, 28, 32 + side_m, 32 + side_m), period_s=99)
+    mission = replace(yard.mission, zones=(zone,), obstacles=())
+    ax = drawn_routes(Plan(mission=mission, trajectories=(there,)))
+    ax.figure.canvas.draw()
+    label = next(text for text in ax.texts if text.get_text() == "tank  99 s")
+    on_map = box(*label.get_bbox_patch().get_window_extent().transformed(ax.transData.inverted()).extents)
+    assert on_map.intersection(LineString(ring)).length == 0
+    # in its zone where there is room, otherwise right beside it
+    assert on_map.within(zone.shape) == (side_m == 60)
+    assert on_map.distance(zone.shape) < 2
 
 
 def test_legend_has_an_entry_per_loop_and_kind_of_obstacle(yard: Plan):
@@ -143,7 +191,7 @@ def test_another_suffix_is_refused_with_those_allowed(yard: Plan, tmp_path: Path
 
 
 def test_a_folder_that_is_not_there_is_named(yard: Plan, tmp_path: Path):
-    with pytest.raises(RotaError, match=r"nowhere.plan\.png: cannot be written: No such file"):
+    with pytest.raises(RotaError, match=r"nowhere.plan\.png: there is no folder .*; create it first"):
         draw_plan(yard, tmp_path / "nowhere" / "plan.png")
 
 

@@ -276,6 +276,11 @@ def test_one_zone_per_feature(tmp_path):
     ]
     one = read(tmp_path, text + "zones: [{geojson: z.geojson, feature: gate, name: door}]\n").mission
     assert [(zone.name, zone.period_s) for zone in one.zones] == [("door", 20)]
+    write_geojson(tmp_path / "a.geojson", ({"name": "area"}, square(11.5005, 48.1005)))
+    with pytest.raises(
+        MissionError, match=r":6:19: zones\[0\]\.geojson: 'area' is not allowed; it stands for the ground"
+    ):
+        read(tmp_path, text + "zones: [{geojson: a.geojson, period_s: 50}]\n")
 
 
 def test_a_real_parcel_has_its_geodesic_area(tmp_path):

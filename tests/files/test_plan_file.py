@@ -297,9 +297,9 @@ def test_broken_text_is_refused_with_its_position(text: bytes, message: str) -> 
 
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(PlanError, match=r"none\.json: cannot be read: No such file"):
+    with pytest.raises(PlanError, match=r"none\.json: no such file; a plan file \('rota plan' writes one\) is needed"):
         read_plan(tmp_path / "none.json")
-    with pytest.raises(PlanError, match="cannot be read: Is a directory"):
+    with pytest.raises(PlanError, match=r"is a folder; a plan file .* is needed"):
         read_plan(tmp_path)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, difference, distance, intersection, points, union_all
 
 from rota.check.routes import segments_of
-from rota.mission import Demand, Mission
+from rota.mission import AREA, Demand, Mission
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def demands_of(mission: Mission) -> tuple[Asked, ...]:
     if mission.period_s is not None:
         rest = _polygonal(difference(ground_in_sight, union_all([zone.shape for zone in mission.zones])))
         if not rest.is_empty or not asked:
-            asked.append(Asked(name="area", period_s=mission.period_s, demand="every_point", region=rest))
+            asked.append(Asked(name=AREA, period_s=mission.period_s, demand="every_point", region=rest))
     return tuple(asked)
 
 

@@ -17,22 +17,23 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.draw.gif_file import Frame
 from rota.draw.ground import ground_of, neighbours
-from rota.draw.mission_picture import draw_mission, draw_zone_labels, outline, plain
+from rota.draw.mission_picture import draw_mission, outline, plain
 from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
 from rota.draw.route_lines import robot_colours
-from rota.draw.routes import positions_at
+from rota.draw.routes import corner_times_s, positions_at, routes_of
 from rota.draw.sightings import Sightings
+from rota.draw.zone_labels import draw_zone_labels
 from rota.mission import Mission
-from rota.plan import Plan
+from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
-Frame = NDArray[np.uint8]
 
 DPI = 100
-# few colours and few cells: a GIF keeps each change of each of them
-LEVELS, CELLS = 16, 16_000
-TRAIL_LEGS, TRAIL_FILM_S = 24, 1.5
+# a GIF keeps each change of each cell: with few levels there are fewer
+LEVELS, CELLS = 6, 16_000
+TRAIL_FILM_S = 1.0
 NUMBERED_ROBOTS = 40
 
 # inches
@@ -44,8 +45,8 @@ def _figure_size(mission: Mission) -> tuple[float, float]:
     left, bottom, right, top = mission.area.bounds
     pad_m = 0.05 * np.sqrt((right - left) * (top - bottom))
     slope = (top - bottom + pad_m) / (right - left + pad_m)
-    width = min(6.6, 5.6 / slope) if slope > 0.4 else 9.0
-    even = [2 * round(DPI * inches / 2) / DPI for inches in (max(width, 3.9), min(width * slope, 5.6))]
+    width = min(5.0, 4.4 / slope) if slope > 0.4 else 7.5
+    even = [2 * round(DPI * inches / 2) / DPI for inches in (max(width, 3.9), min(width * slope, 4.4))]
     return even[0] + 2 * round((LEFT + RIGHT) * DPI / 2) / DPI, even[1] + 2 * round((TOP + BOTTOM) * DPI / 2) / DPI
 
 
@@ -84,8 +85,8 @@ class FilmFrames:
         wide, high = self._fig.get_size_inches()
         place = (LEFT / wide, BOTTOM / high, 1 - (LEFT + RIGHT) / wide, 1 - (TOP + BOTTOM) / high)
         self._ax = self._fig.add_axes(place, anchor="W")
-        draw_mission(self._plan.mission, self._ax, fill=False)
-        draw_zone_labels(self._plan.mission, self._ax)
+        area = draw_mission(self._plan.mission, self._ax, fill=False)
+        draw_zone_labels(self._plan.mission, self._ax, routes_of(self._plan))
         self._image = self._ax.imshow(
             np.zeros(self._sightings.last_seen_s.shape),
             extent=self._sightings.ground.extent_m,
@@ -94,13 +95,15 @@ class FilmFrames:
             cmap=gap_colours(LEVELS).with_extremes(under=NOT_SEEN_YET, over=OVER_PERIOD, bad=(0, 0, 0, 0)),
             norm=Normalize(0.0, 1.0),
             zorder=1.2,
-            clip_path=self._ax.patches[0],
+            clip_path=area,
         )
 
     def _draw_robots(self) -> None:
         faces = [to_rgba("white", 0.3)] * len(self._colours)
         self._views = PathCollection([], facecolors=faces, edgecolors=self._colours, linewidths=1.0, zorder=4)
-        self._trails = LineCollection([], linewidths=2.0, capstyle="butt", zorder=4.5)
+        # what a robot has just seen is dark, so the trail on it is pale
+        inks = [tuple(0.4 * np.array(to_rgb(colour)) + 0.6) for colour in self._colours]
+        self._trails = LineCollection([], colors=inks, linewidths=2.0, capstyle="butt", zorder=4.5)
         self._ax.add_collection(self._views, autolim=False)
         self._ax.add_collection(self._trails, autolim=False)
         nowhere = np.zeros(len(self._colours))
@@ -126,27 +129,29 @@ class FilmFrames:
         style: dict[str, Any] = {"fontsize": 7.5, "frameon": False, "borderpad": 0, "borderaxespad": 0}
         self._fig.legend(handles=[yet], loc="upper left", bbox_to_anchor=corner, **style)
 
+    def _trail(self, trajectory: Trajectory, time_s: float) -> Floats:
+        """The robot's way until now, (n, 2) metres, n > 1; not more than once round its loop."""
+        length_s = TRAIL_FILM_S * self._speedup
+        if trajectory.loop_duration_s > 0:
+            length_s = min(length_s, trajectory.loop_duration_s)
+        from_s = max(time_s - length_s, 0)
+        way_s = np.concatenate([[from_s], corner_times_s(trajectory, from_s, time_s), [time_s]])
+        return positions_at(trajectory, way_s)
+
     def _move(self, time_s: float, age: Floats) -> None:
         # where it was not seen yet: below the scale, which has a colour of its own
         self._image.set_data(np.ma.masked_invalid(np.where(np.isinf(age), -1.0, age).ravel()[self._shown]))
         self._views.set_paths([_path(shape) for shape in self._sightings.footprints(time_s)])
-        trail_s = np.maximum(time_s - TRAIL_FILM_S * self._speedup * np.linspace(1, 0, TRAIL_LEGS + 1), 0)
-        fading = np.linspace(0.05, 0.95, TRAIL_LEGS)
-        legs, inks = [], []
-        for trajectory, colour in zip(self._plan, self._colours, strict=True):
-            way_m = positions_at(trajectory, trail_s)
-            legs.append(np.stack([way_m[:-1], way_m[1:]], axis=1))
-            # what a robot has just seen is dark, so the trail on it is pale
-            pale = 0.4 * np.array(to_rgb(colour)) + 0.6
-            inks.append(np.column_stack([np.tile(pale, (TRAIL_LEGS, 1)), fading]))
-        if legs:
-            self._trails.set_segments(list(np.concatenate(legs)))
-            self._trails.set_color(list(np.concatenate(inks)))
-            places_m = np.array([leg[-1, 1] for leg in legs])
-            self._marks.set_offsets(places_m)
+        trails, places_m = [], []
+        for trajectory in self._plan:
+            trails.append(self._trail(trajectory, time_s))
+            places_m.append(trails[-1][-1])
+        if trails:
+            self._trails.set_segments(trails)
+            self._marks.set_offsets(np.array(places_m))
             for number, place_m in zip(self._numbers, places_m, strict=False):
                 number.set_position(place_m)
-        self._clock.set_text(f"t = {time_s:.1f} s     ×{self._speedup:.3g}")
+        self._clock.set_text(f"t = {time_s:.1f} s · {self._speedup:.3g} × real time")
 
     def _drawn(self) -> Frame:
         self._canvas.restore_region(self._background)  # type: ignore[no-untyped-call]
@@ -155,12 +160,17 @@ class FilmFrames:
         self._fig.draw_artist(self._clock)
         return np.array(self._canvas.buffer_rgba(), dtype=np.uint8)  # type: ignore[no-untyped-call]
 
+    def key_colours(self) -> Frame:
+        """Colours that must not be mixed with others, (n, 3): the robots' own, black and white."""
+        named = dict.fromkeys([*self._colours, "black", "white"])
+        return np.array([[round(255 * part) for part in to_rgb(colour)] for colour in named], dtype=np.uint8)
+
     def sample(self) -> Frame:
         """Frames, one below the other, with the colours that the film can have; a GIF takes its palette from them."""
         cells = self._sightings.last_seen_s
         drawn = []
         for ages in (np.linspace(-0.1, 1.1, cells.size).reshape(cells.shape), np.zeros_like(cells)):
-            self._move(0.0, ages)
+            self._move(TRAIL_FILM_S * self._speedup, ages)
             drawn.append(self._drawn())
         return np.concatenate(drawn)
 

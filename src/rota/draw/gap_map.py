@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from rota.draw.ground import Bools, Ground, ground_of
+from rota.draw.ground import Bools, Ground, ground_of, neighbours
 from rota.draw.palette import EXCLUDED, NEVER_SEEN, NOTHING_ASKED, OVER_PERIOD, gap_colours
 from rota.plan import Plan
 
@@ -45,7 +45,7 @@ class GapMap:
         return np.isfinite(self.ratio) & (self.ratio > ON_TIME)
 
 
-def gap_map(plan: Plan, cells: int = 50_000) -> GapMap:
+def gap_map(plan: Plan, cells: int = 200_000) -> GapMap:
     """The worst gap over period at the centre of each of about ``cells`` cells; samples, not the check's verdict."""
     from rota.check import revisits, seeable  # loads the compiled loops only when they are needed
 
@@ -85,15 +85,17 @@ def _broad(mask: Bools) -> Bools:
     return mask
 
 
-def draw_gap_map(gaps: GapMap, ax: Axes) -> AxesImage:
-    """The map on ``ax``; late places red and hatched, unseen ones pale and hatched, the rest white and dotted."""
+def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
+    """The map on ``ax``; late places red and hatched, unseen ones pale and hatched, the rest white and dotted.
+
+    ``area``: the area's patch, by which all is cut: cells on its border reach beyond it.
+    """
     ground = gaps.ground
-    blank = PathPatch(_cells_path(ground, ground.inside & ~ground.asked), facecolor=NOTHING_ASKED)
-    ax.add_patch(blank).set(linewidth=0, edgecolor="#777777", hatch="....", zorder=1.1)
+    shown = neighbours(ground)
     drawn = np.ma.masked_invalid(np.where(gaps.late, gaps.ratio, np.minimum(gaps.ratio, 1.0)))
     drawn[gaps.never] = np.ma.masked
     image = ax.imshow(
-        drawn,
+        drawn.ravel()[shown],
         extent=ground.extent_m,
         origin="lower",
         interpolation="nearest",
@@ -101,16 +103,19 @@ def draw_gap_map(gaps: GapMap, ax: Axes) -> AxesImage:
         cmap=gap_colours(),
         norm=Normalize(0.0, 1.0),
         zorder=1.2,
+        clip_path=area,
     )
     # hatched, because in a grey print red is just another grey
     for mask, face, hatch, edge in (
+        (ground.inside & ~ground.asked, NOTHING_ASKED, "....", "#777777"),
         (_broad(gaps.late), "none", "\\\\\\\\", "white"),
         (gaps.never, NEVER_SEEN, "xxxx", OVER_PERIOD),
         (gaps.excluded, EXCLUDED, "", EXCLUDED),
     ):
         if mask.any():
-            patch = PathPatch(_cells_path(ground, mask), facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0)
-            ax.add_patch(patch).set_zorder(1.3)
+            path = _cells_path(ground, mask.ravel()[shown])
+            patch = PathPatch(path, facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0, zorder=1.3)
+            ax.add_patch(patch).set_clip_path(area)
     return image
 
 

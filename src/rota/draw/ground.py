@@ -15,7 +15,7 @@ from rota.mission import Mission
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-MAX_CELLS_ALONG = 800
+MAX_CELLS_ALONG = 1600
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,15 +77,16 @@ def _within(shape: MultiPolygon, x_m: Floats, y_m: Floats) -> Bools:
     return mask
 
 
-def ground_of(mission: Mission, cells: int = 50_000) -> Ground:
-    """The ground of a mission in about ``cells`` cells over its bounding box, at most 800 along one side.
+def ground_of(mission: Mission, cells: int = 200_000) -> Ground:
+    """The ground of a mission in about ``cells`` cells over its bounding box, at most 1600 along one side.
 
     A zone's period replaces the area's, also by nothing; among overlapping zones the smallest rules.
     """
     left, bottom, right, top = mission.area.bounds
     width_m, height_m = right - left, top - bottom
     cell_m = max(math.sqrt(width_m * height_m / cells), max(width_m, height_m) / MAX_CELLS_ALONG)
-    columns, rows = max(1, round(width_m / cell_m)), max(1, round(height_m / cell_m))
+    # up to the far border, but not a column more because of rounding
+    columns, rows = (max(1, math.ceil(side_m / cell_m - 1e-6)) for side_m in (width_m, height_m))
     x_m = (left + right) / 2 + cell_m * (np.arange(columns) - (columns - 1) / 2)
     y_m = (bottom + top) / 2 + cell_m * (np.arange(rows) - (rows - 1) / 2)
     inside = _within(mission.area, x_m, y_m)

@@ -8,18 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
-from shapely import GeometryCollection, MultiPolygon, Polygon, box, maximum_inscribed_circle
-from shapely.geometry.base import BaseGeometry
+from shapely import MultiPolygon
 from shapely.geometry.polygon import orient
 
 from rota.draw.palette import AREA_EDGE, GROUND, NO_ENTRY, NO_SIGHT, OBSTACLE, OUTSIDE, ZONE_EDGE, ZONE_TINTS
-from rota.mission import Mission, Obstacle, Zone
+from rota.mission import Mission, Obstacle
 
 FONT_PT = 7.5
 NAME_CHARACTERS = 60
 OUTLINED_CORNERS = 300
-# from the middle outwards
-STEPS_3, STEPS_4 = (0, -1, 1, -2, 2, -3, 3), (0, 1, -1, 2, -2, 3, -3, 4, -4)
 
 
 def plain(text: str, characters: int = NAME_CHARACTERS) -> str:
@@ -29,16 +26,12 @@ def plain(text: str, characters: int = NAME_CHARACTERS) -> str:
     return text.replace("$", r"\$")
 
 
-def seconds(duration_s: float) -> str:
-    """A duration for people: seconds up to 10 minutes, then minutes, then hours."""
-    if duration_s < 600:
-        return f"{duration_s:.4g} s"
-    return f"{duration_s / 60:.4g} min" if duration_s < 36_000 else f"{duration_s / 3600:.4g} h"
-
-
-def metres(length_m: float) -> str:
-    """A length for people: metres up to 10 km, then kilometres."""
-    return f"{length_m:.0f} m" if length_m < 10_000 else f"{length_m / 1000:.4g} km"
+def period_text(period_s: float) -> str:
+    """A period as it was asked, not rounded: from 10 minutes on in whole minutes or hours where it is that."""
+    for unit_s, unit in ((3600, "h"), (60, "min")):
+        if period_s >= 600 and period_s % unit_s == 0:
+            return f"{period_s / unit_s:.0f} {unit}"
+    return f"{period_s:.10g} s"
 
 
 def outline(shape: MultiPolygon) -> Path:
@@ -51,7 +44,7 @@ def asked(period_s: float | None, demand: str) -> str:
     """What a place asks, in a few words: ``8 s``, ``visit 8 s`` or ``nothing asked``."""
     if period_s is None:
         return "nothing asked"
-    return f"visit {seconds(period_s)}" if demand == "visit" else seconds(period_s)
+    return f"visit {period_text(period_s)}" if demand == "visit" else period_text(period_s)
 
 
 def _zone_tints(mission: Mission) -> list[str]:
@@ -88,8 +81,8 @@ def frame(mission: Mission, ax: Axes) -> None:
     ax.apply_aspect()
     window = ax.get_window_extent()
     wide, high = window.width / ax.figure.dpi, window.height / ax.figure.dpi
-    ax.locator_params(axis="x", nbins=int(np.clip(wide / 0.55, 1, 8)))
-    ax.locator_params(axis="y", nbins=int(np.clip(high / 0.4, 1, 8)))
+    ax.locator_params(axis="x", nbins=int(np.clip(wide / 0.55, 1, 8)), steps=[1, 2, 5, 10])
+    ax.locator_params(axis="y", nbins=int(np.clip(high / 0.4, 1, 8)), steps=[1, 2, 5, 10])
     ax.ticklabel_format(style="plain", useOffset=False)
     for spine in ax.spines.values():
         spine.set_linewidth(0.5)
@@ -104,65 +97,17 @@ def points_per_metre(ax: Axes) -> float:
     return float(window.width / (right - left) * 72 / ax.figure.dpi)
 
 
-def _label_boxes(shape: Polygon, width_m: float, height_m: float) -> list[Polygon]:
-    """Boxes of this size worth trying for a label: all over the shape, its widest place first, then round it."""
-    widest = maximum_inscribed_circle(shape, tolerance=0.05 * np.sqrt(shape.area)).coords[0]
-    left, bottom, right, top = shape.bounds
-    middle_m = ((left + right) / 2, (bottom + top) / 2)
-    reach_m = max((right - left) / 2 - 0.6 * width_m, 0.0), max((top - bottom) / 2 - 0.7 * height_m, 0.0)
-    lattice = [(middle_m[0] + i / 3 * reach_m[0], middle_m[1] + j / 4 * reach_m[1]) for j in STEPS_4 for i in STEPS_3]
-    around = [
-        (middle_m[0], top + 0.8 * height_m),
-        (middle_m[0], bottom - 0.8 * height_m),
-        (right + 0.6 * width_m, middle_m[1]),
-        (left - 0.6 * width_m, middle_m[1]),
-    ]
-    half_m = (width_m / 2, height_m / 2)
-    spots = [(float(widest[0]), float(widest[1])), *lattice, *around]
-    return [box(x_m - half_m[0], y_m - half_m[1], x_m + half_m[0], y_m + half_m[1]) for x_m, y_m in spots]
+def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> PathPatch:
+    """Area, zones and obstacles on ``ax`` in metres; returns the patch of the area, to clip by.
 
-
-def _label_cost(spot: Polygon, shape: Polygon, frame_box: Polygon, taken: list[Polygon], avoid: BaseGeometry) -> float:
-    """How bad a label stands there: beyond the frame or on another label, then on lines, then off its zone."""
-    left, _, right, _ = spot.bounds
-    covered = sum(spot.intersection(other).area for other in taken) + spot.difference(frame_box).area
-    off = spot.difference(shape).area
-    return float((20 * covered + 0.7 * off) / spot.area + spot.intersection(avoid).length / (right - left))
-
-
-def draw_zone_labels(mission: Mission, ax: Axes, avoid: BaseGeometry | None = None) -> None:
-    """Each zone's name and period, in or beside it, clear of each other and of the lines ``avoid`` where it can be."""
-    scale = points_per_metre(ax)
-    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
-    lines = GeometryCollection() if avoid is None else avoid
-    taken: list[Polygon] = []
-    for zone in mission.zones:
-        text = f"{plain(zone.name, 28)}  {asked(zone.period_s, zone.demand)}"
-        width_m, height_m = (0.56 * len(text) * FONT_PT + 5) / scale, (FONT_PT + 6) / scale
-        shape = max(_parts(zone, mission), key=lambda part: part.area)
-        around = box(*shape.bounds).buffer(2 * max(width_m, height_m))
-        boxes, near = _label_boxes(shape, width_m, height_m), lines.intersection(around)
-        costs = [_label_cost(spot, shape, box(left, bottom, right, top), taken, near) for spot in boxes]
-        taken.append(boxes[int(np.argmin(costs))])
-        label = ax.text(taken[-1].centroid.x, taken[-1].centroid.y, text, fontsize=FONT_PT, zorder=6)
-        label.set(ha="center", va="center", color="#3A2A08")
-        label.set_bbox({"boxstyle": "round,pad=0.22", "fc": "white", "ec": ZONE_EDGE, "lw": 0.5, "alpha": 0.9})
-
-
-def _parts(zone: Zone, mission: Mission) -> list[Polygon]:
-    inside = zone.shape.intersection(mission.area)
-    return [part for part in getattr(inside, "geoms", [inside]) if isinstance(part, Polygon) and part.area > 0]
-
-
-def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> None:
-    """Area, zones and obstacles on ``ax`` in metres; with ``fill`` False zones are outlines only, for a map beneath.
-
-    Zones are drawn with the longest period lowest. What lies outside the area is grey.
+    With ``fill`` False zones are outlines only, and a map may lie beneath all outlines, from zorder 1.1 to 1.9. Zones
+    are drawn with the longest period lowest. What lies outside the area is grey.
     """
     frame(mission, ax)
-    ground = PathPatch(outline(mission.area), facecolor=GROUND, edgecolor=AREA_EDGE, linewidth=1.1)
-    ground.set_zorder(1)
+    ground = PathPatch(outline(mission.area), facecolor=GROUND, edgecolor="none", zorder=1)
     ax.add_patch(ground)
+    # above zones, which end at it, and below obstacles, which may stand on it
+    ax.add_patch(PathPatch(outline(mission.area), facecolor="none", edgecolor=AREA_EDGE, linewidth=1.1, zorder=2.5))
     tints = _zone_tints(mission)
     order = sorted(range(len(mission.zones)), key=lambda k: -(mission.zones[k].period_s or np.inf))
     for k in order:
@@ -176,6 +121,7 @@ def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> None:
             patch.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
     for obstacle in mission.obstacles:
         ax.add_patch(_obstacle_patch(obstacle))
+    return ground
 
 
 def mission_legend(mission: Mission) -> list[Patch]:

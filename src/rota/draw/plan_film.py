@@ -12,18 +12,19 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
-from rota.draw.film_frames import FilmFrames, Frame
+from rota.draw.film_frames import FilmFrames
+from rota.draw.gif_file import Frame, palette_of, write_gif
 from rota.draw.house_style import house_style
-from rota.draw.output_file import replaced_file, require_suffix
 from rota.errors import RotaError
+from rota.files.atomic_write import replaced_file, require_suffix
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 
-FORMATS = (".gif", ".mp4")
-USUAL_S, LONGEST_S = 15.0, 60.0
+# frames per second: a GIF grows with each, an MP4 hardly
+FORMATS = {".gif": 8, ".mp4": 20}
+USUAL_S, LONGEST_S = 12.0, 60.0
 
 
 def _positive(name: str, value: float | None, most: float) -> None:
@@ -37,7 +38,7 @@ def film_times_s(
     """The plan's time (n,) in seconds at each frame, and the speed-up.
 
     What is shown begins at 0 and lasts to the end of the first round of every loop, unless ``seconds`` and ``speedup``
-    say otherwise; without them the film takes 15 s, or less where the loops are done earlier in real time.
+    say otherwise; without them the film takes 12 s, or less where the loops are done earlier in real time.
     """
     span_s = max((float(trajectory.times_s[-1]) for trajectory in plan), default=0.0) or 1.0
     if speedup is None:
@@ -49,54 +50,31 @@ def film_times_s(
 
 
 def animate_plan(
-    plan: Plan, path: str | Path, *, seconds: float | None = None, fps: int = 12, speedup: float | None = None
+    plan: Plan, path: str | Path, *, seconds: float | None = None, fps: int | None = None, speedup: float | None = None
 ) -> None:
     """Animate a plan to ``path`` as GIF or MP4, by its suffix; the file appears whole or not at all.
 
-    seconds: length of the film, at most 3600; default: one round of the longest loop, in about 15 s, at most 60 s.
-    fps: frames per second, 1 to 60. speedup: seconds of the plan per second of film; default: what makes both fit, at
-    least 1. Ground is coloured by the time since it was last seen, in periods of the place, from a start at which
-    nothing has been seen. Raises RotaError for another suffix, numbers out of range, a folder that cannot be written
-    to, or an MP4 without the ffmpeg program or with one that fails.
+    seconds: length of the film, at most 3600; default: one round of the longest loop, in about 12 s, at most 60 s.
+    fps: frames per second, 1 to 60; default: 8 for a GIF, 20 for an MP4. speedup: seconds of the plan per second of
+    film; default: what makes both fit, at least 1. Ground is coloured by the time since it was last seen, in periods of
+    the place, from a start at which nothing has been seen. Raises RotaError for another suffix, numbers out of range, a
+    folder that cannot be written to, or an MP4 without the ffmpeg program or with one that fails.
     """
     path = Path(path)
-    suffix = require_suffix(path, FORMATS, "a film")
+    suffix = require_suffix(path, tuple(FORMATS), "a film")
     _positive("seconds", seconds, 3600)
     _positive("fps", fps, 60)
     _positive("speedup", speedup, 1e6)
     if suffix == ".mp4" and shutil.which("ffmpeg") is None:
         raise RotaError(f"{path}: an MP4 needs the ffmpeg program, which is not on the PATH; a .gif needs nothing")
+    fps = FORMATS[suffix] if fps is None else fps
     times_s, speedup = film_times_s(plan, seconds, fps, speedup)
     with house_style(), replaced_file(path) as partial:
         film = FilmFrames(plan, speedup)
         if suffix == ".gif":
-            _write_gif(film.frames(times_s), len(times_s), _palette(film.sample()), partial, fps)
+            write_gif(film.frames(times_s), len(times_s), palette_of(film.sample(), film.key_colours()), partial, fps)
         else:
             _write_mp4(film.frames(times_s), film.size_px, partial, fps)
-
-
-def _palette(sample: Frame) -> Image.Image:
-    """A palette with the sample's flat colours as they are, and the best 128 for the shades between them."""
-    colours, counts = np.unique(sample[..., :3].reshape(-1, 3), axis=0, return_counts=True)
-    order = np.argsort(-counts, kind="stable")
-    flat, shades = colours[order[:128]], colours[order[128:]]
-    values = flat.ravel().tolist()
-    if len(shades):
-        mixed = Image.fromarray(shades[None]).quantize(128, Image.Quantize.MEDIANCUT)
-        values += mixed.getpalette() or []
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(values[: 3 * 256])
-    return palette
-
-
-def _write_gif(frames: Iterator[Frame], count: int, palette: Image.Image, path: Path, fps: int) -> None:
-    # a GIF counts hundredths of a second; rounding their sum keeps the film's length
-    ticks = np.diff(np.round(np.arange(count + 1) * 100 / fps)).astype(int)
-    pictures = (
-        Image.fromarray(frame).convert("RGB").quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames
-    )
-    first = next(pictures)
-    first.save(path, format="GIF", save_all=True, append_images=pictures, duration=[10 * int(n) for n in ticks], loop=0)
 
 
 def _write_mp4(frames: Iterator[Frame], size_px: tuple[int, int], path: Path, fps: int) -> None:

@@ -12,13 +12,14 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from shapely import MultiLineString
 
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.house_style import house_style
-from rota.draw.mission_picture import draw_mission, draw_zone_labels, mission_legend, plain, seconds
-from rota.draw.output_file import replaced_file, require_suffix
+from rota.draw.mission_picture import draw_mission, mission_legend, period_text, plain
 from rota.draw.route_lines import draw_route_lines, route_legend
+from rota.draw.routes import routes_of
+from rota.draw.zone_labels import draw_zone_labels
+from rota.files.atomic_write import replaced_file, require_suffix
 from rota.mission import Mission
 from rota.plan import Plan
 
@@ -63,7 +64,7 @@ def _header(plan: Plan) -> str:
         words.append(f"lower bound {plan.lower_bound_robots}")
     mission = plan.mission
     where = "outside zones" if mission.zones else "whole area"
-    words.append(f"{where} {'nothing asked' if mission.period_s is None else 'every ' + seconds(mission.period_s)}")
+    words.append(f"{where} {'nothing asked' if mission.period_s is None else 'every ' + period_text(mission.period_s)}")
     return " · ".join(words)
 
 
@@ -113,8 +114,7 @@ def draw_routes(plan: Plan, ax: Axes) -> None:
     """The mission and the plan's loops on ``ax`` in metres, every zone labelled with its period."""
     draw_mission(plan.mission, ax)
     draw_route_lines(plan, ax)
-    loops = [trajectory.positions_m[trajectory.loop_index :, :2] for trajectory in plan]
-    draw_zone_labels(plan.mission, ax, MultiLineString([loop_m for loop_m in loops if len(loop_m) > 1]))
+    draw_zone_labels(plan.mission, ax, routes_of(plan))
 
 
 def draw_gaps(plan: Plan, ax: Axes, gaps: GapMap | None = None) -> AxesImage:
@@ -122,11 +122,11 @@ def draw_gaps(plan: Plan, ax: Axes, gaps: GapMap | None = None) -> AxesImage:
 
     ``gaps``: the numbers, when they are at hand; otherwise they are computed.
     """
-    draw_mission(plan.mission, ax, fill=False)
-    return draw_gap_map(gap_map(plan) if gaps is None else gaps, ax)
+    area = draw_mission(plan.mission, ax, fill=False)
+    return draw_gap_map(gap_map(plan) if gaps is None else gaps, ax, area)
 
 
-def plan_figure(plan: Plan, cells: int = 50_000) -> Figure:
+def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     """The picture as a matplotlib figure: routes on the left (or top), worst gaps over about ``cells`` cells beside."""
     layout = _layout(plan.mission)
     gaps = gap_map(plan, cells)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from rota.draw.mission_picture import metres, plain, points_per_metre, seconds
+from rota.draw.mission_picture import plain, points_per_metre
 from rota.draw.palette import ink_on, route_style
 from rota.draw.routes import Route, arrowheads, routes_of
 from rota.plan import Plan
+from rota.plan_table import rounded
 
 Floats = NDArray[np.float64]
 
@@ -33,11 +36,13 @@ def route_label(plan: Plan, route: Route) -> str:
     names = [plan.trajectories[k].robot for k in route.robots]
     shown = names if len(names) <= 2 else [names[0], "…", names[-1]]
     name = plain(", ".join(shown) if len(names) <= 2 else " ".join(shown), 28)
-    numbers = _numbers(route.robots)
-    who = name if name.endswith(numbers) and len(names) == 1 else f"{numbers}  {name}"
+    # the marks show numbers; names that end with theirs need no second one
+    ends = [re.search(r"\d*$", name) for name in names]
+    numbered = [int(end[0] or 0) if end else 0 for end in ends] == [robot + 1 for robot in route.robots]
+    who = name if numbered else f"{_numbers(route.robots)}  {name}"
     if not route.duration_s:
         return f"{who}: stays"
-    return f"{who}: {metres(route.length_m)}, {seconds(route.duration_s)}"
+    return f"{who}: {rounded(route.length_m)} m, {rounded(route.duration_s)} s"
 
 
 def _line_width_pt(plan: Plan, routes: tuple[Route, ...], scale: float) -> float:

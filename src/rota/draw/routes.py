@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +18,13 @@ SAME_PLACE_M = 1e-6
 class Route:
     """A closed loop, drawn once, and the robots on it. ``robots``: indices into the plan's trajectories, increasing.
 
-    loop_m: (n, 2) metres, the first point again at the end; one point for robots that stay where they are.
+    loop_m: (n, 2) metres, the first point again at the end; one point for robots that stay where they are. starts_m:
+    (robots, 2), where each of them begins its loop.
     """
 
     robots: tuple[int, ...]
     loop_m: Floats
+    starts_m: Floats
     duration_s: float
 
     @property
@@ -92,10 +94,11 @@ def routes_of(plan: Plan) -> tuple[Route, ...]:
         duration_s = trajectory.loop_duration_s
         for k, route in enumerate(routes):
             if abs(route.duration_s - duration_s) <= 1e-6 * duration_s and _same_ring(rings[k], ring):
-                routes[k] = Route(robots=(*route.robots, index), loop_m=route.loop_m, duration_s=route.duration_s)
+                starts_m = np.concatenate([route.starts_m, loop_m[:1]])
+                routes[k] = replace(route, robots=(*route.robots, index), starts_m=starts_m)
                 break
         else:
-            routes.append(Route(robots=(index,), loop_m=loop_m, duration_s=duration_s))
+            routes.append(Route(robots=(index,), loop_m=loop_m, starts_m=loop_m[:1], duration_s=duration_s))
             rings.append(ring)
     return tuple(routes)
 

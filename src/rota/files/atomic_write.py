@@ -5,42 +5,51 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from rota.errors import RotaError
 
 
 def write_atomically(path: str | os.PathLike[str], text: str) -> None:
-    """Write ``text`` (UTF-8) to a temporary file beside ``path``, bring it to the disk, and rename it.
+    """Write ``text`` (UTF-8) to ``path`` by way of ``replaced_file``; raises RotaError as that does."""
+    with replaced_file(path) as partial:
+        partial.write_text(text, encoding="utf-8", newline="\n")
 
-    A link is followed. What is no regular file (a pipe, /dev/stdout) cannot be replaced and is written to directly.
-    An existing file keeps its permissions. Raises RotaError when the path cannot be written.
+
+@contextmanager
+def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A temporary file beside ``path`` that is brought to the disk and takes its place when the block ends well.
+
+    Otherwise it disappears. A link is followed. What is no regular file (a pipe, /dev/stdout) cannot be replaced: the
+    block gets the path itself. An existing file keeps its permissions. Raises RotaError when it cannot be written.
     """
     require_writable(path)
     target = Path(os.path.realpath(path))
     try:
         if target.exists() and not target.is_file():
-            target.write_text(text, encoding="utf-8")
-        else:
-            _replace(target, text.encode("utf-8"))
+            yield target
+            return
+        partial = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(4)}.part{target.suffix}")
+        try:
+            # made like any other new file, so that it gets the same permissions
+            partial.touch(exist_ok=False)
+            yield partial
+            _settle(partial, target)
+        finally:
+            partial.unlink(missing_ok=True)
     except OSError as error:
         raise RotaError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
-def _replace(target: Path, content: bytes) -> None:
-    partial = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
-    try:
-        # os.open applies the umask, so that the file gets the permissions of any other new file
-        descriptor = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if target.exists():
-            os.chmod(partial, stat.S_IMODE(target.stat().st_mode))
-        os.replace(partial, target)
-    finally:
-        partial.unlink(missing_ok=True)
+def _settle(partial: Path, target: Path) -> None:
+    """Bring a finished file to the disk and give it its name."""
+    with partial.open("rb") as file:
+        os.fsync(file.fileno())
+    if target.exists():
+        os.chmod(partial, stat.S_IMODE(target.stat().st_mode))
+    os.replace(partial, target)
     _sync_folder(target.parent)
 
 
@@ -56,6 +65,17 @@ def _sync_folder(folder: Path) -> None:
         pass
     finally:
         os.close(descriptor)
+
+
+def require_suffix(path: str | os.PathLike[str], allowed: tuple[str, ...], what: str) -> str:
+    """The suffix of ``path`` in lower case; raises RotaError when it is none of ``allowed`` for ``what``."""
+    suffix = Path(path).suffix
+    if suffix.lower() not in allowed:
+        found = repr(suffix) if suffix else "no suffix"
+        raise RotaError(
+            f"{path}: {found} is no format for {what}; {', '.join(allowed[:-1])} or {allowed[-1]} is needed"
+        )
+    return suffix.lower()
 
 
 def require_writable(path: str | os.PathLike[str]) -> None:

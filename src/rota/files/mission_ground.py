@@ -1,36 +1,25 @@
-"""The places of a mission file, from whatever source, to polygons in local metres."""
+"""Where a mission takes place: its area, obstacles and zones, from whatever source, in local metres."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
-from shapely import MultiPolygon, Polygon, transform, unary_union
+from shapely import MultiPolygon, unary_union
 
 from rota.errors import MissionError
-from rota.files.geodesy import Projection, projection_for, require_degrees
-from rota.files.geojson_shapes import Feature, pick_feature, read_features
-from rota.files.local_file import local_file
-from rota.files.mission_schema import (
-    Area,
-    AreaBlock,
-    Circle,
-    Holed,
-    Number,
-    ObstacleBlock,
-    ObstacleEntry,
-    OriginBlock,
-    Shape,
-    ZoneBlock,
-)
+from rota.files.geodesy import Projection, projection_for
+from rota.files.geojson_shapes import Feature
+from rota.files.mission_schema import Area, AreaBlock, Number, ObstacleBlock, ObstacleEntry, OriginBlock, ZoneBlock
+from rota.files.mission_shapes import Frame, Stop, features_of, shape_as_written, shape_in_metres, to_metres
 from rota.files.occupancy_map import InsideError, read_map
-from rota.files.rings import circle_ring, fault_point, open_ring, polygon_fault, polygons_of
+from rota.files.rings import polygons_of
 from rota.files.schema_faults import Fault
 from rota.files.yaml_text import Place
-from rota.mission import Demand, GeoPoint, Obstacle, Zone
+from rota.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
 
 _SMALLEST_CUT = 1e-9  # relative: borders drawn along each other differ by rounding
 
@@ -50,272 +39,209 @@ class Ground(NamedTuple):
     origin: GeoPoint | None
 
 
+class Noticed(NamedTuple):
+    """What was found wrong and what is worth a warning so far; the reading of one entry after another adds to it."""
+
+    faults: list[Fault]
+    warnings: list[Fault]
+
+
 def read_ground(data: Any, folder: Path, *, confine: bool) -> tuple[Ground | None, list[Fault], list[Fault]]:
     """The ground of a mission, the faults found in it, and warnings.
 
     Entries that break the schema are passed over (their faults are the schema's to tell), so that what is wrong with
     the others is told at the same time. The ground is None when there are faults or when the area is missing.
     """
-    reading = _Reading(data, folder, confine)
-    ground = reading.ground()
-    return (None if reading.faults else ground), reading.faults, reading.warnings
+    noticed = Noticed([], [])
+    ground = _ground(data if isinstance(data, dict) else {}, folder, confine, noticed)
+    return (None if noticed.faults else ground), noticed.faults, noticed.warnings
 
 
-class _Stop(Exception):  # noqa: N818 (it never leaves this module)
-    def __init__(self, place: Place, *messages: str) -> None:
-        self.place, self.messages = place, messages
+def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed) -> Ground | None:
+    """The ground, as far as it can be read; None without an area."""
+    entry = _valid(_AREA, data.get("area"))
+    if entry is None or data.get("coordinates", "metres") not in ("metres", "wgs84"):
+        return None
+    frame = Frame(folder=folder, confine=confine, in_degrees=data.get("coordinates") == "wgs84")
+    try:
+        frame = _placed(frame, entry, _valid(_ORIGIN, data.get("origin")), noticed)
+        area, obstacles = _area(frame, entry, noticed)
+    except Stop as stop:
+        noticed.faults.extend(stop.faults)
+        return None
+    obstacles += _obstacles(frame, data, area, noticed)
+    zones = _zones(frame, data, area, noticed)
+    stops = [obstacle.shape for obstacle in obstacles if obstacle.blocks_motion]
+    if stops and not noticed.faults and area.difference(unary_union(stops)).area == 0:
+        noticed.faults.append(Fault(("obstacles",), "cover the whole area; leave free space to move in"))
+    origin = frame.projection.origin if frame.projection else None
+    return Ground(area, tuple(obstacles), tuple(zones), origin)
 
 
-class _Reading:
-    """State of one reading: the frame, found with the area, and what was noticed on the way."""
+# ---------------------------------------------------------------- the area, and with it the frame
 
-    def __init__(self, data: Any, folder: Path, confine: bool) -> None:
-        self.data: dict[str, Any] = data if isinstance(data, dict) else {}
-        self.folder, self.confine_to = folder, folder if confine else None
-        self.in_degrees = self.data.get("coordinates") == "wgs84"
-        self.projection: Projection | None = None
-        self.faults: list[Fault] = []
-        self.warnings: list[Fault] = []
 
-    def ground(self) -> Ground | None:
-        area_entry = _valid(_AREA, self.data.get("area"))
-        if area_entry is None or self.data.get("coordinates", "metres") not in ("metres", "wgs84"):
-            return None
+def _placed(frame: Frame, entry: Any, origin: OriginBlock | None, noticed: Noticed) -> Frame:
+    """The frame with its projection: about the given origin, or about the middle of an area in degrees."""
+    block = entry if isinstance(entry, AreaBlock) else None
+    if origin is not None and not frame.in_degrees:
+        return replace(frame, projection=Projection(GeoPoint(lat=origin.lat, lon=origin.lon)))
+    from_file = block is not None and block.geojson is not None
+    if (block is not None and block.map is not None) or not (frame.in_degrees or from_file):
+        return frame
+    if block is not None and block.circle is not None:
+        x, y = block.circle.centre
+        bounds: Any = (x, y, x, y)
+    else:
+        bounds = shape_as_written(frame, ("area",), entry, noticed.warnings).shape.bounds
+    try:
+        return replace(frame, projection=projection_for(bounds))
+    except MissionError as error:
+        raise Stop(("area",), *error.faults) from None
+
+
+def _area(frame: Frame, entry: Any, noticed: Noticed) -> tuple[MultiPolygon, list[Obstacle]]:
+    """The area, and the obstacles that come with it when it is the free part of a map."""
+    if isinstance(entry, AreaBlock) and entry.map is not None:
+        return _area_of_map(frame, entry, noticed)
+    return shape_in_metres(frame, ("area",), entry, noticed.warnings), []
+
+
+def _area_of_map(frame: Frame, block: AreaBlock, noticed: Noticed) -> tuple[MultiPolygon, list[Obstacle]]:
+    """The free part of a ROS map round a point, and all that is not free as one obstacle."""
+    assert block.map is not None
+    assert block.inside is not None
+    if frame.in_degrees:
+        message = "wgs84 does not go with area.map: a map is in metres; write coordinates: metres"
+        raise Stop(("coordinates",), message)
+    unknown = block.unknown or "map_server reading"
+    try:
+        sheet = read_map(frame.file(block.map), block.inside, unknown, confine_to=frame.confine_to)
+    except InsideError as error:
+        raise Stop(("area", "inside"), *error.faults) from None
+    except MissionError as error:
+        raise Stop(("area", "map"), *error.faults) from None
+    noticed.warnings.extend(Fault(("area", "map"), warning) for warning in sheet.warnings)
+    return sheet.area, [Obstacle(shape=sheet.obstacles)] if sheet.obstacles is not None else []
+
+
+# ---------------------------------------------------------------- what lies in it
+
+
+def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noticed) -> list[Obstacle]:
+    """The obstacles that can be read."""
+    obstacles = []
+    for place, entry in _entries(data, "obstacles", _OBSTACLE):
         try:
-            area, obstacles = self.area(area_entry)
-        except _Stop as fault:
-            self.note(fault)
-            return None
-        obstacles += self.obstacles(area)
-        zones = self.zones(area)
-        stops = [obstacle.shape for obstacle in obstacles if obstacle.blocks_motion]
-        if stops and not self.faults and area.difference(unary_union(stops)).area == 0:
-            self.faults.append(Fault(("obstacles",), "cover the whole area; leave free space to move in"))
-        origin = self.projection.origin if self.projection else None
-        return Ground(area, tuple(obstacles), tuple(zones), origin)
+            shape = shape_in_metres(frame, place, entry, noticed.warnings)
+        except Stop as stop:
+            noticed.faults.extend(stop.faults)
+            continue
+        if not shape.intersects(area):
+            noticed.warnings.append(Fault(place, "lies wholly outside the area"))
+        blocks = entry.blocks if isinstance(entry, ObstacleBlock) else "both"
+        obstacles.append(Obstacle(shape=shape, blocks=blocks))
+    return obstacles
 
-    def note(self, fault: _Stop) -> None:
-        self.faults += [Fault(fault.place, message) for message in fault.messages]
 
-    # ---- the area, and with it the frame
-
-    def area(self, entry: Any) -> tuple[MultiPolygon, list[Obstacle]]:
-        origin = _valid(_ORIGIN, self.data.get("origin"))
-        if origin is not None and not self.in_degrees:
-            self.projection = Projection(GeoPoint(lat=origin.lat, lon=origin.lon))
-        block = entry if isinstance(entry, AreaBlock) else None
-        if block is not None and block.map is not None:
-            return self.map_area(block)
-        if self.in_degrees or (self.projection is None and block is not None and block.geojson is not None):
-            self.projection = self.frame_of(entry)
-        return self.shape(("area",), entry), []
-
-    def frame_of(self, entry: Any) -> Projection:
-        """The projection about the middle of the area's bounding box."""
-        if isinstance(entry, AreaBlock) and entry.circle is not None:
-            x, y = entry.circle.centre
-            bounds: Any = (x, y, x, y)
-        else:
-            bounds = self.flat_shape(("area",), entry)[0].bounds
+def _zones(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noticed) -> list[Zone]:
+    """The zones that can be read, without what sticks out of the area."""
+    zones: list[Zone] = []
+    for place, entry in _entries(data, "zones", _ZONE):
+        taken = {zone.name for zone in zones}
         try:
-            return projection_for(bounds)
-        except MissionError as error:
-            raise _Stop(("area",), *error.faults) from None
-
-    def map_area(self, block: AreaBlock) -> tuple[MultiPolygon, list[Obstacle]]:
-        assert block.map is not None
-        assert block.inside is not None
-        if self.in_degrees:
-            raise _Stop(
-                ("coordinates",), "wgs84 does not go with area.map: a map is in metres; write coordinates: metres"
-            )
-        try:
-            path = self.file(block.map)
-            unknown = block.unknown or "map_server reading"
-            sheet = read_map(path, block.inside, unknown, confine_to=self.confine_to)
-        except InsideError as error:
-            raise _Stop(("area", "inside"), *error.faults) from None
-        except MissionError as error:
-            raise _Stop(("area", "map"), *error.faults) from None
-        self.warnings += [Fault(("area", "map"), warning) for warning in sheet.warnings]
-        return sheet.area, [Obstacle(shape=sheet.obstacles)] if sheet.obstacles is not None else []
-
-    # ---- what lies in it
-
-    def obstacles(self, area: MultiPolygon) -> list[Obstacle]:
-        obstacles = []
-        for k, raw in _items(self.data, "obstacles"):
-            entry = _valid(_OBSTACLE, raw)
-            if entry is None:
-                continue
-            try:
-                shape = self.shape(("obstacles", k), entry)
-            except _Stop as fault:
-                self.note(fault)
-                continue
-            if not shape.intersects(area):
-                self.warnings.append(Fault(("obstacles", k), "lies wholly outside the area"))
-            blocks = entry.blocks if isinstance(entry, ObstacleBlock) else "both"
-            obstacles.append(Obstacle(shape=shape, blocks=blocks))
-        return obstacles
-
-    def zones(self, area: MultiPolygon) -> list[Zone]:
-        zones: list[Zone] = []
-        for k, raw in _items(self.data, "zones"):
-            entry = _valid(_ZONE, raw)
-            if entry is None:
-                continue
-            try:
-                for place, zone in self.zones_of(("zones", k), entry, {zone.name for zone in zones}):
-                    if any(zone.name == other.name for other in zones):
-                        raise _Stop(place, f"{zone.name!r} is the name of another zone; names must be unique")
-                    zones += self.cut(place[:2], zone, area)
-            except _Stop as fault:
-                self.note(fault)
-        return zones
-
-    def zones_of(self, place: Place, entry: ZoneBlock, taken: set[str]) -> Iterable[tuple[Place, Zone]]:
-        if entry.geojson is None:
-            assert entry.name is not None
-            shape = self.shape(place, entry)
-            yield (
-                (*place, "name"),
-                Zone(name=entry.name, shape=shape, period_s=entry.period_s, demand=entry.demand),
-            )
-            return
-        features = self.features(place, entry)
-        if entry.name is not None and len(features) > 1:
-            message = f"{len(features)} features cannot share one name; name them in the file, or pick one by feature"
-            raise _Stop((*place, "name"), message)
-        named = {feature.name for feature in features} | taken
-        free_names = (name for k in range(1, len(named) + len(features) + 2) if (name := f"zone-{k}") not in named)
-        for feature in features:
-            name = entry.name or feature.name or next(free_names)
-            shape = self.to_metres((*place, "geojson"), feature.shape)
-            period_s, demand = self.feature_demand((*place, "geojson"), entry, feature)
-            yield (*place, "geojson"), Zone(name=name, shape=shape, period_s=period_s, demand=demand)
-
-    def feature_demand(self, place: Place, entry: ZoneBlock, feature: Feature) -> tuple[float | None, Demand]:
-        where = feature.where + (f" ({feature.name})" if feature.name else "")
-        if "period_s" not in feature.properties and "period_s" not in entry.model_fields_set:
-            raise _Stop(place, f"{where} has no property period_s; give it one in the file, or period_s beside geojson")
-        period = feature.properties.get("period_s", entry.period_s)
-        try:
-            period_s = _PERIOD.validate_python(period)
-        except ValidationError:
-            period_s = -1.0
-        if period_s is not None and period_s <= 0:
-            raise _Stop(place, f"{where} has period_s {period!r}; a number greater than 0, or null, is needed")
-        demand = feature.properties.get("demand", entry.demand)
-        if demand not in ("every_point", "visit"):
-            raise _Stop(place, f"{where} has demand {demand!r}; every_point or visit is needed")
-        return period_s, demand
-
-    def cut(self, place: Place, zone: Zone, area: MultiPolygon) -> list[Zone]:
-        """The zone without what sticks out of the area, with a warning; none of it inside is a fault."""
-        if area.covers(zone.shape):
-            return [zone]
-        inside = polygons_of(zone.shape.intersection(area))
-        lost_m2 = zone.shape.area - inside.area
-        if inside.area <= _SMALLEST_CUT * zone.shape.area:
-            gap_m = zone.shape.distance(area)
-            message = f"zone {zone.name!r} lies outside the area, {gap_m:.6g} m away from it; it must overlap the area"
-            raise _Stop(place, message)
-        if lost_m2 > _SMALLEST_CUT * zone.shape.area:
-            share = 100 * lost_m2 / zone.shape.area
-            message = f"zone {zone.name!r} sticks out of the area: {lost_m2:.6g} m2 ({share:.2g} %) of it are cut off"
-            self.warnings.append(Fault(place, message))
-        return [Zone(name=zone.name, shape=inside, period_s=zone.period_s, demand=zone.demand)]
-
-    # ---- shapes
-
-    def shape(self, place: Place, entry: Any) -> MultiPolygon:
-        """A ring, block or file in local metres."""
-        if isinstance(entry, Shape) and entry.circle is not None:
-            return self.circle((*place, "circle"), entry.circle)
-        flat, in_degrees, source = self.flat_shape(place, entry)
-        return self.to_metres(source, flat) if in_degrees else flat
-
-    def flat_shape(self, place: Place, entry: Any) -> tuple[MultiPolygon, bool, Place]:
-        """A ring, block or file as it is written, whether that is degrees, and the place of its source."""
-        if isinstance(entry, Shape) and entry.geojson is not None:
-            features = self.features(place, entry)
-            return polygons_of(unary_union([feature.shape for feature in features])), True, (*place, "geojson")
-        holes: list[Any] = []
-        if isinstance(entry, Shape) and entry.outer is not None:
-            place, outer, holes = (*place, "outer"), entry.outer, entry.holes or []
-        else:
-            if isinstance(entry, Shape):
-                place, entry = (*place, "ring"), entry.ring
-            outer, holes = (entry.outer, entry.holes) if isinstance(entry, Holed) else (entry, [])
-        fault = polygon_fault(outer, holes)
-        if fault is not None:
-            raise _Stop(place, fault)
-        polygon = Polygon(open_ring(outer), [open_ring(hole) for hole in holes])
-        if self.in_degrees:
-            self.require_degrees(
-                place, np.vstack([np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)])
-            )
-        return MultiPolygon([polygon]), self.in_degrees, place
-
-    def circle(self, place: Place, circle: Circle) -> MultiPolygon:
-        centre = np.array([circle.centre])
-        if self.in_degrees:
-            self.require_degrees((*place, "centre"), centre)
-            assert self.projection is not None
-            centre = np.column_stack(self.projection.to_metres(*centre.T))
-        return MultiPolygon([Polygon(circle_ring((centre[0, 0], centre[0, 1]), circle.radius_m))])
-
-    def features(self, place: Place, entry: Shape) -> tuple[Feature, ...]:
-        assert entry.geojson is not None
-        try:
-            path = self.file(entry.geojson)
-            features, without_polygons = read_features(path)
-        except MissionError as error:
-            raise _Stop((*place, "geojson"), *error.faults) from None
-        if without_polygons:
-            self.warnings.append(
-                Fault((*place, "geojson"), f"{without_polygons} features of {path} hold no polygon and are passed over")
-            )
-        if entry.feature is None:
-            return features
-        try:
-            return (pick_feature(features, entry.feature, path),)
-        except MissionError as error:
-            raise _Stop((*place, "feature"), *error.faults) from None
-
-    def to_metres(self, place: Place, degrees: MultiPolygon) -> MultiPolygon:
-        if self.projection is None:
-            message = (
-                "GeoJSON is longitude and latitude, but nothing places this mission in metres on the globe; "
-                "give origin: {lat: ..., lon: ...}, or the area as GeoJSON too"
-            )
-            raise _Stop(place, message)
-        projection = self.projection
-        shape = transform(degrees, lambda points: np.column_stack(projection.to_metres(*points.T)))
-        if not np.isfinite(shape.bounds).all() or not shape.is_valid:
-            raise _Stop(
-                place, f"the shape is not valid in local metres, near {fault_point(shape)}; order its points anew"
-            )
-        return shape
-
-    def require_degrees(self, place: Place, points: Any) -> None:
-        try:
-            require_degrees(points[:, 0], points[:, 1])
-        except MissionError as error:
-            hint = "" if "swapped" in str(error) else "; if these are metres, write coordinates: metres"
-            raise _Stop(place, *(fault + hint for fault in error.faults)) from None
-
-    def file(self, name: str) -> Path:
-        return local_file(self.folder, name, confine_to=self.confine_to)
+            for where, zone in _zones_of(frame, place, entry, taken, noticed):
+                _require_free_name(where, zone.name, zones)
+                zones.append(_cut(place, zone, area, noticed))
+        except Stop as stop:
+            noticed.faults.extend(stop.faults)
+    return zones
 
 
-def _items(data: dict[str, Any], key: str) -> Iterable[tuple[int, Any]]:
-    entries = data.get(key)
-    return enumerate(entries if isinstance(entries, list) else [])
+def _zones_of(
+    frame: Frame, place: Place, entry: ZoneBlock, taken: set[str], noticed: Noticed
+) -> Iterator[tuple[Place, Zone]]:
+    """The zones of an entry, each with the place of its name: one with a shape, or those of a GeoJSON file."""
+    if entry.geojson is not None:
+        yield from _zones_of_file(frame, place, entry, taken, noticed)
+        return
+    assert entry.name is not None
+    shape = shape_in_metres(frame, place, entry, noticed.warnings)
+    yield (*place, "name"), Zone(name=entry.name, shape=shape, period_s=entry.period_s, demand=entry.demand)
+
+
+def _zones_of_file(
+    frame: Frame, place: Place, entry: ZoneBlock, taken: set[str], noticed: Noticed
+) -> Iterator[tuple[Place, Zone]]:
+    """One zone per feature of the GeoJSON file, with the place of its name; nameless ones get names not ``taken``."""
+    features = features_of(frame, place, entry, noticed.warnings)
+    if entry.name is not None and len(features) > 1:
+        message = f"{len(features)} features cannot share one name; name them in the file, or pick one by feature"
+        raise Stop((*place, "name"), message)
+    named = {feature.name for feature in features} | taken
+    free_names = (name for k in range(1, len(named) + len(features) + 2) if (name := f"zone-{k}") not in named)
+    source = (*place, "geojson")
+    for feature in features:
+        name = entry.name or feature.name or next(free_names)
+        shape = to_metres(frame, source, feature.shape)
+        period_s, demand = _feature_demand(source, entry, feature)
+        yield source, Zone(name=name, shape=shape, period_s=period_s, demand=demand)
+
+
+def _feature_demand(place: Place, entry: ZoneBlock, feature: Feature) -> tuple[float | None, Demand]:
+    """Period and demand of a feature: its own properties, or else those beside the file's name."""
+    where = feature.where + (f" ({feature.name})" if feature.name else "")
+    if "period_s" not in feature.properties and "period_s" not in entry.model_fields_set:
+        raise Stop(place, f"{where} has no property period_s; give it one in the file, or period_s beside geojson")
+    period = feature.properties.get("period_s", entry.period_s)
+    try:
+        period_s = _PERIOD.validate_python(period)
+    except ValidationError:
+        period_s = -1.0
+    if period_s is not None and period_s <= 0:
+        raise Stop(place, f"{where} has period_s {period!r}; a number greater than 0, or null, is needed")
+    demand = feature.properties.get("demand", entry.demand)
+    if demand not in ("every_point", "visit"):
+        raise Stop(place, f"{where} has demand {demand!r}; every_point or visit is needed")
+    return period_s, demand
+
+
+def _require_free_name(place: Place, name: str, zones: list[Zone]) -> None:
+    """Stop where a zone has the name of another one or of the ground outside zones."""
+    if name == AREA:
+        raise Stop(place, f"{name!r} is not allowed; {AREA_IS_TAKEN}")
+    if any(name == other.name for other in zones):
+        raise Stop(place, f"{name!r} is the name of another zone; names must be unique")
+
+
+def _cut(place: Place, zone: Zone, area: MultiPolygon, noticed: Noticed) -> Zone:
+    """The zone without what sticks out of the area, with a warning; Stop where none of it is inside."""
+    if area.covers(zone.shape):
+        return zone
+    inside = polygons_of(zone.shape.intersection(area))
+    lost_m2 = zone.shape.area - inside.area
+    if inside.area <= _SMALLEST_CUT * zone.shape.area:
+        gap_m = zone.shape.distance(area)
+        message = f"zone {zone.name!r} lies outside the area, {gap_m:.6g} m away from it; it must overlap the area"
+        raise Stop(place, message)
+    if lost_m2 > _SMALLEST_CUT * zone.shape.area:
+        share = 100 * lost_m2 / zone.shape.area
+        message = f"zone {zone.name!r} sticks out of the area: {lost_m2:.6g} m2 ({share:.2g} %) of it are cut off"
+        noticed.warnings.append(Fault(place, message))
+    return replace(zone, shape=inside)
+
+
+def _entries(data: dict[str, Any], key: str, adapter: TypeAdapter[Any]) -> Iterable[tuple[Place, Any]]:
+    """The entries of a list that keep to the schema, with their places."""
+    listed = data.get(key)
+    for k, raw in enumerate(listed if isinstance(listed, list) else []):
+        entry = _valid(adapter, raw)
+        if entry is not None:
+            yield (key, k), entry
 
 
 def _valid(adapter: TypeAdapter[Any], value: Any) -> Any:
+    """The value as its schema reads it; None where it breaks the schema."""
     try:
         return adapter.validate_python(value)
     except ValidationError:

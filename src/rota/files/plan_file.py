@@ -16,8 +16,9 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 from shapely import MultiPolygon, Polygon
 
-from rota.errors import PlanError, RotaError
+from rota.errors import MissionError, PlanError, RotaError
 from rota.files.atomic_write import write_atomically
+from rota.files.local_file import read_bytes
 from rota.files.plan_schema import (
     PLAN_VERSION,
     DiscSensorFields,
@@ -43,6 +44,7 @@ from rota.plan import Plan, Trajectory
 
 Json = dict[str, Any]
 MOST_FAULTS = 20
+MADE_BY = "'rota plan' writes one"
 
 
 # ---------------------------------------------------------------- writing
@@ -165,9 +167,9 @@ def _number(value: float | None) -> float | None:
 def read_plan(path: str | os.PathLike[str]) -> Plan:
     """Read a plan file. Raises PlanError naming the file, the field and what is allowed there."""
     try:
-        text = Path(path).read_bytes()
-    except OSError as error:
-        raise PlanError(f"{path}: cannot be read: {error.strerror or error}") from error
+        text = read_bytes(Path(path), f"a plan file ({MADE_BY})")
+    except MissionError as error:
+        raise PlanError(str(error)) from None
     return plan_from_text(text, os.fspath(path))
 
 
@@ -177,9 +179,11 @@ def plan_from_text(text: str | bytes, source: str) -> Plan:
         decoded = text.decode("utf-8-sig") if isinstance(text, bytes) else text
         document = json.loads(decoded, parse_constant=_refuse_constant)
     except UnicodeDecodeError as error:
-        raise PlanError(f"{source}: byte {error.start} is not UTF-8; a plan file is JSON in UTF-8") from error
+        raise PlanError(f"{source}: byte {error.start} is not UTF-8; a plan file is needed ({MADE_BY})") from error
     except json.JSONDecodeError as error:
-        raise PlanError(f"{source}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from error
+        raise PlanError(
+            f"{source}:{error.lineno}:{error.colno}: not JSON: {error.msg}; a plan file is needed ({MADE_BY})"
+        ) from error
     except RecursionError as error:
         raise PlanError(f"{source}: brackets nested too deeply for a plan file") from error
     except (ValueError, PlanError) as error:  # also a number of more digits than Python converts
@@ -200,7 +204,7 @@ def plan_from_json(document: object) -> Plan:
     Raises PlanError: one line per fault, each with the field's path, its value and what is allowed.
     """
     if not isinstance(document, dict) or "rota_plan" not in document:
-        raise PlanError('not a plan file: there is no "rota_plan" at the top; rota plan writes one')
+        raise PlanError('not a plan file: there is no "rota_plan" at the top; a plan file is needed (' + MADE_BY + ")")
     version = document["rota_plan"]
     if version != PLAN_VERSION or isinstance(version, bool):
         raise PlanError(f"rota_plan: version {version!r} is not known; this Rota reads version {PLAN_VERSION}")

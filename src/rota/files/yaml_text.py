@@ -79,28 +79,7 @@ def parse_text(text: str, name: str, what: str) -> Document:
     """
     if name.lower().endswith(".json"):
         text = _checked_json(text, name)
-    try:
-        root = YAML(typ="safe", pure=True).compose(text) if text.strip() else None
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = f"{mark.line + 1}:{mark.column + 1}" if mark else "1:1"
-        reason = ", ".join(str(part) for part in (error.context, error.problem) if part)
-        if "'\\t'" in reason:
-            reason = "a tab where only blanks are allowed; indent with blanks"
-        raise MissionError(f"{name}:{where}: not YAML: {reason}") from None
-    except (YAMLError, ValueError, AttributeError) as error:
-        # without a mark: characters that YAML forbids, or text of nothing but comments and directives
-        position = getattr(error, "position", None)
-        if position is None:
-            root = None
-        else:
-            line = text.count("\n", 0, position) + 1
-            raise MissionError(
-                f"{name}:{line}:{position - text.rfind(chr(10), 0, position)}: not YAML: "
-                f"the character {text[position : position + 1]!r} is not allowed"
-            ) from None
-    except RecursionError:
-        raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
+    root = _composed(text, name)
     if root is None:
         raise MissionError(f"{name}:1:1: the file is empty; {what} is needed")
     builder = _Builder(name, text)
@@ -113,6 +92,33 @@ def parse_text(text: str, name: str, what: str) -> Document:
     if builder.faults:
         raise MissionError(*builder.faults)
     return Document(name=name, value=value, values_at=builder.values_at, keys_at=builder.keys_at)
+
+
+def _composed(text: str, name: str) -> Node | None:
+    """The tree of a YAML text; None where there is nothing in it."""
+    if not text.strip():
+        return None
+    try:
+        root: Node | None = YAML(typ="safe", pure=True).compose(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"{mark.line + 1}:{mark.column + 1}" if mark else "1:1"
+        reason = ", ".join(str(part) for part in (error.context, error.problem) if part)
+        if "'\\t'" in reason:
+            reason = "a tab where only blanks are allowed; indent with blanks"
+        raise MissionError(f"{name}:{where}: not YAML: {reason}") from None
+    except (YAMLError, ValueError, AttributeError) as error:
+        # without a mark: characters that YAML forbids, or text of nothing but comments and directives
+        position = getattr(error, "position", None)
+        if position is None:
+            return None
+        line = text.count("\n", 0, position) + 1
+        column = position - text.rfind("\n", 0, position)
+        character = text[position : position + 1]
+        raise MissionError(f"{name}:{line}:{column}: not YAML: the character {character!r} is not allowed") from None
+    except RecursionError:
+        raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
+    return root
 
 
 def _checked_json(text: str, name: str) -> str:
@@ -160,6 +166,7 @@ class _Builder:
         self.open: set[int] = set()
 
     def build(self, node: Node, place: Place) -> Any:
+        """The plain value of a node at a place, and of all below it; None, with a fault noted, where it is refused."""
         self.values_at[place] = _start(node)
         if id(node) in self.open:
             return self.refuse(node, place, "an alias inside what it stands for; write the values out")
@@ -177,6 +184,7 @@ class _Builder:
             self.open.discard(id(node))
 
     def mapping(self, node: MappingNode, place: Place) -> dict[str, Any]:
+        """A mapping as a dict, without keys that are no text or are given twice, which are noted as faults."""
         values: dict[str, Any] = {}
         for key_node, value_node in node.value:
             key = key_node.value if isinstance(key_node, ScalarNode) else None
@@ -193,6 +201,7 @@ class _Builder:
         return values
 
     def scalar(self, node: ScalarNode) -> Any:
+        """A text as it is where it is quoted or tagged as one, otherwise what the core schema makes of it."""
         text = str(node.value)
         if any(0xD800 <= ord(letter) < 0xE000 for letter in text):
             # JSON writes characters beyond the first plane as two escapes
@@ -203,6 +212,7 @@ class _Builder:
         return text if is_text else _scalar(text)
 
     def refuse(self, node: Node, place: Place, message: str) -> None:
+        """Note a fault of the node."""
         line, column = _start(node)
         field = field_path(place)
         self.faults.append(f"{self.name}:{line}:{column}: {field + ': ' if field else ''}{message}")

@@ -12,7 +12,7 @@ from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
-from rota.mission import Demand, Mission
+from rota.mission import AREA, Demand, Mission
 
 Floats = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def demanded_regions(mission: Mission) -> tuple[DemandedRegion, ...]:
     if mission.period_s is not None:
         outside_zones = shapely.union_all([hidden, *(zone.shape for zone in mission.zones)])
         rest = _polygons(mission.area.difference(outside_zones))
-        regions.append(DemandedRegion(name="area", period_s=mission.period_s, demand="every_point", shape=rest))
+        regions.append(DemandedRegion(name=AREA, period_s=mission.period_s, demand="every_point", shape=rest))
     return tuple(region for region in regions if not region.shape.is_empty)
 
 

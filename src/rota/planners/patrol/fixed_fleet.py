@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rota.errors import NoPlanFound
+from rota.mission import AREA
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Tour, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
@@ -37,7 +38,7 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled) -> Plan:
         some = plan_of(problem, [replace(tour, robots=1) for tour in fewest.tours[: len(fleet)]], context.seed)
         raise NoPlanFound(
             f"{reason}; the ground falls into {len(parts)} parts between which no robot can travel, and each must be"
-            f" watched by a robot of its own; {worst_reached(context.judge(some))} with {counted(len(fleet))}",
+            f" watched by a robot of its own; with {counted(len(fleet))} {worst_reached(context.judge(some))}",
             best=some,
         )
     tours = with_so_many(problem, fewest.tours, len(fleet))
@@ -45,7 +46,7 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled) -> Plan:
     verdict = context.judge(plan)
     if verdict.verdict == "met":
         return plan
-    raise NoPlanFound(f"{reason}; {worst_reached(verdict)} with {counted(len(fleet))}", best=plan)
+    raise NoPlanFound(f"{reason}; with {counted(len(fleet))} {worst_reached(verdict)}", best=plan)
 
 
 def counted(robots: int) -> str:
@@ -54,11 +55,17 @@ def counted(robots: int) -> str:
 
 
 def worst_reached(verdict: Verdict) -> str:
-    """The worst gap of a plan in units of its period."""
-    ratio = max((d.worst_gap_at_least_s / d.period_s for d in verdict.demands), default=0.0)
-    if math.isinf(ratio):
-        return "some of it is never seen"
-    return f"the worst gap is {ratio:.3f} times its period"
+    """The demand that a plan misses most, and by how much."""
+    worst = max(verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s, default=None)
+    if worst is None or worst.worst_gap_s <= worst.period_s:
+        return "the check finds the routes themselves at fault"
+    what, period_s = "the area" if worst.name == AREA else repr(worst.name), worst.period_s
+    if math.isinf(worst.worst_gap_at_least_s):
+        return f"some of {what} is never seen"
+    if worst.worst_gap_at_least_s > period_s:
+        gap_s = worst.worst_gap_at_least_s
+        return f"in {what} the worst gap is {gap_s:.6g} s, {gap_s / period_s:.3f} times its period"
+    return f"in {what} it is not proven that every gap is within its period of {period_s:.6g} s"
 
 
 def busiest_helped(tours: list[Tour]) -> list[Tour]:

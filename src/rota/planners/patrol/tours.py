@@ -16,7 +16,7 @@ from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing, Tour, over_budget_share
 from rota.planners.patrol.context import Context, Judge
-from rota.planners.patrol.fixed_fleet import plan_for_fixed_fleet
+from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
@@ -60,16 +60,11 @@ def plan_patrol(
 
 
 def unmet_reason(problem: Problem, best: Settled) -> str:
-    """Why the best plan is none: the worst demand and the proved bound."""
-    worst = max(best.verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s)
-    ratio = worst.worst_gap_s / worst.period_s
-    reached = "some of it is never seen" if math.isinf(ratio) else f"the worst gap is {ratio:.3f} of its period"
-    what = f"zone {worst.name}" if worst.name != "area" else "the area"
-    if ratio <= 1:
-        what, reached = "the check", "it finds the routes themselves at fault"
+    """Why the best plan is none: the demand it misses most, by how much, and the proved bound."""
+    reached = worst_reached(best.verdict)
     return (
-        f"the best plan, with {len(best.plan.trajectories)} robots, does not meet the demand: {what}: {reached};"
-        f" proved: {problem.lower_bound} robots at least"
+        f"the best plan found, with {counted(len(best.plan.trajectories))}, does not meet the demand: {reached};"
+        f" proved: at least {counted(problem.lower_bound)}"
     )
 
 

@@ -1,0 +1,5 @@
+"""``python -m rota``: the ``rota`` program where it is not on the path."""
+
+from rota.cli import main
+
+main()

@@ -1,0 +1,28 @@
+"""What a mission refuses whatever it is made from."""
+
+from __future__ import annotations
+
+import pytest
+from shapely import box
+
+from rota.errors import MissionError
+from rota.mission import DiscSensor, Fleet, Mission, Zone
+
+
+def with_zones(*names: str) -> Mission:
+    zones = tuple(Zone(name=name, shape=box(0, 0, 5, 5), period_s=9) for name in names)
+    fleet = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1))
+    return Mission(name="yard", area=box(0, 0, 10, 10), zones=zones, period_s=40, fleet=fleet)
+
+
+def test_no_zone_takes_the_name_of_the_ground_outside_zones() -> None:
+    with pytest.raises(
+        MissionError, match=r"^zone\.name: 'area' is not allowed; it stands for the ground outside zones"
+    ):
+        with_zones("gate", "area")
+    assert [zone.name for zone in with_zones("Area", "the area").zones] == ["Area", "the area"]
+
+
+def test_names_of_zones_are_unique() -> None:
+    with pytest.raises(MissionError, match="zones: 'gate' is not allowed; names must be unique"):
+        with_zones("gate", "gate")
