@@ -149,7 +149,7 @@ def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
 
 def _show_outcome(answer: Plan, report: Report, target: str) -> None:
     from rota.check import report_table
-    from rota.plan_table import robot_rows, robots_sentence
+    from rota.plan_table import bound_sentence, robot_rows, robots_sentence
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -163,7 +163,9 @@ def _show_outcome(answer: Plan, report: Report, target: str) -> None:
         length, time = f"{row.loop_length_m:.1f}", f"{row.loop_time_s:.1f}"
         table.add_row(row.robot, length, time, slack, ", ".join(row.zones) or "nothing")
     console.print(table)
-    console.print(robots_sentence(answer), markup=False)
+    for sentence in (robots_sentence(answer), bound_sentence(answer)):
+        if sentence is not None:
+            console.print(sentence, markup=False, soft_wrap=True)
     if report.verdict == "met":
         console.print("Check: met, every demand, for ever.")
     else:

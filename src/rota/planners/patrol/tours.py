@@ -69,7 +69,7 @@ def unmet_reason(problem: Problem, best: Settled) -> str:
         what, reached = "the check", "it finds the routes themselves at fault"
     return (
         f"the best plan, with {len(best.plan.trajectories)} robots, does not meet the demand: {what}: {reached};"
-        f" proved: {problem.lower_bound} robots at least"
+        f" proved: {problem.lower_bound} robots at least: {problem.lower_bound_reason}"
     )
 
 
