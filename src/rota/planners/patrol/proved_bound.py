@@ -64,7 +64,8 @@ def prove_bound(
             *_by_sweeping(regions, seeable_m2, robot),
             _by_groups(pieces, robot),
             _by_travel_between(pieces, robot),
-            *([_by_straight_chain(points, periods_s, robot)] if seen.parts == 1 else [_by_parts(seen, robot)]),
+            _by_straight_chain(points, periods_s, robot),
+            *([_by_parts(seen, robot)] if seen.parts > 1 else []),
         ]
     )
     return max_of([best, *_by_witnesses(seen, robot, best.robots)])
@@ -92,6 +93,8 @@ def _rate_proof(needed: float, asked_m2_s: float) -> ProvedBound:
 
 def _by_groups(pieces: Pieces, robot: Robot) -> ProvedBound:
     robots, groups = groups_of_their_own(pieces, robot)
+    if robots == groups:
+        return ProvedBound(robots=robots, reason=_apart_reason(groups))
     return ProvedBound(
         robots=robots,
         reason=f"{groups} pieces of ground are too far apart for one robot to serve two"
@@ -122,7 +125,7 @@ def _by_witnesses(seen: Witnesses, robot: Robot, least: int) -> Iterator[ProvedB
     clique = len(heaviest_clique(too_far_apart(apart_m, seen.period_s, speed_m_s), one_each))
     yield ProvedBound(
         robots=clique,
-        reason=f"{clique} places are too far apart for one robot to serve two of them",
+        reason=_apart_reason(clique),
     )
     if np.isfinite(seen.way_m).all():
         chain = best_chain(seen.way_m, seen.spread_m, seen.period_s, speed_m_s)
@@ -136,6 +139,10 @@ def _by_witnesses(seen: Witnesses, robot: Robot, least: int) -> Iterator[ProvedB
             reason=f"{len(shown)} places must be served within any {window_s:.6g} s, and the ways between them are too"
             f" long for {counted(robots - 1)}",
         )
+
+
+def _apart_reason(places: int) -> str:
+    return f"{places} places are too far apart for one robot to serve two of them"
 
 
 def _chain_reason(robots: int) -> str:
