@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +93,17 @@ def test_a_plan_is_written_checked_and_told(yard: Path, use: Use, capsys: pytest
         "Plan: yard.rota.json",
     ]
     assert [line for line in err.splitlines() if "compiling" not in line] == []
+
+
+def test_the_reason_of_the_bound_is_told_under_the_table(
+    yard: Path, use: Use, capsys: pytest.CaptureFixture[str]
+) -> None:
+    reason = "64 m2/s are asked for, a robot sweeps 100 at most"
+    use(lambda mission, **_: replace(answer(mission), lower_bound_reason=reason))
+    assert run(["plan", "yard.yaml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[2:4] == ["1 robot: no plan needs fewer, proved.", f"1 robot at least: {reason}."]
+    assert read_plan("yard.rota.json").lower_bound_reason == reason
 
 
 def test_seed_effort_and_time_limit_reach_the_planner(yard: Path, use: Use) -> None:

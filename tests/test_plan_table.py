@@ -9,7 +9,7 @@ from shapely import box
 
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
-from rota.plan_table import robot_rows, robots_sentence, robots_table, rounded, zones_served
+from rota.plan_table import bound_sentence, robot_rows, robots_sentence, robots_table, rounded, zones_served
 
 MISSION = Mission(
     name="yard",
@@ -91,7 +91,13 @@ def test_the_sentence_on_robots(robots: int, bound: int | None, sentence: str) -
     fleet = tuple(Robot(name=f"r{k}", speed_m_s=1, sensor=DiscSensor(radius_m=1)) for k in range(robots))
     mission = dataclasses.replace(MISSION, fleet=dataclasses.replace(MISSION.fleet, robots=fleet))
     stays = tuple(Trajectory(robot=robot.name, times_s=[0.0], positions_m=[[5, 5]]) for robot in fleet)
-    assert robots_sentence(Plan(mission=mission, trajectories=stays, lower_bound_robots=bound)) == sentence
+    plan = Plan(mission=mission, trajectories=stays, lower_bound_robots=bound)
+    assert robots_sentence(plan) == sentence
+    assert bound_sentence(plan) is None
+    if bound is not None:
+        count = "1 robot" if bound == 1 else f"{bound} robots"
+        told = bound_sentence(dataclasses.replace(plan, lower_bound_reason="the places are far apart"))
+        assert told == f"{count} at least: the places are far apart."
 
 
 @pytest.mark.parametrize(

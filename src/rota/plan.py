@@ -100,12 +100,16 @@ class Trajectory:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """A mission and its answer. ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known."""
+    """A mission and its answer. ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known.
+
+    ``lower_bound_reason``: why, in words that go on after "... robots at least:"; None: not told.
+    """
 
     mission: Mission
     trajectories: tuple[Trajectory, ...]
     seed: int = 0
     lower_bound_robots: int | None = None
+    lower_bound_reason: str | None = None
 
     def __post_init__(self) -> None:
         names = [trajectory.robot for trajectory in self.trajectories]

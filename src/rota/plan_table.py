@@ -111,3 +111,11 @@ def robots_sentence(plan: Plan) -> str:
     if n == bound:
         return f"{count}: no plan needs fewer, proved."
     return f"{count}; no plan with fewer than {bound} exists, proved."
+
+
+def bound_sentence(plan: Plan) -> str | None:
+    """Why there is no plan with fewer robots than the proved bound; None when that is not told."""
+    if plan.lower_bound_robots is None or plan.lower_bound_reason is None:
+        return None
+    count = f"{plan.lower_bound_robots} robot" + ("s" if plan.lower_bound_robots != 1 else "")
+    return f"{count} at least: {plan.lower_bound_reason}."

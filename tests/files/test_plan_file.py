@@ -187,6 +187,21 @@ def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict
     assert set(model.model_fields) - {"planner"} == expected
 
 
+def test_the_reason_of_the_bound_travels_with_the_plan_and_may_be_absent() -> None:
+    told = dataclasses.replace(harbour(), lower_bound_reason="2 places are too far apart")
+    document = plan_to_json(told)
+    assert document["lower_bound_reason"] == "2 places are too far apart"
+    jsonschema.validate(document, fields.plan_schema())
+    assert plan_from_json(document) == told
+    # plans of before have none, and stay as they were
+    document = plan_to_json(harbour())
+    assert "lower_bound_reason" not in document
+    assert plan_from_json(document).lower_bound_reason is None
+    assert "lower_bound_reason" not in fields.plan_schema()["required"]
+    with pytest.raises(PlanError, match="lower_bound_reason"):
+        plan_from_json({**document, "lower_bound_reason": 3})
+
+
 def test_the_mark_of_an_unmet_demand_is_written_and_not_believed() -> None:
     document = plan_to_json(harbour(), meets_demand=False)
     assert document["meets_demand"] is False

@@ -74,11 +74,13 @@ def _line(value: object) -> str:
 
 def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
     """The plan as plain dicts, lists, strings and numbers, as the plan file holds it."""
-    mark = {} if meets_demand else {"meets_demand": False}
+    mark: Json = {} if meets_demand else {"meets_demand": False}
+    reason = {} if plan.lower_bound_reason is None else {"lower_bound_reason": plan.lower_bound_reason}
     return {
         "rota_plan": PLAN_VERSION,
         "seed": int(plan.seed),
         "lower_bound_robots": None if plan.lower_bound_robots is None else int(plan.lower_bound_robots),
+        **reason,
         **mark,
         "mission": _mission_to_json(plan.mission),
         "robots": [_trajectory_to_json(trajectory) for trajectory in plan.trajectories],
@@ -220,6 +222,7 @@ def plan_from_json(document: object) -> Plan:
             trajectories=trajectories,
             seed=fields.seed,
             lower_bound_robots=fields.lower_bound_robots,
+            lower_bound_reason=fields.lower_bound_reason,
         )
 
 

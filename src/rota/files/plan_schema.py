@@ -135,6 +135,9 @@ class PlanFields(_Strict):
     rota_plan: Literal[1]
     seed: int
     lower_bound_robots: Annotated[int, Field(ge=0)] | None
+    lower_bound_reason: Annotated[
+        str | None, Field(min_length=1, description="why no plan has fewer robots; absent: not told")
+    ] = None
     meets_demand: Annotated[
         bool | None, Field(description="false: written with --best although the check does not pass; else absent")
     ] = None

@@ -32,7 +32,7 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled) -> Plan:
             return plan
         raise NoPlanFound(f"the plan for {len(fleet)} robots does not pass the check", best=plan)
     parts = {tour.part for tour in fewest.tours}
-    proved = f"proved: at least {counted(max(problem.lower_bound, 1))}"
+    proved = f"proved: at least {counted(max(problem.lower_bound, 1))} ({problem.lower_bound_reason})"
     reason = f"{counted(len(fleet))} cannot meet the demand: {proved}; found: {needed} can"
     if len(parts) > len(fleet):
         some = plan_of(problem, [replace(tour, robots=1) for tour in fewest.tours[: len(fleet)]], context.seed)

@@ -33,13 +33,19 @@ def area_rate_bound(areas_m2: Sequence[float], periods_s: Sequence[float], robot
     Degenerate: nothing asked gives 0, any area at least 1. Source: the areas' rate argument of Sun et al. 2019 made
     rigorous by the footprint term; "range" rather than "view", for beside a corner a shadow's edge outruns the disc.
     """
-    bound = 0.0
+    # rounding of the areas must never raise the bound past the truth
+    rounded = math.ceil(area_rate(areas_m2, periods_s, robot)[0] - 1e-9)
+    return max(rounded, 1 if any(area > 0 for area in areas_m2) else 0)
+
+
+def area_rate(areas_m2: Sequence[float], periods_s: Sequence[float], robot: Robot) -> tuple[float, float]:
+    """The bound of ``area_rate_bound`` before rounding, and the area per second asked (m2/s) that gives it."""
+    best = (0.0, 0.0)
     for period_s in periods_s:
         mu = 1 / period_s
         rate = sum(area * min(1 / period, mu) for area, period in zip(areas_m2, periods_s, strict=True))
-        bound = max(bound, rate / (sweep_m2_s(robot) + footprint_m2(robot) * mu))
-    # rounding of the areas must never raise the bound past the truth
-    return max(math.ceil(bound - 1e-9), 1 if any(area > 0 for area in areas_m2) else 0)
+        best = max(best, (rate / (sweep_m2_s(robot) + footprint_m2(robot) * mu), rate))
+    return best
 
 
 def strongest_robot(fleet: Fleet) -> Robot:

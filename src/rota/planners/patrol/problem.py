@@ -16,7 +16,7 @@ from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.lower_bound import area_rate_bound, strongest_robot
+from rota.planners.patrol.proved_bound import prove_bound
 from rota.planners.patrol.samples import SamplePoints, joined, prepare, region_points
 from rota.planners.patrol.start.viewpoints import candidate_places, place_that_sees, search_unseen, what_places_see
 
@@ -54,6 +54,7 @@ class Problem:
     sees_start: Ints
     sees_item: Ints
     lower_bound: int
+    lower_bound_reason: str
     ideal_robots: float
     enough_robots: int  # fewer need not be looked for: the bound, or a fleet's fixed number
     range_margin_m: float
@@ -147,9 +148,7 @@ def set_up_problem(mission: Mission) -> Problem:
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
-    bound = area_rate_bound(areas, [periods_s[c] for c in region_class], strongest_robot(mission.fleet))
-    if len(points):
-        bound = max(bound, 1)  # something asked can be seen: the areas above are rounded down, perhaps to nothing
+    bound = prove_bound(mission, regions, areas, points, start, items)
     return Problem(
         mission=mission,
         robot=robot,
@@ -166,8 +165,9 @@ def set_up_problem(mission: Mission) -> Problem:
         places_part=paths.part_of(places_m),
         sees_start=start,
         sees_item=items,
-        lower_bound=bound,
-        enough_robots=max(bound, len(mission.fleet.robots or ())),
+        lower_bound=bound.robots,
+        lower_bound_reason=bound.reason,
+        enough_robots=max(bound.robots, len(mission.fleet.robots or ())),
         ideal_robots=sum(
             r.shape.area / (2 * reach_m * robot.speed_m_s * r.period_s) for r in regions if r.demand == "every_point"
         ),

@@ -81,6 +81,7 @@ def plan_of(problem: Problem, tours: Sequence[Tour], seed: int, names: Sequence[
         trajectories=as_trajectories(rounds, names[: len(rounds)]),
         seed=seed,
         lower_bound_robots=problem.lower_bound,
+        lower_bound_reason=problem.lower_bound_reason,
     )
 
 

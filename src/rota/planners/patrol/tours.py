@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -64,7 +63,7 @@ def unmet_reason(problem: Problem, best: Settled) -> str:
     reached = worst_reached(best.verdict)
     return (
         f"the best plan found, with {counted(len(best.plan.trajectories))}, does not meet the demand: {reached};"
-        f" proved: at least {counted(problem.lower_bound)}"
+        f" proved: at least {counted(problem.lower_bound)}: {problem.lower_bound_reason}"
     )
 
 
