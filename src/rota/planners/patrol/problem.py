@@ -16,7 +16,7 @@ from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.proved_bound import prove_bound
+from rota.planners.patrol.proved_bound import ProvedBound, prove_bound
 from rota.planners.patrol.samples import SamplePoints, joined, prepare, region_points
 from rota.planners.patrol.start.viewpoints import candidate_places, place_that_sees, search_unseen, what_places_see
 
@@ -96,8 +96,11 @@ def range_margin(reach_m: float) -> float:
     return min(0.05 * reach_m, max(0.004 * reach_m, 0.012))
 
 
-def set_up_problem(mission: Mission) -> Problem:
-    """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere."""
+def set_up_problem(mission: Mission, *, asked: Mission | None = None) -> Problem:
+    """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere.
+
+    asked: the mission that the bound is proved for, when ``mission`` asks for more (shorter periods, less reach).
+    """
     robot = common_robot(mission.fleet)
     reach_m = robot.sensor.radius_m if isinstance(robot.sensor, DiscSensor) else robot.sensor.side_m / 2
     regions = demanded_regions(mission)
@@ -148,7 +151,8 @@ def set_up_problem(mission: Mission) -> Problem:
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
-    bound = prove_bound(mission, regions, areas, points, start, items)
+    own = prove_bound(mission, regions, areas, points, start, items)
+    bound = own if asked is None or asks_alike(asked, mission) else bound_of(asked)
     return Problem(
         mission=mission,
         robot=robot,
@@ -167,13 +171,26 @@ def set_up_problem(mission: Mission) -> Problem:
         sees_item=items,
         lower_bound=bound.robots,
         lower_bound_reason=bound.reason,
-        enough_robots=max(bound.robots, len(mission.fleet.robots or ())),
+        enough_robots=max(own.robots, len(mission.fleet.robots or ())),
         ideal_robots=sum(
             r.shape.area / (2 * reach_m * robot.speed_m_s * r.period_s) for r in regions if r.demand == "every_point"
         ),
         range_margin_m=margin_m,
         spacing_m=spacing_m,
     )
+
+
+def asks_alike(one: Mission, other: Mission) -> bool:
+    """Whether two missions of one ground, that may differ in their starts, have the same periods and sensors."""
+    sensors = [[robot.sensor for robot in (m.fleet.equal_robot("r"), *(m.fleet.robots or ()))] for m in (one, other)]
+    periods = [[m.period_s, *(zone.period_s for zone in m.zones)] for m in (one, other)]
+    return sensors[0] == sensors[1] and periods[0] == periods[1]
+
+
+def bound_of(mission: Mission) -> ProvedBound:
+    """The proved bound of a mission by itself."""
+    problem = set_up_problem(mission)
+    return ProvedBound(robots=problem.lower_bound, reason=problem.lower_bound_reason)
 
 
 def seeable_areas(

@@ -35,6 +35,7 @@ SCREENED = 0.25  # share of the moves that all splits get before the best of the
 def plan_patrol(
     mission: Mission,
     *,
+    asked: Mission,
     seed: int,
     judge: Judge,
     progress: Callable[[float, str], None],
@@ -42,16 +43,18 @@ def plan_patrol(
 ) -> Plan:
     """A plan of closed tours that the judge passes, with as few robots as the search finds within the effort.
 
-    judge: the verdict on a plan. progress: told a share in 0..1 and what is going on. should_stop: polled often; once
-    true the best plan so far is returned. Raises NoPlanFound, with the best plan found, when the demand is not met.
+    asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
+    robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
+    on. should_stop: polled often; once true the best plan so far is returned. Raises NoPlanFound, with the best plan
+    found, when the demand is not met.
     """
     progress(0.0, "looking at the mission")
-    problem = set_up_problem(mission)
+    problem = set_up_problem(mission, asked=asked)
     context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     if mission.fleet.robots is not None:
         free = replace(mission, fleet=replace(mission.fleet, robots=None))
         as_many = replace(context, problem=replace(problem, mission=free))
-        return plan_for_fixed_fleet(context, fewest_robots(as_many))
+        return plan_for_fixed_fleet(context, fewest_robots(as_many), asked)
     best = fewest_robots(context)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)

@@ -1,0 +1,50 @@
+"""Who takes which loop: the latest arrival as early as it can be, then the least time on the way in all."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import maximum_bipartite_matching
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def earliest_assignment(times_s: Floats) -> Ints | None:
+    """For each loop (n,) the start that serves it; None when no assignment serves all.
+
+    times_s: (m, n) seconds from start to loop, inf where no path leads. No assignment has an earlier latest arrival;
+    of those that have it, none has a lesser sum.
+    """
+    n = times_s.shape[1]
+    limit_s = bottleneck_s(times_s)
+    if limit_s is None:
+        return None
+    allowed = np.where(times_s <= limit_s, times_s, np.inf)
+    starts, loops = linear_sum_assignment(allowed)
+    found = np.full(n, -1, dtype=np.int64)
+    found[loops] = starts
+    return found
+
+
+def bottleneck_s(times_s: Floats) -> float | None:
+    """The least latest arrival of any assignment that serves all loops; None when there is no assignment."""
+    values = np.unique(times_s[np.isfinite(times_s)])
+    if len(served(times_s, np.inf)) < times_s.shape[1] or not len(values):
+        return None
+    low, high = 0, len(values) - 1
+    while low < high:
+        middle = (low + high) // 2
+        if len(served(times_s, float(values[middle]))) == times_s.shape[1]:
+            high = middle
+        else:
+            low = middle + 1
+    return float(values[low])
+
+
+def served(times_s: Floats, limit_s: float) -> Ints:
+    """The loops of a largest matching that uses no way longer than the limit."""
+    graph = csr_array((np.isfinite(times_s) & (times_s <= limit_s)).astype(np.int8))
+    return np.flatnonzero(maximum_bipartite_matching(graph, perm_type="row") >= 0)
