@@ -153,6 +153,8 @@ def set_up_problem(mission: Mission, *, asked: Mission | None = None) -> Problem
     paths = ShortestPaths(space)
     own = prove_bound(mission, regions, areas, points, start, items)
     bound = own if asked is None or asks_alike(asked, mission) else bound_of(asked)
+    # robots that start in different parts cannot help each other: each part must make do with as few as it can
+    bound_to_parts = asked is not None and asked.has_starts and len(paths.parts) > 1
     return Problem(
         mission=mission,
         robot=robot,
@@ -171,7 +173,7 @@ def set_up_problem(mission: Mission, *, asked: Mission | None = None) -> Problem
         sees_item=items,
         lower_bound=bound.robots,
         lower_bound_reason=bound.reason,
-        enough_robots=max(own.robots, len(mission.fleet.robots or ())),
+        enough_robots=max(own.robots, 0 if bound_to_parts else len(mission.fleet.robots or ())),
         ideal_robots=sum(
             r.shape.area / (2 * reach_m * robot.speed_m_s * r.period_s) for r in regions if r.demand == "every_point"
         ),
