@@ -29,6 +29,7 @@ RESERVE = 0.03  # share of the budgets left for the mending
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
+COOL, DEAR = 1 / 8, 6.0  # heat at which everything must be seen, and how many times more than usual that is worth then
 SCREENED = 0.25  # share of the moves that all splits get before the best of them get all
 
 
@@ -152,31 +153,35 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
     """
     extra = no_points()
     reach_m, work = context.problem.reach_m, context.work
+    search = annealed(context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed)
     for turn in range(work.coolings):
-        heat_m = max(reach_m / 2 ** (turn + 1), COOLEST * reach_m)
-        moves = work.moves if turn == 0 else work.moves // 2
-        search = annealed(context, tours, extra, heat_m=heat_m, moves=moves, seed=seed + turn)
-        tours = search.tours
         if search.unseen_share > UNSEEN or search.over_budget_share > OVER:
             break
-        found = settle(context, tours, extra, may_add=False, rounds=work.repairs)
-        tours, extra = found.tours, found.extra
+        heat_m = max(COOL / 2**turn, COOLEST) * reach_m
+        search = annealed(
+            context, search.tours, extra, heat_m=heat_m, moves=work.moves // 2, seed=seed + 1 + turn, dear=DEAR
+        )
+        found = settle(context, search.tours, extra, may_add=False, rounds=work.repairs)
         if found.met and found.fits:
             return found
-        if context.should_stop() or (turn > 0 and over_budget_share(tours) > OVER):
+        if context.should_stop() or over_budget_share(found.tours) > OVER:
             break
+        extra = found.extra
     return None
 
 
 def annealed(
-    context: Context, tours: list[Tour], extra: SamplePoints, *, heat_m: float, moves: int, seed: int
+    context: Context, tours: list[Tour], extra: SamplePoints, *, heat_m: float, moves: int, seed: int, dear: float = 1.0
 ) -> Annealing:
-    """The search after annealing: everything seen if it can be, within the budgets if it can be, then short."""
+    """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
+
+    dear: how many times more than usual it is worth to see anything; corners are not worth their detours otherwise.
+    """
     problem = context.problem
     _, samples = prepared_with(problem, extra)
     search = Annealing(
         tours,
-        samples,
+        samples._replace(weight=dear * samples.weight),
         problem.space_grid,
         price=prices(tours),
         over_price=np.full(len(tours), OVER_PRICE),
