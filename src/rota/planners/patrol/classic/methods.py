@@ -1,0 +1,211 @@
+"""The methods: one ground to the tours that sweep it, by as few robots as its period and the lanes' lengths allow.
+
+Sun et al. 2019, Figure 3, draws them for one open area with one period; here each takes the ground of one group of
+period classes in one part of the standing space, so that zones can have routes of their own (``search`` chooses the
+groups). A share ``reserve`` of every robot's budget is kept for mending.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.mission import Method
+from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.classic.lanes import lanes_in, polygons, slab, turned, turning
+from rota.planners.patrol.classic.routes import Ground, angles, best_route, lane_cost_m, robots_for, sensing
+from rota.planners.patrol.problem import Problem
+
+Floats = NDArray[np.float64]
+
+STRIP_ANGLES = 3  # directions of the strips that are tried to the end
+BALANCING = 4  # rounds in which strips and sub-areas are made more alike
+MOST_MORE = 8  # robots beyond the fewest conceivable, as so many steps of a seventh, that a decomposition tries
+
+
+def sequential(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
+    """One route over everything, with robots evenly spaced on it (Figure 3b), as many as its length needs."""
+    tour = best_route(problem, ground, ground.shape, angles(problem, ground.shape))
+    return [] if tour is None else [replace(tour, robots=robots_for(tour, reserve))]
+
+
+def parallel(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
+    """Strips side by side, each swept by a robot of its own, all lanes in one direction (Figure 3a).
+
+    The strips are as few as fit the robots' budgets, and then made as even as can be. A lane too long for one robot is
+    shared by as many as it needs.
+    """
+    if ground.shape.is_empty:
+        return sequential(problem, ground, reserve)
+
+    def guess_m(angle: float) -> float:
+        return lane_cost_m(lanes_in(ground.shape, problem.space, sensing(problem, angle)), sensing(problem, angle))
+
+    tried = sorted(angles(problem, ground.shape), key=guess_m)[:STRIP_ANGLES]
+    return min((strips_at(problem, ground, angle, reserve) for angle in tried), key=burden)
+
+
+def burden(tours: list[Tour]) -> tuple[int, float]:
+    """Robots, then the fullest budget of any: what makes one division of the ground better than another."""
+    return sum(tour.robots for tour in tours), max((load(tour) for tour in tours), default=0.0)
+
+
+def load(tour: Tour) -> float:
+    """Length over budget."""
+    return tour_length_m(tour) / tour.budget_m
+
+
+def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float) -> list[Tour]:
+    """The fewest strips along lanes of this angle, and then as even as rounds of bisection make them."""
+    upright = turned(ground.shape, -angle_rad)
+    _, low, _, high = upright.bounds
+    lanes = max(1, math.ceil((high - low) / (2 * sensing(problem, angle_rad).half_m) - 1e-9))
+    edges = low + (high - low) * np.arange(lanes + 1) / lanes
+    stops = np.searchsorted(edges, (ground.stops_m @ turning(-angle_rad))[:, 1]).clip(1, lanes) - 1
+
+    @cache
+    def over(first: int, last: int) -> Tour | None:
+        shape = MultiPolygon([turned(part, angle_rad) for part in slab(upright, edges[first], edges[last])])
+        here = replace(ground, stops_m=ground.stops_m[(stops >= first) & (stops < last)])
+        return best_route(problem, here, shape, [angle_rad])
+
+    def divided(share: float) -> list[Tour]:
+        """From below, every strip as wide as one robot with this share of its budget can sweep."""
+        found, first = [], 0
+        while first < lanes:
+            last = widest(lambda k, first=first: fits(over(first, k), share), first + 1, lanes)  # type: ignore[misc]
+            tour = over(first, last)
+            if tour is not None:
+                found.append(replace(tour, robots=robots_for(tour, reserve) if last == first + 1 else 1))
+            first = last
+        return found
+
+    best = divided(1 - reserve)
+    loose, tight = 1 - reserve, 0.0
+    for _ in range(BALANCING):
+        middle = (loose + tight) / 2
+        even = divided(middle)
+        if burden(even) <= burden(best):
+            best, loose = even, middle
+        else:
+            tight = middle
+    return best
+
+
+def fits(tour: Tour | None, share: float) -> bool:
+    """Whether one robot can go round within this share of its budget."""
+    return tour is None or load(tour) <= share
+
+
+def widest(good: Callable[[int], bool], first: int, last: int) -> int:
+    """The greatest number from first to last that is good, if what is below a good one is good too; first at least."""
+    while first < last:
+        middle = (first + last + 1) // 2
+        if good(middle):
+            first = middle
+        else:
+            last = middle - 1
+    return first
+
+
+def decomposition(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
+    """Sub-areas of a robot each, swept cell by cell, each in the direction that suits it best (Figure 3c).
+
+    Halved again and again by straight cuts, in proportion to the robots on either side, along the directions that give
+    the shortest lanes; then the sub-areas are made more alike. The robots: as few as make all their loops fit. Source:
+    the decomposition of Maza and Ollero (DARS 2007), which the figure shows, with the cells of Choset (2000).
+    """
+    if ground.shape.is_empty:
+        return sequential(problem, ground, reserve)
+    budget_m = problem.robot.speed_m_s * problem.periods_s[ground.serves] * (1 - reserve)
+    robots = max(1, math.ceil(ground.shape.area / (problem.swath_m * budget_m) - 1e-9))
+    best: list[Tour] = []
+    for _ in range(MOST_MORE):
+        tours = balanced_areas(problem, ground, robots)
+        if not best or burden_over(tours, reserve) < burden_over(best, reserve):
+            best = tours
+        if all(fits(tour, 1 - reserve) for tour in tours):
+            return tours
+        robots += max(1, robots // 7)
+    return [replace(tour, robots=robots_for(tour, reserve)) for tour in best]
+
+
+def burden_over(tours: list[Tour], reserve: float) -> tuple[int, float]:
+    """The burden when every loop that one robot cannot do is shared by as many as it needs."""
+    return burden([replace(tour, robots=robots_for(tour, reserve)) for tour in tours])
+
+
+def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
+    """Tours over so many sub-areas, weighed anew by the lengths of their tours until these stop becoming more alike."""
+    weights = np.ones(robots)
+    best: list[Tour] = []
+    for _ in range(BALANCING if robots > 1 else 1):
+        areas = divided_area(problem, ground.shape, weights)
+        tours = tours_over(problem, ground, areas)
+        if best and burden(tours) >= burden(best):
+            break
+        best = tours
+        loads = np.array([load(tour) for tour in tours])
+        if len(tours) < robots or loads.min() <= 0:
+            break
+        weights = weights * loads.mean() / loads
+    return best
+
+
+def tours_over(problem: Problem, ground: Ground, areas: list[MultiPolygon]) -> list[Tour]:
+    """One tour over each sub-area, by way of the stops nearest to it."""
+    apart = shapely.distance(shapely.points(ground.stops_m)[:, None], np.array(areas)[None])
+    nearest = np.argmin(apart, axis=1) if len(apart) else np.zeros(0, dtype=np.int64)
+    found = []
+    for k, area in enumerate(areas):
+        here = replace(ground, stops_m=ground.stops_m[nearest == k])
+        tour = best_route(problem, here, area, angles(problem, area), own=True)
+        if tour is not None:
+            found.append(tour)
+    return found
+
+
+def divided_area(problem: Problem, shape: MultiPolygon, weights: Floats) -> list[MultiPolygon]:
+    """The shape in as many sub-areas as weights (n,), of areas in proportion to them, by straight cuts."""
+    if len(weights) == 1:
+        return [shape]
+    half = len(weights) // 2
+    share = float(weights[:half].sum() / weights.sum())
+    tried = angles(problem, shape)
+    cuts = [cut_in_two(shape, angle, share) for angle in tried]
+    costs = [max(sweep_guess_m(problem, one) / share, sweep_guess_m(problem, two) / (1 - share)) for one, two in cuts]
+    one, two = cuts[int(np.argmin(costs))]
+    return [*divided_area(problem, one, weights[:half]), *divided_area(problem, two, weights[half:])]
+
+
+def sweep_guess_m(problem: Problem, shape: MultiPolygon) -> float:
+    """A guess at the length of the shortest route over a shape, from lanes along its longest edges."""
+    tried = [sensing(problem, angle) for angle in angles(problem, shape)[:4]]
+    return min(lane_cost_m(lanes_in(shape, problem.space, swath), swath) for swath in tried)
+
+
+def cut_in_two(shape: MultiPolygon, angle_rad: float, share: float) -> tuple[MultiPolygon, MultiPolygon]:
+    """The shape cut along a line of this angle, with this share of its area below the line."""
+    upright = turned(shape, -angle_rad)
+    left, low, right, high = upright.bounds
+    bottom, top = low, high
+    for _ in range(40):
+        middle = (bottom + top) / 2
+        below = shapely.clip_by_rect(upright, left - 1, low - 1, right + 1, middle).area
+        bottom, top = (middle, top) if below < share * upright.area else (bottom, middle)
+    both = [MultiPolygon(slab(upright, low - 1, middle)), MultiPolygon(slab(upright, middle, high + 1))]
+    return turned(both[0], angle_rad), turned(both[1], angle_rad)
+
+
+METHODS: dict[Method, Callable[[Problem, Ground, float], list[Tour]]] = {
+    "sequential": sequential,
+    "parallel": parallel,
+    "decomposition": decomposition,
+}
