@@ -173,6 +173,37 @@ def _show_outcome(answer: Plan, report: Report, target: str) -> None:
         console.print(f"Plan: {target}", markup=False, soft_wrap=True)
 
 
+@app.command()
+def compare(
+    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")],
+    methods: Annotated[str | None, typer.Option(metavar="NAME,...", help="tours,parallel,... ; default all.")] = None,
+    output: Annotated[str | None, typer.Option("-o", "--output", metavar="PICTURE", help="Draw them, too.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plans.")] = 0,
+    effort: Annotated[EffortName | None, typer.Option(help="Work to spend; default as the mission says.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
+) -> None:
+    """Plan a mission by several methods, side by side; exit code 3 when one of them finds no plan."""
+    from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
+    from rota.files.mission_file import read_mission
+    from rota.interrupt import stop_on_interrupt
+
+    if output is not None:
+        _require_suffix(output, (".png", ".svg", ".pdf"))
+        _require_target(output, source=mission)
+    names, read = named_methods(methods), read_mission(mission)
+    for warning in read.warnings:
+        _say(f"warning: {warning}")
+    asked = read.mission if effort is None else read.mission.with_effort(effort)
+    _mention_compiling("planners/patrol/annealing", "geometry", "check")
+    with _progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
+        outcomes = compare_methods(asked, names, seed=seed, progress=bar.show, should_stop=stop)
+    told = comparison_to_json(asked, outcomes, seed) if as_json else None
+    typer.echo(comparison_table(outcomes) if told is None else json.dumps(told, indent=1))
+    if output is not None:
+        draw_outcomes(asked, outcomes, output)
+    raise typer.Exit(INTERRUPTED if stop.raised else DONE if all(o.met for o in outcomes) else NO_PLAN)
+
+
 class _Bar:
     """Progress for people: on a terminal only."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -105,7 +106,7 @@ def cells(shape: Polygon) -> list[Polygon]:
     """
     _, low, _, high = shape.bounds
     cuts = [low, *sorted({y for y in events(shape) if low + 1e-9 < y < high - 1e-9}), high]
-    layers = [slab(shape, a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
+    layers = [slab(shape, a, b) for a, b in pairwise(cuts)]
     grown: list[list[Polygon]] = []
     open_below: list[tuple[Polygon, list[Polygon]]] = []
     for layer in layers:

@@ -19,20 +19,27 @@ from shapely import MultiPolygon
 
 from rota.mission import Method
 from rota.planners.patrol.annealing.search import Tour, tour_length_m
-from rota.planners.patrol.classic.lanes import lanes_in, polygons, slab, turned, turning
-from rota.planners.patrol.classic.routes import Ground, angles, best_route, lane_cost_m, robots_for, sensing
+from rota.planners.patrol.classic.lanes import slab, turned, turning
+from rota.planners.patrol.classic.routes import (
+    Ground,
+    angles,
+    best_route,
+    promising_angles,
+    robots_for,
+    sensing,
+    shortest_guess_m,
+)
 from rota.planners.patrol.problem import Problem
 
 Floats = NDArray[np.float64]
 
-STRIP_ANGLES = 3  # directions of the strips that are tried to the end
 BALANCING = 4  # rounds in which strips and sub-areas are made more alike
 MOST_MORE = 8  # robots beyond the fewest conceivable, as so many steps of a seventh, that a decomposition tries
 
 
 def sequential(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
     """One route over everything, with robots evenly spaced on it (Figure 3b), as many as its length needs."""
-    tour = best_route(problem, ground, ground.shape, angles(problem, ground.shape))
+    tour = best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape))
     return [] if tour is None else [replace(tour, robots=robots_for(tour, reserve))]
 
 
@@ -44,11 +51,7 @@ def parallel(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
     """
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve)
-
-    def guess_m(angle: float) -> float:
-        return lane_cost_m(lanes_in(ground.shape, problem.space, sensing(problem, angle)), sensing(problem, angle))
-
-    tried = sorted(angles(problem, ground.shape), key=guess_m)[:STRIP_ANGLES]
+    tried = promising_angles(problem, ground.shape)
     return min((strips_at(problem, ground, angle, reserve) for angle in tried), key=burden)
 
 
@@ -146,14 +149,14 @@ def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
     """Tours over so many sub-areas, weighed anew by the lengths of their tours until these stop becoming more alike."""
     weights = np.ones(robots)
     best: list[Tour] = []
-    for _ in range(BALANCING if robots > 1 else 1):
+    for _ in range(BALANCING):
         areas = divided_area(problem, ground.shape, weights)
         tours = tours_over(problem, ground, areas)
         if best and burden(tours) >= burden(best):
             break
         best = tours
         loads = np.array([load(tour) for tour in tours])
-        if len(tours) < robots or loads.min() <= 0:
+        if robots == 1 or len(tours) < robots or loads.min() <= 0 or loads.mean() > 1:
             break
         weights = weights * loads.mean() / loads
     return best
@@ -166,7 +169,7 @@ def tours_over(problem: Problem, ground: Ground, areas: list[MultiPolygon]) -> l
     found = []
     for k, area in enumerate(areas):
         here = replace(ground, stops_m=ground.stops_m[nearest == k])
-        tour = best_route(problem, here, area, angles(problem, area), own=True)
+        tour = best_route(problem, here, area, promising_angles(problem, area), own=True)
         if tour is not None:
             found.append(tour)
     return found
@@ -180,15 +183,11 @@ def divided_area(problem: Problem, shape: MultiPolygon, weights: Floats) -> list
     share = float(weights[:half].sum() / weights.sum())
     tried = angles(problem, shape)
     cuts = [cut_in_two(shape, angle, share) for angle in tried]
-    costs = [max(sweep_guess_m(problem, one) / share, sweep_guess_m(problem, two) / (1 - share)) for one, two in cuts]
+    costs = [
+        max(shortest_guess_m(problem, one) / share, shortest_guess_m(problem, two) / (1 - share)) for one, two in cuts
+    ]
     one, two = cuts[int(np.argmin(costs))]
     return [*divided_area(problem, one, weights[:half]), *divided_area(problem, two, weights[half:])]
-
-
-def sweep_guess_m(problem: Problem, shape: MultiPolygon) -> float:
-    """A guess at the length of the shortest route over a shape, from lanes along its longest edges."""
-    tried = [sensing(problem, angle) for angle in angles(problem, shape)[:4]]
-    return min(lane_cost_m(lanes_in(shape, problem.space, swath), swath) for swath in tried)
 
 
 def cut_in_two(shape: MultiPolygon, angle_rad: float, share: float) -> tuple[MultiPolygon, MultiPolygon]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import DiscSensor
+from rota.mission import DiscSensor, Effort
 from rota.planners.patrol.annealing.search import Tour, tour_length_m
 from rota.planners.patrol.classic.lanes import Swath, cells, lanes_in, polygons, turned
 from rota.planners.patrol.problem import Problem
@@ -26,6 +26,7 @@ MOST_ENDS = 4000  # beyond as many lane ends the order is that of the strips
 UNSEEN = 3.0  # times the length of lane that its ground takes: what it costs to mend a pocket that a route misses
 SPARE = 0.999  # of the swath: neighbouring lanes overlap by a little, for the check's finest pieces
 DIRECTIONS = 6  # edges of a shape whose directions are tried, beside both axes
+ANGLES: dict[Effort, int] = {"quick": 3, "normal": 6, "high": 12}  # of these, the most promising are tried in full
 ROUTED = 3  # of the ways to lay lanes over a shape, the shortest on a guess are joined to routes and compared
 
 
@@ -100,6 +101,29 @@ def angles(problem: Problem, shape: BaseGeometry) -> list[float]:
         tried.append(float(turn[alike == which][np.argmax(length_m[alike == which])]))
     both = [(angle + across) % math.pi for angle in tried for across in (0.0, math.pi / 2)]
     return list({round(angle, 6): angle for angle in both}.values())
+
+
+def guess_m(shape: MultiPolygon, swath: Swath) -> float:
+    """A guess at the length of a route over a shape in lanes: these at their mean length, sideways, and back."""
+    _, low, _, high = turned(shape, -swath.angle_rad).bounds
+    high_m, width_m = float(high - low), 2 * swath.half_m
+    mean_m = float(shape.area) / high_m
+    return mean_m * math.ceil(high_m / width_m - 1e-9) + 2 * max(high_m - width_m, 0.0)
+
+
+def shortest_guess_m(problem: Problem, shape: MultiPolygon) -> float:
+    """The guess for the direction that suits the shape best; 0 for an empty one."""
+    if shape.is_empty:
+        return 0.0
+    return min(guess_m(shape, sensing(problem, angle)) for angle in angles(problem, shape))
+
+
+def promising_angles(problem: Problem, shape: MultiPolygon) -> list[float]:
+    """The directions that promise the shortest routes, as many as the effort allows."""
+    if shape.is_empty:
+        return []
+    tried = sorted(angles(problem, shape), key=lambda angle: guess_m(shape, sensing(problem, angle)))
+    return tried[: ANGLES[problem.mission.planning.effort]]
 
 
 def lane_cost_m(lanes: list[Floats], swath: Swath) -> float:
