@@ -21,6 +21,8 @@ from rota.mission import DiscSensor, Sensor
 Floats = NDArray[np.float64]
 
 SLIVER_M2 = 1e-6  # strips smaller than this are rounding of the cuts
+GRID_M, FINE_GRID_M = 1e-7, 1e-9
+SHARED_M = 1e-5  # of border: shorter ones are rounding of the cuts
 NUDGE_M = 1e-7  # off the border of the strip, so that rounding does not put a lane outside
 
 
@@ -67,6 +69,25 @@ def turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
     return shapely.transform(shape, lambda xy: xy @ turn)
 
 
+def ground_turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
+    """Ground turned about the origin, its corners moved onto a grid so fine that it stays valid whatever the angle."""
+    return off_grid(shapely.set_precision(turned(shape, angle_rad), GRID_M))
+
+
+def off_grid(shape: BaseGeometry) -> BaseGeometry:
+    """The same shape without the grid it was made on, which would be handed on to all that is cut from it."""
+    return shapely.set_precision(shape, 0.0)
+
+
+def common_part(one: BaseGeometry, other: BaseGeometry) -> BaseGeometry:
+    """What two shapes have in common, exactly where exact arithmetic on their corners succeeds."""
+    try:
+        return shapely.intersection(one, other)
+    except shapely.GEOSException:
+        # borders that nearly coincide: corners within what counts as touching
+        return off_grid(shapely.intersection(one, other, grid_size=FINE_GRID_M))
+
+
 def turning(angle_rad: float) -> Floats:
     """The matrix (2, 2) that turns rows of points from the right: ``xy @ turning(angle)``."""
     cos, sin = math.cos(angle_rad), math.sin(angle_rad)
@@ -75,7 +96,7 @@ def turning(angle_rad: float) -> Floats:
 
 def polygons(shape: BaseGeometry) -> list[Polygon]:
     """The polygons of a shape that have an area to speak of."""
-    parts = shapely.get_parts(shapely.get_parts(shape))
+    parts = shapely.get_parts(shapely.get_parts(off_grid(shape)))
     return [part for part in parts if isinstance(part, Polygon) and part.area > SLIVER_M2]
 
 
@@ -84,7 +105,8 @@ def slab(shape: BaseGeometry, low_m: float, high_m: float) -> list[Polygon]:
     if shape.is_empty:
         return []
     left, _, right, _ = shape.bounds
-    parts = polygons(shapely.intersection(shape, shapely.box(left - 1, low_m, right + 1, high_m)))
+    cut = shapely.intersection(shape, shapely.box(left - 1, low_m, right + 1, high_m), grid_size=GRID_M)
+    parts = polygons(cut)
     return sorted(parts, key=lambda part: part.bounds)
 
 
@@ -111,7 +133,7 @@ def cells(shape: Polygon) -> list[Polygon]:
     open_below: list[tuple[Polygon, list[Polygon]]] = []
     for layer in layers:
         below = [part for part, _ in open_below]
-        touches = np.array([[part.intersection(other).length > 1e-9 for other in below] for part in layer], dtype=bool)
+        touches = np.array([[shared_m(part, other) > SHARED_M for other in below] for part in layer], dtype=bool)
         touches = touches.reshape(len(layer), len(below))
         now: list[tuple[Polygon, list[Polygon]]] = []
         for i, part in enumerate(layer):
@@ -124,7 +146,12 @@ def cells(shape: Polygon) -> list[Polygon]:
                 grown.append(cell)
             now.append((part, cell))
         open_below = now
-    return [part for cell in grown for part in polygons(shapely.union_all(cell))]
+    return [part for cell in grown for part in polygons(shapely.union_all(cell, grid_size=GRID_M))]
+
+
+def shared_m(one: Polygon, other: Polygon) -> float:
+    """Length of the border that two parts of neighbouring slabs share."""
+    return float(shapely.intersection(one, other, grid_size=GRID_M).length)
 
 
 def events(shape: Polygon) -> list[float]:
@@ -170,12 +197,12 @@ def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Flo
     along obstacles that reach into its strip, and is left out where no robot can be in its strip. Lanes come in the
     order of their strips.
     """
-    ground, room = turned(shape, -swath.angle_rad), turned(space, -swath.angle_rad)
+    ground, room = ground_turned(shape, -swath.angle_rad), turned(space, -swath.angle_rad)
     if ground.is_empty:
         return []
     left, low, right, high = ground.bounds
     reach_m = 2 * swath.sensor.reach_m
-    near = shapely.clip_by_rect(room, left - reach_m, low - reach_m, right + reach_m, high + reach_m)
+    near = common_part(room, shapely.box(left - reach_m, low - reach_m, right + reach_m, high + reach_m))
     shapely.prepare(near)
     back = turning(swath.angle_rad)
     found = []
@@ -186,7 +213,7 @@ def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Flo
 
 def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: Swath) -> list[Floats]:
     """The lanes (k, 2) that see one part of a strip, in the lane's frame; several when no way in it joins them."""
-    room = MultiPolygon(polygons(part.intersection(space)))
+    room = MultiPolygon(polygons(common_part(part, space)))
     first_m, last_m = lane_ends(part, middle_m, swath)
     pieces = straight_pieces(space, middle_m, first_m, last_m)
     if not pieces:
@@ -228,7 +255,7 @@ def straight_pieces(space: BaseGeometry, height_m: float, first_m: float, last_m
     """The stretches (2, 2), or one place (1, 2), of a straight lane that lie in the space, from left to right."""
     if first_m == last_m:
         return [np.array([[first_m, height_m]])] if space.covers(Point(first_m, height_m)) else []
-    cut = shapely.intersection(LineString([(first_m, height_m), (last_m, height_m)]), space)
+    cut = common_part(LineString([(first_m, height_m), (last_m, height_m)]), space)
     cut = shapely.line_merge(cut) if cut.geom_type == "MultiLineString" else cut
     found = [shapely.get_coordinates(line) for line in shapely.get_parts(cut) if line.length > 1e-9]
     return sorted((line if line[0, 0] <= line[-1, 0] else line[::-1] for line in found), key=lambda line: line[0, 0])

@@ -19,7 +19,7 @@ from shapely import MultiPolygon
 
 from rota.mission import Method
 from rota.planners.patrol.annealing.search import Tour, tour_length_m
-from rota.planners.patrol.classic.lanes import slab, turned, turning
+from rota.planners.patrol.classic.lanes import ground_turned, slab, turned, turning
 from rota.planners.patrol.classic.routes import (
     Ground,
     angles,
@@ -34,7 +34,7 @@ from rota.planners.patrol.problem import Problem
 Floats = NDArray[np.float64]
 
 BALANCING = 4  # rounds in which strips and sub-areas are made more alike
-MOST_MORE = 8  # robots beyond the fewest conceivable, as so many steps of a seventh, that a decomposition tries
+MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
 
 
 def sequential(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
@@ -52,7 +52,13 @@ def parallel(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve)
     tried = promising_angles(problem, ground.shape)
-    return min((strips_at(problem, ground, angle, reserve) for angle in tried), key=burden)
+    ways = [strips_at(problem, ground, angle, reserve) for angle in tried]
+    return min(ways, key=lambda tours: (meets_itself(tours), *burden(tours)))
+
+
+def meets_itself(tours: list[Tour]) -> bool:
+    """Whether robots with bodies share a lane to and fro, and so come face to face."""
+    return any(tour.robots > 1 and tour.robot.body_radius_m > 0 for tour in tours)
 
 
 def burden(tours: list[Tour]) -> tuple[int, float]:
@@ -65,9 +71,12 @@ def load(tour: Tour) -> float:
     return tour_length_m(tour) / tour.budget_m
 
 
-def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float) -> list[Tour]:
-    """The fewest strips along lanes of this angle, and then as even as rounds of bisection make them."""
-    upright = turned(ground.shape, -angle_rad)
+def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float, *, own: bool = False) -> list[Tour]:
+    """The fewest strips along lanes of this angle, and then as even as rounds of bisection make them.
+
+    own: the lanes within a strip, and within each of its cells, may have another direction that suits them better.
+    """
+    upright = ground_turned(ground.shape, -angle_rad)
     _, low, _, high = upright.bounds
     lanes = max(1, math.ceil((high - low) / (2 * sensing(problem, angle_rad).half_m) - 1e-9))
     edges = low + (high - low) * np.arange(lanes + 1) / lanes
@@ -77,7 +86,8 @@ def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float
     def over(first: int, last: int) -> Tour | None:
         shape = MultiPolygon([turned(part, angle_rad) for part in slab(upright, edges[first], edges[last])])
         here = replace(ground, stops_m=ground.stops_m[(stops >= first) & (stops < last)])
-        return best_route(problem, here, shape, [angle_rad])
+        tried = promising_angles(problem, shape) if own else [angle_rad]
+        return best_route(problem, here, shape, tried, own=own)
 
     def divided(share: float) -> list[Tour]:
         """From below, every strip as wide as one robot with this share of its budget can sweep."""
@@ -122,27 +132,24 @@ def decomposition(problem: Problem, ground: Ground, reserve: float) -> list[Tour
     """Sub-areas of a robot each, swept cell by cell, each in the direction that suits it best (Figure 3c).
 
     Halved again and again by straight cuts, in proportion to the robots on either side, along the directions that give
-    the shortest lanes; then the sub-areas are made more alike. The robots: as few as make all their loops fit. Source:
-    the decomposition of Maza and Ollero (DARS 2007), which the figure shows, with the cells of Choset (2000).
+    the shortest lanes, and then made more alike; or strips, where these need fewer robots. The robots: as few as make
+    all loops fit. Source: the decomposition of Maza and Ollero (DARS 2007), which the figure shows, with the cells of
+    Choset (2000).
     """
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve)
+    ways = [
+        strips_at(problem, ground, angle, reserve, own=True) for angle in promising_angles(problem, ground.shape)[:2]
+    ]
+    best = min(ways, key=lambda tours: (meets_itself(tours), *burden(tours)))
+    most = burden(best)[0]
     budget_m = problem.robot.speed_m_s * problem.periods_s[ground.serves] * (1 - reserve)
-    robots = max(1, math.ceil(ground.shape.area / (problem.swath_m * budget_m) - 1e-9))
-    best: list[Tour] = []
-    for _ in range(MOST_MORE):
+    fewest = max(1, math.ceil(ground.shape.area / (problem.swath_m * budget_m) - 1e-9))
+    for robots in range(max(fewest, most - MOST_FEWER), most + 1):
         tours = balanced_areas(problem, ground, robots)
-        if not best or burden_over(tours, reserve) < burden_over(best, reserve):
-            best = tours
         if all(fits(tour, 1 - reserve) for tour in tours):
-            return tours
-        robots += max(1, robots // 7)
-    return [replace(tour, robots=robots_for(tour, reserve)) for tour in best]
-
-
-def burden_over(tours: list[Tour], reserve: float) -> tuple[int, float]:
-    """The burden when every loop that one robot cannot do is shared by as many as it needs."""
-    return burden([replace(tour, robots=robots_for(tour, reserve)) for tour in tours])
+            return min(best, tours, key=lambda tours: (meets_itself(tours), *burden(tours)))
+    return best
 
 
 def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
@@ -192,12 +199,12 @@ def divided_area(problem: Problem, shape: MultiPolygon, weights: Floats) -> list
 
 def cut_in_two(shape: MultiPolygon, angle_rad: float, share: float) -> tuple[MultiPolygon, MultiPolygon]:
     """The shape cut along a line of this angle, with this share of its area below the line."""
-    upright = turned(shape, -angle_rad)
-    left, low, right, high = upright.bounds
+    upright = ground_turned(shape, -angle_rad)
+    _, low, _, high = upright.bounds
     bottom, top = low, high
-    for _ in range(40):
+    for _ in range(25):
         middle = (bottom + top) / 2
-        below = shapely.clip_by_rect(upright, left - 1, low - 1, right + 1, middle).area
+        below = sum(part.area for part in slab(upright, low - 1, middle))
         bottom, top = (middle, top) if below < share * upright.area else (bottom, middle)
     both = [MultiPolygon(slab(upright, low - 1, middle)), MultiPolygon(slab(upright, middle, high + 1))]
     return turned(both[0], angle_rad), turned(both[1], angle_rad)

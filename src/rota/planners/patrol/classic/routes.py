@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.mission import DiscSensor, Effort
 from rota.planners.patrol.annealing.search import Tour, tour_length_m
-from rota.planners.patrol.classic.lanes import Swath, cells, lanes_in, polygons, turned
+from rota.planners.patrol.classic.lanes import GRID_M, Swath, cells, ground_turned, lanes_in, polygons, turned
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import distances
 from rota.planners.patrol.start.ordering import short_order
@@ -53,8 +53,8 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
     for part in problem.paths.parts:
         body_m = problem.robot.body_radius_m
         claim = part.buffer(1.05 * body_m, join_style="mitre") if body_m > 0 else part
-        claims.append(shapely.difference(claim, taken))
-        taken = shapely.union(taken, claim)
+        claims.append(shapely.difference(claim, taken, grid_size=GRID_M))
+        taken = shapely.union(taken, claim, grid_size=GRID_M)
     found = []
     for group in groups:
         shapes = [
@@ -62,11 +62,11 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
             for region, c in zip(problem.regions, problem.region_class, strict=True)
             if c in group and region.demand == "every_point"
         ]
-        shape = smoothed(shapely.union_all(shapes), 0.02 * problem.reach_m)
+        shape = smoothed(shapely.union_all(shapes, grid_size=GRID_M), 0.02 * problem.reach_m)
         visits = problem.points.xy_m[(problem.points.visit_m > 0) & np.isin(problem.points.period, group)]
         parts = problem.paths.part_of(visits)
         for part, claim in enumerate(claims):
-            here = MultiPolygon(polygons(shapely.intersection(shape, claim)))
+            here = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
             stops = visits[parts == part]
             if not here.is_empty or len(stops):
                 found.append(Ground(shape=here, stops_m=stops, serves=group[0], part=part))
@@ -159,7 +159,7 @@ def layouts(problem: Problem, shape: MultiPolygon, tried: list[float], *, own: b
 
 def cells_at(shape: MultiPolygon, angle_rad: float) -> list[BaseGeometry]:
     """The boustrophedon cells of a shape for lanes at this angle."""
-    upright = turned(shape, -angle_rad)
+    upright = ground_turned(shape, -angle_rad)
     return [turned(cell, angle_rad) for part in polygons(upright) for cell in cells(part)]
 
 
@@ -174,13 +174,14 @@ def without_a_side(
     shape: MultiPolygon, angle_rad: float, width_m: float
 ) -> Iterator[tuple[MultiPolygon, MultiPolygon]]:
     """The shape cut in a strip across the lanes at either end, for a lane that leads back, and the rest."""
-    upright = turned(shape, -angle_rad)
+    upright = ground_turned(shape, -angle_rad)
     left, low, right, high = upright.bounds
     if right - left < 2 * width_m or high - low < 2 * width_m:
         return
     for a, b in ((left - 1, left + width_m), (right - width_m, right + 1)):
         strip = shapely.box(a, low - 1, b, high + 1)
-        side, rest = polygons(shapely.intersection(upright, strip)), polygons(shapely.difference(upright, strip))
+        side = polygons(shapely.intersection(upright, strip, grid_size=GRID_M))
+        rest = polygons(shapely.difference(upright, strip, grid_size=GRID_M))
         if side and rest:
             yield turned(MultiPolygon(side), angle_rad), turned(MultiPolygon(rest), angle_rad)
 
