@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -47,7 +48,7 @@ def parallel(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
     """Strips side by side, each swept by a robot of its own, all lanes in one direction (Figure 3a).
 
     The strips are as few as fit the robots' budgets, and then made as even as can be. A lane too long for one robot is
-    shared by as many as it needs.
+    cut into pieces of a robot each.
     """
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve)
@@ -82,12 +83,15 @@ def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float
     edges = low + (high - low) * np.arange(lanes + 1) / lanes
     stops = np.searchsorted(edges, (ground.stops_m @ turning(-angle_rad))[:, 1]).clip(1, lanes) - 1
 
+    def strip(first: int, last: int) -> Ground:
+        shape = MultiPolygon([turned(part, angle_rad) for part in slab(upright, edges[first], edges[last])])
+        return replace(ground, shape=shape, stops_m=ground.stops_m[(stops >= first) & (stops < last)])
+
     @cache
     def over(first: int, last: int) -> Tour | None:
-        shape = MultiPolygon([turned(part, angle_rad) for part in slab(upright, edges[first], edges[last])])
-        here = replace(ground, stops_m=ground.stops_m[(stops >= first) & (stops < last)])
-        tried = promising_angles(problem, shape) if own else [angle_rad]
-        return best_route(problem, here, shape, tried, own=own)
+        here = strip(first, last)
+        tried = promising_angles(problem, here.shape) if own else [angle_rad]
+        return best_route(problem, here, here.shape, tried, own=own)
 
     def divided(share: float) -> list[Tour]:
         """From below, every strip as wide as one robot with this share of its budget can sweep."""
@@ -95,8 +99,10 @@ def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float
         while first < lanes:
             last = widest(lambda k, first=first: fits(over(first, k), share), first + 1, lanes)  # type: ignore[misc]
             tour = over(first, last)
-            if tour is not None:
-                found.append(replace(tour, robots=robots_for(tour, reserve) if last == first + 1 else 1))
+            if tour is not None and fits(tour, share):
+                found.append(tour)
+            elif tour is not None:
+                found += pieces_of_lane(problem, strip(first, last), tour, angle_rad, share)
             first = last
         return found
 
@@ -110,6 +116,24 @@ def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float
         else:
             tight = middle
     return best
+
+
+def pieces_of_lane(problem: Problem, strip: Ground, whole: Tour, angle_rad: float, share: float) -> list[Tour]:
+    """A strip too long for one robot cut across: even pieces, as few as fit; or shared, where that takes fewer robots.
+
+    Pieces keep robots with bodies from meeting face to face on one lane.
+    """
+    shared = replace(whole, robots=robots_for(whole, 1 - share))
+    upright = ground_turned(strip.shape, math.pi / 2 - angle_rad)
+    _, low, _, high = upright.bounds
+    for count in range(2, shared.robots + 2):
+        edges = low + (high - low) * np.arange(count + 1) / count
+        areas = [MultiPolygon([turned(part, angle_rad - math.pi / 2) for part in slab(upright, a, b)])
+                 for a, b in pairwise(edges)]  # fmt: skip
+        tours = tours_over(problem, strip, [area for area in areas if not area.is_empty], [angle_rad])
+        if all(fits(tour, share) for tour in tours):
+            return tours
+    return [shared]
 
 
 def fits(tour: Tour | None, share: float) -> bool:
@@ -158,7 +182,7 @@ def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
     best: list[Tour] = []
     for _ in range(BALANCING):
         areas = divided_area(problem, ground.shape, weights)
-        tours = tours_over(problem, ground, areas)
+        tours = tours_over(problem, ground, areas, None)
         if best and burden(tours) >= burden(best):
             break
         best = tours
@@ -169,14 +193,17 @@ def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
     return best
 
 
-def tours_over(problem: Problem, ground: Ground, areas: list[MultiPolygon]) -> list[Tour]:
-    """One tour over each sub-area, by way of the stops nearest to it."""
+def tours_over(problem: Problem, ground: Ground, areas: list[MultiPolygon], tried: list[float] | None) -> list[Tour]:
+    """One tour over each sub-area, by way of the stops nearest to it.
+
+    tried: the directions of its lanes; None: those that suit it best, its cells each by themselves.
+    """
     apart = shapely.distance(shapely.points(ground.stops_m)[:, None], np.array(areas)[None])
     nearest = np.argmin(apart, axis=1) if len(apart) else np.zeros(0, dtype=np.int64)
     found = []
     for k, area in enumerate(areas):
         here = replace(ground, stops_m=ground.stops_m[nearest == k])
-        tour = best_route(problem, here, area, promising_angles(problem, area), own=True)
+        tour = best_route(problem, here, area, tried or promising_angles(problem, area), own=tried is None)
         if tour is not None:
             found.append(tour)
     return found
