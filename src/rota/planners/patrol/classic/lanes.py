@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 SLIVER_M2 = 1e-6  # strips smaller than this are rounding of the cuts
 GRID_M, FINE_GRID_M = 1e-7, 1e-9
 SHARED_M = 1e-5  # of border: shorter ones are rounding of the cuts
+SHORT_M = 1e-6  # of a lane's end: no further way is laid for it
 NUDGE_M = 1e-7  # off the border of the strip, so that rounding does not put a lane outside
 
 
@@ -213,9 +214,11 @@ def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Flo
 
 def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: Swath) -> list[Floats]:
     """The lanes (k, 2) that see one part of a strip, in the lane's frame; several when no way in it joins them."""
-    room = MultiPolygon(polygons(common_part(part, space)))
     first_m, last_m = lane_ends(part, middle_m, swath)
     pieces = straight_pieces(space, middle_m, first_m, last_m)
+    if len(pieces) == 1 and pieces[0][0, 0] <= first_m + SHORT_M and pieces[0][-1, 0] >= last_m - SHORT_M:
+        return pieces
+    room = MultiPolygon(polygons(common_part(part, space)))
     if not pieces:
         if room.is_empty:
             return []
@@ -226,9 +229,9 @@ def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: S
         return [np.array([nearest_free_point(room, ((first_m + last_m) / 2, middle_m))])]
     if not room.is_empty:
         # where the middle of the strip is blocked before its end, go on as near to that end as can be
-        if pieces[0][0, 0] > first_m + 1e-6:
+        if pieces[0][0, 0] > first_m + SHORT_M:
             pieces.insert(0, np.array([nearest_free_point(room, (first_m, middle_m))]))
-        if pieces[-1][-1, 0] < last_m - 1e-6:
+        if pieces[-1][-1, 0] < last_m - SHORT_M:
             pieces.append(np.array([nearest_free_point(room, (last_m, middle_m))]))
     return joined_within(room, pieces)
 

@@ -2,7 +2,8 @@
 
 Sun et al. 2019, Figure 3, draws them for one open area with one period; here each takes the ground of one group of
 period classes in one part of the standing space, so that zones can have routes of their own (``search`` chooses the
-groups). A share ``reserve`` of every robot's budget is kept for mending.
+groups). A share ``reserve`` of every robot's budget is kept for mending. A method that needs more robots than ``most``
+gives None.
 """
 
 from __future__ import annotations
@@ -38,23 +39,39 @@ BALANCING = 4  # rounds in which strips and sub-areas are made more alike
 MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
 
 
-def sequential(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
+def sequential(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
     """One route over everything, with robots evenly spaced on it (Figure 3b), as many as its length needs."""
     tour = best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape))
-    return [] if tour is None else [replace(tour, robots=robots_for(tour, reserve))]
+    if tour is None:
+        return []
+    return not_more([replace(tour, robots=robots_for(tour, reserve))], most)
 
 
-def parallel(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
+def not_more(tours: list[Tour], most: int | None) -> list[Tour] | None:
+    """The tours, or None when they have more robots than that."""
+    return tours if most is None or burden(tours)[0] <= most else None
+
+
+def parallel(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
     """Strips side by side, each swept by a robot of its own, all lanes in one direction (Figure 3a).
 
     The strips are as few as fit the robots' budgets, and then made as even as can be. A lane too long for one robot is
     cut into pieces of a robot each.
     """
     if ground.shape.is_empty:
-        return sequential(problem, ground, reserve)
-    tried = promising_angles(problem, ground.shape)
-    ways = [strips_at(problem, ground, angle, reserve) for angle in tried]
-    return min(ways, key=lambda tours: (meets_itself(tours), *burden(tours)))
+        return sequential(problem, ground, reserve, most)
+    best: list[Tour] | None = None
+    for angle in promising_angles(problem, ground.shape):
+        tours = strips_at(problem, ground, angle, reserve, most)
+        if tours is not None and (best is None or rank(tours) < rank(best)):
+            best = tours
+            most = max(burden(best)[0], 1)
+    return best
+
+
+def rank(tours: list[Tour]) -> tuple[bool, int, float]:
+    """What makes one division of the ground better than another, the smaller the better."""
+    return meets_itself(tours), *burden(tours)
 
 
 def meets_itself(tours: list[Tour]) -> bool:
@@ -72,11 +89,10 @@ def load(tour: Tour) -> float:
     return tour_length_m(tour) / tour.budget_m
 
 
-def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float, *, own: bool = False) -> list[Tour]:
-    """The fewest strips along lanes of this angle, and then as even as rounds of bisection make them.
-
-    own: the lanes within a strip, and within each of its cells, may have another direction that suits them better.
-    """
+def strips_at(
+    problem: Problem, ground: Ground, angle_rad: float, reserve: float, most: int | None
+) -> list[Tour] | None:
+    """The fewest strips along lanes of this angle, and then as even as rounds of bisection make them."""
     upright = ground_turned(ground.shape, -angle_rad)
     _, low, _, high = upright.bounds
     lanes = max(1, math.ceil((high - low) / (2 * sensing(problem, angle_rad).half_m) - 1e-9))
@@ -90,13 +106,15 @@ def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float
     @cache
     def over(first: int, last: int) -> Tour | None:
         here = strip(first, last)
-        tried = promising_angles(problem, here.shape) if own else [angle_rad]
-        return best_route(problem, here, here.shape, tried, own=own)
+        return best_route(problem, here, here.shape, [angle_rad])
 
-    def divided(share: float) -> list[Tour]:
+    def divided(share: float, most: int | None) -> list[Tour] | None:
         """From below, every strip as wide as one robot with this share of its budget can sweep."""
-        found, first = [], 0
+        found: list[Tour] = []
+        first = 0
         while first < lanes:
+            if not_more(found, most) is None:
+                return None
             last = widest(lambda k, first=first: fits(over(first, k), share), first + 1, lanes)  # type: ignore[misc]
             tour = over(first, last)
             if tour is not None and fits(tour, share):
@@ -104,14 +122,17 @@ def strips_at(problem: Problem, ground: Ground, angle_rad: float, reserve: float
             elif tour is not None:
                 found += pieces_of_lane(problem, strip(first, last), tour, angle_rad, share)
             first = last
-        return found
+        return not_more(found, most)
 
-    best = divided(1 - reserve)
-    loose, tight = 1 - reserve, 0.0
-    for _ in range(BALANCING):
+    best = divided(1 - reserve, most)
+    if best is None:
+        return None
+    # no share below the mean load of the robots can do with as many
+    loose, tight = 1 - reserve, sum(load(tour) * tour.robots for tour in best) / max(1, burden(best)[0])
+    for _ in range(BALANCING if len(best) > 1 else 0):
         middle = (loose + tight) / 2
-        even = divided(middle)
-        if burden(even) <= burden(best):
+        even = divided(middle, burden(best)[0])
+        if even is not None and burden(even) <= burden(best):
             best, loose = even, middle
         else:
             tight = middle
@@ -152,28 +173,26 @@ def widest(good: Callable[[int], bool], first: int, last: int) -> int:
     return first
 
 
-def decomposition(problem: Problem, ground: Ground, reserve: float) -> list[Tour]:
+def decomposition(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
     """Sub-areas of a robot each, swept cell by cell, each in the direction that suits it best (Figure 3c).
 
     Halved again and again by straight cuts, in proportion to the robots on either side, along the directions that give
-    the shortest lanes, and then made more alike; or strips, where these need fewer robots. The robots: as few as make
-    all loops fit. Source: the decomposition of Maza and Ollero (DARS 2007), which the figure shows, with the cells of
-    Choset (2000).
+    the shortest lanes, and then made more alike; strips instead, where only these are as few. The robots: as few as
+    make all loops fit. Source: the decomposition of Maza and Ollero (DARS 2007), which the figure shows, with the cells
+    of Choset (2000).
     """
     if ground.shape.is_empty:
-        return sequential(problem, ground, reserve)
-    ways = [
-        strips_at(problem, ground, angle, reserve, own=True) for angle in promising_angles(problem, ground.shape)[:2]
-    ]
-    best = min(ways, key=lambda tours: (meets_itself(tours), *burden(tours)))
-    most = burden(best)[0]
+        return sequential(problem, ground, reserve, most)
+    strips = parallel(problem, ground, reserve, most)
+    limit = burden(strips)[0] if strips is not None else most
+    assert limit is not None
     budget_m = problem.robot.speed_m_s * problem.periods_s[ground.serves] * (1 - reserve)
     fewest = max(1, math.ceil(ground.shape.area / (problem.swath_m * budget_m) - 1e-9))
-    for robots in range(max(fewest, most - MOST_FEWER), most + 1):
+    for robots in range(max(fewest, limit - MOST_FEWER), limit + 1):
         tours = balanced_areas(problem, ground, robots)
         if all(fits(tour, 1 - reserve) for tour in tours):
-            return min(best, tours, key=lambda tours: (meets_itself(tours), *burden(tours)))
-    return best
+            return tours
+    return strips
 
 
 def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
@@ -237,7 +256,7 @@ def cut_in_two(shape: MultiPolygon, angle_rad: float, share: float) -> tuple[Mul
     return turned(both[0], angle_rad), turned(both[1], angle_rad)
 
 
-METHODS: dict[Method, Callable[[Problem, Ground, float], list[Tour]]] = {
+METHODS: dict[Method, Callable[[Problem, Ground, float, int | None], list[Tour] | None]] = {
     "sequential": sequential,
     "parallel": parallel,
     "decomposition": decomposition,

@@ -105,8 +105,8 @@ def angles(problem: Problem, shape: BaseGeometry) -> list[float]:
 
 def guess_m(shape: MultiPolygon, swath: Swath) -> float:
     """A guess at the length of a route over a shape in lanes: these at their mean length, sideways, and back."""
-    _, low, _, high = turned(shape, -swath.angle_rad).bounds
-    high_m, width_m = float(high - low), 2 * swath.half_m
+    across = np.array([-math.sin(swath.angle_rad), math.cos(swath.angle_rad)])
+    high_m, width_m = float(np.ptp(shapely.get_coordinates(shape) @ across)), 2 * swath.half_m
     mean_m = float(shape.area) / high_m
     return mean_m * math.ceil(high_m / width_m - 1e-9) + 2 * max(high_m - width_m, 0.0)
 

@@ -99,10 +99,15 @@ def proposed(
     left = grounds(problem, groups)
     tours: list[Tour] = []
     while left:
-        robots = sum(tour.robots for tour in tours) + sum(least_robots(problem, ground) for ground in left)
-        if most is not None and robots > most:
+        ground = left.pop(0)
+        others = sum(tour.robots for tour in tours) + sum(least_robots(problem, ground) for ground in left)
+        room = None if most is None else most - others
+        if room is not None and least_robots(problem, ground) > room:
             return None
-        tours += METHODS[method](problem, left.pop(0), RESERVES[reserve])
+        found = METHODS[method](problem, ground, RESERVES[reserve], room)
+        if found is None:
+            return None
+        tours += found
     return Proposal(tours=tours, groups=groups, reserve=reserve)
 
 
