@@ -86,6 +86,16 @@ def test_a_lane_goes_round_an_obstacle_that_reaches_over_the_middle_of_its_strip
     assert lane == pytest.approx(np.array([[0, 5], [15, 5], [15, 3], [25, 3], [25, 5], [40, 5]]))
 
 
+def test_rounding_at_a_turned_obstacle_does_not_part_a_lane() -> None:
+    block = box(20, 75, 50, 100)
+    ground = MultiPolygon([box(0, 0, 64.5, 110).difference(block)])
+    lanes = lanes_in(ground, ground, Swath(sensor=DISC, angle_rad=math.pi / 2, margin_m=0.025))
+    assert len(lanes) == 9  # seven strips, of which the obstacle's inside cuts two
+    (beside,) = [lane for lane in lanes if abs(lane[0, 0] - 23.04) < 0.01]
+    assert beside[:, 0] == pytest.approx([23.04, 23.04, 20, 20, 23.04, 23.04], abs=0.01)
+    assert beside[1:5, 1] == pytest.approx([75, 75, 100, 100])
+
+
 def test_an_obstacle_across_the_whole_strip_parts_the_lane() -> None:
     ground = MultiPolygon([box(0, 0, 15, 10), box(25, 0, 40, 10)])
     lanes = lanes_in(ground, ground, Swath(sensor=DISC, angle_rad=0.0))

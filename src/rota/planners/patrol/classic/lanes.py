@@ -218,7 +218,9 @@ def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: S
     pieces = straight_pieces(space, middle_m, first_m, last_m)
     if len(pieces) == 1 and pieces[0][0, 0] <= first_m + SHORT_M and pieces[0][-1, 0] >= last_m - SHORT_M:
         return pieces
-    room = MultiPolygon(polygons(common_part(part, space)))
+    # edges of rounding length would turn what is no corner into one, and block the way past it
+    parts = polygons(common_part(part, space))
+    room = MultiPolygon([shapely.remove_repeated_points(one, FINE_GRID_M) for one in parts])
     if not pieces:
         if room.is_empty:
             return []
