@@ -21,7 +21,7 @@ from rota.mission import Mission
 from rota.plan import Plan
 
 # inches
-MARGIN, GAP, HEADER, PANEL_TITLE, FOOTER = 0.14, 0.28, 0.5, 0.42, 0.3
+MARGIN, GAP, HEADER, PANEL_TITLE, FOOTER = 0.14, 0.28, 0.3, 0.42, 0.3
 WIDEST, MAP_AREA, NARROWEST_MAP = 13.5, 12.0, 3.0
 NO_PLAN = "no plan"
 
