@@ -142,12 +142,13 @@ def strips_at(
 def pieces_of_lane(problem: Problem, strip: Ground, whole: Tour, angle_rad: float, share: float) -> list[Tour]:
     """A strip too long for one robot cut across: even pieces, as few as fit; or shared, where that takes fewer robots.
 
-    Pieces keep robots with bodies from meeting face to face on one lane.
+    Pieces keep robots with bodies from meeting face to face on one lane, which is worth a robot more.
     """
     shared = replace(whole, robots=robots_for(whole, 1 - share))
     upright = ground_turned(strip.shape, math.pi / 2 - angle_rad)
     _, low, _, high = upright.bounds
-    for count in range(2, shared.robots + 2):
+    spare = 1 if whole.robot.body_radius_m > 0 else 0
+    for count in range(2, shared.robots + spare + 1):
         edges = low + (high - low) * np.arange(count + 1) / count
         areas = [MultiPolygon([turned(part, angle_rad - math.pi / 2) for part in slab(upright, a, b)])
                  for a, b in pairwise(edges)]  # fmt: skip
