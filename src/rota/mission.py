@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from shapely import MultiPolygon, Polygon
@@ -15,6 +15,8 @@ Blocks = Literal["both", "motion", "sight"]
 Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
 Effort = Literal["quick", "normal", "high"]
+Method = Literal["tours", "parallel", "sequential", "decomposition"]
+METHODS: tuple[Method, ...] = get_args(Method)
 
 AREA = "area"  # the name of the ground outside zones, wherever zones are told
 AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another name"
@@ -194,14 +196,18 @@ class Zone:
 
 @dataclass(frozen=True, kw_only=True)
 class PatrolSettings:
-    """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock."""
+    """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
+
+    method: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
+    "sequential" scanning, area "decomposition".
+    """
 
     effort: Effort = "normal"
-    method: Literal["tours"] = "tours"
+    method: Method = "tours"
 
     def __post_init__(self) -> None:
         _require(self.effort in ("quick", "normal", "high"), "patrol.effort", self.effort, "quick, normal or high")
-        _require(self.method in ("tours",), "patrol.method", self.method, "tours")
+        _require(self.method in METHODS, "patrol.method", self.method, ", ".join(METHODS))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,3 +247,7 @@ class Mission:
     def with_effort(self, effort: Effort) -> Mission:
         """The same mission, planned with another effort."""
         return replace(self, planning=replace(self.planning, effort=effort))
+
+    def with_method(self, method: Method) -> Mission:
+        """The same mission, planned by another method."""
+        return replace(self, planning=replace(self.planning, method=method))

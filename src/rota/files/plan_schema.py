@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
-from rota.mission import Blocks, Demand, Effort, Unseeable
+from rota.mission import Blocks, Demand, Effort, Method, Unseeable
 
 PLAN_VERSION = 1
 
@@ -101,7 +101,7 @@ class PatrolFields(_Strict):
     """Settings of the patrol planner."""
 
     effort: Effort
-    method: Literal["tours"]
+    method: Method
 
 
 class MissionFields(_Strict):

@@ -14,6 +14,7 @@ from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing, Tour, over_budget_share
+from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
 from rota.planners.patrol.problem import Problem, set_up_problem
@@ -41,7 +42,7 @@ def plan_patrol(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
 ) -> Plan:
-    """A plan of closed tours that the judge passes, with as few robots as the search finds within the effort.
+    """A plan of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
 
     judge: the verdict on a plan. progress: told a share in 0..1 and what is going on. should_stop: polled often; once
     true the best plan so far is returned. Raises NoPlanFound, with the best plan found, when the demand is not met.
@@ -52,11 +53,17 @@ def plan_patrol(
     if mission.fleet.robots is not None:
         free = replace(mission, fleet=replace(mission.fleet, robots=None))
         as_many = replace(context, problem=replace(problem, mission=free))
-        return plan_for_fixed_fleet(context, fewest_robots(as_many))
-    best = fewest_robots(context)
+        return plan_for_fixed_fleet(context, fewest_by_method(as_many))
+    best = fewest_by_method(context)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
     return best.plan
+
+
+def fewest_by_method(context: Context) -> Settled:
+    """The best settled plan that the method of the mission's settings finds."""
+    method = context.problem.mission.planning.method
+    return fewest_robots(context) if method == "tours" else fewest_robots_of(method, context)
 
 
 def unmet_reason(problem: Problem, best: Settled) -> str:
