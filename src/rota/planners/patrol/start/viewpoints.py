@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.samples import SamplePoints, lattice
+from rota.planners.patrol.samples import lattice
 from rota.planners.patrol.start.kernels import greedy_cover, places_see
 
 Floats = NDArray[np.float64]
@@ -80,11 +80,11 @@ def place_that_sees(
 
 
 def search_unseen(
-    points: SamplePoints, unseen: Ints, find: Callable[[Floats, float], Floats | None], sees: Callable[[Floats], Ints]
+    unseen: Ints, find: Callable[[int], Floats | None], sees: Callable[[Floats], Ints]
 ) -> tuple[Floats, Ints]:
-    """Further places (m, 2) for samples that no candidate sees, and the samples that nobody can see from anywhere.
+    """Further places (m, 2) for samples that no candidate sees, and the samples for which none was found.
 
-    find: place for one point or None; sees: samples that a place sees (so that one place serves the neighbours too).
+    find: place for a sample or None; sees: samples that a place sees (so that one place serves the neighbours too).
     """
     places: list[Floats] = []
     hopeless: list[int] = []
@@ -92,7 +92,7 @@ def search_unseen(
     while left:
         i = next(iter(left))
         del left[i]
-        place = find(points.xy_m[i], float(points.visit_m[i]))
+        place = find(i)
         if place is None:
             hopeless.append(i)
             continue
