@@ -112,27 +112,23 @@ def set_up_problem(mission: Mission) -> Problem:
     regions = demanded_regions(mission)
     periods_s = tuple(sorted({region.period_s for region in regions}))
     region_class = tuple(periods_s.index(region.period_s) for region in regions)
-    space = standing_space(mission, robot.body_radius_m)
-    if space.is_empty:
-        raise NoPlanFound(f"there is no place where a body of radius {robot.body_radius_m} m can stand")
+    margin_m = range_margin(reach_m)
+    space, rim = space_and_rim(mission, regions, robot, margin_m)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
     spacing_m = max(reach_m / SAMPLES_PER_REACH, float(np.sqrt(asked_m2 / MOST_SAMPLES)))
     walls = sight_walls(mission)
-    margin_m = range_margin(reach_m)
     # on large areas rounds of mending cost more than a little overlap
     shrink = SHRINK if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
     parts = [
         region_points(
-            region, i, region_class[i], spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m
+            region, i, region_class[i], space, spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m
         )
         for i, region in enumerate(regions)
     ]
     rim_places_m = np.zeros((0, 2))
-    if has_rim(regions, space, robot, margin_m):
-        space = standing_space(mission, robot.body_radius_m, arc_corners=fine_arc_corners(robot.body_radius_m))
-        rim = rim_points(regions, region_class, space, robot, margin_m=margin_m, spacing_m=spacing_m)
-        parts.append(rim)
-        rim_places_m = nearest_places(rim.xy_m, space, walls, robot)[0]
+    if rim:
+        parts.append(rim_points(regions, region_class, space, robot, margin_m=margin_m, spacing_m=spacing_m))
+        rim_places_m = nearest_places(parts[-1].xy_m, space, walls, robot)[0]
     points, samples = laid_out(joined(parts), walls, robot)
     places_m = candidate_places(space, 0.5 * reach_m)
     points, samples, further_m, hopeless, unseeable = places_for_all(
@@ -176,6 +172,32 @@ def set_up_problem(mission: Mission) -> Problem:
         spacing_m=spacing_m,
         rim_places_m=rim_places_m,
     )
+
+
+def space_and_rim(
+    mission: Mission, regions: tuple[DemandedRegion, ...], robot: Robot, margin_m: float
+) -> tuple[MultiPolygon, bool]:
+    """Where the robot can stand, and whether the rim of what it sees from there lies in the regions.
+
+    Round corners as fine as a rim, or a zone that is entered only there, needs it. Raises NoPlanFound when there is no
+    place to stand at all, or none in a zone that asks for visits.
+    """
+    body_m = robot.body_radius_m
+    space = standing_space(mission, body_m)
+    visits = [region for region in regions if region.demand == "visit"]
+    rim = has_rim(regions, space, robot, margin_m)
+    if rim or any(shapely.disjoint(region.shape, space) for region in visits):
+        space = standing_space(mission, body_m, arc_corners=fine_arc_corners(body_m))
+    if space.is_empty:
+        raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
+    for region in visits:
+        if shapely.disjoint(region.shape, space):
+            spot = region.shape.representative_point()
+            fits = "blocked to motion" if body_m == 0 else f"no place for a body of radius {body_m} m"
+            raise NoPlanFound(
+                f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f}): it is {fits}"
+            )
+    return space, rim
 
 
 def laid_out(points: SamplePoints, walls: Floats, robot: Robot) -> tuple[SamplePoints, Samples]:
@@ -242,11 +264,7 @@ def seeable_areas(
 
 
 def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, asked_shapes: list[MultiPolygon]) -> None:
-    """Stop when a visit is impossible, or what cannot be seen is refused by the mission or is too much of it."""
-    visits = hopeless[points.visit_m[hopeless] > 0]
-    if len(visits):
-        x, y = points.xy_m[visits[0]]
-        raise NoPlanFound(f"no robot can be inside the zone at ({x:.2f}, {y:.2f}): its body does not fit there")
+    """Stop when what cannot be seen is refused by the mission or is too much of it."""
     inside = hopeless[points.shrink_m[hopeless] > 0]  # the lattice; border points stand for no ground of their own
     # squares of the lattice stick out of narrow ground: only what lies on demanded ground is lost
     half_m = np.sqrt(points.area_m2[inside]) / 2

@@ -18,7 +18,7 @@ from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rims import along_the_rim, with_reach_for
-from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare, visit_point
+from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare
 from rota.planners.patrol.start.nearest_places import nearest_places
 from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, what_places_see
 from rota.planners.patrol.timetable import as_trajectories
@@ -153,7 +153,8 @@ def new_points(problem: Problem, tours: Sequence[Tour], verdict: Verdict, turn: 
             continue
         i = by_name[demand.name]
         if problem.regions[i].demand == "visit":
-            found.append(visit_point(problem.regions[i].shape, i, problem.region_class[i], problem.swath_m**2))
+            again = problem.points[problem.points.region == i]
+            found.append(replace(again, area_m2=np.full(len(again), problem.swath_m**2)))
             continue
         ranges_m = np.zeros(len(xy))
         if len(problem.rim_places_m):

@@ -145,6 +145,9 @@ def test_a_place_for_a_visit_is_inside() -> None:
     assert math.dist(place, (11, 5)) <= 2
     assert space.covers(Point(place))
     assert place_that_sees(np.array([13.0, 5.0]), 2.0, space, NO_WALLS, DISC, 0.1) is None
+    # a point that can be stood on is its own place, however little room there is
+    corner = np.array([10.0, 10.0])
+    assert place_that_sees(corner, 1e-9, space, NO_WALLS, DISC, 0.1) == pytest.approx(corner, abs=0)
 
 
 def test_the_search_for_the_unseen_tells_places_and_the_hopeless() -> None:

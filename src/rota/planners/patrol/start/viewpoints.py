@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.samples import lattice
+from rota.planners.patrol.samples import ON_THE_SPOT_M, lattice
 from rota.planners.patrol.start.kernels import greedy_cover, places_see
 
 Floats = NDArray[np.float64]
@@ -59,6 +59,8 @@ def place_that_sees(
 ) -> Floats | None:
     """A place (2,) to stand that sees the point, or None when there is none: its view, cut by where one can stand."""
     reach, square = sensor_arguments(robot, range_margin_m)
+    if visit_m > 0 and space.distance(shapely.Point(point_m)) <= ON_THE_SPOT_M:
+        return np.asarray(point_m, dtype=np.float64)
     if visit_m > 0:
         view: BaseGeometry = shapely.Point(point_m).buffer(visit_m)
     else:
