@@ -99,13 +99,17 @@ WORK: dict[Effort, Work] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Context:
-    """One search: the problem, the seed and the caller's wishes."""
+    """One search: the problem, the seed and the caller's wishes.
+
+    dear: how many times more than on open ground it is worth, while annealing, to see anything.
+    """
 
     problem: Problem
     seed: int
     judge: Judge
     progress: Callable[[float, str], None]
     should_stop: Callable[[], bool]
+    dear: float = 1.0
 
     @property
     def work(self) -> Work:

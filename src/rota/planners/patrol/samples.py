@@ -14,6 +14,8 @@ from rota.geometry.free_space import DemandedRegion
 from rota.planners.patrol.kernels import TOUCH_M, Samples
 from rota.planners.patrol.start.kernels import walls_that_hide
 
+ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -112,11 +114,21 @@ def border(shape: MultiPolygon, spacing_m: float, inset_m: float) -> Floats:
 
 
 def region_points(
-    region: DemandedRegion, index: int, period: int, *, spacing_m: float, shrink_m: float, inset_m: float
+    region: DemandedRegion,
+    index: int,
+    period: int,
+    space: MultiPolygon,
+    *,
+    spacing_m: float,
+    shrink_m: float,
+    inset_m: float,
 ) -> SamplePoints:
-    """The points that stand for one demanded region; a zone that asks for visits is one point."""
+    """The points that stand for one demanded region; a zone that asks for visits is one point where robots can be.
+
+    A zone that no robot can be in is no point.
+    """
     if region.demand == "visit":
-        return visit_point(region.shape, index, period, region.shape.area)
+        return visit_point(region.shape, space, index, period, region.shape.area)
     places_m, row, column = lattice_places(region.shape, spacing_m)
     inside = points_of(places_m, spacing_m**2, period, index, shrink_m=shrink_m)
     inside = replace(inside, row=row, column=column)
@@ -124,12 +136,19 @@ def region_points(
     return joined([inside, edge])
 
 
-def visit_point(shape: MultiPolygon, index: int, period: int, area_m2: float) -> SamplePoints:
-    """The middle of the largest circle in a zone; a robot within its radius is surely inside."""
-    circle = shapely.maximum_inscribed_circle(max(shape.geoms, key=lambda part: float(part.area)))
-    ends = shapely.get_coordinates(circle)
+def visit_point(shape: MultiPolygon, space: MultiPolygon, index: int, period: int, area_m2: float) -> SamplePoints:
+    """The middle of the largest circle in the part of a zone where robots can be; within its radius they are inside.
+
+    Where zone and space only touch, any point where they do, with next to no radius; no point where they are apart.
+    """
+    inside = shapely.intersection(shape, space)
+    parts = [part for part in shapely.get_parts(inside) if part.geom_type == "Polygon" and part.area > 0]
+    if not parts:
+        touched = shapely.get_coordinates(inside.point_on_surface())
+        return points_of(touched, area_m2, period, index, visit_m=ON_THE_SPOT_M)
+    ends = shapely.get_coordinates(shapely.maximum_inscribed_circle(max(parts, key=lambda part: float(part.area))))
     radius_m = float(np.hypot(*(ends[1] - ends[0])))
-    return points_of(ends[:1], area_m2, period, index, visit_m=0.98 * radius_m)
+    return points_of(ends[:1], area_m2, period, index, visit_m=max(0.98 * radius_m, ON_THE_SPOT_M))
 
 
 def prepare(

@@ -56,6 +56,11 @@ def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
     return found
 
 
+def winding(ways: list[Start]) -> float:
+    """How many times longer than ideal the shortest first tours are: near 1 in the open, more in buildings."""
+    return min(sum(tour_length_m(tour) for tour in way.tours) / max(1e-9, sum(way.ideal_m)) for way in ways)
+
+
 def robots_each(start: Start, robots: int) -> list[int] | None:
     """So many robots handed to the tours, each where the load is greatest; None when there are fewer than tours."""
     if robots < len(start.tours):

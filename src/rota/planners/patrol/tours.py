@@ -20,7 +20,7 @@ from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, wors
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
-from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts
+from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +30,7 @@ RESERVE = 0.03  # share of the budgets left for the mending
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
+OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
 COOL, DEAR = 1 / 8, 6.0  # heat at which everything must be seen, and how many times more than usual that is worth then
 SCREENED = 0.25  # share of the moves that all splits get before the best of them get all
 
@@ -83,6 +84,7 @@ def fewest_robots(context: Context) -> Settled:
     """
     problem, work = context.problem, context.work
     ways = starts(problem, work.groupings)
+    context = replace(context, dear=min(DEAR, max(1.0, winding(ways) / OPEN)))
     comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     for turn in range(work.tries):
         context.progress(0.1 + 0.3 * turn / work.tries, f"trying {comfortable + turn} robots")
@@ -178,12 +180,21 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
 
 
 def annealed(
-    context: Context, tours: list[Tour], extra: SamplePoints, *, heat_m: float, moves: int, seed: int, dear: float = 1.0
+    context: Context,
+    tours: list[Tour],
+    extra: SamplePoints,
+    *,
+    heat_m: float,
+    moves: int,
+    seed: int,
+    dear: float | None = None,
 ) -> Annealing:
     """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
 
-    dear: how many times more than usual it is worth to see anything; corners are not worth their detours otherwise.
+    dear: how many times more than usual it is worth to see anything (None: as the context says); corners are not worth
+    their detours otherwise.
     """
+    dear = context.dear if dear is None else dear
     problem = context.problem
     _, samples = prepared_with(problem, extra)
     search = Annealing(
