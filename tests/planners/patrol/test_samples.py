@@ -208,3 +208,18 @@ def test_prepared_points_are_sorted_by_bins() -> None:
             assert int((samples.y[i] - low_y) / cell) == b // columns
     # walls are lengthened by the margin at both ends
     assert samples.walls == pytest.approx(np.array([[-0.06, -0.08, 3.06, 4.08]]))
+
+
+def test_what_is_known_of_the_first_points_is_used_as_if_it_were_found_again() -> None:
+    rng = np.random.default_rng(3)
+    walls = rng.uniform(0, 20, (30, 4))
+    first, second = (points_of(rng.uniform(0, 20, (n, 2)), 1.0, 0, 0) for n in (70, 40))
+    settings = {"reach_m": 4.0, "wall_margin_m": 0.01}
+    known, order = prepare(first, walls, weight=np.ones(70), **settings)
+    both = joined([first[order], second])
+    weight = rng.uniform(1, 2, 110)
+    at_once, one = prepare(both, walls, weight=weight, **settings)
+    in_steps, other = prepare(both, walls, weight=weight, known=known, **settings)
+    assert one.tolist() == other.tolist()
+    for name, field in at_once._asdict().items():
+        assert getattr(in_steps, name).tolist() == field.tolist(), name

@@ -14,7 +14,7 @@ from rota.geometry.free_space import DemandedRegion, border_segments, demanded_r
 from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor
+from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.proved_bound import prove_bound
 from rota.planners.patrol.rims import fine_arc_corners, has_rim, rim_points, with_reach_for
@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_SAMPLES = 400_000
-SAMPLES_PER_REACH = 8
+SAMPLES_PER_REACH: dict[Effort, int] = {"quick": 8, "normal": 12, "high": 16}
 SHRINK = 0.4  # of the lattice's spacing: what lies between its points is then nearly always seen too
 LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000
 HAIR_M = 1e-6  # less than this inside of the sensor's reach counts for nothing
@@ -116,7 +116,7 @@ def set_up_problem(mission: Mission) -> Problem:
     margin_m = range_margin(reach_m)
     space, rim = space_and_rim(mission, regions, robot, margin_m)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
-    spacing_m = max(reach_m / SAMPLES_PER_REACH, float(np.sqrt(asked_m2 / MOST_SAMPLES)))
+    spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.planning.effort], float(np.sqrt(asked_m2 / MOST_SAMPLES)))
     walls = sight_walls(mission)
     # on large areas rounds of mending cost more than a little overlap
     shrink = SHRINK if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK

@@ -73,6 +73,7 @@ def prepared_with(problem: Problem, extra: SamplePoints) -> tuple[SamplePoints, 
         reach_m=problem.robot.sensor.reach_m,
         weight=weight,
         wall_margin_m=0.001 * problem.reach_m,
+        known=problem.samples,
     )
     return points[order], samples
 

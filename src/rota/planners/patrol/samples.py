@@ -152,13 +152,19 @@ def visit_point(shape: MultiPolygon, space: MultiPolygon, index: int, period: in
 
 
 def prepare(
-    points: SamplePoints, walls: Floats, *, reach_m: float, weight: Floats, wall_margin_m: float
+    points: SamplePoints,
+    walls: Floats,
+    *,
+    reach_m: float,
+    weight: Floats,
+    wall_margin_m: float,
+    known: Samples | None = None,
 ) -> tuple[Samples, Ints]:
     """The arrays that the kernels work on, and the order (n,) in which the points stand in them.
 
     walls: (k, 4) segments that block sight, lengthened by ``wall_margin_m`` at both ends so that nothing counts as seen
     by a hair's breadth. Points on lattices stand first, row by row; the others by bins of the size of the reach. Each
-    knows the walls within reach.
+    knows the walls within reach. known: what was prepared of the first points, whose walls need not be found again.
     """
     far_m = max(reach_m, float(points.visit_m.max(initial=0.0)))
     on_lattice = np.flatnonzero(points.row >= 0)
@@ -172,8 +178,13 @@ def prepare(
     by_bin = np.argsort(which, kind="stable")
     start = len(on_lattice) + np.searchsorted(which[by_bin], np.arange(bins[0] * bins[1] + 1))
     order = np.concatenate([on_lattice, loose[by_bin]]).astype(np.int64)
+    if known is None:
+        wall_start, wall_item = walls_in_reach(points[order], walls, reach_m)
+    else:
+        new = points[np.arange(len(known.x), len(points))]
+        rows = joined_rows((known.wall_start, known.wall_item), walls_in_reach(new, walls, reach_m))
+        wall_start, wall_item = rows_in_order(*rows, order)
     points = points[order]
-    wall_start, wall_item = walls_in_reach(points, walls, reach_m)
     longer = walls.copy().reshape(-1, 4)
     along = longer[:, 2:] - longer[:, :2]
     along *= wall_margin_m / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-12)
@@ -199,6 +210,20 @@ def prepare(
         bins=bins.astype(np.int64),
     )
     return samples, order
+
+
+def joined_rows(first: tuple[Ints, Ints], second: tuple[Ints, Ints]) -> tuple[Ints, Ints]:
+    """Two lists of rows, each as starts (n + 1,) and items, as one."""
+    start = np.concatenate([first[0], first[0][-1] + second[0][1:]])
+    return start, np.concatenate([first[1], second[1]])
+
+
+def rows_in_order(start: Ints, items: Ints, order: Ints) -> tuple[Ints, Ints]:
+    """Rows of items, given by their starts (n + 1,), in another order (n,)."""
+    sizes = np.diff(start)[order]
+    ends = np.concatenate([[0], np.cumsum(sizes)])
+    which = np.arange(ends[-1]) + np.repeat(start[order] - ends[:-1], sizes)
+    return ends.astype(np.int64), items[which]
 
 
 def lattice_frames(points: SamplePoints) -> tuple[Floats, Ints, NDArray[np.int32]]:
