@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
-RESERVE = 0.03  # share of the budgets left for the mending
+RESERVE, DEAR_RESERVE = 0.03, 0.015  # shares of the budgets left for the mending, the second when all must be seen
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
@@ -205,7 +205,7 @@ def annealed(
         over_price=np.full(len(tours), OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
-        reserve=RESERVE,
+        reserve=RESERVE if dear < DEAR else DEAR_RESERVE,
     )
     corners = sum(len(tour.vertices_m) for tour in tours)
     moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))
