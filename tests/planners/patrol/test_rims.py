@@ -13,7 +13,7 @@ import rota
 from rota.geometry.free_space import DemandedRegion, standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Robot, Sensor, SquareSensor
-from rota.planners.patrol.annealing.search import Tour
+from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.problem import set_up_problem
 from rota.planners.patrol.rims import along_the_rim, fine_arc_corners, grown, has_rim, rim_points, with_reach_for
 from rota.planners.patrol.samples import points_of

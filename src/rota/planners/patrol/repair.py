@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, Tour, tour_length_m
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.tour import Tour, driven, over_budget_share, room_m, tour_length_m
 from rota.planners.patrol.bodies import timed_rounds
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.kernels import Samples
@@ -48,7 +49,7 @@ class Settled:
     @property
     def fits(self) -> bool:
         """Whether every tour keeps within its budget."""
-        return all(tour_length_m(tour) <= tour.budget_m for tour in self.tours)
+        return over_budget_share(self.tours) == 0
 
     @property
     def met(self) -> bool:
@@ -80,7 +81,7 @@ def prepared_with(problem: Problem, extra: SamplePoints) -> tuple[SamplePoints, 
 
 def plan_of(problem: Problem, tours: Sequence[Tour], seed: int, names: Sequence[str] | None = None) -> Plan:
     """The plan that drives these tours; robots are named robot-1, robot-2, ... unless the fleet names them."""
-    rounds = timed_rounds(tours, problem.robot.body_radius_m)
+    rounds = timed_rounds(driven(tours), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
     if names is None:
         names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
@@ -110,7 +111,7 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
         )  # fmt: skip
         if may_add:
             tours = [with_robots(tour) for tour in tours]
-        elif any(tour_length_m(tour) > tour.budget_m for tour in tours):
+        elif over_budget_share(tours) > 0:
             tours = tightened(context, tours, samples, seed=context.seed + turn)
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
@@ -290,7 +291,7 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
         ends = np.roll(tour.vertices_m, -1, axis=0)
         detour = to_place + np.roll(to_place, -1) - np.hypot(*(ends - tour.vertices_m).T)
         i = int(np.argmin(detour))
-        room = tour.budget_m - tour_length_m(tour)
+        room = room_m(tours, k)
         cost = float(detour[i]) + 3 * max(0.0, float(detour[i]) - room)
         if math.isfinite(cost) and (best is None or cost < best[0]):
             best = (cost, k, i)

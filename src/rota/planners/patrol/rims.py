@@ -17,7 +17,7 @@ from rota.geometry.free_space import DemandedRegion, border_segments
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Robot
-from rota.planners.patrol.annealing.search import Tour
+from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.samples import SamplePoints, joined, points_of
 from rota.planners.patrol.start.viewpoints import sensor_arguments
 

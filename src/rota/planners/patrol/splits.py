@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
+from rota.planners.patrol.nesting import can_nest, nested
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
 
+NEST_BELOW = 1.4  # budgets over ideal lengths, below which loops within loops are tried
 MOST_APART = 64  # robots, beyond which each on a tour of its own is not tried
 
 
@@ -94,7 +96,7 @@ def squeeze(start: Start, counts: list[int]) -> float:
 def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: float) -> list[list[Tour]]:
     """The tours to begin with for so many robots, every way in which they might suffice; the roomiest first.
 
-    Robots that would share a tour are tried on tours of their own too.
+    Robots that would share a tour are tried on tours of their own too, and where budgets are tight loops within loops.
     """
     found: list[tuple[float, list[Tour]]] = []
     seen: set[tuple[tuple[int, int], ...]] = set()
@@ -103,9 +105,12 @@ def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: floa
         if counts is None:
             continue
         room = squeeze(start, counts)
+        shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
+        if can_nest(problem) and room < NEST_BELOW:
+            nest = nested(problem, start.grounds, shared, start.ideal_m, least_squeeze)
+            found += [(room, nest)] if nest is not None else []
         if room < least_squeeze:
             continue
-        shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
         found.append((room, shared))
         shape = tuple(sorted((tour.serves, tour.robots) for tour in shared))
         if 1 < max(counts) <= MOST_APART and (shape not in seen or problem.robot.body_radius_m > 0):

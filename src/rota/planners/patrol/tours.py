@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, Tour, over_budget_share
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.tour import Tour, over_budget_share
 from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
