@@ -99,7 +99,6 @@ def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem
     assert anchors != {(9.0, 3.0)}  # it moved, and all of them with it
     assert search.unseen_share < 0.7 * before
     assert over_budget_share(found) < 0.01
-    assert len(found[3].vertices_m) > 1  # the empty petal has grown
 
 
 def test_spare_metres_by_hand(problem: Problem) -> None:
