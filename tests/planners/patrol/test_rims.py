@@ -10,12 +10,20 @@ import shapely
 from shapely import MultiPolygon, Point, Polygon, affinity, box
 
 import rota
-from rota.geometry.free_space import DemandedRegion, standing_space
+from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls, standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Robot, Sensor, SquareSensor
 from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.problem import set_up_problem
-from rota.planners.patrol.rims import along_the_rim, fine_arc_corners, grown, has_rim, rim_points, with_reach_for
+from rota.planners.patrol.rims import (
+    along_the_rim,
+    fine_arc_corners,
+    grown,
+    has_rim,
+    rim_points,
+    surely_seeable_m2,
+    with_reach_for,
+)
 from rota.planners.patrol.samples import points_of
 from rota.planners.patrol.start.nearest_places import nearest_places
 
@@ -169,3 +177,36 @@ def test_space_is_the_finer_where_there_is_a_rim() -> None:
     assert standing_space(what, 0.5).bounds[2] < deepest - 1e-3
     problem = set_up_problem(what)
     assert deepest - 1e-3 <= problem.space.bounds[2] <= deepest
+
+
+def test_the_area_surely_seen_is_never_too_much_and_nearly_all() -> None:
+    # a box hides its shadow, a hedge cuts sight where robots stand, a pond is looked over from its shore
+    obstacles = (
+        Obstacle(shape=MultiPolygon([box(3, 3, 5, 6)])),
+        Obstacle(shape=MultiPolygon([box(20, 4, 24.5, 7)]), blocks="motion"),
+        Obstacle(shape=MultiPolygon([box(10, 1, 10.2, 9)]), blocks="sight"),
+    )
+    robot = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=2), body_radius_m=0.5)
+    for some in (obstacles[:1], obstacles[:2], obstacles):
+        mission = Mission(
+            name="yard", area=MultiPolygon([box(0, 0, 30, 10)]), obstacles=some, period_s=100,
+            fleet=Fleet(speed_m_s=1, sensor=robot.sensor, body_radius_m=0.5),
+        )  # fmt: skip
+        regions, space, walls = demanded_regions(mission), standing_space(mission, 0.5), sight_walls(mission)
+        [area] = surely_seeable_m2(regions, space, walls, robot)
+        points = np.random.default_rng(5).uniform((0, 0), (30, 10), (20_000, 2))
+        points = points[shapely.contains_xy(regions[0].shape, points)]
+        _, ranges = nearest_places(points, space, walls, robot)
+        truly = regions[0].shape.area * float((ranges <= 2).mean())
+        assert area <= truly + 0.3  # the error of so many throws
+        assert area >= 0.88 * truly
+
+
+def test_a_tiny_unseeable_place_is_refused_in_words() -> None:
+    notch = Polygon([(0, 0), (10, 0), (10, 4.98), (12.9, 5), (10, 5.02), (10, 10), (0, 10)])
+    mission = Mission(
+        name="notch", area=MultiPolygon([notch]), period_s=100, unseeable="refuse",
+        fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2), body_radius_m=0.3),
+    )  # fmt: skip
+    with pytest.raises(rota.NoPlanFound, match=r"less than 0\.01 m2 \(0\.0% of what is asked\)"):
+        set_up_problem(mission)

@@ -39,6 +39,8 @@ def nested(
     tours, ideal_m: one per ground, with their robots, and the metres of ideal lanes over it.
     """
     slow = max(range(len(tours)), key=lambda k: ideal_m[k] / replace(tours[k], robots=1).budget_m)
+    if grounds[slow].stands is not None:
+        return None
     part, slow_s = tours[slow].part, tours[slow].period_s
     spare = [
         spare_m(tour, ideal, slow_s) if tour.part == part and tour.serves < tours[slow].serves else 0.0

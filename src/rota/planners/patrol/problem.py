@@ -17,7 +17,7 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.proved_bound import prove_bound
-from rota.planners.patrol.rims import fine_arc_corners, has_rim, rim_points, with_reach_for
+from rota.planners.patrol.rims import fine_arc_corners, has_rim, rim_points, surely_seeable_m2, with_reach_for
 from rota.planners.patrol.samples import SamplePoints, joined, prepare, region_points
 from rota.planners.patrol.start.nearest_places import nearest_places
 from rota.planners.patrol.start.viewpoints import (
@@ -137,7 +137,6 @@ def set_up_problem(mission: Mission) -> Problem:
     )
     asked_shapes = [region.shape for region in regions if region.demand == "every_point"]
     refuse_unseeable(mission, points, unseeable, asked_shapes)
-    areas = seeable_areas(regions, points, hopeless, spacing_m)
     if len(hopeless):
         keep = np.ones(len(points), dtype=bool)
         keep[hopeless] = False
@@ -145,6 +144,7 @@ def set_up_problem(mission: Mission) -> Problem:
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
+    areas = surely_seeable_m2(regions, space, walls, robot)
     bound = prove_bound(mission, regions, areas, points, start, items)
     return Problem(
         mission=mission,
@@ -260,20 +260,6 @@ def places_for_all(
     return points, samples, np.vstack([further_m, last_m]), hopeless, hopeless[surely]
 
 
-def seeable_areas(
-    regions: tuple[DemandedRegion, ...], points: SamplePoints, hopeless: Ints, spacing_m: float
-) -> list[float]:
-    """A safe (low) estimate of each region's area that can be seen; 0 for zones that ask for visits.
-
-    Round every point that nobody can see four lattice squares are taken away: the bound must stay a bound.
-    """
-    areas = []
-    for i, region in enumerate(regions):
-        lost = 4 * spacing_m**2 * int((points.region[hopeless] == i).sum())
-        areas.append(max(0.0, region.shape.area - lost) if region.demand == "every_point" else 0.0)
-    return areas
-
-
 def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, asked_shapes: list[MultiPolygon]) -> None:
     """Stop when what cannot be seen is refused by the mission or is too much of it."""
     inside = hopeless[points.shrink_m[hopeless] > 0]  # the lattice; border points stand for no ground of their own
@@ -294,7 +280,8 @@ def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, ask
     blobs = sorted(blobs, key=lambda blob: -float(blob.area))[:5]
     places = ", ".join(f"({blob.centroid.x:.2f}, {blob.centroid.y:.2f})" for blob in blobs)
     allowed = "unseeable: refuse allows none" if mission.unseeable == "refuse" else f"{MOST_EXCLUDED:.0%} is allowed"
+    lost = f"about {lost_m2:.2f} m2 ({share:.1%}" if lost_m2 >= 0.01 else "less than 0.01 m2 (0.0%"
     raise NoPlanFound(
-        f"about {lost_m2:.2f} m2 ({share:.1%} of what is asked) cannot be seen from anywhere a robot can stand,"
+        f"{lost} of what is asked) cannot be seen from anywhere a robot can stand,"
         f" for instance round {places}; {allowed}"
     )

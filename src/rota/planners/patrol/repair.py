@@ -21,6 +21,7 @@ from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rims import along_the_rim, with_reach_for
 from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare
 from rota.planners.patrol.start.nearest_places import nearest_places
+from rota.planners.patrol.start.standing import over_prices
 from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, what_places_see
 from rota.planners.patrol.timetable import as_trajectories
 
@@ -199,7 +200,7 @@ def mending(problem: Problem, tours: list[Tour], samples: Samples, seed: int) ->
         samples,
         problem.space_grid,
         price=np.full(len(tours), 0.3),
-        over_price=np.full(len(tours), OVER_PRICE),
+        over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
     )
@@ -213,7 +214,7 @@ def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: in
         samples._replace(weight=DEAR * samples.weight),
         problem.space_grid,
         price=np.ones(len(tours)),
-        over_price=np.full(len(tours), OVER_PRICE),
+        over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
         reserve=TIGHTER,
@@ -281,7 +282,10 @@ def near_places(problem: Problem, xy_m: Floats) -> Floats:
 
 
 def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
-    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there."""
+    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there.
+
+    A robot of its own is posted there also where the detour would take more than one robot travels in a period.
+    """
     part = int(problem.paths.part_of(place_m[None])[0])
     best: tuple[float, int, int] | None = None
     for k, tour in enumerate(tours):
@@ -292,6 +296,8 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
         detour = to_place + np.roll(to_place, -1) - np.hypot(*(ends - tour.vertices_m).T)
         i = int(np.argmin(detour))
         room = room_m(tours, k)
+        if min(float(detour[i]), float(detour[i]) - room) > replace(tour, robots=1).budget_m:
+            continue
         cost = float(detour[i]) + 3 * max(0.0, float(detour[i]) - room)
         if math.isfinite(cost) and (best is None or cost < best[0]):
             best = (cost, k, i)

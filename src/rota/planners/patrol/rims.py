@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 
 ARC_STEPS = 64  # per quarter of a circle
 NEAR_RIM_M = 0.001  # how far inside of the rim its samples lie: legs that see them run along the very border
+HAIR_M = 1e-6
 FINE_ARC_M = 0.0005  # how much farther from an obstacle's corner than its body a robot may be kept where rims matter
 
 
@@ -81,6 +82,33 @@ def rim_points(
                 xy = np.unique(shapely.get_coordinates(lines), axis=0)
                 found.append(points_of(xy, spacing_m**2 / 4, region_class[i], i))
     return joined(found)
+
+
+def surely_seeable_m2(
+    regions: Sequence[DemandedRegion], space: MultiPolygon, walls: Floats, robot: Robot
+) -> list[float]:
+    """For each region an area that is surely seen from somewhere, never too much; 0 for zones that ask for visits.
+
+    walls: (k, 4), the borders of what blocks sight. Surely seen is where a body covers the ground, for nothing that
+    blocks motion comes between (unless walls run through where robots can stand), and what is in range with no wall
+    within reach. Ground seen only past walls is left out: a bound on robots must stay one.
+    """
+    reach_m, _ = sensor_arguments(robot, 0.0)
+    lines = shapely.linestrings(walls.reshape(-1, 2, 2))
+    walls_inside = bool(shapely.intersects(space.buffer(-HAIR_M), lines).any())
+    body_m = 0.0 if walls_inside else min(robot.body_radius_m, reach_m)
+    wide_m = robot.sensor.reach_m / math.cos(math.pi / (4 * ARC_STEPS))
+    hidden = shapely.buffer(shapely.union_all(lines), wide_m, quad_segs=ARC_STEPS)
+    seen = shapely.union_all(
+        [
+            space.buffer(body_m, quad_segs=ARC_STEPS) if body_m > 0 else space,
+            grown(space, robot, 0.0).difference(hidden),
+        ]
+    )
+    return [
+        float(shapely.intersection(region.shape, seen).area) if region.demand == "every_point" else 0.0
+        for region in regions
+    ]
 
 
 def with_reach_for(points: SamplePoints, ranges_m: Floats, reach_m: float, margin_m: float) -> SamplePoints:

@@ -11,6 +11,7 @@ from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.nesting import can_nest, nested
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
+from rota.planners.patrol.start.standing import robots_stand
 
 NEST_BELOW = 1.4  # budgets over ideal lengths, below which loops within loops are tried
 MOST_APART = 64  # robots, beyond which each on a tour of its own is not tried
@@ -39,11 +40,15 @@ def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
     """Metres that each tour would take if it swept its ground in perfect lanes.
 
     A tour's ground: what asks for its period or a longer one, up to the next longer period of a tour; shared among the
-    tours of one period in proportion to their lengths. No tour is ideal below a hundredth of its own length.
+    tours of one period in proportion to their lengths. No tour is ideal below a hundredth of its own length. Robots
+    that stand need no more than they move.
     """
     served = sorted({tour.serves for tour in tours})
     found = []
     for tour in tours:
+        if robots_stand(problem, tour.period_s):
+            found.append(tour_length_m(tour))
+            continue
         later = [c for c in served if c > tour.serves]
         classes = range(tour.serves, min(later, default=len(problem.periods_s)))
         ground_m2 = sum(
@@ -64,8 +69,11 @@ def winding(ways: list[Start]) -> float:
 
 
 def robots_each(start: Start, robots: int) -> list[int] | None:
-    """So many robots handed to the tours, each where the load is greatest; None when there are fewer than tours."""
-    if robots < len(start.tours):
+    """So many robots handed to the tours, each where the load is greatest.
+
+    None when there are fewer than tours, or more but no tour with anything to do: robots that stand need no others.
+    """
+    if robots < len(start.tours) or (robots > len(start.tours) and not any(start.ideal_m)):
         return None
     one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
     counts = [1] * len(one_m)

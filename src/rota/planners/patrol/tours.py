@@ -22,6 +22,7 @@ from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
 from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
+from rota.planners.patrol.start.standing import over_prices
 
 Floats = NDArray[np.float64]
 
@@ -103,8 +104,8 @@ def fewest_robots(context: Context) -> Settled:
         share = (first - robots) / (first - problem.enough_robots)
         context.progress(0.4 + 0.5 * share, f"trying {robots} robots")
         found = with_so_many(context, ways, robots, least_squeeze=work.least_squeeze)
-        if found is None:
-            break
+        if found is None or len(found.plan.trajectories) >= len(best.plan.trajectories):
+            break  # mending may post robots of their own
         best = found
     return best
 
@@ -203,7 +204,7 @@ def annealed(
         samples._replace(weight=dear * samples.weight),
         problem.space_grid,
         price=prices(tours),
-        over_price=np.full(len(tours), OVER_PRICE),
+        over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
         reserve=RESERVE if dear < DEAR else DEAR_RESERVE,
