@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
 from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
 from benchmarks.shell import python, rota
@@ -94,6 +95,12 @@ def examples(folder: Path) -> Iterator[Row]:
         yield Row(f"examples/{mission.name}", asked, told(runs), reached)
 
 
+def methods(folder: Path) -> Iterator[Row]:
+    """Tours and the three traditional methods on Sun 2019's map, compared in one run."""
+    for entry in compared(FIG13):
+        yield Row(f"sun2019-fig13, method {entry['method']}", "met", cell(entry), entry["met"])
+
+
 FIGURES: dict[str, Callable[[Path], Iterator[Row]]] = {
     "fig13": fig13_warm,
     "fig13-cold": fig13_cold,
@@ -102,4 +109,5 @@ FIGURES: dict[str, Callable[[Path], Iterator[Row]]] = {
     "import": importing,
     "square-kilometre": square_kilometre,
     "examples": examples,
+    "methods": methods,
 }

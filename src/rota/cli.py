@@ -6,16 +6,16 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from rota.errors import NoPlanFound, RotaError
+from rota.terminal import mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
     from rota.check import Report
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 DONE, VIOLATED, BAD_INPUT, NO_PLAN, OUR_FAULT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 STANDARD_STREAM = "-"
+PICTURES = (".png", ".svg", ".pdf")
 
 app = typer.Typer(
     help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
@@ -52,18 +53,18 @@ def run(arguments: list[str]) -> int:
         app(arguments, prog_name="rota")
     except SystemExit as end:
         if _comes_of_interrupt(end):
-            _say("interrupted")
+            say("interrupted")
         return end.code if isinstance(end.code, int) else DONE
     except NoPlanFound as outcome:
-        _say(f"no plan: {outcome}")
+        say(f"no plan: {outcome}")
         return NO_PLAN
     except RotaError as error:
         for line in str(error).splitlines():
-            _say(f"error: {line}")
+            say(f"error: {line}")
         return BAD_INPUT
     except Exception as error:
         traceback.print_exc()
-        _say(f"a fault in Rota, not in your input ({type(error).__name__}); please report it with the lines above")
+        say(f"a fault in Rota, not in your input ({type(error).__name__}); please report it with the lines above")
         return OUR_FAULT
     return DONE
 
@@ -73,10 +74,6 @@ def _comes_of_interrupt(end: BaseException | None) -> bool:
     while end is not None and not isinstance(end, KeyboardInterrupt):
         end = end.__cause__ or end.__context__
     return end is not None
-
-
-def _say(message: str) -> None:
-    print(f"rota: {message}", file=sys.stderr, flush=True)
 
 
 # ---------------------------------------------------------------- plan
@@ -108,9 +105,9 @@ def plan(
     _require_target(target, source=mission)
     read = read_mission(mission)
     for warning in read.warnings:
-        _say(f"warning: {warning}")
+        say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
-    _mention_compiling("planners/patrol/annealing", "geometry", "check")
+    mention_compiling("planners/patrol/annealing", "geometry", "check")
     with nullcontext() if is_compiled("check") else check_compiled_meanwhile():
         code = _plan_and_write(asked, target, seed, time_limit, best)
     raise typer.Exit(code)
@@ -122,7 +119,7 @@ def _plan_and_write(mission: Mission, target: str, seed: int, time_limit_s: floa
     from rota.make_plan import search_plan
 
     reason = None
-    with _progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
+    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
         try:
             found = search_plan(mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop)
             answer, report, early = found.plan, found.report, found.stopped_early
@@ -135,21 +132,21 @@ def _plan_and_write(mission: Mission, target: str, seed: int, time_limit_s: floa
     _write_plan(answer, target, meets_demand=reason is None)
     _show_outcome(answer, report, target)
     if stop.raised:
-        _say("interrupted: this is the best plan so far")
+        say("interrupted: this is the best plan so far")
     elif early:
-        _say("stopped early by the time limit: this is the best plan so far")
+        say("stopped early by the time limit: this is the best plan so far")
     if reason is not None:
-        _say(f"no plan: {reason}")
-        _say("this is the best plan found; it does NOT meet its demand and its file is marked so")
+        say(f"no plan: {reason}")
+        say("this is the best plan found; it does NOT meet its demand and its file is marked so")
     return INTERRUPTED if stop.raised else DONE if reason is None else NO_PLAN
 
 
 def _say_no_plan(failure: NoPlanFound, interrupted: bool) -> int:
     if interrupted:
-        _say("interrupted before a plan passed the check; nothing is written")
-    _say(f"no plan: {failure}")
+        say("interrupted before a plan passed the check; nothing is written")
+    say(f"no plan: {failure}")
     if failure.best is not None:
-        _say("--best writes the best plan found, which does not meet its demand")
+        say("--best writes the best plan found, which does not meet its demand")
     return INTERRUPTED if interrupted else NO_PLAN
 
 
@@ -181,40 +178,36 @@ def _show_outcome(answer: Plan, report: Report, target: str) -> None:
         console.print(f"Plan: {target}", markup=False, soft_wrap=True)
 
 
-class _Bar:
-    """Progress for people: on a terminal only."""
+@app.command()
+def compare(
+    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")],
+    methods: Annotated[str | None, typer.Option(metavar="NAME,...", help="tours,parallel,... ; default all.")] = None,
+    output: Annotated[str | None, typer.Option("-o", "--output", metavar="PICTURE", help="Draw them, too.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plans.")] = 0,
+    effort: Annotated[EffortName | None, typer.Option(help="Work to spend; default as the mission says.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
+) -> None:
+    """Plan a mission by several methods, side by side."""
+    from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
+    from rota.files.atomic_write import require_suffix
+    from rota.files.mission_file import read_mission
+    from rota.interrupt import stop_on_interrupt
 
-    def __init__(self, progress: Progress | None) -> None:
-        self._progress = progress
-        self._task = None if progress is None else progress.add_task("planning", total=1.0)
-
-    def show(self, fraction: float, doing: str) -> None:
-        """What the planner calls."""
-        if self._progress is not None and self._task is not None:
-            self._progress.update(self._task, completed=fraction, description=doing)
-
-    def announce_stop(self) -> None:
-        """What the first Ctrl-C calls."""
-        if self._progress is not None:
-            self._progress.stop()  # gives the terminal its cursor back before a second Ctrl-C could
-        _say("stopping with the best plan so far; Ctrl-C again ends at once")
-
-
-@contextmanager
-def _progress_bar() -> Iterator[_Bar]:
-    if not sys.stderr.isatty():
-        yield _Bar(None)
-        return
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        yield _Bar(progress)
-
-
-def _mention_compiling(*packages: str) -> None:
-    from rota.compiled_cache import is_compiled
-
-    if not is_compiled(*packages):
-        _say("compiling, once: about a minute")
+    if output is not None:
+        require_suffix(output, PICTURES, "a picture")
+        _require_target(output, source=mission)
+    names, read = named_methods(methods), read_mission(mission)
+    for warning in read.warnings:
+        say(f"warning: {warning}")
+    asked = read.mission if effort is None else read.mission.with_effort(effort)
+    mention_compiling("planners/patrol/annealing", "geometry", "check")
+    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
+        outcomes = compare_methods(asked, names, seed=seed, progress=bar.show, should_stop=stop)
+    told = comparison_to_json(asked, outcomes, seed) if as_json else None
+    typer.echo(comparison_table(outcomes) if told is None else json.dumps(told, indent=1))
+    if output is not None:
+        draw_outcomes(asked, outcomes, output)
+    raise typer.Exit(INTERRUPTED if stop.raised else DONE if all(o.met for o in outcomes) else NO_PLAN)
 
 
 # ---------------------------------------------------------------- check, draw, animate, export
@@ -237,7 +230,7 @@ def check(
     from rota.check import check_plan, report_table, report_to_json
 
     answer = _read_plan(plan)
-    _mention_compiling("check")
+    mention_compiling("check")
     report = check_plan(answer)
     typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else report_table(report))
     raise typer.Exit(DONE if report.verdict == "met" else VIOLATED)
@@ -249,10 +242,10 @@ def draw(
     output: Annotated[str, typer.Option("-o", "--output", metavar="PICTURE", help="A .png, .svg or .pdf file.")],
 ) -> None:
     """Draw a plan and the worst revisit gap of every place."""
-    answer = _plan_to_show(plan, output, (".png", ".svg", ".pdf"), "a picture")
+    answer = _plan_to_show(plan, output, PICTURES, "a picture")
     from rota.draw import draw_plan
 
-    _mention_compiling("check")
+    mention_compiling("check")
     draw_plan(answer, output)
     typer.echo(output)
 
@@ -317,7 +310,7 @@ def _export_geojson(answer: Plan, output: str) -> None:
     from rota.files.geojson import geojson_text, write_geojson
 
     if answer.mission.origin is None:
-        _say("warning: the mission has no origin: coordinates are in local metres, not in WGS84 as maps expect")
+        say("warning: the mission has no origin: coordinates are in local metres, not in WGS84 as maps expect")
     if output == STANDARD_STREAM:
         typer.echo(geojson_text(answer), nl=False)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from shapely import MultiPolygon, Point, Polygon, box, union_all
@@ -15,6 +15,8 @@ Blocks = Literal["both", "motion", "sight"]
 Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
 Effort = Literal["quick", "normal", "high"]
+Method = Literal["tours", "parallel", "sequential", "decomposition"]
+METHODS: tuple[Method, ...] = get_args(Method)
 
 Place = tuple[float, float]
 
@@ -240,18 +242,20 @@ class Zone:
 class PatrolSettings:
     """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
 
-    A reserve against wind and poor localisation: the plan keeps periods shorter by the share ``period_margin``, and
-    with sensors whose reach (in every direction) is shorter by ``range_margin_m``.
+    ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
+    "sequential" scanning, area "decomposition". A reserve against wind and poor localisation: the plan keeps periods
+    shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
+    ``range_margin_m``.
     """
 
     effort: Effort = "normal"
-    method: Literal["tours"] = "tours"
+    method: Method = "tours"
     period_margin: float = 0.0
     range_margin_m: float = 0.0
 
     def __post_init__(self) -> None:
         _require(self.effort in ("quick", "normal", "high"), "patrol.effort", self.effort, "quick, normal or high")
-        _require(self.method in ("tours",), "patrol.method", self.method, "tours")
+        _require(self.method in METHODS, "patrol.method", self.method, ", ".join(METHODS))
         ok = 0 <= self.period_margin < 1
         _require(ok, "patrol.period_margin", self.period_margin, "must be a share, 0 or more and below 1")
         ok = math.isfinite(self.range_margin_m) and self.range_margin_m >= 0
@@ -307,6 +311,10 @@ class Mission:
     def with_effort(self, effort: Effort) -> Mission:
         """The same mission, planned with another effort."""
         return replace(self, planning=replace(self.planning, effort=effort))
+
+    def with_method(self, method: Method) -> Mission:
+        """The same mission, planned by another method."""
+        return replace(self, planning=replace(self.planning, method=method))
 
 
 def start_faults(area: MultiPolygon, obstacles: tuple[Obstacle, ...], fleet: Fleet) -> list[tuple[str, str]]:

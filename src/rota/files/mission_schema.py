@@ -20,6 +20,7 @@ from pydantic import (
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from rota.files.rings import ring_fault
+from rota.mission import Method
 
 PLANNERS = ("patrol",)
 MOST_ROBOTS = 10_000
@@ -310,7 +311,7 @@ class PatrolBlock(Block):
     """Settings of the patrol planner."""
 
     effort: Literal["quick", "normal", "high"] = "normal"
-    method: Literal["tours"] = "tours"
+    method: Method = Field("tours", description="tours, or one of the traditional methods to compare with")
     period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
         0.0, description="reserve: plan with periods shorter by this share"
     )

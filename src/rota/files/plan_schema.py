@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from rota.mission import Blocks, Demand, Effort, Unseeable
+from rota.mission import Blocks, Demand, Effort, Method, Unseeable
 
 PLAN_VERSION = 1
 
@@ -115,7 +115,7 @@ class PatrolFields(_Strict):
     """Settings of the patrol planner."""
 
     effort: Effort
-    method: Literal["tours"]
+    method: Method
     period_margin: Annotated[float, Field(ge=0, lt=1)] = 0.0
     range_margin_m: NotNegative = 0.0
 

@@ -89,7 +89,7 @@ WORK: dict[Effort, Work] = {
         moves=300_000, most_moves=2_000_000, tries=2, coolings=4, repairs=12, groupings=4, least_squeeze=1.15
     ),
     "normal": Work(
-        moves=2_000_000, most_moves=10_000_000, tries=3, coolings=8, repairs=20, groupings=8, least_squeeze=1.1
+        moves=1_200_000, most_moves=10_000_000, tries=3, coolings=8, repairs=20, groupings=8, least_squeeze=1.1
     ),
     "high": Work(
         moves=10_000_000, most_moves=100_000_000, tries=8, coolings=12, repairs=30, groupings=16, least_squeeze=1.05
@@ -99,13 +99,17 @@ WORK: dict[Effort, Work] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Context:
-    """One search: the problem, the seed and the caller's wishes."""
+    """One search: the problem, the seed and the caller's wishes.
+
+    dear: how many times more than on open ground it is worth, while annealing, to see anything.
+    """
 
     problem: Problem
     seed: int
     judge: Judge
     progress: Callable[[float, str], None]
     should_stop: Callable[[], bool]
+    dear: float = 1.0
 
     @property
     def work(self) -> Work:

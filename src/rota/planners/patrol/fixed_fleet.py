@@ -12,7 +12,7 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import nearest_free_point
 from rota.mission import AREA, Mission
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.repair import Settled, plan_of

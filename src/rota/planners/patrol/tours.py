@@ -13,22 +13,27 @@ from numpy.typing import NDArray
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, Tour, over_budget_share
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.tour import Tour, over_budget_share
+from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
-from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts
+from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
+from rota.planners.patrol.start.standing import over_prices
 
 Floats = NDArray[np.float64]
 
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
-RESERVE = 0.03  # share of the budgets left for the mending
+RESERVE, DEAR_RESERVE = 0.03, 0.015  # shares of the budgets left for the mending, the second when all must be seen
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
+OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
+COOL, DEAR = 1 / 8, 6.0  # heat at which everything must be seen, and how many times more than usual that is worth then
 SCREENED = 0.25  # share of the moves that all splits get before the best of them get all
 
 
@@ -41,7 +46,7 @@ def plan_patrol(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
 ) -> Plan:
-    """A plan of closed tours that the judge passes, with as few robots as the search finds within the effort.
+    """A plan of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
 
     asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
     robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
@@ -54,11 +59,17 @@ def plan_patrol(
     if mission.fleet.robots is not None:
         free = replace(mission, fleet=replace(mission.fleet, robots=None))
         as_many = replace(context, problem=replace(problem, mission=free))
-        return plan_for_fixed_fleet(context, fewest_robots(as_many), asked)
-    best = fewest_robots(context)
+        return plan_for_fixed_fleet(context, fewest_by_method(as_many), asked)
+    best = fewest_by_method(context)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
     return best.plan
+
+
+def fewest_by_method(context: Context) -> Settled:
+    """The best settled plan that the method of the mission's settings finds."""
+    method = context.problem.mission.planning.method
+    return fewest_robots(context) if method == "tours" else fewest_robots_of(method, context)
 
 
 def unmet_reason(problem: Problem, best: Settled) -> str:
@@ -78,6 +89,7 @@ def fewest_robots(context: Context) -> Settled:
     """
     problem, work = context.problem, context.work
     ways = starts(problem, work.groupings)
+    context = replace(context, dear=min(DEAR, max(1.0, winding(ways) / OPEN)))
     comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     for turn in range(work.tries):
         context.progress(0.1 + 0.3 * turn / work.tries, f"trying {comfortable + turn} robots")
@@ -95,8 +107,8 @@ def fewest_robots(context: Context) -> Settled:
         share = (first - robots) / (first - problem.enough_robots)
         context.progress(0.4 + 0.5 * share, f"trying {robots} robots")
         found = with_so_many(context, ways, robots, least_squeeze=work.least_squeeze)
-        if found is None:
-            break
+        if found is None or len(found.plan.trajectories) >= len(best.plan.trajectories):
+            break  # mending may post robots of their own
         best = found
     return best
 
@@ -155,37 +167,50 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
     """
     extra = no_points()
     reach_m, work = context.problem.reach_m, context.work
+    search = annealed(context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed)
     for turn in range(work.coolings):
-        heat_m = max(reach_m / 2 ** (turn + 1), COOLEST * reach_m)
-        moves = work.moves if turn == 0 else work.moves // 2
-        search = annealed(context, tours, extra, heat_m=heat_m, moves=moves, seed=seed + turn)
-        tours = search.tours
         if search.unseen_share > UNSEEN or search.over_budget_share > OVER:
             break
-        found = settle(context, tours, extra, may_add=False, rounds=work.repairs)
-        tours, extra = found.tours, found.extra
+        heat_m = max(COOL / 2**turn, COOLEST) * reach_m
+        search = annealed(
+            context, search.tours, extra, heat_m=heat_m, moves=work.moves // 2, seed=seed + 1 + turn, dear=DEAR
+        )
+        found = settle(context, search.tours, extra, may_add=False, rounds=work.repairs)
         if found.met and found.fits:
             return found
-        if context.should_stop() or (turn > 0 and over_budget_share(tours) > OVER):
+        if context.should_stop() or over_budget_share(found.tours) > OVER:
             break
+        extra = found.extra
     return None
 
 
 def annealed(
-    context: Context, tours: list[Tour], extra: SamplePoints, *, heat_m: float, moves: int, seed: int
+    context: Context,
+    tours: list[Tour],
+    extra: SamplePoints,
+    *,
+    heat_m: float,
+    moves: int,
+    seed: int,
+    dear: float | None = None,
 ) -> Annealing:
-    """The search after annealing: everything seen if it can be, within the budgets if it can be, then short."""
+    """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
+
+    dear: how many times more than usual it is worth to see anything (None: as the context says); corners are not worth
+    their detours otherwise.
+    """
+    dear = context.dear if dear is None else dear
     problem = context.problem
     _, samples = prepared_with(problem, extra)
     search = Annealing(
         tours,
-        samples,
+        samples._replace(weight=dear * samples.weight),
         problem.space_grid,
         price=prices(tours),
-        over_price=np.full(len(tours), OVER_PRICE),
+        over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
-        reserve=RESERVE,
+        reserve=RESERVE if dear < DEAR else DEAR_RESERVE,
     )
     corners = sum(len(tour.vertices_m) for tour in tours)
     moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))

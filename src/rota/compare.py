@@ -1,0 +1,248 @@
+"""One mission planned by several methods: robots, loops, worst gap and time side by side."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import shapely
+
+from rota.errors import MissionError, NoPlanFound, RotaError
+from rota.make_plan import search_plan
+from rota.mission import METHODS, DiscSensor, Fleet, Method, Mission, PatrolSettings
+from rota.plan import Plan, Trajectory
+
+if TYPE_CHECKING:
+    from rota.check.report import Report
+
+SAME_LOOP_M = 1e-6
+HEAD = ("method", "robots", "lower bound", "loops m", "worst gap / period", "time s", "outcome")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MethodOutcome:
+    """What one method came to. ``plan``: its plan, or the best one that failed, or None; ``report``: the check of it.
+
+    planning_s: seconds of search and of the judging within it. reason: why there is no plan that meets the demand.
+    """
+
+    method: Method
+    plan: Plan | None
+    report: Report | None
+    planning_s: float
+    reason: str | None = None
+    stopped_early: bool = False
+
+    @property
+    def met(self) -> bool:
+        """Whether the method found a plan that the check passes."""
+        return self.reason is None
+
+    @property
+    def robots(self) -> int | None:
+        """Robots of the plan."""
+        return None if self.plan is None else len(self.plan.trajectories)
+
+    @property
+    def lower_bound_robots(self) -> int | None:
+        """Robots below which no plan exists, proved; None when no plan came with it."""
+        return None if self.plan is None else self.plan.lower_bound_robots
+
+    @property
+    def loops_m(self) -> float | None:
+        """Length of all loops in metres; one that several robots share counts once."""
+        return None if self.plan is None else sum(loop.loop_length_m for loop in distinct_loops(self.plan))
+
+    @property
+    def worst_ratio(self) -> float | None:
+        """The worst gap over its period, of all demands; inf where something is not shown to be seen."""
+        if self.report is None:
+            return None
+        return max((demand.worst_gap_s / demand.period_s for demand in self.report.demands), default=0.0)
+
+    @property
+    def outcome(self) -> str:
+        """Met, or why not."""
+        early = " (stopped early)" if self.stopped_early else ""
+        return f"met{early}" if self.reason is None else f"no plan: {self.reason}"
+
+
+def compare_methods(
+    mission: Mission,
+    methods: Sequence[Method] = METHODS,
+    *,
+    seed: int = 0,
+    progress: Callable[[float, str], None] | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> tuple[MethodOutcome, ...]:
+    """Plan ``mission`` with each of the methods, in their order, and check the outcomes.
+
+    seed: the same for all. progress: called with a fraction 0..1 and what is being done. should_stop: asked now and
+    then; True makes the methods that are left give what they have at once. A method that finds no plan is an outcome
+    with a reason. Raises MissionError for no methods, a method given twice, or one that is not known.
+    """
+    tell = progress or (lambda fraction, doing: None)
+    if not methods:
+        raise MissionError(f"methods: none is given; {', '.join(METHODS)} are known")
+    for method in methods:
+        if list(methods).count(method) > 1:
+            raise MissionError(f"methods: {method!r} is given twice")
+    asked = [mission.with_method(method) for method in methods]
+    tell(0.0, "loading")
+    load_compiled_loops()
+    found = []
+    for k, one in enumerate(asked):
+
+        def told(fraction: float, doing: str, k: int = k) -> None:
+            tell((k + fraction) / len(asked), f"{methods[k]}: {doing}")
+
+        found.append(outcome_of(one, seed=seed, progress=told, should_stop=should_stop))
+    return tuple(found)
+
+
+def named_methods(listed: str | None) -> tuple[Method, ...]:
+    """The methods of a list of names with commas, all of them for None; raises MissionError for an unknown name."""
+    if listed is None:
+        return METHODS
+    found: list[Method] = []
+    for name in (name.strip() for name in listed.split(",")):
+        known = [method for method in METHODS if method == name]
+        if not known:
+            raise MissionError(f"methods: {name!r} is not known; {', '.join(METHODS)} are")
+        found += known
+    return tuple(found)
+
+
+def outcome_of(
+    mission: Mission,
+    *,
+    seed: int,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool] | None,
+) -> MethodOutcome:
+    """Plan the mission by the method of its settings; a search that fails is an outcome too."""
+    from rota.check import check_plan
+
+    method = mission.planning.method
+    started_s = time.perf_counter()
+    try:
+        search = search_plan(mission, seed=seed, progress=progress, should_stop=should_stop)
+    except MissionError:
+        raise
+    except RotaError as failure:
+        planning_s = time.perf_counter() - started_s
+        best = failure.best if isinstance(failure, NoPlanFound) and isinstance(failure.best, Plan) else None
+        report = check_plan(best) if best is not None else None
+        return MethodOutcome(method=method, plan=best, report=report, planning_s=planning_s, reason=str(failure))
+    planning_s = time.perf_counter() - started_s
+    return MethodOutcome(
+        method=method,
+        plan=search.plan,
+        report=search.report,
+        planning_s=planning_s,
+        stopped_early=search.stopped_early,
+    )
+
+
+def load_compiled_loops() -> None:
+    """Plan a small yard, so that no method's time holds what the first one spends on loading compiled loops."""
+    yard = Mission(
+        name="yard",
+        area=shapely.MultiPolygon([shapely.box(0, 0, 20, 20)]),
+        period_s=100,
+        fleet=Fleet(speed_m_s=5, sensor=DiscSensor(radius_m=5)),
+        planning=PatrolSettings(effort="quick", method="sequential"),
+    )
+    with suppress(NoPlanFound):
+        search_plan(yard)
+
+
+def distinct_loops(plan: Plan) -> list[Trajectory]:
+    """One trajectory for each loop of the plan; robots that follow each other on one loop count once."""
+    found: list[tuple[Trajectory, shapely.LineString]] = []
+    for trajectory in plan:
+        points_m = trajectory.positions_m[trajectory.loop_index :, :2]
+        if len(points_m) < 2:
+            continue
+        line = shapely.LineString(points_m)
+        same_s = 1e-6 * trajectory.loop_duration_s
+        for other, along in found:
+            alike = abs(other.loop_duration_s - trajectory.loop_duration_s) <= same_s
+            if alike and shapely.hausdorff_distance(line, along) < SAME_LOOP_M:
+                break
+        else:
+            found.append((trajectory, line))
+    return [trajectory for trajectory, _ in found]
+
+
+def comparison_table(outcomes: Sequence[MethodOutcome]) -> str:
+    """The outcomes as plain text, a row each."""
+    rows = [HEAD, *(_row(outcome) for outcome in outcomes)]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
+    words = (0, len(HEAD) - 1)
+    lines = []
+    for row in rows:
+        cells = [c.ljust(w) if k in words else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths, strict=True))]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
+
+
+def _row(outcome: MethodOutcome) -> tuple[str, ...]:
+    def told(value: float | None, form: str) -> str:
+        return "-" if value is None else "never" if value == math.inf else format(value, form)
+
+    return (
+        outcome.method,
+        told(outcome.robots, "d"),
+        told(outcome.lower_bound_robots, "d"),
+        told(outcome.loops_m, ".1f"),
+        told(outcome.worst_ratio, ".3f"),
+        told(outcome.planning_s, ".1f"),
+        outcome.outcome,
+    )
+
+
+def comparison_to_json(mission: Mission, outcomes: Sequence[MethodOutcome], seed: int) -> dict[str, Any]:
+    """The outcomes as plain values for JSON; a gap without end is null, as it is where there is no plan."""
+    return {
+        "rota_comparison": 1,
+        "mission": mission.name,
+        "effort": mission.planning.effort,
+        "seed": seed,
+        "methods": [
+            {
+                "method": outcome.method,
+                "met": outcome.met,
+                "robots": outcome.robots,
+                "lower_bound_robots": outcome.lower_bound_robots,
+                "loops_m": outcome.loops_m,
+                "worst_ratio": None if outcome.worst_ratio == math.inf else outcome.worst_ratio,
+                "planning_s": outcome.planning_s,
+                "stopped_early": outcome.stopped_early,
+                "reason": outcome.reason,
+            }
+            for outcome in outcomes
+        ],
+    }
+
+
+def draw_outcomes(mission: Mission, outcomes: Sequence[MethodOutcome], path: str | Path) -> None:
+    """Draw the plans side by side to a PNG, SVG or PDF file; see ``rota.draw.draw_comparison``."""
+    from rota.draw import Panel, draw_comparison
+
+    panels = [Panel(title=o.method, caption=caption(o), plan=o.plan, met=o.met) for o in outcomes]
+    draw_comparison(mission, panels, path)
+
+
+def caption(outcome: MethodOutcome) -> str:
+    """What a plan comes to, in a few words."""
+    if outcome.plan is None or outcome.loops_m is None or outcome.worst_ratio is None:
+        return outcome.outcome
+    robots = f"{outcome.robots} robot{'' if outcome.robots == 1 else 's'}"
+    ratio = "some of it is never seen" if math.isinf(outcome.worst_ratio) else f"worst gap {outcome.worst_ratio:.2f}"
+    return f"{robots} · loops {outcome.loops_m:,.0f} m · {ratio}{'' if outcome.met else ' · not met'}"

@@ -1,0 +1,1 @@
+"""The three traditional methods: parallel scanning, sequential scanning, area decomposition. The baselines."""

@@ -1,0 +1,282 @@
+"""Lanes over a shape at one angle: strips no wider than the swath, cut where obstacles or borders cut them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import LineString, MultiPolygon, Point, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from rota.errors import PlanError
+from rota.geometry.free_space import nearest_free_point
+from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import DiscSensor, Sensor
+
+Floats = NDArray[np.float64]
+
+SLIVER_M2 = 1e-6  # strips smaller than this are rounding of the cuts
+GRID_M, FINE_GRID_M = 1e-7, 1e-9
+SHARED_M = 1e-5  # of border: shorter ones are rounding of the cuts
+SHORT_M = 1e-6  # of a lane's end: no further way is laid for it
+NUDGE_M = 1e-7  # off the border of the strip, so that rounding does not put a lane outside
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swath:
+    """What a robot sees while it moves along a lane. The lane's frame has x along the lane, y across it.
+
+    sensor: the footprint, taken ``margin_m`` shorter on all sides. angle_rad: of the lane, against x of the plane.
+    """
+
+    sensor: Sensor
+    angle_rad: float
+    margin_m: float = 0.0
+
+    @property
+    def half_m(self) -> float:
+        """Half the width of the swath: the radius; of a square half its width as seen along the lane."""
+        if isinstance(self.sensor, DiscSensor):
+            return self.sensor.radius_m - self.margin_m
+        half_m = self.sensor.side_m / 2 - self.margin_m
+        return half_m * (abs(math.cos(self.angle_rad)) + abs(math.sin(self.angle_rad)))
+
+    def chords_m(self, offset_m: Floats) -> tuple[Floats, Floats]:
+        """How far (n,) behind and ahead of the robot it sees at offsets (n,) from the lane; offsets beyond are cut."""
+        offset_m = np.clip(offset_m, -self.half_m, self.half_m)
+        if isinstance(self.sensor, DiscSensor):
+            chord = np.sqrt(np.maximum(self.half_m**2 - offset_m**2, 0.0))
+            return -chord, chord
+        half_m = self.sensor.side_m / 2 - self.margin_m
+        behind, ahead = np.full(len(offset_m), -np.inf), np.full(len(offset_m), np.inf)
+        cos, sin = math.cos(self.angle_rad), math.sin(self.angle_rad)
+        # |x cos - y sin| and |x sin + y cos| are at most half the side
+        for along, across in ((cos, -sin), (sin, cos)):
+            if abs(along) > 1e-12:
+                ends = np.array([-half_m - across * offset_m, half_m - across * offset_m]) / along
+                behind, ahead = np.maximum(behind, ends.min(axis=0)), np.minimum(ahead, ends.max(axis=0))
+        middle = (behind + ahead) / 2  # at the very rim rounding may swap them
+        return np.minimum(behind, middle), np.maximum(ahead, middle)
+
+
+def turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
+    """The shape turned about the origin."""
+    turn = turning(angle_rad)
+    return shapely.transform(shape, lambda xy: xy @ turn)
+
+
+def ground_turned(shape: BaseGeometry, angle_rad: float) -> BaseGeometry:
+    """Ground turned about the origin, its corners moved onto a grid so fine that it stays valid whatever the angle."""
+    return off_grid(shapely.set_precision(turned(shape, angle_rad), GRID_M))
+
+
+def off_grid(shape: BaseGeometry) -> BaseGeometry:
+    """The same shape without the grid it was made on, which would be handed on to all that is cut from it."""
+    return shapely.set_precision(shape, 0.0)
+
+
+def common_part(one: BaseGeometry, other: BaseGeometry) -> BaseGeometry:
+    """What two shapes have in common, exactly where exact arithmetic on their corners succeeds."""
+    try:
+        return shapely.intersection(one, other)
+    except shapely.GEOSException:
+        # borders that nearly coincide: corners within what counts as touching
+        return off_grid(shapely.intersection(one, other, grid_size=FINE_GRID_M))
+
+
+def turning(angle_rad: float) -> Floats:
+    """The matrix (2, 2) that turns rows of points from the right: ``xy @ turning(angle)``."""
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return np.array([[cos, sin], [-sin, cos]])
+
+
+def polygons(shape: BaseGeometry) -> list[Polygon]:
+    """The polygons of a shape that have an area to speak of."""
+    parts = shapely.get_parts(shapely.get_parts(off_grid(shape)))
+    return [part for part in parts if isinstance(part, Polygon) and part.area > SLIVER_M2]
+
+
+def slab(shape: BaseGeometry, low_m: float, high_m: float) -> list[Polygon]:
+    """The parts of a shape between two heights, from left to right."""
+    if shape.is_empty:
+        return []
+    left, _, right, _ = shape.bounds
+    cut = shapely.intersection(shape, shapely.box(left - 1, low_m, right + 1, high_m), grid_size=GRID_M)
+    parts = polygons(cut)
+    return sorted(parts, key=lambda part: part.bounds)
+
+
+def strips(shape: BaseGeometry, width_m: float) -> Iterator[tuple[Polygon, float]]:
+    """Parts of equal strips no wider than ``width_m`` along x, each with the height of its strip's middle, upwards."""
+    _, low, _, high = shape.bounds
+    count = max(1, math.ceil((high - low) / width_m - 1e-9))
+    step = (high - low) / count
+    for k in range(count):
+        for part in slab(shape, low + k * step, low + (k + 1) * step):
+            yield part, low + (k + 0.5) * step
+
+
+def cells(shape: Polygon) -> list[Polygon]:
+    """Boustrophedon cells: every line along x meets each in one stretch, and neighbours that could be one are one.
+
+    Cut where a line moving upwards is split or joined: at the reflex corners that are lowest or highest around.
+    Source: Choset, Coverage of known spaces: the boustrophedon cellular decomposition, Autonomous Robots 9, 2000.
+    """
+    _, low, _, high = shape.bounds
+    cuts = [low, *sorted({y for y in events(shape) if low + 1e-9 < y < high - 1e-9}), high]
+    layers = [slab(shape, a, b) for a, b in pairwise(cuts)]
+    grown: list[list[Polygon]] = []
+    open_below: list[tuple[Polygon, list[Polygon]]] = []
+    for layer in layers:
+        below = [part for part, _ in open_below]
+        touches = np.array([[shared_m(part, other) > SHARED_M for other in below] for part in layer], dtype=bool)
+        touches = touches.reshape(len(layer), len(below))
+        now: list[tuple[Polygon, list[Polygon]]] = []
+        for i, part in enumerate(layer):
+            beneath = np.flatnonzero(touches[i])
+            if len(beneath) == 1 and touches[:, beneath[0]].sum() == 1:
+                cell = open_below[beneath[0]][1]
+                cell.append(part)
+            else:
+                cell = [part]
+                grown.append(cell)
+            now.append((part, cell))
+        open_below = now
+    return [part for cell in grown for part in polygons(shapely.union_all(cell, grid_size=GRID_M))]
+
+
+def shared_m(one: Polygon, other: Polygon) -> float:
+    """Length of the border that two parts of neighbouring slabs share."""
+    return float(shapely.intersection(one, other, grid_size=GRID_M).length)
+
+
+def events(shape: Polygon) -> list[float]:
+    """Heights at which a line along x, moving upwards, is split by an obstacle or joined behind one."""
+    found: list[float] = []
+    for number, ring in enumerate([shape.exterior, *shape.interiors]):
+        points = shapely.get_coordinates(ring)[:-1]
+        if ring.is_ccw != (number == 0):
+            points = points[::-1]
+        found += ring_events(points)
+    return found
+
+
+def ring_events(points_m: Floats) -> list[float]:
+    """Heights of the reflex corners of a ring (n, 2), shape on the left, that are its lowest or highest around."""
+    y = points_m[:, 1]
+    level = np.abs(np.roll(y, -1) - y) < 1e-9  # the edge after each corner is along x
+    found = []
+    for i in range(len(y)):
+        if level[i - 1]:
+            continue  # a level stretch counts at its first corner
+        j, run = i, 0
+        while level[j] and run < len(y):
+            j, run = (j + 1) % len(y), run + 1
+        before, after = y[i - 1] - y[i], y[(j + 1) % len(y)] - y[i]
+        if before * after <= 0:
+            continue
+        if run:
+            # with the shape on the left, a lowest stretch has it above when it leads to the right
+            outside = (points_m[j, 0] < points_m[i, 0]) == (before > 0)
+        else:
+            come, go = points_m[i] - points_m[i - 1], points_m[(i + 1) % len(y)] - points_m[i]
+            outside = bool(come[0] * go[1] - come[1] * go[0] < 0)
+        if outside:
+            found.append(float(y[i]))
+    return found
+
+
+def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Floats]:
+    """Lanes, polylines (k, 2) in metres, k = 1 or more, from which all of the shape is seen, bar what is hidden.
+
+    shape: the ground; space: where robots can be; both in the plane. A lane stops where its end is just seen, runs
+    along obstacles that reach into its strip, and is left out where no robot can be in its strip. Lanes come in the
+    order of their strips.
+    """
+    ground, room = ground_turned(shape, -swath.angle_rad), turned(space, -swath.angle_rad)
+    if ground.is_empty:
+        return []
+    left, low, right, high = ground.bounds
+    reach_m = 2 * swath.sensor.reach_m
+    near = common_part(room, shapely.box(left - reach_m, low - reach_m, right + reach_m, high + reach_m))
+    shapely.prepare(near)
+    back = turning(swath.angle_rad)
+    found = []
+    for part, middle_m in strips(ground, 2 * swath.half_m):
+        found += [lane @ back for lane in lanes_of_strip(part, middle_m, near, swath)]
+    return found
+
+
+def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: Swath) -> list[Floats]:
+    """The lanes (k, 2) that see one part of a strip, in the lane's frame; several when no way in it joins them."""
+    first_m, last_m = lane_ends(part, middle_m, swath)
+    pieces = straight_pieces(space, middle_m, first_m, last_m)
+    if len(pieces) == 1 and pieces[0][0, 0] <= first_m + SHORT_M and pieces[0][-1, 0] >= last_m - SHORT_M:
+        return pieces
+    # edges of rounding length would turn what is no corner into one, and block the way past it
+    parts = polygons(common_part(part, space))
+    room = MultiPolygon([shapely.remove_repeated_points(one, FINE_GRID_M) for one in parts])
+    if not pieces:
+        if room.is_empty:
+            return []
+        middle_m = within(middle_m, room.bounds[1], room.bounds[3])
+        first_m, last_m = lane_ends(part, middle_m, swath)
+        pieces = straight_pieces(space, middle_m, first_m, last_m)
+    if not pieces:
+        return [np.array([nearest_free_point(room, ((first_m + last_m) / 2, middle_m))])]
+    if not room.is_empty:
+        # where the middle of the strip is blocked before its end, go on as near to that end as can be
+        if pieces[0][0, 0] > first_m + SHORT_M:
+            pieces.insert(0, np.array([nearest_free_point(room, (first_m, middle_m))]))
+        if pieces[-1][-1, 0] < last_m - SHORT_M:
+            pieces.append(np.array([nearest_free_point(room, (last_m, middle_m))]))
+    return joined_within(room, pieces)
+
+
+def within(value: float, low: float, high: float) -> float:
+    """The value, moved into the stretch between low and high and a little off its ends."""
+    nudge = min(NUDGE_M, (high - low) / 2)
+    return min(max(value, low + nudge), high - nudge)
+
+
+def lane_ends(part: Polygon, height_m: float, swath: Swath) -> tuple[float, float]:
+    """Where a straight lane at this height must begin and end to see all of the part; the same where one place does.
+
+    Exact: along an edge of the part the place from which its point is just seen is a concave (convex) function, since
+    the footprint is convex, so that the corners decide.
+    """
+    xy = shapely.get_coordinates(part)
+    behind, ahead = swath.chords_m(xy[:, 1] - height_m)
+    first, last = float((xy[:, 0] - behind).min()), float((xy[:, 0] - ahead).max())
+    return (first, last) if first < last else ((first + last) / 2, (first + last) / 2)
+
+
+def straight_pieces(space: BaseGeometry, height_m: float, first_m: float, last_m: float) -> list[Floats]:
+    """The stretches (2, 2), or one place (1, 2), of a straight lane that lie in the space, from left to right."""
+    if first_m == last_m:
+        return [np.array([[first_m, height_m]])] if space.covers(Point(first_m, height_m)) else []
+    cut = common_part(LineString([(first_m, height_m), (last_m, height_m)]), space)
+    cut = shapely.line_merge(cut) if cut.geom_type == "MultiLineString" else cut
+    found = [shapely.get_coordinates(line) for line in shapely.get_parts(cut) if line.length > 1e-9]
+    return sorted((line if line[0, 0] <= line[-1, 0] else line[::-1] for line in found), key=lambda line: line[0, 0])
+
+
+def joined_within(room: MultiPolygon, pieces: list[Floats]) -> list[Floats]:
+    """The pieces of a lane joined by the shortest ways inside their strip; apart where there is no such way."""
+    if len(pieces) < 2:
+        return pieces
+    paths = ShortestPaths(room)
+    found = [pieces[0]]
+    for piece in pieces[1:]:
+        try:
+            way = paths.path(found[-1][-1], piece[0])
+        except PlanError:
+            found.append(piece)
+        else:
+            found[-1] = np.vstack([found[-1], way[1:-1], piece])
+    return found
