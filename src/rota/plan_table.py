@@ -113,6 +113,12 @@ def robots_sentence(plan: Plan) -> str:
     return f"{count}; no plan with fewer than {bound} exists, proved."
 
 
+def approach_sentence(plan: Plan) -> str | None:
+    """When the last robot that has a way to its loop begins it; None when all begin on their loops."""
+    loops_s = max((trajectory.loop_start_s for trajectory in plan), default=0.0)
+    return f"All robots are on their loops {rounded(loops_s)} s after they set out." if loops_s > 0 else None
+
+
 def bound_sentence(plan: Plan) -> str | None:
     """Why there is no plan with fewer robots than the proved bound; None when that is not told."""
     if plan.lower_bound_robots is None or plan.lower_bound_reason is None:

@@ -236,10 +236,13 @@ def _common_start_violations(plan: Plan) -> list[Violation]:
         x, y = (float(value) for value in trajectory.positions_m[0, :2])
         if isinstance(fleet.start, StartBox):
             (x0, y0), (x1, y1) = fleet.start.low_m, fleet.start.high_m
-            place: tuple[float, float] | None = (min(max(x, x0), x1), min(max(y, y0), y1))
+            place = (min(max(x, x0), x1), min(max(y, y0), y1))
+        elif free:
+            place = min(free, key=lambda point: math.dist(point, (x, y)))
         else:
-            place = min(free, key=lambda point: math.dist(point, (x, y)), default=None)
-        away = math.inf if place is None else math.dist(place, (x, y))
+            found.append(_violation("no start left", trajectory.robot, (x, y), 0.0, 1.0, "starts"))
+            continue
+        away = math.dist(place, (x, y))
         if away > TOUCH_M:
             found.append(_violation("start", trajectory.robot, place, away, TOUCH_M, "m"))
         elif place in free:

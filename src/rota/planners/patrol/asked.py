@@ -8,8 +8,9 @@ from dataclasses import replace
 from rota.errors import NoPlanFound
 from rota.mission import DiscSensor, Mission, Robot, Sensor, SquareSensor
 from rota.plan import Plan
-from rota.planners.patrol.approach.from_starts import led_from_starts
+from rota.planners.patrol.approach.from_starts import led_from_starts, require_room
 from rota.planners.patrol.context import Judge
+from rota.planners.patrol.fixed_fleet import worst_reached
 from rota.planners.patrol.tours import plan_patrol as plan_tours
 
 
@@ -24,37 +25,46 @@ def plan_patrol(
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
     Robots with starts reach their loops from there. The lower bound is that of the mission as it is asked. Raises
-    NoPlanFound, with the best plan found for this mission, when there is none.
+    NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
+    the starts, and when the reserve of range hides ground that only the full reach sees.
     """
     tight = with_reserve(mission)
+    require_room(mission)
     try:
         plan = plan_tours(
             without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop
         )
     except NoPlanFound as failure:
-        raise NoPlanFound(str(failure), best=as_asked(failure.best, mission, judge)) from failure
-    if not mission.has_starts:
-        return replace(plan, mission=mission)
-    progress(0.95, "leading the robots from their starts")
+        raise NoPlanFound(str(failure), best=led_as_asked(failure.best, mission)) from failure
+    if mission.has_starts:
+        progress(0.95, "leading the robots from their starts")
+        try:
+            plan = led_from_starts(plan, tight, judge)
+        except NoPlanFound as failure:
+            raise NoPlanFound(str(failure), best=as_asked(failure.best, mission)) from failure
+    final = replace(plan, mission=mission)
+    if mission.planning.range_margin_m > 0 and (verdict := judge(final)).verdict != "met":
+        raise NoPlanFound(
+            f"patrol.range_margin_m: {mission.planning.range_margin_m:.6g} hides ground that only sensors of full reach"
+            f" see, and the plan misses it: {worst_reached(verdict)}; give less",
+            best=final,
+        )
+    return final
+
+
+def as_asked(best: object | None, mission: Mission) -> Plan | None:
+    """The best plan found for the searched mission as one for the mission asked."""
+    return replace(best, mission=mission) if isinstance(best, Plan) else None
+
+
+def led_as_asked(best: object | None, mission: Mission) -> Plan | None:
+    """The best plan found for the searched mission, led from the asked mission's starts as far as that can be."""
+    if not isinstance(best, Plan) or not mission.has_starts:
+        return as_asked(best, mission)
     try:
-        led = led_from_starts(plan, tight, judge)
+        return led_from_starts(best, mission, judge=None)
     except NoPlanFound as failure:
-        raise NoPlanFound(str(failure), best=replace(plan, mission=mission)) from failure
-    if judge(led).verdict != "met":
-        reason = "with the ways from the starts the plan does not pass the check"
-        raise NoPlanFound(reason, best=replace(led, mission=mission))
-    return replace(led, mission=mission)
-
-
-def as_asked(best: object | None, mission: Mission, judge: Judge) -> Plan | None:
-    """The best plan found for the searched mission as one for the mission asked, led from its starts if it can be."""
-    if not isinstance(best, Plan):
-        return None
-    try:
-        led = led_from_starts(best, mission, judge) if mission.has_starts else best
-    except NoPlanFound:
-        led = best
-    return replace(led, mission=mission)
+        return as_asked(failure.best, mission)
 
 
 def without_starts(mission: Mission) -> Mission:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapely import MultiPolygon, box
+from shapely import MultiPolygon, Polygon, box
 
 import rota
 from rota.check import check_plan
@@ -26,7 +26,7 @@ from rota.mission import (
 )
 from rota.plan import Plan, Trajectory
 from rota.plan_table import robot_rows
-from rota.planners.patrol.approach.from_starts import led_from_starts
+from rota.planners.patrol.approach.from_starts import led_from_starts, require_room
 from rota.planners.patrol.timetable import started_at
 
 WALL = Obstacle(shape=MultiPolygon([box(4, -1, 5, 1)]))
@@ -206,15 +206,16 @@ def test_table_film_and_exports_keep_the_way_and_the_loop_apart() -> None:
 
 def test_the_check_tells_robots_that_begin_elsewhere() -> None:
     loops = [there_and_back(4, 36, 4, 2, share, f"robot-{k + 1}") for k, share in enumerate((0.0, 0.5))]
-    for start, away_m in [
-        (StartBox(low_m=(0, 0), high_m=(5, 1)), [3.0, math.hypot(31, 3)]),
-        (StartPoints(points_m=((4, 4), (36, 7))), [3.0]),
-        (StartPoints(points_m=((4, 4),)), [math.inf]),
-        (StartPoints(points_m=((36, 4), (4, 4))), []),
+    for start, kind, away_m in [
+        (StartBox(low_m=(0, 0), high_m=(5, 1)), "start", [3.0, math.hypot(31, 3)]),
+        (StartPoints(points_m=((4, 4), (36, 7))), "start", [3.0]),
+        (StartPoints(points_m=((4, 4),)), "no start left", [0.0]),
+        (StartPoints(points_m=((36, 4), (4, 4))), "start", []),
     ]:
         plan = Plan(mission=street(start), trajectories=tuple(loops))
-        found = [violation.value for violation in check_plan(plan).violations if violation.kind == "start"]
-        assert found == pytest.approx(away_m)
+        found = [violation for violation in check_plan(plan).violations if "start" in violation.kind]
+        assert [violation.value for violation in found] == pytest.approx(away_m)
+        assert {violation.kind for violation in found} <= {kind}
 
 
 def test_too_many_for_the_box_are_told_so() -> None:
@@ -226,18 +227,81 @@ def test_too_many_for_the_box_are_told_so() -> None:
         led_from_starts(plan, mission, check_plan)
     robots = tuple(mission.fleet.equal_robot(f"robot-{k + 1}") for k in range(3))
     fixed = replace(mission, fleet=replace(mission.fleet, robots=robots))
-    with pytest.raises(rota.MissionError, match="has room for 2 robots"):
-        led_from_starts(plan, fixed, check_plan)
+    for refused in (lambda: led_from_starts(plan, fixed, check_plan), lambda: rota.make_plan(fixed)):
+        with pytest.raises(rota.MissionError, match="has room for 2 robots"):
+            refused()
+    # a body in the middle of the box takes all of its room; a box narrower than a body has none
+    taken = (replace(robots[0], start=(0.75, 0.5)), *robots[1:])
+    with pytest.raises(rota.MissionError, match="has room for 0 robots in free ground, where 2 are needed"):
+        require_room(replace(mission, fleet=replace(mission.fleet, robots=taken)))
+    corner = StartBox(low_m=(0, 0), high_m=(0.3, 0.3))
+    with pytest.raises(rota.MissionError, match="has room for 0 robots in free ground, where 1 is needed"):
+        rota.make_plan(replace(mission, fleet=replace(mission.fleet, start=corner)))
+
+
+def test_starts_in_the_box_keep_clear_of_robots_with_a_start_of_their_own() -> None:
+    mission = street(StartBox(low_m=(0, 0), high_m=(4, 2)), body_m=0.45)
+    loops = tuple(there_and_back(4, 36, y, 2 * (1 - 1e-6), 0, f"robot-{k + 1}") for k, y in enumerate((2, 4, 6)))
+    own = replace(mission.fleet.equal_robot("robot-3"), start=(2.0, 1.0))  # the middle, which would be taken first
+    robots = (*(mission.fleet.equal_robot(f"robot-{k + 1}") for k in range(2)), own)
+    mission = replace(mission, period_s=34, fleet=replace(mission.fleet, robots=robots))
+    led = led_from_starts(of_loops(mission, *loops), mission, check_plan)
+    assert check_plan(led).verdict == "met"
+    starts = [trajectory.positions_m[0] for trajectory in led]
+    assert starts[2].tolist() == [2, 1]
+    assert min(np.hypot(*(a - b)) for i, a in enumerate(starts) for b in starts[:i]) >= 0.9
+
+
+def stays(*places: tuple[float, float]) -> list[Trajectory]:
+    return [Trajectory(robot=f"robot-{k + 1}", times_s=[0], positions_m=[place]) for k, place in enumerate(places)]
+
+
+def pipe(*robots: tuple[float, float, float]) -> Mission:
+    """A pipe 20 m by 1 m, then 5 m by 0.5 m; both ends and the narrow part are watched from within.
+
+    robots: where each starts, its speed, its body's radius.
+    """
+    fleet = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2))
+    named = tuple(
+        replace(fleet.equal_robot(f"robot-{k + 1}"), start=(x, 0.5), speed_m_s=speed, body_radius_m=body_m)
+        for k, (x, speed, body_m) in enumerate(robots)
+    )
+    return Mission(
+        name="pipe",
+        area=MultiPolygon([Polygon([(0, 0), (20, 0), (20, 1), (0, 1), (0, 0.75), (-5, 0.75), (-5, 0.25), (0, 0.25)])]),
+        zones=(Zone(name="end", shape=MultiPolygon([box(19, 0, 20, 1)]), period_s=1.0),),
+        fleet=replace(fleet, robots=named),
+    )
+
+
+def test_in_a_corridor_nobody_overtakes_though_a_fast_robot_would_arrive_earlier() -> None:
+    # the fast one could be at 0.5 after 7.25 s, past the one at 10; in their order it takes 9.5 s
+    mission = pipe((19.5, 1, 0.3), (10, 1, 0.3), (15, 2, 0.3))
+    led = led_from_starts(of_loops(mission, *stays((0.5, 0.5), (10, 0.5), (19.5, 0.5))), mission, check_plan)
+    assert check_plan(led).verdict == "met"
+    assert [trajectory.positions_m[-1, 0] for trajectory in led] == [19.5, 0.5, 10]
+    assert led.trajectories[0].loop_start_s == pytest.approx(9.5, rel=1e-5)
+
+
+def test_bodies_that_cannot_get_past_each_other_are_told_and_reported() -> None:
+    # only the small robot fits into the narrow part, and the big one stands before it
+    mission = pipe((10, 1, 0.4), (15, 1, 0.2))
+    with pytest.raises(rota.NoPlanFound, match="cannot reach their loops without bodies touching") as caught:
+        led_from_starts(of_loops(mission, *stays((-4, 0.5), (19.5, 0.5))), mission, check_plan)
+    best = caught.value.best
+    assert isinstance(best, Plan)
+    assert [trajectory.positions_m[[0, -1], 0].tolist() for trajectory in best] == [[10, 19.5], [15, -4]]
+    assert {violation.kind for violation in check_plan(best).violations} == {"bodies touch"}
 
 
 def yard(**fleet: object) -> Mission:
     common = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=4), **fleet)
-    wall = Obstacle(shape=MultiPolygon([box(9, 0, 10, 20)]))
+    wall = Obstacle(shape=MultiPolygon([box(6, 0, 7, 8)]))
     return Mission(
         name="yard",
-        area=MultiPolygon([box(0, 0, 20, 20)]),
+        area=MultiPolygon([box(0, 0, 13, 8)]),
         obstacles=(wall,),
-        period_s=60,
+        period_s=30,
         fleet=common,
         planning=PatrolSettings(effort="quick"),
     )
@@ -246,7 +310,7 @@ def yard(**fleet: object) -> Mission:
 def test_spare_robots_of_a_fixed_fleet_go_where_they_start() -> None:
     mission = yard()
     for right in (1, 3):
-        starts = [(18.0, 2.0 + k) if k < right else (2.0, 2.0 + k) for k in range(4)]
+        starts = [(11.0, 2.0 + k) if k < right else (2.0, 2.0 + k) for k in range(4)]
         robots = tuple(replace(mission.fleet.equal_robot(f"guard-{k}"), start=start) for k, start in enumerate(starts))
         plan = rota.make_plan(replace(mission, fleet=replace(mission.fleet, robots=robots)))
         assert [trajectory.robot for trajectory in plan] == [f"guard-{k}" for k in range(4)]
@@ -261,12 +325,12 @@ def test_spare_robots_of_a_fixed_fleet_go_where_they_start() -> None:
 
 
 def test_a_plan_from_a_box_begins_there_and_the_same_every_time() -> None:
-    mission = yard(start=StartBox(low_m=(6, 0), high_m=(13, 3)), body_radius_m=0.3)
+    mission = yard(start=StartBox(low_m=(3, 0), high_m=(9, 3)), body_radius_m=0.3)
     plan = rota.make_plan(mission, seed=3)
     assert check_plan(plan).verdict == "met"
     assert plan == rota.make_plan(mission, seed=3)
     starts = np.array([trajectory.positions_m[0] for trajectory in plan])
-    assert (starts >= [6, 0.3]).all()
-    assert (starts <= [13, 3]).all()
-    assert {bool(x > 10) for x in starts[:, 0]} == {True, False}  # robots of both rooms
+    assert (starts >= [3, 0.3]).all()
+    assert (starts <= [9, 3]).all()
+    assert {bool(x > 7) for x in starts[:, 0]} == {True, False}  # robots of both rooms
     assert len({trajectory.loop_start_s for trajectory in plan}) == 1

@@ -23,8 +23,7 @@ def departures_s(ways: Sequence[Way], bodies_m: Sequence[float]) -> Floats | Non
     Robots stand at their starts before they leave and at their loops once they have arrived. Preferred: all arrive at
     the same moment. Otherwise they leave in an order in which nobody stands in another's way, each as early as it can.
     """
-    latest_s = max((way.duration_s for way in ways), default=0.0)
-    together = np.array([latest_s - way.duration_s for way in ways])
+    together = together_s(ways)
     near = ways_that_meet(ways, bodies_m)
     if not near or all(apart(ways[i], ways[j], together[i], together[j], bodies_m[i] + bodies_m[j]) for i, j in near):
         return together
@@ -54,6 +53,12 @@ def departures_s(ways: Sequence[Way], bodies_m: Sequence[float]) -> Floats | Non
         if all(apart(ways[k], ways[j], late, leaves[j], bodies_m[k] + bodies_m[j]) for j in meets[k]):
             leaves[k] = late
     return leaves
+
+
+def together_s(ways: Sequence[Way]) -> Floats:
+    """When each robot leaves (k,), in seconds, so that all arrive at the same moment, as early as it can be."""
+    latest_s = max((way.duration_s for way in ways), default=0.0)
+    return np.array([latest_s - way.duration_s for way in ways])
 
 
 def ways_that_meet(ways: Sequence[Way], bodies_m: Sequence[float]) -> list[tuple[int, int]]:

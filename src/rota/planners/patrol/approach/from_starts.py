@@ -14,11 +14,12 @@ from rota.geometry.free_space import nearest_free_point, standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Mission, Robot, StartBox, StartPoints
 from rota.plan import Plan
-from rota.planners.patrol.approach.assignment import earliest_assignment, served
-from rota.planners.patrol.approach.departures import departures_s
+from rota.planners.patrol.approach.assignment import earliest_assignment, least_squares, served
+from rota.planners.patrol.approach.departures import departures_s, together_s
 from rota.planners.patrol.approach.places import in_turn
 from rota.planners.patrol.approach.ways import Way, first_step_m, joined_trajectory, timed_way
 from rota.planners.patrol.context import Judge
+from rota.planners.patrol.fixed_fleet import counted, worst_reached
 from rota.planners.patrol.timetable import started_at
 
 Floats = NDArray[np.float64]
@@ -66,13 +67,14 @@ class Grounds:
         return np.vstack([start_m, path])
 
 
-def led_from_starts(plan: Plan, mission: Mission, judge: Judge) -> Plan:
+def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     """The plan's loops, kept in their phases, reached from the mission's starts; its mission becomes ``mission``.
 
     All loops begin at one moment, when the last robot has arrived; robots leave so as to arrive then. Where on the
     loops that is: where the latest arrival is earliest, of some moments of the common timetable, as long as the judge
-    passes the plan. Raises NoPlanFound, with the plan as it was, when a loop cannot be reached, when there are too few
-    starts, or when bodies would touch on the way; MissionError when a fixed fleet does not fit into its box.
+    passes the plan (None: whatever becomes of it). Raises NoPlanFound when a loop cannot be reached or there are too
+    few starts, with the plan as it was; when bodies would touch on the way or the judge passes no plan, with the plan
+    that does so; MissionError when a fixed fleet does not fit into its box.
     """
     rounds = [(trajectory.times_s, trajectory.positions_m) for trajectory in plan]
     bare = replace(plan, mission=mission)
@@ -90,28 +92,33 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge) -> Plan:
     ]
     # the timetable as it was comes last: its phases are exact whatever else fails
     order = [*np.argsort(latest_s, kind="stable")[: MOST_TRIED - 1], 0]
-    clashes = 0
-    led = bare
-    for shift in dict.fromkeys(int(s) for s in order):
-        who = found[shift]
-        if who is None:
-            continue
+    tried = [(int(s), who, True) for s in dict.fromkeys(order) if (who := found[s]) is not None]
+    speeds_m_s = np.array([robot.speed_m_s for robot in starts.robots])
+    touching: Plan | None = None
+    led: Plan | None = None
+    while tried:
+        shift, who, earliest = tried.pop(0)
         begun = [begun_at(one, entries.shifts_s[shift]) for one in rounds]
-        ways, who = exact_ways(starts, begun, who, grounds)
+        ways, who = exact_ways(starts, begun, who, grounds, anew=earliest)
         leaves_s = departures_s(ways, [starts.robots[k].body_radius_m for k in who])
         if leaves_s is None:
-            clashes += 1
+            if touching is None:
+                touching = with_approaches(bare, starts, who, ways, together_s(ways), begun)
+            if earliest:
+                tried.append((shift, least_squares(times_s[shift] * speeds_m_s[:, None]), False))
             continue
         led = with_approaches(bare, starts, who, ways, leaves_s, begun)
-        if judge(led).verdict == "met":
+        if judge is None or judge(led).verdict == "met":
             return led
-    if led is bare:
+    if led is None or judge is None:
         raise NoPlanFound(
             "from their starts the robots cannot reach their loops without bodies touching, in whatever order they"
-            f" leave ({clashes} ways to begin were tried): move fleet.start apart or away from the loops",
-            best=bare,
+            " leave: move the starts apart or away from the loops",
+            best=touching,
         )
-    return led
+    raise NoPlanFound(
+        f"with the ways from the starts the plan does not pass the check: {worst_reached(judge(led))}", best=led
+    )
 
 
 def with_approaches(
@@ -174,24 +181,45 @@ def boxed(
     if own:
         needs -= Counter(int(part) for part in paths.part_of(np.array(own)))
     parts = sorted(part for part in needs if needs[part] > 0)
-    found = in_turn(box, [paths.parts[part] for part in parts], [needs[part] for part in parts], body_m)
+    taken_m = np.array(own).reshape(-1, 2)
+    found = in_turn(box, [paths.parts[part] for part in parts], [needs[part] for part in parts], body_m, taken_m)
     for part, there in zip(parts, found, strict=True):
         if len(there) == needs[part]:
             continue
-        (x0, y0), (x1, y1) = box.low_m, box.high_m
-        wide = f"[[{x0:.6g}, {y0:.6g}], [{x1:.6g}, {y1:.6g}]]"
         x, y = paths.parts[part].representative_point().coords[0]
         where = f"in the part of the ground round ({x:.2f}, {y:.2f})" if len(paths.parts) > 1 else "in free ground"
-        message = (
-            f"fleet.start.box: {wide} has room for {len(there)} robots {where}, where {needs[part]} are needed;"
-            " give a larger box" + (", or points in every part" if len(paths.parts) > 1 else "")
-        )
+        message = no_room(box, len(there), where, needs[part])
+        message += ", or points in every part" if len(paths.parts) > 1 else ""
         raise NoPlanFound(message, best=plan) if plan.mission.fleet.robots is None else MissionError(message)
     every = np.vstack([np.zeros((0, 2)), *found])
     short = sum(place is None for place in places) - len(every)
     if short > 0:
         raise NoPlanFound(f"{short} robots start in a part of the ground where there is nothing to do", best=plan)
     return every
+
+
+def no_room(box: StartBox, room: int, where: str, needed: int) -> str:
+    """That a box is too small for the robots that start in it."""
+    (x0, y0), (x1, y1) = box.low_m, box.high_m
+    return (
+        f"fleet.start.box: [[{x0:.6g}, {y0:.6g}], [{x1:.6g}, {y1:.6g}]] has room for {counted(room)} {where}, where"
+        f" {needed} {'is' if needed == 1 else 'are'} needed; give a larger box"
+    )
+
+
+def require_room(mission: Mission) -> None:
+    """MissionError when the fleet's box has no room for the robots that surely start in it, wherever they must go."""
+    fleet = mission.fleet
+    if not isinstance(fleet.start, StartBox):
+        return
+    robots = fleet.robots or (fleet.equal_robot("robot-1"),)
+    body_m = max(robot.body_radius_m for robot in robots)
+    own_m = np.array([robot.start for robot in robots if robot.start is not None]).reshape(-1, 2)
+    needed = len(robots) - len(own_m)
+    parts = list(standing_space(mission, body_m).geoms)
+    room = sum(len(places) for places in in_turn(fleet.start, parts, [needed] * len(parts), body_m, own_m))
+    if room < needed:
+        raise MissionError(no_room(fleet.start, room, "in free ground", needed))
 
 
 def require_reachable(starts: Starts, rounds: Sequence[Round], times_s: Floats, plan: Plan) -> None:
@@ -282,8 +310,13 @@ def ways_s(starts: Starts, entries: Entries, grounds: Grounds) -> Floats:
     return found
 
 
-def exact_ways(starts: Starts, begun: Sequence[Round], who: Ints, grounds: Grounds) -> tuple[list[Way], Ints]:
-    """The way to each loop with its turns, and who takes it: chosen anew where turning takes time, if it is few."""
+def exact_ways(
+    starts: Starts, begun: Sequence[Round], who: Ints, grounds: Grounds, *, anew: bool
+) -> tuple[list[Way], Ints]:
+    """The way to each loop with its turns, and who takes it.
+
+    anew: that is chosen anew where turning takes time, if there are not too many ways to draw.
+    """
 
     def way(k: int, i: int) -> Way:
         robot, start_m, entry_m = starts.robots[k], starts.places_m[k], begun[i][1][0]
@@ -292,7 +325,7 @@ def exact_ways(starts: Starts, begun: Sequence[Round], who: Ints, grounds: Groun
         return timed_way(grounds.line(robot, start_m, entry_m), robot, first_step_m(begun[i][1]))
 
     turning = any(robot.turn_rate_rad_s is not None for robot in starts.robots)
-    if not turning or len(starts.robots) * len(begun) > MOST_TIMED_WAYS:
+    if not anew or not turning or len(starts.robots) * len(begun) > MOST_TIMED_WAYS:
         return [way(int(k), i) for i, k in enumerate(who)], who
     every: dict[tuple[int, int], Way] = {}
     times_s = np.full((len(starts.robots), len(begun)), np.inf)

@@ -90,10 +90,15 @@ def packed(places_m: Floats, barred_m: Floats, robots: int, apart_m: float) -> F
     return np.array(chosen).reshape(-1, 2)
 
 
-def in_turn(box: StartBox, parts: Sequence[Polygon], robots: Sequence[int], body_radius_m: float) -> list[Floats]:
-    """The places (n, 2) in each part for so many robots in each; fewer where the box has no room for more."""
+def in_turn(
+    box: StartBox, parts: Sequence[Polygon], robots: Sequence[int], body_radius_m: float, taken_m: Floats
+) -> list[Floats]:
+    """The places (n, 2) in each part for so many robots in each; fewer where the box has no room for more.
+
+    taken_m: (k, 2), where robots stand already.
+    """
     found: list[Floats] = []
-    taken = np.zeros((0, 2))
+    taken = taken_m
     for part, count in zip(parts, robots, strict=True):
         found.append(spread_in_box(box, part, count, body_radius_m, taken))
         taken = np.vstack([taken, found[-1]])
