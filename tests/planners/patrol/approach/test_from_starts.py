@@ -309,16 +309,19 @@ def yard(**fleet: object) -> Mission:
 
 def test_spare_robots_of_a_fixed_fleet_go_where_they_start() -> None:
     mission = yard()
-    for right in (1, 3):
-        starts = [(11.0, 2.0 + k) if k < right else (2.0, 2.0 + k) for k in range(4)]
-        robots = tuple(replace(mission.fleet.equal_robot(f"guard-{k}"), start=start) for k, start in enumerate(starts))
-        plan = rota.make_plan(replace(mission, fleet=replace(mission.fleet, robots=robots)))
-        assert [trajectory.robot for trajectory in plan] == [f"guard-{k}" for k in range(4)]
-        assert [tuple(trajectory.positions_m[0]) for trajectory in plan] == starts
-        assert plan.mission.fleet.robots == robots
-        assert check_plan(plan).verdict == "met"
-    lonely = tuple(replace(robot, start=(2.0, 2.0 + k)) for k, robot in enumerate(robots))
-    with pytest.raises(rota.NoPlanFound, match=r"needs . robots?, but 0 can reach it") as caught:
+    starts = [(11.0, 2.0), (11.0, 3.0), (11.0, 4.0), (2.0, 5.0)]  # two loops suffice; the spare robots are on the right
+    robots = tuple(replace(mission.fleet.equal_robot(f"guard-{k}"), start=start) for k, start in enumerate(starts))
+    plan = rota.make_plan(replace(mission, fleet=replace(mission.fleet, robots=robots)))
+    assert [trajectory.robot for trajectory in plan] == [f"guard-{k}" for k in range(4)]
+    assert [tuple(trajectory.positions_m[0]) for trajectory in plan] == starts
+    assert plan.mission.fleet.robots == robots
+    assert check_plan(plan).verdict == "met"
+
+
+def test_a_room_without_a_robot_is_told_with_the_best_plan() -> None:
+    mission = yard().with_method("parallel")
+    lonely = tuple(replace(mission.fleet.equal_robot(f"guard-{k}"), start=(2.0, 2.0 + k)) for k in range(4))
+    with pytest.raises(rota.NoPlanFound, match=r"needs 1 robot, but 0 can reach it") as caught:
         rota.make_plan(replace(mission, fleet=replace(mission.fleet, robots=lonely)))
     assert isinstance(caught.value.best, Plan)
     assert caught.value.best.mission.fleet.robots == lonely
