@@ -150,7 +150,7 @@ def test_a_start_in_another_room_is_named() -> None:
     loops = tuple(there_and_back(a, b, 4, 2, 0, f"robot-{k + 1}") for k, (a, b) in enumerate([(4, 15), (25, 36)]))
     for points, words in [
         (((1, 1), (2, 2)), r"round \(25.00, 4.00\) needs 1 robot, but 0 can reach it .* from \(1, 1\), \(2, 2\)"),
-        (((1, 1),), r"needs 2 robots, but fleet.start has 1 point"),
+        (((1, 1),), r"needs 2 robots, but fleet.start has only 1 of the points"),
     ]:
         mission = replace(street(StartPoints(points_m=points)), obstacles=(wall,))
         plan = of_loops(mission, *loops)

@@ -148,8 +148,8 @@ def starts_of(mission: Mission, rounds: Sequence[Round], grounds: Grounds, plan:
         points = fleet.start.points_m
         if len(points) < len(rounds):
             raise NoPlanFound(
-                f"the plan needs {len(rounds)} robots, but fleet.start has {len(points)} points to start from: give"
-                " more points, or a box",
+                f"the plan needs {counted(len(rounds))}, but fleet.start has only {len(points)} of the points to start"
+                " from: give more points, or a box",
                 best=plan,
             )
         return Starts(
