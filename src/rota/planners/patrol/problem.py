@@ -106,10 +106,10 @@ def range_margin(reach_m: float) -> float:
     return min(0.05 * reach_m, max(0.004 * reach_m, 0.012))
 
 
-def set_up_problem(mission: Mission, *, asked: Mission | None = None) -> Problem:
+def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Problem:
     """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere.
 
-    asked: the mission that the bound is proved for, when ``mission`` asks for more (shorter periods, less reach).
+    bound: what was proved for this mission before; None: it is proved here.
     """
     robot = common_robot(mission.fleet)
     reach_m = robot.sensor.radius_m if isinstance(robot.sensor, DiscSensor) else robot.sensor.side_m / 2
@@ -147,11 +147,9 @@ def set_up_problem(mission: Mission, *, asked: Mission | None = None) -> Problem
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
-    areas = surely_seeable_m2(regions, space, walls, robot)
-    own = prove_bound(mission, regions, areas, points, start, items)
-    bound = own if asked is None or asks_alike(asked, mission) else bound_of(asked)
-    # robots that start in different parts cannot help each other: each part must make do with as few as it can
-    bound_to_parts = asked is not None and asked.has_starts and len(paths.parts) > 1
+    if bound is None:
+        areas = surely_seeable_m2(regions, space, walls, robot)
+        bound = prove_bound(mission, regions, areas, points, start, items)
     return Problem(
         mission=mission,
         robot=robot,
@@ -170,7 +168,7 @@ def set_up_problem(mission: Mission, *, asked: Mission | None = None) -> Problem
         sees_item=items,
         lower_bound=bound.robots,
         lower_bound_reason=bound.reason,
-        enough_robots=max(own.robots, 0 if bound_to_parts else len(mission.fleet.robots or ())),
+        enough_robots=max(bound.robots, len(mission.fleet.robots or ())),
         ideal_robots=sum(
             r.shape.area / (2 * reach_m * robot.speed_m_s * r.period_s) for r in regions if r.demand == "every_point"
         ),
@@ -187,10 +185,18 @@ def asks_alike(one: Mission, other: Mission) -> bool:
     return sensors[0] == sensors[1] and periods[0] == periods[1]
 
 
-def bound_of(mission: Mission) -> ProvedBound:
-    """The proved bound of a mission by itself."""
-    problem = set_up_problem(mission)
-    return ProvedBound(robots=problem.lower_bound, reason=problem.lower_bound_reason)
+def bounded_as_asked(problem: Problem, asked: Mission) -> Problem:
+    """The problem of a mission with a reserve and without starts, with the bound of the mission as it is asked.
+
+    The search ends at the bound with the reserve, or at a fixed fleet's number; but robots that start in different
+    parts of the ground cannot help each other, so that each part makes do with as few as it can.
+    """
+    if asked.has_starts and len(problem.paths.parts) > 1:
+        problem = replace(problem, enough_robots=problem.lower_bound)
+    if asks_alike(asked, problem.mission):
+        return problem
+    wide = set_up_problem(asked)
+    return replace(problem, lower_bound=wide.lower_bound, lower_bound_reason=wide.lower_bound_reason)
 
 
 def space_and_rim(
