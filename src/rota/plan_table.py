@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from shapely import LineString, MultiPolygon, Point, union_all
 
 from rota.mission import AREA, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
+
+if TYPE_CHECKING:
+    from rota.check import Report
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,3 +124,19 @@ def bound_sentence(plan: Plan) -> str | None:
         return None
     count = f"{plan.lower_bound_robots} robot" + ("s" if plan.lower_bound_robots != 1 else "")
     return f"{count} at least: {plan.lower_bound_reason}."
+
+
+def ratio_sentence(plan: Plan, report: Report) -> str | None:
+    """How a fixed fleet's worst gap compares with its period, as a sentence; None for fleets of as few as possible.
+
+    Of a plan that meets its demand no gap is longer; of another some gap is as long (None: nothing can be told).
+    """
+    if plan.mission.fleet.robots is None or not report.demands:
+        return None
+    if report.verdict == "met":
+        ratio = max(demand.worst_gap_s / demand.period_s for demand in report.demands)
+    else:
+        ratio = max(demand.worst_gap_at_least_s / demand.period_s for demand in report.demands)
+    if math.isinf(ratio):
+        return "Worst gap: some of what is asked is never seen."
+    return f"Worst gap: {ratio:.3f} of its period."

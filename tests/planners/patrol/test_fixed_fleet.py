@@ -34,7 +34,7 @@ def test_spare_robots_join_and_keep_their_names() -> None:
 
 def test_too_few_robots_are_told_the_ratio_and_the_bound() -> None:
     with pytest.raises(
-        rota.NoPlanFound, match=r"1 robot cannot .* at least 5 robots \(.*sweeps.*\); .* times its period"
+        rota.NoPlanFound, match=r"1 robot cannot .* times its period; .* at least 5 robots \(.*sweeps.*\)"
     ) as caught:
         rota.make_plan(square_yard(1))
     best = caught.value.best

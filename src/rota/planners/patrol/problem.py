@@ -42,6 +42,7 @@ class Problem:
     robot: Robot
     periods_s: tuple[float, ...]
     regions: tuple[DemandedRegion, ...]
+    seeable_m2: tuple[float, ...]  # of each region, at least; 0 for zones to visit
     region_class: tuple[int, ...]
     space: MultiPolygon
     space_grid: EdgeGrid
@@ -154,6 +155,7 @@ def set_up_problem(mission: Mission) -> Problem:
         robot=robot,
         periods_s=periods_s,
         regions=regions,
+        seeable_m2=tuple(areas),
         region_class=region_class,
         space=space,
         space_grid=edge_grid(border_segments(space)),

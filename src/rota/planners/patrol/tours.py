@@ -51,6 +51,10 @@ def plan_patrol(
     problem = set_up_problem(mission)
     context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     if mission.fleet.robots is not None:
+        if mission.planning.method == "tours":
+            from rota.planners.patrol.worst_ratio import plan_with_least_ratio  # it searches with this module's loops
+
+            return plan_with_least_ratio(context)
         free = replace(mission, fleet=replace(mission.fleet, robots=None))
         as_many = replace(context, problem=replace(problem, mission=free))
         return plan_for_fixed_fleet(context, fewest_by_method(as_many))
