@@ -73,7 +73,8 @@ class Work:
     are annealed in full for one number of robots, each up to ``coolings`` times, cooler and cooler. repairs: rounds of
     mending. groupings: of the period classes.
     least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is not tried.
-    stretches: of the periods, tried for the best that a fixed number of robots can do.
+    stretches: of the periods, tried for the best that a fixed number of robots can do, until one that failed and one
+    that passed differ by no more than the factor ``nearness``.
     """
 
     moves: int
@@ -84,6 +85,7 @@ class Work:
     groupings: int
     least_squeeze: float
     stretches: int
+    nearness: float
 
 
 WORK: dict[Effort, Work] = {
@@ -96,6 +98,7 @@ WORK: dict[Effort, Work] = {
         groupings=4,
         least_squeeze=1.15,
         stretches=4,
+        nearness=1.025,
     ),
     "normal": Work(
         moves=2_000_000,
@@ -106,6 +109,7 @@ WORK: dict[Effort, Work] = {
         groupings=8,
         least_squeeze=1.1,
         stretches=6,
+        nearness=1.015,
     ),
     "high": Work(
         moves=10_000_000,
@@ -116,6 +120,7 @@ WORK: dict[Effort, Work] = {
         groupings=16,
         least_squeeze=1.05,
         stretches=9,
+        nearness=1.01,
     ),
 }
 

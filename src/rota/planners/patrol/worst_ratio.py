@@ -26,7 +26,6 @@ from rota.planners.patrol.repair import Settled, no_points, plan_of, settle
 from rota.planners.patrol.splits import Start, robots_each, squeeze, starts
 from rota.planners.patrol.tours import COMFORT, anneal_and_settle, fewest_robots, with_so_many
 
-NEAR = 1.015  # no stretch is looked for between two that differ by less
 GROWTH = 1.25  # of the stretch after failing
 TOWARDS_MET = 0.65  # of the way (of logarithms) from what failed to what passed: failing takes more work
 PROOF_STEPS = 14
@@ -61,9 +60,10 @@ def plan_with_least_ratio(context: Context) -> Plan:
     plan = None if best is None else as_asked(context, best)
     if plan is not None and context.judge(plan).verdict == "met":
         return plan
-    crowded = with_spare_robots(context, anyone, robots)
-    if crowded is not None:
-        return crowded
+    if best is None or problem.robot.body_radius_m > 0:
+        crowded = with_spare_robots(context, anyone, robots)
+        if crowded is not None:
+            return crowded
     if best is None or plan is None:
         raise NoPlanFound(f"no plan for {counted(robots)} was found that sees everything; {proved_words(problem)}")
     raise NoPlanFound(too_few_reason(problem, robots, best, proved), best=plan)
@@ -158,8 +158,8 @@ def least_ratio(context: Context, robots: int, proved: float) -> Reached | None:
     """
     work = context.work
     guess = first_guess(context, robots)
-    failed = max(proved, guess.least)
-    stretch = max(failed * NEAR, guess.comfortable)
+    failed = max(proved, guess.least, SMALLEST)
+    stretch = max(failed * work.nearness, guess.comfortable)
     best: Reached | None = None
     for turn in range(work.stretches):
         if context.should_stop():
@@ -171,12 +171,13 @@ def least_ratio(context: Context, robots: int, proved: float) -> Reached | None:
         elif best is None or found.ratio < best.ratio:
             best = found
         passed = guess.sure if best is None else best.ratio
-        if best is not None and passed <= failed * NEAR:
+        if best is not None and passed <= failed * work.nearness:
             break
         if failed < 1 < passed:
             stretch = 1.0
         elif best is None:
-            stretch *= GROWTH
+            # robots in each other's way: the demand itself is tried, however easy it should be
+            stretch = max(GROWTH * stretch, 1.0 if turn == work.stretches - 2 else 0.0)
         else:
             stretch = passed**TOWARDS_MET * failed ** (1 - TOWARDS_MET)
     return best if best is not None else surely(context, robots, guess.sure)
@@ -254,7 +255,11 @@ def with_spare_robots(context: Context, anyone: Context, robots: int) -> Plan | 
     """A plan that passes in which fewer robots would do: the others help on the fullest tours, or stand aside."""
     problem = context.problem
     ways = starts(problem, context.work.groupings)
-    for fewer in range(robots - 1, max(problem.lower_bound, 1) - 1, -1):
+    least = max(problem.lower_bound, 1)
+    if least >= robots:
+        return None
+    some = np.linspace(robots - 1, least, min(robots - least, context.work.stretches))
+    for fewer in (round(number) for number in some):
         if context.should_stop():
             return None
         found = with_so_many(anyone, ways, fewer, least_squeeze=context.work.least_squeeze)
