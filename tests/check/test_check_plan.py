@@ -309,3 +309,36 @@ def test_same_plan_same_report() -> None:
     one, two = (check_plan(Plan(mission=corner_room(0.1), trajectories=(route(ROOM_TOUR, 10.0),))) for _ in range(2))
     assert report_to_json(one) == report_to_json(two)
     np.testing.assert_array_equal(one.unmet_points_m, two.unmet_points_m)
+
+
+@pytest.mark.parametrize(("off_m", "met"), [(0.0, True), (0.0005, True), (0.03, False)])
+def test_a_no_fly_zone_is_seen_into_from_its_border(off_m: float, met: bool) -> None:
+    # 9 m wide, 4 m reach: 1 m x 1 m in the middle nobody sees, and all but a hair of the rest needs the very border
+    closed = box(4, 4, 13, 13)
+    fleet = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=4.0))
+    ground = Mission(
+        name="closed",
+        area=MultiPolygon([box(0.5, 0.5, 16.5, 16.5)]),
+        obstacles=(Obstacle(shape=MultiPolygon([closed]), blocks="motion"),),
+        period_s=100.0,
+        fleet=fleet,
+    )
+    low, high = 4 - off_m, 13 + off_m
+    # out to the corners of the area in between
+    ring = [(low, low), (1, 1), (low, low), (high, low), (16, 1), (high, low), (high, high), (16, 16), (high, high)]
+    ring += [(low, high), (1, 16), (low, high), (low, low)]
+    report = check_plan(Plan(mission=ground, trajectories=(route(ring, 1.0),)))
+    assert (report.verdict == "met") == met
+    if met:
+        # rounded outwards by about a centimetre, never inwards
+        assert 1.0 <= report.demands[0].excluded_area_m2 <= 1.0 + 4 * 0.015 + 1e-3
+    else:
+        assert len(report.unmet_points_m)
+        assert np.abs(report.unmet_points_m - 8.5).max() == pytest.approx(0.53, abs=0.25)  # coarse pieces
+
+
+def test_a_place_said_to_be_violated_is_among_the_unmet() -> None:
+    report = check_plan(Plan(mission=field(), trajectories=(route([(5, 5), (50, 5), (5, 5)], 10.0),)))
+    (gap,) = [violation for violation in report.violations if violation.kind == "gap"]
+    assert gap.place_m is not None
+    assert np.hypot(*(report.unmet_points_m - gap.place_m).T).min() == 0

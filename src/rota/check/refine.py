@@ -40,8 +40,9 @@ class Found:
     unmet: list[Floats] = field(default_factory=list)
 
     def unmet_points_m(self) -> Floats:
-        """(n, 2) corners and middles of all pieces not shown met."""
-        points = np.vstack([np.empty((0, 2)), *self.unmet])
+        """(n, 2) corners and middles of all pieces not shown met, and the worst place (its piece may be excluded)."""
+        worst = [] if self.worst_place_m is None else [np.array([self.worst_place_m])]
+        points = np.vstack([np.empty((0, 2)), *self.unmet, *worst])
         return np.unique(points, axis=0)
 
     def excluded_places(self) -> list[tuple[float, float, float]]:
@@ -102,7 +103,7 @@ def refine(
         _note_met(found, sights, pieces.chosen(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])
         left = np.flatnonzero(~met)
         level = _Level(sights, pieces.chosen(left), owners[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
-        level.note_samples(found, is_seeable)
+        level.note_samples(found, is_seeable, finest_m)
         open_pieces = level.settle(found, is_seeable, finest_m, coarse_m)
         chosen = level.pieces.chosen(open_pieces)
         pieces, parents = quartered(chosen, swath_cuts(sights, chosen), 2 * sights.slack_m)
@@ -140,10 +141,16 @@ class _Level:
         self.unseen = np.isinf(self.gaps_s)
         self.hidden = np.zeros(len(pieces), bool)
 
-    def note_samples(self, found: list[Found], is_seeable: IsSeeable) -> None:
+    def note_samples(self, found: list[Found], is_seeable: IsSeeable, finest_m: float) -> None:
         """Find the middles that nobody can see, and the worst of the others for each demand."""
         unseen = np.flatnonzero(self.unseen)
         self.hidden[unseen] = ~is_seeable(self.middles[unseen], 0.0)
+        # the finest piece round a place at the rim of all that can be seen may be excluded: it speaks, not the place
+        unseen = unseen[~self.hidden[unseen]]
+        square = finest_m / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        round_m = (self.middles[unseen][:, None] + square).reshape(-1, 2)
+        inside = is_seeable(round_m, 0.0).reshape(-1, 4).all(axis=1)
+        self.bad[unseen[~inside]] = False
         counted = ~self.hidden & (self.bad | np.isfinite(self.gaps_s))
         for k in np.unique(self.owners[counted]):
             mine = np.flatnonzero(counted & (self.owners == k))

@@ -89,7 +89,9 @@ def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float) -
         core = shapely.buffer(hidden, -1e-7, join_style="mitre")
         shapely.prepare(core)
         found[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
-        left = left[~found[left]]
+        # out of range of the nearest ground, no other is in range (a square's corner is the farthest it reaches)
+        corner = half * math.sqrt(2) if square else half
+        left = left[~found[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + 1e-9)]
     if len(left):
         found[left] = _ray_test(ground.shape, hidden, points_m[left], half + spread_m, square)
     return found

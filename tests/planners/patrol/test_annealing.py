@@ -13,14 +13,8 @@ from numpy.typing import NDArray
 from shapely import LineString, Polygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
-from rota.planners.patrol.annealing.search import (
-    Annealing,
-    Tour,
-    split_legs,
-    tour_length_m,
-    turns_rad,
-    without_repeats,
-)
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.tour import Tour, split_legs, tour_length_m, turns_rad, without_repeats
 from rota.planners.patrol.kernels import leg_sees
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, prepared_with

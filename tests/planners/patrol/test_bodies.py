@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rota.mission import DiscSensor, Robot
-from rota.planners.patrol.annealing.search import Tour
+from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.bodies import common_durations, timed_rounds
 
 BODY_M = 0.5

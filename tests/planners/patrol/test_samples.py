@@ -81,7 +81,7 @@ def test_the_border_of_a_sliver_is_its_border() -> None:
 
 
 def test_the_points_of_a_region() -> None:
-    points = region_points(region(WITH_HOLE), 3, 2, spacing_m=0.5, shrink_m=0.15, inset_m=0.01)
+    points = region_points(region(WITH_HOLE), 3, 2, WITH_HOLE, spacing_m=0.5, shrink_m=0.15, inset_m=0.01)
     assert set(points.region.tolist()) == {3}
     assert set(points.period.tolist()) == {2}
     assert (points.visit_m == 0).all()
@@ -93,7 +93,7 @@ def test_the_points_of_a_region() -> None:
 
 
 def test_a_zone_to_visit_is_one_point_deep_inside() -> None:
-    points = region_points(region(L_SHAPE, "visit"), 1, 0, spacing_m=0.5, shrink_m=0.15, inset_m=0.01)
+    points = region_points(region(L_SHAPE, "visit"), 1, 0, L_SHAPE, spacing_m=0.5, shrink_m=0.15, inset_m=0.01)
     assert len(points) == 1
     radius = float(points.visit_m[0])
     # the widest circle of this L touches both outer walls and the inner corner: r sqrt 2 + r = 4 sqrt 2 from the corner
@@ -101,7 +101,23 @@ def test_a_zone_to_visit_is_one_point_deep_inside() -> None:
     assert L_SHAPE.covers(Point(points.xy_m[0]).buffer(radius))
     # of several parts the largest
     two = MultiPolygon([box(0, 0, 1, 1), box(5, 5, 9, 6)])
-    assert two.geoms[1].contains(Point(visit_point(two, 0, 0, 1.0).xy_m[0]))
+    assert two.geoms[1].contains(Point(visit_point(two, two, 0, 0, 1.0).xy_m[0]))
+
+
+def test_a_zone_is_visited_where_robots_can_be() -> None:
+    zone, east = MultiPolygon([box(0, 0, 4, 4)]), MultiPolygon([box(3, -2, 9, 6)])
+    point = visit_point(zone, east, 2, 1, 5.0)
+    # all but the last metre is built over: the largest circle there has half a metre
+    assert point.visit_m.tolist() == pytest.approx([0.98 * 0.5], rel=1e-3)
+    assert point.xy_m[0, 0] == pytest.approx(3.5, abs=1e-3)
+    assert 0.5 <= point.xy_m[0, 1] <= 3.5
+    assert (point.region.tolist(), point.period.tolist(), point.area_m2.tolist()) == ([2], [1], [5.0])
+    # the zone's border is in it: to touch it is a visit, at that very place
+    touched = visit_point(zone, MultiPolygon([box(4, 1, 9, 2)]), 0, 0, 1.0)
+    assert touched.xy_m[0, 0] == 4
+    assert 1 <= touched.xy_m[0, 1] <= 2
+    assert touched.visit_m.tolist() == [1e-9]
+    assert len(visit_point(zone, MultiPolygon([box(5, 1, 9, 2)]), 0, 0, 1.0)) == 0
 
 
 def test_joining_selecting_and_shrinking() -> None:
@@ -192,3 +208,18 @@ def test_prepared_points_are_sorted_by_bins() -> None:
             assert int((samples.y[i] - low_y) / cell) == b // columns
     # walls are lengthened by the margin at both ends
     assert samples.walls == pytest.approx(np.array([[-0.06, -0.08, 3.06, 4.08]]))
+
+
+def test_what_is_known_of_the_first_points_is_used_as_if_it_were_found_again() -> None:
+    rng = np.random.default_rng(3)
+    walls = rng.uniform(0, 20, (30, 4))
+    first, second = (points_of(rng.uniform(0, 20, (n, 2)), 1.0, 0, 0) for n in (70, 40))
+    settings = {"reach_m": 4.0, "wall_margin_m": 0.01}
+    known, order = prepare(first, walls, weight=np.ones(70), **settings)
+    both = joined([first[order], second])
+    weight = rng.uniform(1, 2, 110)
+    at_once, one = prepare(both, walls, weight=weight, **settings)
+    in_steps, other = prepare(both, walls, weight=weight, known=known, **settings)
+    assert one.tolist() == other.tolist()
+    for name, field in at_once._asdict().items():
+        assert getattr(in_steps, name).tolist() == field.tolist(), name

@@ -10,7 +10,7 @@ from shapely import LineString, MultiPolygon, Point, box
 
 import rota
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.fixed_fleet import busiest_helped, joined_tour, with_so_many
 from rota.planners.patrol.problem import Problem, set_up_problem
 

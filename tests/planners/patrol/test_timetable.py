@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString
 
 from rota.mission import DiscSensor, Robot
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.timetable import (
     SHORTEST_LEG_M,
     as_trajectories,

@@ -18,7 +18,7 @@ from rota.cli import app
 from rota.files.plan_file import read_plan
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Zone
 from rota.plan_table import ratio_sentence
-from rota.planners.patrol.annealing.search import Tour
+from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.worst_ratio import proved_ratio, stood_aside, stretched
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.annealing.search import Tour
+from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.timetable import loop_timetable, trajectories_of
 
 Floats = NDArray[np.float64]

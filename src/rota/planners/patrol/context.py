@@ -101,7 +101,7 @@ WORK: dict[Effort, Work] = {
         nearness=1.025,
     ),
     "normal": Work(
-        moves=2_000_000,
+        moves=1_200_000,
         most_moves=10_000_000,
         tries=3,
         coolings=8,
@@ -127,13 +127,17 @@ WORK: dict[Effort, Work] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Context:
-    """One search: the problem, the seed and the caller's wishes."""
+    """One search: the problem, the seed and the caller's wishes.
+
+    dear: how many times more than on open ground it is worth, while annealing, to see anything.
+    """
 
     problem: Problem
     seed: int
     judge: Judge
     progress: Callable[[float, str], None]
     should_stop: Callable[[], bool]
+    dear: float = 1.0
 
     @property
     def work(self) -> Work:

@@ -10,7 +10,7 @@ import numpy as np
 from rota.errors import NoPlanFound
 from rota.mission import AREA
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.repair import Settled, plan_of

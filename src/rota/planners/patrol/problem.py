@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -14,19 +14,28 @@ from rota.geometry.free_space import DemandedRegion, border_segments, demanded_r
 from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor
+from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.proved_bound import prove_bound
+from rota.planners.patrol.rims import fine_arc_corners, has_rim, rim_points, surely_seeable_m2, with_reach_for
 from rota.planners.patrol.samples import SamplePoints, joined, prepare, region_points
-from rota.planners.patrol.start.viewpoints import candidate_places, place_that_sees, search_unseen, what_places_see
+from rota.planners.patrol.start.nearest_places import nearest_places
+from rota.planners.patrol.start.viewpoints import (
+    candidate_places,
+    place_that_sees,
+    search_unseen,
+    sensor_arguments,
+    what_places_see,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_SAMPLES = 400_000
-SAMPLES_PER_REACH = 8
+SAMPLES_PER_REACH: dict[Effort, int] = {"quick": 8, "normal": 12, "high": 16}
 SHRINK = 0.4  # of the lattice's spacing: what lies between its points is then nearly always seen too
 LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000
+HAIR_M = 1e-6  # less than this inside of the sensor's reach counts for nothing
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 
 
@@ -60,6 +69,7 @@ class Problem:
     enough_robots: int  # fewer need not be looked for: the bound, or a fleet's fixed number
     range_margin_m: float
     spacing_m: float
+    rim_places_m: Floats  # (m, 2) on the border of the space: the rim of all that can be seen is seen from there only
 
     @property
     def reach_m(self) -> float:
@@ -104,51 +114,38 @@ def set_up_problem(mission: Mission) -> Problem:
     regions = demanded_regions(mission)
     periods_s = tuple(sorted({region.period_s for region in regions}))
     region_class = tuple(periods_s.index(region.period_s) for region in regions)
-    space = standing_space(mission, robot.body_radius_m)
-    if space.is_empty:
-        raise NoPlanFound(f"there is no place where a body of radius {robot.body_radius_m} m can stand")
-    asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
-    spacing_m = max(reach_m / SAMPLES_PER_REACH, float(np.sqrt(asked_m2 / MOST_SAMPLES)))
-    walls = sight_walls(mission)
     margin_m = range_margin(reach_m)
+    space, rim = space_and_rim(mission, regions, robot, margin_m)
+    asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
+    spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.planning.effort], float(np.sqrt(asked_m2 / MOST_SAMPLES)))
+    walls = sight_walls(mission)
     # on large areas rounds of mending cost more than a little overlap
     shrink = SHRINK if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
-    points = joined(
-        [
-            region_points(
-                region, i, region_class[i], spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m
-            )
-            for i, region in enumerate(regions)
-        ]
-    )
-    samples, order = prepare(
-        points, walls, reach_m=robot.sensor.reach_m, weight=points.area_m2, wall_margin_m=0.001 * reach_m
-    )
-    points = points[order]
+    parts = [
+        region_points(
+            region, i, region_class[i], space, spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m
+        )
+        for i, region in enumerate(regions)
+    ]
+    rim_places_m = np.zeros((0, 2))
+    if rim:
+        parts.append(rim_points(regions, region_class, space, robot, margin_m=margin_m, spacing_m=spacing_m))
+        rim_places_m = nearest_places(parts[-1].xy_m, space, walls, robot)[0]
+    points, samples, _ = laid_out(joined(parts), walls, robot)
     places_m = candidate_places(space, 0.5 * reach_m)
-    start, items = what_places_see(places_m, robot, margin_m, samples)
-    unseen = np.ones(len(points), dtype=bool)
-    unseen[items] = False
-    further_m, hopeless = search_unseen(
-        points,
-        np.flatnonzero(unseen),
-        lambda point_m, visit_m: place_that_sees(point_m, visit_m, space, walls, robot, margin_m),
-        lambda place_m: what_places_see(place_m[None], robot, margin_m, samples)[1].astype(np.int64),
+    points, samples, further_m, hopeless, unseeable = places_for_all(
+        points, samples, places_m, space, walls, robot, margin_m
     )
     asked_shapes = [region.shape for region in regions if region.demand == "every_point"]
-    refuse_unseeable(mission, points, hopeless, asked_shapes)
-    areas = seeable_areas(regions, points, hopeless, spacing_m)
+    refuse_unseeable(mission, points, unseeable, asked_shapes)
     if len(hopeless):
         keep = np.ones(len(points), dtype=bool)
         keep[hopeless] = False
-        points = points[keep]
-        samples, order = prepare(
-            points, walls, reach_m=robot.sensor.reach_m, weight=points.area_m2, wall_margin_m=0.001 * reach_m
-        )
-        points = points[order]
+        points, samples, _ = laid_out(points[keep], walls, robot)
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
+    areas = surely_seeable_m2(regions, space, walls, robot)
     bound = prove_bound(mission, regions, areas, points, start, items)
     return Problem(
         mission=mission,
@@ -175,29 +172,98 @@ def set_up_problem(mission: Mission) -> Problem:
         ),
         range_margin_m=margin_m,
         spacing_m=spacing_m,
+        rim_places_m=rim_places_m,
     )
 
 
-def seeable_areas(
-    regions: tuple[DemandedRegion, ...], points: SamplePoints, hopeless: Ints, spacing_m: float
-) -> list[float]:
-    """A safe (low) estimate of each region's area that can be seen; 0 for zones that ask for visits.
+def space_and_rim(
+    mission: Mission, regions: tuple[DemandedRegion, ...], robot: Robot, margin_m: float
+) -> tuple[MultiPolygon, bool]:
+    """Where the robot can stand, and whether the rim of what it sees from there lies in the regions.
 
-    Round every point that nobody can see four lattice squares are taken away: the bound must stay a bound.
+    Round corners as fine as a rim, or a zone that is entered only there, needs it. Raises NoPlanFound when there is no
+    place to stand at all, or none in a zone that asks for visits.
     """
-    areas = []
-    for i, region in enumerate(regions):
-        lost = 4 * spacing_m**2 * int((points.region[hopeless] == i).sum())
-        areas.append(max(0.0, region.shape.area - lost) if region.demand == "every_point" else 0.0)
-    return areas
+    body_m = robot.body_radius_m
+    space = standing_space(mission, body_m)
+    visits = [region for region in regions if region.demand == "visit"]
+    rim = has_rim(regions, space, robot, margin_m)
+    if rim or any(shapely.disjoint(region.shape, space) for region in visits):
+        space = standing_space(mission, body_m, arc_corners=fine_arc_corners(body_m))
+    if space.is_empty:
+        raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
+    for region in visits:
+        if shapely.disjoint(region.shape, space):
+            spot = region.shape.representative_point()
+            fits = "blocked to motion" if body_m == 0 else f"no place for a body of radius {body_m} m"
+            raise NoPlanFound(
+                f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f}): it is {fits}"
+            )
+    return space, rim
+
+
+def laid_out(points: SamplePoints, walls: Floats, robot: Robot) -> tuple[SamplePoints, Samples, Ints]:
+    """The points in the order in which the kernels take them, and as they take them, and that order.
+
+    They weigh what their area is.
+    """
+    reach_m, _ = sensor_arguments(robot, 0.0)
+    samples, order = prepare(
+        points, walls, reach_m=robot.sensor.reach_m, weight=points.area_m2, wall_margin_m=0.001 * reach_m
+    )
+    return points[order], samples, order
+
+
+def places_for_all(
+    points: SamplePoints,
+    samples: Samples,
+    places_m: Floats,
+    space: MultiPolygon,
+    walls: Floats,
+    robot: Robot,
+    margin_m: float,
+) -> tuple[SamplePoints, Samples, Floats, Ints, Ints]:
+    """Further places for samples that no candidate place (n, 2) sees; at the rim of what can be seen with full reach.
+
+    The points and samples, their shrink fitted to the places; the further places (m, 2); the samples that none of the
+    places sees; and those of them that surely nobody can see.
+    """
+
+    def sees(place_m: Floats) -> Ints:
+        return what_places_see(place_m[None], robot, margin_m, samples)[1]
+
+    unseen = np.ones(len(points), dtype=bool)
+    unseen[what_places_see(places_m, robot, margin_m, samples)[1]] = False
+    further_m, left = search_unseen(
+        np.flatnonzero(unseen),
+        lambda i: place_that_sees(points.xy_m[i], float(points.visit_m[i]), space, walls, robot, margin_m),
+        sees,
+    )
+    if not len(left):
+        return points, samples, further_m, left, left
+    nearest_m, ranges_m = nearest_places(points.xy_m[left], space, walls, robot)
+    reach_m, _ = sensor_arguments(robot, 0.0)
+    shrink_m = points.shrink_m.copy()
+    shrink_m[left] = with_reach_for(points[left], ranges_m, reach_m, margin_m).shrink_m
+    on_lattice = np.isin(np.arange(len(points)), left, invert=True)  # which has one shrink for all its points
+    points = replace(
+        points,
+        shrink_m=shrink_m,
+        row=np.where(on_lattice, points.row, -1),
+        column=np.where(on_lattice, points.column, -1),
+    )
+    points, samples, order = laid_out(points, walls, robot)
+    left = np.argsort(order)[left]
+    near = {
+        int(i): nearest_m[k] for k, i in enumerate(left) if reach_m - ranges_m[k] > HAIR_M and points.visit_m[i] == 0
+    }
+    last_m, hopeless = search_unseen(left, near.get, sees)
+    surely = np.isin(hopeless, left[(ranges_m > reach_m) | (points.visit_m[left] > 0)])
+    return points, samples, np.vstack([further_m, last_m]), hopeless, hopeless[surely]
 
 
 def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, asked_shapes: list[MultiPolygon]) -> None:
-    """Stop when a visit is impossible, or what cannot be seen is refused by the mission or is too much of it."""
-    visits = hopeless[points.visit_m[hopeless] > 0]
-    if len(visits):
-        x, y = points.xy_m[visits[0]]
-        raise NoPlanFound(f"no robot can be inside the zone at ({x:.2f}, {y:.2f}): its body does not fit there")
+    """Stop when what cannot be seen is refused by the mission or is too much of it."""
     inside = hopeless[points.shrink_m[hopeless] > 0]  # the lattice; border points stand for no ground of their own
     # squares of the lattice stick out of narrow ground: only what lies on demanded ground is lost
     half_m = np.sqrt(points.area_m2[inside]) / 2
@@ -216,7 +282,8 @@ def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, ask
     blobs = sorted(blobs, key=lambda blob: -float(blob.area))[:5]
     places = ", ".join(f"({blob.centroid.x:.2f}, {blob.centroid.y:.2f})" for blob in blobs)
     allowed = "unseeable: refuse allows none" if mission.unseeable == "refuse" else f"{MOST_EXCLUDED:.0%} is allowed"
+    lost = f"about {lost_m2:.2f} m2 ({share:.1%}" if lost_m2 >= 0.01 else "less than 0.01 m2 (0.0%"
     raise NoPlanFound(
-        f"about {lost_m2:.2f} m2 ({share:.1%} of what is asked) cannot be seen from anywhere a robot can stand,"
+        f"{lost} of what is asked) cannot be seen from anywhere a robot can stand,"
         f" for instance round {places}; {allowed}"
     )

@@ -7,16 +7,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, Tour, tour_length_m
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.tour import Tour, driven, over_budget_share, room_m, tour_length_m
 from rota.planners.patrol.bodies import timed_rounds
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.problem import Problem
-from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare, visit_point
+from rota.planners.patrol.rims import along_the_rim, with_reach_for
+from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare
+from rota.planners.patrol.start.nearest_places import nearest_places
+from rota.planners.patrol.start.standing import over_prices
 from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, what_places_see
 from rota.planners.patrol.timetable import as_trajectories
 
@@ -29,6 +34,7 @@ DEAR = 20.0  # times what a sample is worth, while tours are tightened
 TIGHTER = 0.01  # share of the budgets to which they are tightened below them
 MOST_NEW_POINTS = 1_500
 MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
+ON_ROUTE_M = 1e-7  # a place so near a route is on it
 MOST_VISITS = 12  # places that are gone to in one round for the sake of stubborn points
 
 
@@ -44,7 +50,7 @@ class Settled:
     @property
     def fits(self) -> bool:
         """Whether every tour keeps within its budget."""
-        return all(tour_length_m(tour) <= tour.budget_m for tour in self.tours)
+        return over_budget_share(self.tours) == 0
 
     @property
     def met(self) -> bool:
@@ -60,19 +66,23 @@ def no_points() -> SamplePoints:
 def prepared_with(problem: Problem, extra: SamplePoints) -> tuple[SamplePoints, Samples]:
     """The problem's points and further ones, laid out for the kernels with their weights in metres of travel."""
     points = joined([problem.points, extra]) if len(extra) else problem.points
+    # no way is too long for a visit, however small the zone
+    longest_m = np.array(problem.periods_s)[points.period] * problem.robot.speed_m_s
+    weight = np.where(points.visit_m > 0, longest_m, UNSEEN_WEIGHT * points.area_m2 / problem.swath_m)
     samples, order = prepare(
         points,
         problem.walls,
         reach_m=problem.robot.sensor.reach_m,
-        weight=UNSEEN_WEIGHT * points.area_m2 / problem.swath_m,
+        weight=weight,
         wall_margin_m=0.001 * problem.reach_m,
+        known=problem.samples,
     )
     return points[order], samples
 
 
 def plan_of(problem: Problem, tours: Sequence[Tour], seed: int, names: Sequence[str] | None = None) -> Plan:
     """The plan that drives these tours; robots are named robot-1, robot-2, ... unless the fleet names them."""
-    rounds = timed_rounds(tours, problem.robot.body_radius_m)
+    rounds = timed_rounds(driven(tours), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
     if names is None:
         names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
@@ -96,14 +106,18 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
     while True:
         points, samples = prepared_with(problem, extra)
         tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
+        tours = along_the_rim(
+            tours, problem.rim_places_m, problem.space, problem.paths,
+            near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
+        )  # fmt: skip
         if may_add:
             tours = [with_robots(tour) for tour in tours]
-        elif any(tour_length_m(tour) > tour.budget_m for tour in tours):
+        elif over_budget_share(tours) > 0:
             tours = tightened(context, tours, samples, seed=context.seed + turn)
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
         turn += 1
-        found = new_points(problem, verdict, turn)
+        found = new_points(problem, tours, verdict, turn)
         settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
         stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
         complaints = len(verdict.unmet_points_m)
@@ -123,7 +137,14 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
 def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:
     """A place from where the point is seen well: in the middle of its view, of a view cut shorter every turn."""
     margin_m = problem.reach_m * (1 - 0.6**turn) + problem.range_margin_m
-    return place_that_sees(point_m, visit_m, problem.space, problem.walls, problem.robot, margin_m)
+    place = place_that_sees(point_m, visit_m, problem.space, problem.walls, problem.robot, margin_m)
+    return border_place(problem, point_m) if place is None and visit_m == 0 else place
+
+
+def border_place(problem: Problem, point_m: Floats) -> Floats | None:
+    """The place that sees the point from least far, on the border of where robots can stand; None out of reach."""
+    nearest_m, ranges_m = nearest_places(point_m, problem.space, problem.walls, problem.robot)
+    return nearest_m[0] if ranges_m[0] <= problem.reach_m else None
 
 
 def with_robots(tour: Tour) -> Tour:
@@ -132,7 +153,7 @@ def with_robots(tour: Tour) -> Tour:
     return replace(tour, robots=max(tour.robots, needed))
 
 
-def new_points(problem: Problem, verdict: Verdict, turn: int) -> SamplePoints:
+def new_points(problem: Problem, tours: Sequence[Tour], verdict: Verdict, turn: int) -> SamplePoints:
     """The places that the judge found unmet, as samples; of a crowd of them a few, more and nearer in every round."""
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
     grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
@@ -144,14 +165,32 @@ def new_points(problem: Problem, verdict: Verdict, turn: int) -> SamplePoints:
             continue
         i = by_name[demand.name]
         if problem.regions[i].demand == "visit":
-            found.append(visit_point(problem.regions[i].shape, i, problem.region_class[i], problem.swath_m**2))
+            again = problem.points[problem.points.region == i]
+            found.append(replace(again, area_m2=np.full(len(again), problem.swath_m**2)))
             continue
+        ranges_m = np.zeros(len(xy))
+        if len(problem.rim_places_m):
+            order, ranges_m = hardest_first(problem, tours, xy)
+            xy = xy[order]
         _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
-        thinned = xy[np.sort(first)]
-        thinned = thinned[:: max(1, len(thinned) // max(MOST_NEW_POINTS, len(problem.points) // 20))]
-        area_m2 = problem.spacing_m**2
-        found.append(points_of(thinned, area_m2, problem.region_class[i], i, shrink_m=shrink_m))
+        first = np.sort(first)[:: max(1, len(first) // max(MOST_NEW_POINTS, len(problem.points) // 20))]
+        new = points_of(xy[first], problem.spacing_m**2, problem.region_class[i], i, shrink_m=shrink_m)
+        found.append(with_reach_for(new, ranges_m[first], problem.reach_m, problem.range_margin_m))
     return joined(found)
+
+
+def hardest_first(problem: Problem, tours: Sequence[Tour], xy_m: Floats) -> tuple[Ints, Floats]:
+    """An order of the points (n, 2): those at the rim that the tours miss, from the outermost inwards, then the rest.
+
+    With the range (n,) of each, in that order. Ground beyond the rim is nobody's and comes last.
+    """
+    places_m, ranges_m = nearest_places(xy_m, problem.space, problem.walls, problem.robot)
+    at_rim = np.flatnonzero((ranges_m > problem.reach_m - problem.range_margin_m) & (ranges_m <= problem.reach_m))
+    routes = shapely.union_all([shapely.linestrings(np.vstack([t.vertices_m, t.vertices_m[:1]])) for t in tours])
+    missed = np.zeros(len(xy_m), dtype=bool)
+    missed[at_rim] = shapely.distance(routes, shapely.points(places_m[at_rim])) > ON_ROUTE_M
+    order = np.lexsort((np.where(ranges_m <= problem.reach_m, -ranges_m, np.inf), ~missed))
+    return order.astype(np.int64), ranges_m[order]
 
 
 def mending(problem: Problem, tours: list[Tour], samples: Samples, seed: int) -> Annealing:
@@ -161,7 +200,7 @@ def mending(problem: Problem, tours: list[Tour], samples: Samples, seed: int) ->
         samples,
         problem.space_grid,
         price=np.full(len(tours), 0.3),
-        over_price=np.full(len(tours), OVER_PRICE),
+        over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
     )
@@ -175,7 +214,7 @@ def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: in
         samples._replace(weight=DEAR * samples.weight),
         problem.space_grid,
         price=np.ones(len(tours)),
-        over_price=np.full(len(tours), OVER_PRICE),
+        over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
         reserve=TIGHTER,
@@ -216,9 +255,7 @@ def visit_places(
     chosen, hidden = choose_viewpoints(start, items, wanted, points.area_m2)
     stops = [(places_m[i], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen]
     for i in np.flatnonzero(hidden):
-        place = place_that_sees(
-            points.xy_m[i], points.visit_m[i], problem.space, problem.walls, problem.robot, problem.range_margin_m
-        )
+        place = last_place(problem, points, int(i))
         if place is not None:
             stops.append((place, int(points.period[i])))
     if not stops:
@@ -226,6 +263,15 @@ def visit_places(
     for place_m, period in stops:
         tours = led_past(problem, tours, place_m, int(period))
     return tours
+
+
+def last_place(problem: Problem, points: SamplePoints, i: int) -> Floats | None:
+    """A place for a sample that no candidate sees: with room all round if there is any, or at the border."""
+    space, walls, robot = problem.space, problem.walls, problem.robot
+    place = None
+    if points.shrink_m[i] >= 0:
+        place = place_that_sees(points.xy_m[i], points.visit_m[i], space, walls, robot, problem.range_margin_m)
+    return border_place(problem, points.xy_m[i]) if place is None and points.visit_m[i] == 0 else place
 
 
 def near_places(problem: Problem, xy_m: Floats) -> Floats:
@@ -236,7 +282,10 @@ def near_places(problem: Problem, xy_m: Floats) -> Floats:
 
 
 def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
-    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there."""
+    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there.
+
+    A robot of its own is posted there also where the detour would take more than one robot travels in a period.
+    """
     part = int(problem.paths.part_of(place_m[None])[0])
     best: tuple[float, int, int] | None = None
     for k, tour in enumerate(tours):
@@ -246,7 +295,9 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
         ends = np.roll(tour.vertices_m, -1, axis=0)
         detour = to_place + np.roll(to_place, -1) - np.hypot(*(ends - tour.vertices_m).T)
         i = int(np.argmin(detour))
-        room = tour.budget_m - tour_length_m(tour)
+        room = room_m(tours, k)
+        if min(float(detour[i]), float(detour[i]) - room) > replace(tour, robots=1).budget_m:
+            continue
         cost = float(detour[i]) + 3 * max(0.0, float(detour[i]) - room)
         if math.isfinite(cost) and (best is None or cost < best[0]):
             best = (cost, k, i)

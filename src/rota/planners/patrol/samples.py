@@ -14,6 +14,8 @@ from rota.geometry.free_space import DemandedRegion
 from rota.planners.patrol.kernels import TOUCH_M, Samples
 from rota.planners.patrol.start.kernels import walls_that_hide
 
+ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -112,11 +114,21 @@ def border(shape: MultiPolygon, spacing_m: float, inset_m: float) -> Floats:
 
 
 def region_points(
-    region: DemandedRegion, index: int, period: int, *, spacing_m: float, shrink_m: float, inset_m: float
+    region: DemandedRegion,
+    index: int,
+    period: int,
+    space: MultiPolygon,
+    *,
+    spacing_m: float,
+    shrink_m: float,
+    inset_m: float,
 ) -> SamplePoints:
-    """The points that stand for one demanded region; a zone that asks for visits is one point."""
+    """The points that stand for one demanded region; a zone that asks for visits is one point where robots can be.
+
+    A zone that no robot can be in is no point.
+    """
     if region.demand == "visit":
-        return visit_point(region.shape, index, period, region.shape.area)
+        return visit_point(region.shape, space, index, period, region.shape.area)
     places_m, row, column = lattice_places(region.shape, spacing_m)
     inside = points_of(places_m, spacing_m**2, period, index, shrink_m=shrink_m)
     inside = replace(inside, row=row, column=column)
@@ -124,22 +136,35 @@ def region_points(
     return joined([inside, edge])
 
 
-def visit_point(shape: MultiPolygon, index: int, period: int, area_m2: float) -> SamplePoints:
-    """The middle of the largest circle in a zone; a robot within its radius is surely inside."""
-    circle = shapely.maximum_inscribed_circle(max(shape.geoms, key=lambda part: float(part.area)))
-    ends = shapely.get_coordinates(circle)
+def visit_point(shape: MultiPolygon, space: MultiPolygon, index: int, period: int, area_m2: float) -> SamplePoints:
+    """The middle of the largest circle in the part of a zone where robots can be; within its radius they are inside.
+
+    Where zone and space only touch, any point where they do, with next to no radius; no point where they are apart.
+    """
+    inside = shapely.intersection(shape, space)
+    parts = [part for part in shapely.get_parts(inside) if part.geom_type == "Polygon" and part.area > 0]
+    if not parts:
+        touched = shapely.get_coordinates(inside.point_on_surface())
+        return points_of(touched, area_m2, period, index, visit_m=ON_THE_SPOT_M)
+    ends = shapely.get_coordinates(shapely.maximum_inscribed_circle(max(parts, key=lambda part: float(part.area))))
     radius_m = float(np.hypot(*(ends[1] - ends[0])))
-    return points_of(ends[:1], area_m2, period, index, visit_m=0.98 * radius_m)
+    return points_of(ends[:1], area_m2, period, index, visit_m=max(0.98 * radius_m, ON_THE_SPOT_M))
 
 
 def prepare(
-    points: SamplePoints, walls: Floats, *, reach_m: float, weight: Floats, wall_margin_m: float
+    points: SamplePoints,
+    walls: Floats,
+    *,
+    reach_m: float,
+    weight: Floats,
+    wall_margin_m: float,
+    known: Samples | None = None,
 ) -> tuple[Samples, Ints]:
     """The arrays that the kernels work on, and the order (n,) in which the points stand in them.
 
     walls: (k, 4) segments that block sight, lengthened by ``wall_margin_m`` at both ends so that nothing counts as seen
     by a hair's breadth. Points on lattices stand first, row by row; the others by bins of the size of the reach. Each
-    knows the walls within reach.
+    knows the walls within reach. known: what was prepared of the first points, whose walls need not be found again.
     """
     far_m = max(reach_m, float(points.visit_m.max(initial=0.0)))
     on_lattice = np.flatnonzero(points.row >= 0)
@@ -153,8 +178,13 @@ def prepare(
     by_bin = np.argsort(which, kind="stable")
     start = len(on_lattice) + np.searchsorted(which[by_bin], np.arange(bins[0] * bins[1] + 1))
     order = np.concatenate([on_lattice, loose[by_bin]]).astype(np.int64)
+    if known is None:
+        wall_start, wall_item = walls_in_reach(points[order], walls, reach_m)
+    else:
+        new = points[np.arange(len(known.x), len(points))]
+        rows = joined_rows((known.wall_start, known.wall_item), walls_in_reach(new, walls, reach_m))
+        wall_start, wall_item = rows_in_order(*rows, order)
     points = points[order]
-    wall_start, wall_item = walls_in_reach(points, walls, reach_m)
     longer = walls.copy().reshape(-1, 4)
     along = longer[:, 2:] - longer[:, :2]
     along *= wall_margin_m / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-12)
@@ -180,6 +210,20 @@ def prepare(
         bins=bins.astype(np.int64),
     )
     return samples, order
+
+
+def joined_rows(first: tuple[Ints, Ints], second: tuple[Ints, Ints]) -> tuple[Ints, Ints]:
+    """Two lists of rows, each as starts (n + 1,) and items, as one."""
+    start = np.concatenate([first[0], first[0][-1] + second[0][1:]])
+    return start, np.concatenate([first[1], second[1]])
+
+
+def rows_in_order(start: Ints, items: Ints, order: Ints) -> tuple[Ints, Ints]:
+    """Rows of items, given by their starts (n + 1,), in another order (n,)."""
+    sizes = np.diff(start)[order]
+    ends = np.concatenate([[0], np.cumsum(sizes)])
+    which = np.arange(ends[-1]) + np.repeat(start[order] - ends[:-1], sizes)
+    return ends.astype(np.int64), items[which]
 
 
 def lattice_frames(points: SamplePoints) -> tuple[Floats, Ints, NDArray[np.int32]]:

@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
+from rota.planners.patrol.nesting import can_nest, nested
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
+from rota.planners.patrol.start.standing import robots_stand
 
+NEST_BELOW = 1.4  # budgets over ideal lengths, below which loops within loops are tried
 MOST_APART = 64  # robots, beyond which each on a tour of its own is not tried
 
 
@@ -37,11 +40,15 @@ def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
     """Metres that each tour would take if it swept its ground in perfect lanes.
 
     A tour's ground: what asks for its period or a longer one, up to the next longer period of a tour; shared among the
-    tours of one period in proportion to their lengths. No tour is ideal below a hundredth of its own length.
+    tours of one period in proportion to their lengths. No tour is ideal below a hundredth of its own length. Robots
+    that stand need no more than they move.
     """
     served = sorted({tour.serves for tour in tours})
     found = []
     for tour in tours:
+        if robots_stand(problem, tour.period_s):
+            found.append(tour_length_m(tour))
+            continue
         later = [c for c in served if c > tour.serves]
         classes = range(tour.serves, min(later, default=len(problem.periods_s)))
         ground_m2 = sum(
@@ -56,9 +63,17 @@ def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
     return found
 
 
+def winding(ways: list[Start]) -> float:
+    """How many times longer than ideal the shortest first tours are: near 1 in the open, more in buildings."""
+    return min(sum(tour_length_m(tour) for tour in way.tours) / max(1e-9, sum(way.ideal_m)) for way in ways)
+
+
 def robots_each(start: Start, robots: int) -> list[int] | None:
-    """So many robots handed to the tours, each where the load is greatest; None when there are fewer than tours."""
-    if robots < len(start.tours):
+    """So many robots handed to the tours, each where the load is greatest.
+
+    None when there are fewer than tours, or more but no tour with anything to do: robots that stand need no others.
+    """
+    if robots < len(start.tours) or (robots > len(start.tours) and not any(start.ideal_m)):
         return None
     one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
     counts = [1] * len(one_m)
@@ -89,7 +104,7 @@ def squeeze(start: Start, counts: list[int]) -> float:
 def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: float) -> list[list[Tour]]:
     """The tours to begin with for so many robots, every way in which they might suffice; the roomiest first.
 
-    Robots that would share a tour are tried on tours of their own too.
+    Robots that would share a tour are tried on tours of their own too, and where budgets are tight loops within loops.
     """
     found: list[tuple[float, list[Tour]]] = []
     seen: set[tuple[tuple[int, int], ...]] = set()
@@ -98,9 +113,12 @@ def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: floa
         if counts is None:
             continue
         room = squeeze(start, counts)
+        shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
+        if can_nest(problem) and room < NEST_BELOW:
+            nest = nested(problem, start.grounds, shared, start.ideal_m, least_squeeze)
+            found += [(room, nest)] if nest is not None else []
         if room < least_squeeze:
             continue
-        shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
         found.append((room, shared))
         shape = tuple(sorted((tour.serves, tour.robots) for tour in shared))
         if 1 < max(counts) <= MOST_APART and (shape not in seen or problem.robot.body_radius_m > 0):

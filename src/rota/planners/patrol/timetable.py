@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.mission import Robot
 from rota.plan import Trajectory
-from rota.planners.patrol.annealing.search import Tour, turns_rad, without_repeats
+from rota.planners.patrol.annealing.tour import Tour, turns_rad, without_repeats
 
 Floats = NDArray[np.float64]
 

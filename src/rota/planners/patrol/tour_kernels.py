@@ -56,7 +56,6 @@ class Tours(NamedTuple):
     over_price: Floats
     hub: Ints
     petals: Ints
-    visits: Ints
     whole_m: Floats
     seen: NDArray[np.int32]
     seen_n: Ints
@@ -161,7 +160,7 @@ def over_budget_cost(h: int, t: Tours) -> float:
     for petal in range(first, last):
         round_m = t.length[h] + t.length[petal]
         over += max(0.0, round_m - t.budget_m[h])
-        whole += t.visits[petal] * round_m
+        whole += round_m
     return t.over_price[h] * (over + max(0.0, whole - t.whole_m[h]))
 
 

@@ -13,23 +13,26 @@ from numpy.typing import NDArray
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, Tour, over_budget_share
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.tour import Tour, over_budget_share
 from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
-from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts
+from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
+from rota.planners.patrol.start.standing import over_prices
 
 Floats = NDArray[np.float64]
 
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
-RESERVE = 0.03  # share of the budgets left for the mending
+RESERVE, DEAR_RESERVE = 0.03, 0.015  # shares of the budgets left for the mending, the second when all must be seen
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
+OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
 COOL, DEAR = 1 / 8, 6.0  # heat at which everything must be seen, and how many times more than usual that is worth then
 SCREENED = 0.25  # share of the moves that all splits get before the best of them get all
 
@@ -87,6 +90,7 @@ def fewest_robots(context: Context) -> Settled:
     """
     problem, work = context.problem, context.work
     ways = starts(problem, work.groupings)
+    context = replace(context, dear=min(DEAR, max(1.0, winding(ways) / OPEN)))
     comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     for turn in range(work.tries):
         context.progress(0.1 + 0.3 * turn / work.tries, f"trying {comfortable + turn} robots")
@@ -104,8 +108,8 @@ def fewest_robots(context: Context) -> Settled:
         share = (first - robots) / (first - problem.enough_robots)
         context.progress(0.4 + 0.5 * share, f"trying {robots} robots")
         found = with_so_many(context, ways, robots, least_squeeze=work.least_squeeze)
-        if found is None:
-            break
+        if found is None or len(found.plan.trajectories) >= len(best.plan.trajectories):
+            break  # mending may post robots of their own
         best = found
     return best
 
@@ -182,12 +186,21 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
 
 
 def annealed(
-    context: Context, tours: list[Tour], extra: SamplePoints, *, heat_m: float, moves: int, seed: int, dear: float = 1.0
+    context: Context,
+    tours: list[Tour],
+    extra: SamplePoints,
+    *,
+    heat_m: float,
+    moves: int,
+    seed: int,
+    dear: float | None = None,
 ) -> Annealing:
     """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
 
-    dear: how many times more than usual it is worth to see anything; corners are not worth their detours otherwise.
+    dear: how many times more than usual it is worth to see anything (None: as the context says); corners are not worth
+    their detours otherwise.
     """
+    dear = context.dear if dear is None else dear
     problem = context.problem
     _, samples = prepared_with(problem, extra)
     search = Annealing(
@@ -195,10 +208,10 @@ def annealed(
         samples._replace(weight=dear * samples.weight),
         problem.space_grid,
         price=prices(tours),
-        over_price=np.full(len(tours), OVER_PRICE),
+        over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
-        reserve=RESERVE,
+        reserve=RESERVE if dear < DEAR else DEAR_RESERVE,
     )
     corners = sum(len(tour.vertices_m) for tour in tours)
     moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))

@@ -16,7 +16,7 @@ from shapely import LineString, MultiLineString
 from rota.errors import NoPlanFound
 from rota.mission import AREA
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.fixed_fleet import busiest_helped, counted, plan_for_fixed_fleet
 from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m2_s

@@ -10,7 +10,7 @@ import shapely
 from shapely import LineString, MultiPolygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, SquareSensor, Zone
-from rota.planners.patrol.annealing.search import tour_length_m
+from rota.planners.patrol.annealing.tour import tour_length_m
 from rota.planners.patrol.classic.routes import (
     Ground,
     angles,

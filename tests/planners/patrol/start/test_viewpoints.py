@@ -145,25 +145,28 @@ def test_a_place_for_a_visit_is_inside() -> None:
     assert math.dist(place, (11, 5)) <= 2
     assert space.covers(Point(place))
     assert place_that_sees(np.array([13.0, 5.0]), 2.0, space, NO_WALLS, DISC, 0.1) is None
+    # a point that can be stood on is its own place, however little room there is
+    corner = np.array([10.0, 10.0])
+    assert place_that_sees(corner, 1e-9, space, NO_WALLS, DISC, 0.1) == pytest.approx(corner, abs=0)
 
 
 def test_the_search_for_the_unseen_tells_places_and_the_hopeless() -> None:
     points = points_of(np.array([[0.0, 0], [1, 0], [2, 0], [50, 0], [60, 0]]), 1.0, 0, 0)
     asked: list[float] = []
 
-    def find(point_m: Floats, _visit_m: float) -> Floats | None:
-        asked.append(float(point_m[0]))
-        return None if point_m[0] == 50 else point_m + np.array([0, 1])
+    def find(i: int) -> Floats | None:
+        asked.append(float(points.xy_m[i, 0]))
+        return None if points.xy_m[i, 0] == 50 else np.asarray(points.xy_m[i] + np.array([0, 1]))
 
     def sees(place_m: Floats) -> NDArray[np.int64]:
         near = np.flatnonzero(np.abs(points.xy_m[:, 0] - place_m[0]) <= 1)
         return near[near != 4]  # (60, 0) is seen from the rim only: not from the place that was found
 
-    places, hopeless = search_unseen(points, np.arange(5), find, sees)
+    places, hopeless = search_unseen(np.arange(5), find, sees)
     # the first place serves its neighbour too, which is not asked for any more
     assert asked == [0, 2, 50, 60]
     assert places.tolist() == [[0, 1], [2, 1]]
     assert hopeless.tolist() == [3, 4]
-    places, hopeless = search_unseen(points, np.array([], dtype=np.int64), find, sees)
+    places, hopeless = search_unseen(np.array([], dtype=np.int64), find, sees)
     assert places.shape == (0, 2)
     assert len(hopeless) == 0

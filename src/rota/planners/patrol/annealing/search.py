@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,25 @@ from numpy.typing import NDArray
 from rota.geometry.kernels import EdgeGrid
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.annealing import kernels as annealing_kernels
+from rota.planners.patrol.annealing.tour import (
+    Tour,
+    hubs_and_petals,
+    over_budget_share,
+    split_legs,
+    whole_budget_m,
+    without_repeats,
+)
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.tour_kernels import FULL, MOST_TRIED, NUMBERS, SLOTS_LEFT, UNSEEN, Tours, set_up
+from rota.planners.patrol.tour_kernels import (
+    FULL,
+    MOST_TRIED,
+    NUMBERS,
+    SLOTS_LEFT,
+    UNSEEN,
+    Tours,
+    over_budget_cost,
+    set_up,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -20,70 +37,6 @@ Ints = NDArray[np.int64]
 LONGEST_LEG = 6.0  # legs of at most this many reaches, so that what one sees stays near its ends
 MOST_BUCKETS = 4_000_000
 CHUNK = 20_000  # moves between two looks at the stop flag
-
-
-@dataclass(frozen=True, kw_only=True)
-class Tour:
-    """A closed polyline served by one or more equally spaced robots.
-
-    vertices_m: (n, 2), n >= 1; the last leg leads back to the first vertex. serves: the shortest period class whose
-    points it may count as seen; ``period_s`` is that class's period; part: the part of the standing space it lies in.
-    """
-
-    vertices_m: Floats
-    serves: int
-    period_s: float
-    robots: int
-    robot: Robot
-    part: int = 0
-
-    @property
-    def budget_m(self) -> float:
-        """Length that its robots can travel within the period (turning counts as the metres of the same time)."""
-        return self.robots * self.period_s * self.robot.speed_m_s * (1 - 1e-6)
-
-    @property
-    def turn_m_per_rad(self) -> float:
-        """Metres that could be travelled while turning by one radian."""
-        return 0.0 if self.robot.turn_rate_rad_s is None else self.robot.speed_m_s / self.robot.turn_rate_rad_s
-
-
-def tour_length_m(tour: Tour) -> float:
-    """Length of the tour, with turning counted as the metres that take the same time; 0 for a tour of one vertex."""
-    legs = np.diff(np.vstack([tour.vertices_m, tour.vertices_m[:1]]), axis=0)
-    total = float(np.hypot(legs[:, 0], legs[:, 1]).sum())
-    return total + tour.turn_m_per_rad * float(turns_rad(tour.vertices_m).sum())
-
-
-def over_budget_share(tours: Sequence[Tour]) -> float:
-    """The greatest excess of a tour over its budget, as a share of the budget; 0 when all keep within."""
-    return max(0.0, *(tour_length_m(tour) / tour.budget_m - 1 for tour in tours))
-
-
-def turns_rad(vertices_m: Floats) -> Floats:
-    """Angle (n,) by which the direction changes at each vertex of a closed polyline; 0 for one vertex."""
-    if len(vertices_m) < 2:
-        return np.zeros(len(vertices_m))
-    after = np.roll(vertices_m, -1, axis=0) - vertices_m
-    before = np.roll(after, 1, axis=0)
-    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return np.asarray(np.abs(np.arctan2(cross, (before * after).sum(axis=1))))
-
-
-def without_repeats(vertices_m: Floats) -> Floats:
-    """The closed polyline without vertices that repeat the one before; at least one vertex stays."""
-    keep = (np.roll(vertices_m, 1, axis=0) != vertices_m).any(axis=1)
-    return np.asarray(vertices_m[keep] if keep.any() else vertices_m[:1])
-
-
-def split_legs(vertices_m: Floats, longest_m: float) -> Floats:
-    """The closed polyline with legs longer than ``longest_m`` cut into equal pieces."""
-    ends = np.roll(vertices_m, -1, axis=0)
-    legs = np.hypot(*(ends - vertices_m).T)
-    pieces = np.maximum(1, np.ceil(legs / (longest_m * (1 - 1e-9)))).astype(np.int64)
-    which = np.repeat(np.arange(len(vertices_m)), pieces)
-    step = (np.arange(len(which)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[which]
-    return np.asarray(vertices_m[which] + step[:, None] * (ends - vertices_m)[which])
 
 
 class Annealing:
@@ -131,7 +84,8 @@ class Annealing:
         slots = room + MOST_TRIED
         reach_m = np.array([in_range_m(t.robot) for t in tours])
         grid, grid_n = bucket_grid(self._space, float(reach_m.min()))
-        ids = np.arange(len(tours), dtype=np.int64)
+        hub, petals = hubs_and_petals(tours)
+        whole_m = np.array([whole_budget_m(tours, h, petals[h]) for h in range(len(tours))])
 
         def numbers(n: int) -> Ints:
             return np.zeros(n, dtype=np.int64)
@@ -149,8 +103,7 @@ class Annealing:
             price=np.asarray(self._price, dtype=np.float64),
             budget_m=np.array([t.budget_m for t in tours]) * (1 - self._reserve),
             over_price=np.asarray(self._over_price, dtype=np.float64),
-            hub=ids, petals=np.zeros((len(tours), 2), dtype=np.int64), visits=np.ones(len(tours), dtype=np.int64),
-            whole_m=np.full(len(tours), np.inf),
+            hub=hub, petals=petals, whole_m=whole_m * (1 - self._reserve),
             seen=np.zeros((slots, self._room), dtype=np.int32), seen_n=numbers(slots), free_slots=numbers(slots),
             times_seen=np.zeros(count, dtype=np.int32), unseen_item=numbers(count), unseen_place=numbers(count),
             ints=numbers(NUMBERS), unseen=np.zeros(1),
@@ -222,8 +175,8 @@ class Annealing:
     def shortfall_m(self) -> float:
         """How far from done: what is unseen, as the metres it is worth, and metres over budget at their price."""
         state = self._state
-        over_m = np.maximum(0.0, state.length - state.budget_m)
-        return float(state.unseen[0] + (over_m * state.over_price).sum())
+        over = sum(over_budget_cost(h, state) for h in np.unique(state.hub))
+        return float(state.unseen[0] + over)
 
     @property
     def tours(self) -> list[Tour]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.mission import Method
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.classic.lanes import ground_turned, slab, turned, turning
 from rota.planners.patrol.classic.routes import (
     Ground,

@@ -13,7 +13,7 @@ from shapely import LineString, MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
 from rota.mission import DiscSensor, Effort
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.classic.lanes import GRID_M, Swath, cells, ground_turned, lanes_in, polygons, turned
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import distances

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from rota.errors import NoPlanFound
 from rota.mission import Method
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.classic.methods import METHODS
 from rota.planners.patrol.classic.routes import Ground, grounds
 from rota.planners.patrol.context import Context

@@ -13,10 +13,11 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.annealing.search import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.ordering import short_order
-from rota.planners.patrol.start.viewpoints import choose_viewpoints
+from rota.planners.patrol.start.standing import robots_stand, standing_tours
+from rota.planners.patrol.start.viewpoints import choose_viewpoints, what_places_see
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -59,11 +60,15 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
 
 @dataclass(frozen=True, kw_only=True)
 class Ground:
-    """Places (indices) that one tour, or several, go past to see all that is theirs; ``serves`` is their class."""
+    """Places (indices) that one tour, or several, go past to see all that is theirs; ``serves`` is their class.
+
+    stands: the tour of a robot that hardly moves, where the period leaves no time for more; otherwise None.
+    """
 
     serves: int
     part: int
     places: Ints
+    stands: Tour | None = None
 
 
 def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
@@ -72,6 +77,12 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
     covered = np.zeros(len(problem.points), dtype=bool)
     for group in groups:
         wanted = np.isin(problem.points.period, group) & ~covered
+        if robots_stand(problem, problem.periods_s[group[0]]) and wanted.any():
+            for tour in standing_tours(problem, wanted, group[0]):
+                _, seen = what_places_see(tour.vertices_m, problem.robot, problem.range_margin_m, problem.samples)
+                covered[seen] = True
+                found.append(Ground(serves=group[0], part=tour.part, places=np.zeros(0, dtype=np.int64), stands=tour))
+            continue
         chosen, _ = choose_viewpoints(problem.sees_start, problem.sees_item, wanted, problem.points.area_m2)
         for place in chosen:
             covered[problem.sees_item[problem.sees_start[place] : problem.sees_start[place + 1]]] = True
@@ -87,6 +98,8 @@ def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[T
 
 def shared_tour(problem: Problem, ground: Ground) -> Tour:
     """One tour past all places of the ground, with the robots that its length needs."""
+    if ground.stands is not None:
+        return ground.stands
     return tour_past(problem, problem.places_m[ground.places], ground.serves, ground.part)
 
 
@@ -96,6 +109,8 @@ def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
     To share a tour is shorter in the open; to keep apart is better in narrow places, where a shared tour goes there
     and back, and for bodies, which would meet.
     """
+    if ground.stands is not None:
+        return [ground.stands]
     places_m = problem.places_m[ground.places]
     if len(places_m) > MOST_GEODESIC:
         labels = list(straight_neighbourhoods(places_m, count))

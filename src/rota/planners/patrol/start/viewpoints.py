@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.samples import SamplePoints, lattice
+from rota.planners.patrol.samples import ON_THE_SPOT_M, lattice
 from rota.planners.patrol.start.kernels import greedy_cover, places_see
 
 Floats = NDArray[np.float64]
@@ -59,6 +59,8 @@ def place_that_sees(
 ) -> Floats | None:
     """A place (2,) to stand that sees the point, or None when there is none: its view, cut by where one can stand."""
     reach, square = sensor_arguments(robot, range_margin_m)
+    if visit_m > 0 and space.distance(shapely.Point(point_m)) <= ON_THE_SPOT_M:
+        return np.asarray(point_m, dtype=np.float64)
     if visit_m > 0:
         view: BaseGeometry = shapely.Point(point_m).buffer(visit_m)
     else:
@@ -80,11 +82,11 @@ def place_that_sees(
 
 
 def search_unseen(
-    points: SamplePoints, unseen: Ints, find: Callable[[Floats, float], Floats | None], sees: Callable[[Floats], Ints]
+    unseen: Ints, find: Callable[[int], Floats | None], sees: Callable[[Floats], Ints]
 ) -> tuple[Floats, Ints]:
-    """Further places (m, 2) for samples that no candidate sees, and the samples that nobody can see from anywhere.
+    """Further places (m, 2) for samples that no candidate sees, and the samples for which none was found.
 
-    find: place for one point or None; sees: samples that a place sees (so that one place serves the neighbours too).
+    find: place for a sample or None; sees: samples that a place sees (so that one place serves the neighbours too).
     """
     places: list[Floats] = []
     hopeless: list[int] = []
@@ -92,7 +94,7 @@ def search_unseen(
     while left:
         i = next(iter(left))
         del left[i]
-        place = find(points.xy_m[i], float(points.visit_m[i]))
+        place = find(i)
         if place is None:
             hopeless.append(i)
             continue

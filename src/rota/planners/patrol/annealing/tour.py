@@ -1,0 +1,154 @@
+"""Closed tours, and nests of them that one robot drives in turn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.mission import Robot
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tour:
+    """A closed polyline served by one or more equally spaced robots.
+
+    vertices_m: (n, 2), n >= 1; the last leg leads back to the first vertex. serves: the shortest period class whose
+    points it may count as seen; ``period_s`` is that class's period; part: the part of the standing space it lies in.
+    nest: tours of one number (not -1), which follow each other, are one robot's: it goes round the first, the hub, once
+    in each period, and before each round makes one of the others, its petals, in turn. All begin at the same vertex;
+    petals have no robots of their own.
+    """
+
+    vertices_m: Floats
+    serves: int
+    period_s: float
+    robots: int
+    robot: Robot
+    part: int = 0
+    nest: int = -1
+
+    @property
+    def budget_m(self) -> float:
+        """Length that its robots can travel within the period (turning counts as the metres of the same time)."""
+        return self.robots * self.period_s * self.robot.speed_m_s * (1 - 1e-6)
+
+    @property
+    def turn_m_per_rad(self) -> float:
+        """Metres that could be travelled while turning by one radian."""
+        return 0.0 if self.robot.turn_rate_rad_s is None else self.robot.speed_m_s / self.robot.turn_rate_rad_s
+
+
+def tour_length_m(tour: Tour) -> float:
+    """Length of the tour, with turning counted as the metres that take the same time; 0 for a tour of one vertex."""
+    legs = np.diff(np.vstack([tour.vertices_m, tour.vertices_m[:1]]), axis=0)
+    total = float(np.hypot(legs[:, 0], legs[:, 1]).sum())
+    return total + tour.turn_m_per_rad * float(turns_rad(tour.vertices_m).sum())
+
+
+def turns_rad(vertices_m: Floats) -> Floats:
+    """Angle (n,) by which the direction changes at each vertex of a closed polyline; 0 for one vertex."""
+    if len(vertices_m) < 2:
+        return np.zeros(len(vertices_m))
+    after = np.roll(vertices_m, -1, axis=0) - vertices_m
+    before = np.roll(after, 1, axis=0)
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    return np.asarray(np.abs(np.arctan2(cross, (before * after).sum(axis=1))))
+
+
+def without_repeats(vertices_m: Floats) -> Floats:
+    """The closed polyline without vertices that repeat the one before; at least one vertex stays."""
+    keep = (np.roll(vertices_m, 1, axis=0) != vertices_m).any(axis=1)
+    if not keep[0]:  # the first vertex stays what it is: it may be where a nest's tours meet
+        keep[np.flatnonzero(keep)[-1:]] = False
+        keep[0] = True
+    return np.asarray(vertices_m[keep])
+
+
+def split_legs(vertices_m: Floats, longest_m: float) -> Floats:
+    """The closed polyline with legs longer than ``longest_m`` cut into equal pieces."""
+    ends = np.roll(vertices_m, -1, axis=0)
+    legs = np.hypot(*(ends - vertices_m).T)
+    pieces = np.maximum(1, np.ceil(legs / (longest_m * (1 - 1e-9)))).astype(np.int64)
+    which = np.repeat(np.arange(len(vertices_m)), pieces)
+    step = (np.arange(len(which)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[which]
+    return np.asarray(vertices_m[which] + step[:, None] * (ends - vertices_m)[which])
+
+
+def nests(tours: Sequence[Tour]) -> Iterator[list[int]]:
+    """The indices of the tours of each robot or group of robots: a tour alone, or a hub and its petals."""
+    k = 0
+    while k < len(tours):
+        end = k + 1
+        while tours[k].nest >= 0 and end < len(tours) and tours[end].nest == tours[k].nest:
+            end += 1
+        yield list(range(k, end))
+        k = end
+
+
+def hubs_and_petals(tours: Sequence[Tour]) -> tuple[Ints, Ints]:
+    """For each tour (k,) its hub, itself for a tour alone; and (k, 2) its first petal and one past its last one."""
+    hub, petals = np.arange(len(tours), dtype=np.int64), np.zeros((len(tours), 2), dtype=np.int64)
+    for nest in nests(tours):
+        hub[nest] = nest[0]
+        if len(nest) > 1:
+            petals[nest[0]] = nest[1], nest[-1] + 1
+    return hub, petals
+
+
+def whole_budget_m(tours: Sequence[Tour], hub: int, petals: Ints) -> float:
+    """Metres in which a robot may drive all rounds of a nest: the shortest period of a petal; inf without petals."""
+    one = replace(tours[hub], robots=1).budget_m / tours[hub].period_s
+    return min((one * tours[k].period_s for k in range(petals[0], petals[1])), default=math.inf)
+
+
+def excesses(tours: Sequence[Tour]) -> list[tuple[float, float]]:
+    """Metres over budget (less than 0: what is left) and that budget, of each tour alone and each round of a nest."""
+    found = []
+    for hub, *petals in nests(tours):
+        if not petals:
+            found.append((tour_length_m(tours[hub]) - tours[hub].budget_m, tours[hub].budget_m))
+            continue
+        hub_m = tour_length_m(tours[hub])
+        rounds_m = [hub_m + tour_length_m(tours[k]) for k in petals]
+        whole_m = whole_budget_m(tours, hub, np.array([petals[0], petals[-1] + 1]))
+        found += [(round_m - tours[hub].budget_m, tours[hub].budget_m) for round_m in rounds_m]
+        found.append((sum(rounds_m) - whole_m, whole_m))
+    return found
+
+
+def over_budget_share(tours: Sequence[Tour]) -> float:
+    """The greatest excess over a budget, as a share of the budget; 0 when all are kept."""
+    return max(0.0, *(excess / budget for excess, budget in excesses(tours)))
+
+
+def room_m(tours: Sequence[Tour], k: int) -> float:
+    """Metres by which tour k may grow within the budgets; less than 0 when it is over one."""
+    for nest in nests(tours):
+        if k in nest:
+            here = [tours[i] for i in nest]
+            left = [-excess for excess, _ in excesses(here)]
+            if len(nest) > 1 and k > nest[0]:
+                left = [left[k - nest[0] - 1], left[-1]]
+            return min(left)
+    raise IndexError(k)
+
+
+def driven(tours: Sequence[Tour]) -> list[Tour]:
+    """The tours as robots drive them: of each nest one long tour, hub and petals in turn, at the slow period."""
+    found = []
+    for hub, *petals in nests(tours):
+        if not petals:
+            found.append(tours[hub])
+            continue
+        ring = tours[hub].vertices_m
+        vertices_m = np.vstack([part for k in petals for part in (ring, tours[k].vertices_m)])
+        slow_s = min(tours[k].period_s for k in petals)
+        found.append(replace(tours[hub], vertices_m=without_repeats(vertices_m), period_s=slow_s, nest=-1))
+    return found

@@ -1,0 +1,86 @@
+"""Loops within loops: a robot of an urgent zone that makes an excursion into slower ground before each round."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.patrol.annealing.tour import Tour
+from rota.planners.patrol.problem import Problem
+from rota.planners.patrol.start.first_tours import Ground, straight_neighbourhoods, tour_past
+
+Ints = NDArray[np.int64]
+
+WINDING = 1.15  # real tours over ideal ones
+TRAVEL = 0.8  # share of what a hub leaves free that an excursion spends on its ground rather than on the way there
+MOST_PETALS = 12
+
+
+def can_nest(problem: Problem) -> bool:
+    """Whether nests are tried: their timetable knows neither turning time at the hub nor bodies."""
+    robot = problem.robot
+    return robot.body_radius_m == 0 and robot.turn_rate_rad_s is None and not len(problem.rim_places_m)
+
+
+def spare_m(tour: Tour, ideal_m: float, slow_s: float) -> float:
+    """Metres per slow period that a tour of one robot can spend on excursions; 0 when it makes less than two rounds."""
+    rounds = min(MOST_PETALS, math.floor(slow_s / tour.period_s + 1e-9))
+    return TRAVEL * rounds * max(0.0, tour.budget_m - WINDING * ideal_m) if rounds >= 2 and tour.robots == 1 else 0.0
+
+
+def nested(
+    problem: Problem, grounds: list[Ground], tours: list[Tour], ideal_m: list[float], least_squeeze: float
+) -> list[Tour] | None:
+    """The tours with part of the slowest tour's ground handed to excursions of the others; None when it is no use.
+
+    tours, ideal_m: one per ground, with their robots, and the metres of ideal lanes over it.
+    """
+    slow = max(range(len(tours)), key=lambda k: ideal_m[k] / replace(tours[k], robots=1).budget_m)
+    if grounds[slow].stands is not None:
+        return None
+    part, slow_s = tours[slow].part, tours[slow].period_s
+    spare = [
+        spare_m(tour, ideal, slow_s) if tour.part == part and tour.serves < tours[slow].serves else 0.0
+        for tour, ideal in zip(tours, ideal_m, strict=True)
+    ]
+    spare = [s if s > 2 * problem.swath_m else 0.0 for s in spare]
+    if not any(spare) or tours[slow].budget_m + sum(spare) < least_squeeze * ideal_m[slow]:
+        return None
+    left = grounds[slow].places
+    share = len(left) / ideal_m[slow]
+    found: list[Tour] = []
+    for k in sorted(range(len(tours)), key=lambda k: -spare[k]):
+        if not spare[k]:
+            found += [tours[k]] if k != slow else []
+            continue
+        # its own part of the slow ground: the nearest places, as many as it can sweep
+        near = nearest_first(problem, tours[k], left)
+        taken, left = np.split(near, [min(len(near) - 1, int(share * spare[k]))])
+        rounds = min(MOST_PETALS, math.floor(slow_s / tours[k].period_s + 1e-9))
+        found += nest_of(problem, tours[k], tours[slow], taken, rounds, len(found))
+    rest = tour_past(problem, problem.places_m[left], tours[slow].serves, part)
+    return [*found, replace(rest, robots=tours[slow].robots)]
+
+
+def nearest_first(problem: Problem, tour: Tour, places: Ints) -> Ints:
+    """The places, by their straight distance from the nearest vertex of the tour."""
+    apart = problem.places_m[places][:, None] - tour.vertices_m[None]
+    return places[np.argsort(np.hypot(*apart.transpose(2, 0, 1)).min(axis=1), kind="stable")]
+
+
+def nest_of(problem: Problem, hub: Tour, slow: Tour, places: Ints, rounds: int, number: int) -> list[Tour]:
+    """The hub and a petal for each of its rounds, all from the hub's vertex that is nearest to the places."""
+    here_m = problem.places_m[places]
+    start = int(np.argmin(np.hypot(*(hub.vertices_m - here_m.mean(axis=0)).T)))
+    anchor_m = hub.vertices_m[start : start + 1]
+    petals = []
+    for label in straight_neighbourhoods(here_m, rounds):
+        tour = tour_past(problem, np.vstack([anchor_m, here_m[label]]), slow.serves, slow.part)
+        first = int(np.argmin(np.hypot(*(tour.vertices_m - anchor_m).T)))
+        vertices_m = np.vstack([anchor_m, np.roll(tour.vertices_m, -first, axis=0)[1:]])
+        petals.append(replace(tour, vertices_m=vertices_m, robots=0, nest=number))
+    petals += [replace(petals[0], vertices_m=anchor_m)] * (rounds - len(petals))
+    return [replace(hub, vertices_m=np.roll(hub.vertices_m, -start, axis=0), nest=number), *petals]

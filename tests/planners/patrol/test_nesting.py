@@ -1,0 +1,122 @@
+"""Loops within loops: their budgets and timetable in closed form, and a search that keeps them together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely import MultiPolygon, box
+
+from rota.check import check_plan
+from rota.mission import DiscSensor, Fleet, Mission, Zone
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.tour import (
+    Tour,
+    driven,
+    excesses,
+    hubs_and_petals,
+    nests,
+    over_budget_share,
+    room_m,
+    tour_length_m,
+)
+from rota.planners.patrol.nesting import nested, spare_m
+from rota.planners.patrol.problem import Problem, set_up_problem
+from rota.planners.patrol.repair import no_points, plan_of, prepared_with
+from rota.planners.patrol.splits import starts
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    fleet = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=3.5))
+    zone = Zone(name="gate", shape=MultiPolygon([box(2, 2, 10, 10)]), period_s=20)
+    area = MultiPolygon([box(0, 0, 30, 12)])
+    return set_up_problem(Mission(name="yard", area=area, zones=(zone,), period_s=60, fleet=fleet))
+
+
+def ring(problem: Problem, corners_m: list[list[float]], **fields: object) -> Tour:
+    values: dict[str, object] = {"serves": 0, "period_s": 20.0, "robots": 1, "robot": problem.robot, "part": 0}
+    return Tour(vertices_m=np.array(corners_m, dtype=np.float64), **(values | fields))  # type: ignore[arg-type]
+
+
+def nest(problem: Problem) -> list[Tour]:
+    """A hub of 24 m, petals of 12, 16 and 0 m from its corner, and another tour."""
+    slow = {"serves": 1, "period_s": 60.0, "robots": 0, "nest": 4}
+    return [
+        ring(problem, [[9, 3], [3, 3], [3, 9], [9, 9]], nest=4),
+        ring(problem, [[9, 3], [15, 3]], **slow),
+        ring(problem, [[9, 3], [17, 3]], **slow),
+        ring(problem, [[9, 3]], **slow),
+        ring(problem, [[20, 3], [27, 3], [27, 9], [20, 9]], serves=1, period_s=60.0),
+    ]
+
+
+def test_a_nest_is_one_robots(problem: Problem) -> None:
+    tours = nest(problem)
+    assert list(nests(tours)) == [[0, 1, 2, 3], [4]]
+    hub, petals = hubs_and_petals(tours)
+    assert hub.tolist() == [0, 0, 0, 0, 4]
+    assert petals.tolist() == [[1, 4], [0, 0], [0, 0], [0, 0], [0, 0]]
+    # 40 m a round, 120 m for all three of them
+    assert [excess for excess, _ in excesses(tours)] == pytest.approx(
+        [36 - 40, 40 - 40, 24 - 40, 100 - 120, 26 - 120], abs=1e-3
+    )
+    assert over_budget_share(tours) == pytest.approx(0, abs=1e-5)
+    assert room_m(tours, 3) == pytest.approx(16, abs=1e-3)
+    assert room_m(tours, 0) == pytest.approx(0, abs=1e-3)
+    assert room_m(tours, 4) == pytest.approx(94, abs=1e-3)
+
+
+def test_the_robot_goes_round_the_hub_between_its_excursions(problem: Problem) -> None:
+    loop, other = driven(nest(problem))
+    hub = [[9, 3], [3, 3], [3, 9], [9, 9]]
+    assert loop.vertices_m.tolist() == [*hub, [9, 3], [15, 3], *hub, [9, 3], [17, 3], *hub]
+    assert tour_length_m(loop) == pytest.approx(3 * 24 + 12 + 16)
+    assert (loop.robots, loop.period_s, loop.nest) == (1, 60.0, -1)
+    assert other.vertices_m.tolist() == nest(problem)[4].vertices_m.tolist()
+    # what the hub alone sees of the gate is seen once in every round, the longest of which is 40 m at 2 m/s
+    plan = plan_of(problem, nest(problem), seed=0)
+    assert len(plan.trajectories) == 2
+    assert plan.trajectories[0].loop_duration_s == pytest.approx(50, rel=1e-5)
+    gate = next(d for d in check_plan(plan).demands if d.name == "gate")
+    assert gate.outcome == "met"
+    assert 15 < gate.worst_gap_at_least_s < 20
+
+
+def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem) -> None:
+    _, samples = prepared_with(problem, no_points())
+    tours = nest(problem)[:4]
+    search = Annealing(
+        tours, samples, problem.space_grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=2,
+        range_margin_m=problem.range_margin_m,
+    )  # fmt: skip
+    before = search.unseen_share
+    assert search.run(60_000, hot_m=1.5, cold_m=0.02, should_stop=lambda: False)
+    found = search.tours
+    anchors = {tuple(tour.vertices_m[0].tolist()) for tour in found}
+    assert len(anchors) == 1
+    assert anchors != {(9.0, 3.0)}  # it moved, and all of them with it
+    assert search.unseen_share < 0.7 * before
+    assert over_budget_share(found) < 0.01
+
+
+def test_spare_metres_by_hand(problem: Problem) -> None:
+    hub = nest(problem)[0]
+    # three rounds of 40 m less 1.15 x 20 m, four fifths of which are spent on the ground
+    assert spare_m(hub, 20.0, 60.0) == pytest.approx(0.8 * 3 * (40 - 23), rel=1e-4)
+    assert spare_m(hub, 20.0, 39.0) == 0  # one round only
+    assert spare_m(replace(hub, robots=2), 20.0, 60.0) == 0
+    assert spare_m(hub, 60.0, 60.0) == 0
+
+
+def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> None:
+    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
+    tours = nested(problem, way.grounds, [replace(t, robots=1) for t in way.tours], way.ideal_m, 1.0)
+    assert tours is not None
+    hub, *petals, slow = tours
+    assert [tour.nest for tour in tours] == [0, 0, 0, 0, -1]
+    assert all((petal.vertices_m[0] == hub.vertices_m[0]).all() for petal in petals)
+    assert (hub.serves, slow.serves, slow.robots) == (0, 1, 1)
+    nearest = min(petal.vertices_m[:, 0].max() for petal in petals)
+    assert nearest < slow.vertices_m[:, 0].max()
