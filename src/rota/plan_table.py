@@ -129,14 +129,12 @@ def bound_sentence(plan: Plan) -> str | None:
 def ratio_sentence(plan: Plan, report: Report) -> str | None:
     """How a fixed fleet's worst gap compares with its period, as a sentence; None for fleets of as few as possible.
 
-    Of a plan that meets its demand no gap is longer; of another some gap is as long (None: nothing can be told).
+    Of a plan that meets its demand no gap is longer; of another some gap is at least as long.
     """
     if plan.mission.fleet.robots is None or not report.demands:
         return None
     if report.verdict == "met":
-        ratio = max(demand.worst_gap_s / demand.period_s for demand in report.demands)
-    else:
-        ratio = max(demand.worst_gap_at_least_s / demand.period_s for demand in report.demands)
-    if math.isinf(ratio):
+        return f"Worst gap: {report.worst_ratio:.3f} of its period."
+    if math.isinf(report.worst_ratio_at_least):
         return "Worst gap: some of what is asked is never seen."
-    return f"Worst gap: {ratio:.3f} of its period."
+    return f"Worst gap: at least {report.worst_ratio_at_least:.3f} times its period."

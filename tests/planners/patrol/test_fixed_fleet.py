@@ -18,9 +18,9 @@ def square_yard(robots: int, obstacles: tuple[Obstacle, ...] = ()) -> Mission:
     named = tuple(fleet.equal_robot(f"guard-{k}") for k in range(robots))
     return Mission(
         name="yard",
-        area=MultiPolygon([box(0, 0, 20, 20)]),
+        area=MultiPolygon([box(0, 0, 16, 16)]),
         obstacles=obstacles,
-        period_s=20,
+        period_s=16,
         fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=4), robots=named),
         planning=PatrolSettings(effort="quick"),
     )
@@ -40,13 +40,13 @@ def test_too_few_robots_are_told_the_ratio_and_the_bound() -> None:
     best = caught.value.best
     assert isinstance(best, rota.Plan)
     assert len(best.trajectories) == 1
-    # 400 m2 at 8 m2/s less what the disc holds: no single loop can be shorter
+    # 256 m2 at 8 m2/s less what the disc holds: no single loop can be shorter
     worst = check_plan(best).demands[0].worst_gap_at_least_s
-    assert worst > (400 - np.pi * 16) / 8
+    assert worst > (256 - np.pi * 16) / 8
 
 
 def test_ground_in_two_parts_needs_two_robots() -> None:
-    wall = Obstacle(shape=MultiPolygon([box(8, 0, 12, 20)]))
+    wall = Obstacle(shape=MultiPolygon([box(6, 0, 10, 16)]))
     with pytest.raises(rota.NoPlanFound, match="falls into 2 parts between which no robot can travel"):
         rota.make_plan(square_yard(1, (wall,)))
 

@@ -74,7 +74,8 @@ class Work:
     mending. groupings: of the period classes.
     least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is not tried.
     stretches: of the periods, tried for the best that a fixed number of robots can do, until one that failed and one
-    that passed differ by no more than the factor ``nearness``.
+    that passed differ by no more than the factor ``nearness``. begins_anew: whether from new tours too, after some
+    have passed.
     """
 
     moves: int
@@ -86,6 +87,7 @@ class Work:
     least_squeeze: float
     stretches: int
     nearness: float
+    begins_anew: bool
 
 
 WORK: dict[Effort, Work] = {
@@ -99,6 +101,7 @@ WORK: dict[Effort, Work] = {
         least_squeeze=1.15,
         stretches=4,
         nearness=1.025,
+        begins_anew=False,
     ),
     "normal": Work(
         moves=1_200_000,
@@ -110,6 +113,7 @@ WORK: dict[Effort, Work] = {
         least_squeeze=1.1,
         stretches=6,
         nearness=1.015,
+        begins_anew=True,
     ),
     "high": Work(
         moves=10_000_000,
@@ -121,6 +125,7 @@ WORK: dict[Effort, Work] = {
         least_squeeze=1.05,
         stretches=9,
         nearness=1.01,
+        begins_anew=True,
     ),
 }
 

@@ -17,7 +17,7 @@ from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, over_budget_share
 from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
-from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
+from rota.planners.patrol.fixed_fleet import counted, worst_reached
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
@@ -54,13 +54,9 @@ def plan_patrol(
     problem = set_up_problem(mission)
     context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
     if mission.fleet.robots is not None:
-        if mission.planning.method == "tours":
-            from rota.planners.patrol.worst_ratio import plan_with_least_ratio  # it searches with this module's loops
+        from rota.planners.patrol.worst_ratio import plan_with_least_ratio  # it searches with this module's loops
 
-            return plan_with_least_ratio(context)
-        free = replace(mission, fleet=replace(mission.fleet, robots=None))
-        as_many = replace(context, problem=replace(problem, mission=free))
-        return plan_for_fixed_fleet(context, fewest_by_method(as_many))
+        return plan_with_least_ratio(context)
     best = fewest_by_method(context)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
@@ -90,7 +86,7 @@ def fewest_robots(context: Context) -> Settled:
     """
     problem, work = context.problem, context.work
     ways = starts(problem, work.groupings)
-    context = replace(context, dear=min(DEAR, max(1.0, winding(ways) / OPEN)))
+    context = replace(context, dear=worth_of_seeing(ways))
     comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     for turn in range(work.tries):
         context.progress(0.1 + 0.3 * turn / work.tries, f"trying {comfortable + turn} robots")
@@ -112,6 +108,11 @@ def fewest_robots(context: Context) -> Settled:
             break  # mending may post robots of their own
         best = found
     return best
+
+
+def worth_of_seeing(ways: list[Start]) -> float:
+    """How many times more than on open ground it is worth to see anything: the more, the more the ways wind."""
+    return min(DEAR, max(1.0, winding(ways) / OPEN))
 
 
 def fewest_with_room(ways: list[Start], room: float) -> int:

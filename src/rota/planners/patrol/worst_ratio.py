@@ -16,7 +16,7 @@ from shapely import LineString, MultiLineString
 from rota.errors import NoPlanFound
 from rota.mission import AREA
 from rota.plan import Plan
-from rota.planners.patrol.annealing.tour import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, driven, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.fixed_fleet import busiest_helped, counted, plan_for_fixed_fleet
 from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m2_s
@@ -24,7 +24,7 @@ from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rate_bound import swept_robots
 from rota.planners.patrol.repair import Settled, no_points, plan_of, settle
 from rota.planners.patrol.splits import Start, robots_each, squeeze, starts
-from rota.planners.patrol.tours import COMFORT, anneal_and_settle, fewest_robots, with_so_many
+from rota.planners.patrol.tours import COMFORT, anneal_and_settle, fewest_by_method, with_so_many, worth_of_seeing
 
 GROWTH = 1.25  # of the stretch after failing
 TOWARDS_MET = 0.65  # of the way (of logarithms) from what failed to what passed: failing takes more work
@@ -44,29 +44,47 @@ class Reached:
 def plan_with_least_ratio(context: Context) -> Plan:
     """The plan for exactly the fleet's robots whose worst ratio is the smallest found; NoPlanFound when it exceeds 1.
 
-    When robots get in each other's way, fewer of them keep watch and the others help them or stand aside.
+    By the method of the mission's settings. When robots get in each other's way, fewer of them keep watch and the
+    others help them or stand aside.
     """
     problem = context.problem
     fleet = problem.mission.fleet.robots
     assert fleet is not None
     robots = len(fleet)
-    free = replace(problem.mission, fleet=replace(problem.mission.fleet, robots=None))
-    anyone = replace(context, problem=replace(problem, mission=free))
+    anyone = for_anyone(context)
     ways = starts(problem, context.work.groupings)
+    anyone = replace(anyone, dear=worth_of_seeing(ways))
     if len({tour.part for tour in ways[0].tours}) > robots:
-        return plan_for_fixed_fleet(context, fewest_robots(anyone))
-    proved = proved_ratio(problem, robots)
+        return plan_for_fixed_fleet(context, fewest_by_method(anyone))
+    proved = max(proved_ratio(problem, robots), 1.0 if problem.lower_bound > robots else 0.0)
     best = least_ratio(anyone, robots, proved)
     plan = None if best is None else as_asked(context, best)
     if plan is not None and context.judge(plan).verdict == "met":
         return plan
-    if best is None or problem.robot.body_radius_m > 0:
+    if problem.mission.planning.method != "tours":
+        if best is None:
+            return plan_for_fixed_fleet(context, fewest_by_method(anyone))
+    elif best is None or problem.robot.body_radius_m > 0:
         crowded = with_spare_robots(context, anyone, robots)
         if crowded is not None:
             return crowded
     if best is None or plan is None:
         raise NoPlanFound(f"no plan for {counted(robots)} was found that sees everything; {proved_words(problem)}")
     raise NoPlanFound(too_few_reason(problem, robots, best, proved), best=plan)
+
+
+def for_anyone(context: Context) -> Context:
+    """The same search for as many robots as it takes, each like the one that all of the fleet can stand in for."""
+    problem, robot = context.problem, context.problem.robot
+    fleet = replace(
+        problem.mission.fleet,
+        robots=None,
+        speed_m_s=robot.speed_m_s,
+        sensor=robot.sensor,
+        body_radius_m=robot.body_radius_m,
+        turn_rate_rad_s=robot.turn_rate_rad_s,
+    )
+    return replace(context, problem=replace(problem, mission=replace(problem.mission, fleet=fleet)))
 
 
 def too_few_reason(problem: Problem, robots: int, best: Reached, proved: float) -> str:
@@ -154,11 +172,13 @@ def least_ratio(context: Context, robots: int, proved: float) -> Reached | None:
     """The plan with the smallest worst ratio found within the work; None when every try failed.
 
     ``robots`` is at least the number of parts of the ground. The demand itself, a stretch of 1, is tried whenever it
-    lies between what failed and what passed.
+    lies between what is proved or failed and what passed. Once it is met only half of the work is done.
     """
     work = context.work
     guess = first_guess(context, robots)
-    failed = max(proved, guess.least, SMALLEST)
+    if guess is None:
+        return None
+    failed = max(proved, SMALLEST)
     stretch = max(failed * work.nearness, guess.comfortable)
     best: Reached | None = None
     for turn in range(work.stretches):
@@ -171,16 +191,19 @@ def least_ratio(context: Context, robots: int, proved: float) -> Reached | None:
         elif best is None or found.ratio < best.ratio:
             best = found
         passed = guess.sure if best is None else best.ratio
-        if best is not None and passed <= failed * work.nearness:
-            break
+        least = max(failed, guess.least)
         if failed < 1 < passed:
             stretch = 1.0
         elif best is None:
             # robots in each other's way: the demand itself is tried, however easy it should be
             stretch = max(GROWTH * stretch, 1.0 if turn == work.stretches - 2 else 0.0)
+        elif passed <= least * work.nearness or (passed <= 1 and 2 * (turn + 1) >= work.stretches):
+            break
         else:
-            stretch = passed**TOWARDS_MET * failed ** (1 - TOWARDS_MET)
-    return best if best is not None else surely(context, robots, guess.sure)
+            stretch = passed**TOWARDS_MET * least ** (1 - TOWARDS_MET)
+    if best is None and context.problem.mission.planning.method == "tours":
+        return surely(context, robots, guess.sure)
+    return best
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,14 +215,19 @@ class Guess:
     sure: float
 
 
-def first_guess(context: Context, robots: int) -> Guess:
-    """Where to begin: from the lengths of the first tours, and from those of ideal lanes over their ground."""
+def first_guess(context: Context, robots: int) -> Guess | None:
+    """Where to begin: from the lengths of the first tours, and from those of ideal lanes over their ground.
+
+    None when there are robots to spare however long the periods are: fewer see everything without moving.
+    """
     stretch = 1.0
     while True:
         ways = starts(stretched(context.problem, stretch), context.work.groupings)
         handed = [(way, counts) for way in ways if (counts := robots_each(way, robots)) is not None]
         if handed:
             break
+        if all(len(way.tours) <= robots for way in ways):
+            return None
         stretch *= 2  # for longer periods ground farther apart is one tour's
     room = max(squeeze(way, counts) for way, counts in handed)
     sure = stretch * min(fullest(way, counts) for way, counts in handed)
@@ -217,17 +245,38 @@ def fullest(way: Start, counts: list[int]) -> float:
 
 
 def tried(context: Context, stretch: float, robots: int, best: Reached | None) -> Reached | None:
-    """A plan for so much longer periods that passes, or None: from the best tours so far, or from new ones."""
+    """A plan for so much longer periods that passes, or None: from the best tours so far, or from new ones.
+
+    New ones are not begun for the sake of a little less where the effort is quick.
+    """
     problem = stretched(context.problem, stretch)
     here = replace(context, problem=problem)
+    if problem.mission.planning.method != "tours":
+        found = with_all_of(here, fewest_by_method(here), robots)
+        return reached(found, stretch) if found is not None else None
     if best is not None:
         tours = [replace(tour, period_s=problem.periods_s[tour.serves]) for tour in best.settled.tours]
         found = anneal_and_settle(here, tours, seed=context.seed + 1000 * robots)
         if found is not None and len(found.plan.trajectories) == robots:
             return reached(found, stretch)
+        if not (context.work.begins_anew or stretch == 1.0):
+            return None
     ways = starts(problem, context.work.groupings)
     found = with_so_many(here, ways, robots, least_squeeze=context.work.least_squeeze)
     return reached(found, stretch) if found is not None and len(found.plan.trajectories) == robots else None
+
+
+def with_all_of(context: Context, found: Settled, robots: int) -> Settled | None:
+    """The settled plan with so many robots, spare ones helping or standing aside; None when it does not pass so."""
+    if not (found.met and found.fits) or len(found.plan.trajectories) > robots:
+        return None
+    for tours in (helped(found.tours, robots), stood_aside(context.problem, found.tours, robots)):
+        if tours is not None:
+            plan = plan_of(context.problem, tours, context.seed)
+            verdict = context.judge(plan)
+            if verdict.verdict == "met":
+                return replace(found, tours=tours, plan=plan, verdict=verdict)
+    return None
 
 
 def reached(settled: Settled, stretch: float) -> Reached:
@@ -263,18 +312,15 @@ def with_spare_robots(context: Context, anyone: Context, robots: int) -> Plan | 
         if context.should_stop():
             return None
         found = with_so_many(anyone, ways, fewer, least_squeeze=context.work.least_squeeze)
-        if found is None:
-            continue
-        for tours in (helped(found.tours, robots), stood_aside(problem, found.tours, robots)):
-            if tours is not None:
-                plan = plan_of(problem, tours, context.seed)
-                if context.judge(plan).verdict == "met":
-                    return plan
+        crowd = None if found is None else with_all_of(context, found, robots)
+        if crowd is not None:
+            return crowd.plan
     return None
 
 
 def helped(tours: list[Tour], robots: int) -> list[Tour]:
     """The tours with so many robots, the further ones where budgets are fullest."""
+    tours = driven(tours)
     for _ in range(robots - sum(tour.robots for tour in tours)):
         tours = busiest_helped(tours)
     return tours
@@ -285,7 +331,7 @@ def stood_aside(problem: Problem, tours: list[Tour], robots: int) -> list[Tour] 
     wide_m = 2 * problem.robot.body_radius_m * (1 + 1e-6)
     routes = [LineString(np.vstack([tour.vertices_m, tour.vertices_m[:1]])) for tour in tours]
     free_m = shapely.distance(MultiLineString(routes), shapely.points(problem.places_m))
-    tours = list(tours)
+    tours = driven(tours)
     slowest = max(tours, key=lambda tour: tour.period_s)
     while sum(tour.robots for tour in tours) < robots:
         i = int(np.argmax(free_m))
