@@ -69,6 +69,16 @@ def test_half_the_robots_on_a_ring_take_twice_as_long() -> None:
     assert round_s[1] / round_s[2] == pytest.approx(2, rel=0.05)
 
 
+def test_a_search_that_is_stopped_at_once_leaves_the_first_tours() -> None:
+    rooms = (box(0, 0, 4, 4), box(20, 0, 50, 4))
+    with pytest.raises(rota.NoPlanFound, match="stopped early") as caught:
+        rota.make_plan(guarded(*rooms, robots=3, period_s=1), should_stop=lambda: True)
+    best = caught.value.best
+    assert isinstance(best, rota.Plan)
+    assert [trajectory.robot for trajectory in best] == ["guard-0", "guard-1", "guard-2"]
+    assert {bool(trajectory.positions_m[0, 0] > 10) for trajectory in best} == {False, True}
+
+
 @pytest.mark.parametrize("method", ["parallel", "sequential"])
 def test_traditional_methods_keep_to_their_lanes_at_the_smallest_ratio(method: Method) -> None:
     mission = guarded(box(0, 0, 30, 4), robots=1, period_s=32)

@@ -19,6 +19,7 @@ from rota.plan import Plan
 from rota.planners.patrol.annealing.tour import Tour, driven, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.fixed_fleet import busiest_helped, counted, plan_for_fixed_fleet
+from rota.planners.patrol.fixed_fleet import with_so_many as joined_or_helped
 from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m2_s
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rate_bound import swept_robots
@@ -69,7 +70,9 @@ def plan_with_least_ratio(context: Context) -> Plan:
         if crowded is not None:
             return crowded
     if best is None or plan is None:
-        raise NoPlanFound(f"no plan for {counted(robots)} was found that sees everything; {proved_words(problem)}")
+        some = plan_of(problem, joined_or_helped(problem, ways[0].tours, robots), context.seed)
+        reason = f"no plan for {counted(robots)} was found that surely sees everything; {proved_words(problem)}"
+        raise NoPlanFound(reason, best=some)
     raise NoPlanFound(too_few_reason(problem, robots, best, proved), best=plan)
 
 
