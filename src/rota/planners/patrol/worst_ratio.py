@@ -24,6 +24,7 @@ from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rate_bound import swept_robots
 from rota.planners.patrol.repair import Settled, no_points, plan_of, settle
+from rota.planners.patrol.rims import surely_seeable_m2
 from rota.planners.patrol.splits import Start, robots_each, squeeze, starts
 from rota.planners.patrol.tours import COMFORT, anneal_and_settle, fewest_by_method, with_so_many, worth_of_seeing
 
@@ -150,7 +151,8 @@ def proved_ratio(problem: Problem, robots: int) -> float:
     robot = strongest_robot(problem.mission.fleet)
     swept = [k for k, region in enumerate(problem.regions) if region.demand == "every_point"]
     shapes = [problem.regions[k].shape for k in swept]
-    seeable_m2 = [problem.seeable_m2[k] for k in swept]
+    areas_m2 = surely_seeable_m2(problem.regions, problem.space, problem.walls, problem.robot)
+    seeable_m2 = [areas_m2[k] for k in swept]
     lost_m2 = [shape.area - m2 for shape, m2 in zip(shapes, seeable_m2, strict=True)]
 
     def needed(stretch: float) -> float:
