@@ -32,6 +32,7 @@ EFFORTS: tuple[Effort, ...] = ("quick", "normal", "high")
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
 RESERVE, DEAR_RESERVE = 0.03, 0.015  # shares of the budgets left for the mending, the second when all must be seen
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
+HOPELESS = 0.045  # share of the ground unseen after a quarter of the moves: all of them bring down a fifth of it
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
 OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
@@ -190,7 +191,7 @@ def with_so_many(context: Context, ways: list[Start], robots: int, *, least_sque
         share = int(SCREENED * context.work.moves)
         searches = annealed_all(context, begun, moves=share, seed=context.seed + 1000 * robots)
         ranked = sorted(range(len(begun)), key=lambda i: (searches[i].shortfall_m, i))
-        begun = [searches[i].tours for i in ranked]
+        begun = [searches[i].tours for i in ranked if searches[i].unseen_share <= HOPELESS]
     for turn, tours in enumerate(begun[: context.work.tries]):
         if context.should_stop():
             break
@@ -231,6 +232,8 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
             return found
         if context.should_stop() or over_budget_share(found.tours) > OVER:
             break
+        if found.fits and not len(found.verdict.unmet_points_m):
+            break  # everything is seen in time, but bodies meet: they would on any tour much like this
         extra = found.extra
     return None
 
