@@ -24,7 +24,7 @@ from rota.planners.patrol.annealing.tour import (
 from rota.planners.patrol.nesting import nested, spare_m
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, plan_of, prepared_with
-from rota.planners.patrol.splits import starts
+from rota.planners.patrol.splits import nest_bases, starts
 
 
 @pytest.fixture(scope="module")
@@ -120,11 +120,30 @@ def test_spare_metres_by_hand(problem: Problem) -> None:
 
 def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> None:
     way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
-    tours = nested(problem, way.grounds, [replace(t, robots=1) for t in way.tours], way.ideal_m, 1.0)
-    assert tours is not None
+    one_each = [replace(t, robots=1) for t in way.tours]
+    found = nested(problem, way.grounds, one_each, way.ideal_m, 1.0)
+    assert found is not None
+    room, tours = found
+    spare = spare_m(one_each[0], way.ideal_m[0], 60.0)
+    assert room == pytest.approx((one_each[1].budget_m + spare) / way.ideal_m[1])
+    assert nested(problem, way.grounds, one_each, way.ideal_m, 1.01 * room) is None
     hub, *petals, slow = tours
     assert [tour.nest for tour in tours] == [0, 0, 0, 0, -1]
     assert all((petal.vertices_m[0] == hub.vertices_m[0]).all() for petal in petals)
     assert (hub.serves, slow.serves, slow.robots) == (0, 1, 1)
     nearest = min(petal.vertices_m[:, 0].max() for petal in petals)
     assert nearest < slow.vertices_m[:, 0].max()
+
+
+def test_quick_ground_with_two_robots_gives_two_hubs(problem: Problem) -> None:
+    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
+    quick_m = replace(way.tours[0], robots=1).budget_m
+    # the gate takes a robot and a half, which three robots would share with the rest as their loads are: one and two
+    way = replace(way, ideal_m=[1.2 * quick_m, 2.1 * replace(way.tours[1], robots=1).budget_m])
+    first, second = nest_bases(problem, way, [1, 2], 3)
+    assert [tour.robots for tour in first.tours] == [1, 2]
+    assert [(tour.serves, tour.robots) for tour in second.tours] == [(0, 1), (0, 1), (1, 1)]
+    assert second.ideal_m[0] + second.ideal_m[1] == pytest.approx(1.2 * quick_m)
+    assert second.ideal_m[2] == way.ideal_m[1]
+    # with two robots nothing would be left for the rest
+    assert len(nest_bases(problem, way, [1, 1], 2)) == 1

@@ -33,12 +33,13 @@ def spare_m(tour: Tour, ideal_m: float, slow_s: float) -> float:
 
 def nested(
     problem: Problem, grounds: list[Ground], tours: list[Tour], ideal_m: list[float], least_squeeze: float
-) -> list[Tour] | None:
+) -> tuple[float, list[Tour]] | None:
     """The tours with part of the slowest tour's ground handed to excursions of the others; None when it is no use.
 
-    tours, ideal_m: one per ground, with their robots, and the metres of ideal lanes over it.
+    tours, ideal_m: one per ground, with their robots, and the metres of ideal lanes over it. Beside them how many times
+    longer than ideal the slow ground's tour and its excursions may be together.
     """
-    slow = max(range(len(tours)), key=lambda k: ideal_m[k] / replace(tours[k], robots=1).budget_m)
+    slow = max(range(len(tours)), key=lambda k: (tours[k].period_s, ideal_m[k] / replace(tours[k], robots=1).budget_m))
     if grounds[slow].stands is not None:
         return None
     part, slow_s = tours[slow].part, tours[slow].period_s
@@ -47,7 +48,8 @@ def nested(
         for tour, ideal in zip(tours, ideal_m, strict=True)
     ]
     spare = [s if s > 2 * problem.swath_m else 0.0 for s in spare]
-    if not any(spare) or tours[slow].budget_m + sum(spare) < least_squeeze * ideal_m[slow]:
+    room = (tours[slow].budget_m + sum(spare)) / ideal_m[slow]
+    if not any(spare) or room < least_squeeze:
         return None
     left = grounds[slow].places
     share = len(left) / ideal_m[slow]
@@ -62,7 +64,7 @@ def nested(
         rounds = min(MOST_PETALS, math.floor(slow_s / tours[k].period_s + 1e-9))
         found += nest_of(problem, tours[k], tours[slow], taken, rounds, len(found))
     rest = tour_past(problem, problem.places_m[left], tours[slow].serves, part)
-    return [*found, replace(rest, robots=tours[slow].robots)]
+    return room, [*found, replace(rest, robots=tours[slow].robots)]
 
 
 def nearest_first(problem: Problem, tour: Tour, places: Ints) -> Ints:

@@ -33,7 +33,8 @@ Ints = NDArray[np.int64]
 
 MOST_SAMPLES = 400_000
 SAMPLES_PER_REACH: dict[Effort, int] = {"quick": 8, "normal": 12, "high": 16}
-SHRINK = 0.4  # of the lattice's spacing: what lies between its points is then nearly always seen too
+# of the lattice's spacing: what lies between its points is then nearly always seen too, or needs a point of its own
+SHRINK: dict[Effort, float] = {"quick": 0.4, "normal": 0.2, "high": 0.15}
 LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000
 HAIR_M = 1e-6  # less than this inside of the sensor's reach counts for nothing
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
@@ -122,7 +123,7 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
     spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.planning.effort], float(np.sqrt(asked_m2 / MOST_SAMPLES)))
     walls = sight_walls(mission)
     # on large areas rounds of mending cost more than a little overlap
-    shrink = SHRINK if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
+    shrink = SHRINK[mission.planning.effort] if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
     parts = [
         region_points(
             region, i, region_class[i], space, spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m

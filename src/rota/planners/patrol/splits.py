@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rota.planners.patrol.annealing.tour import Tour, tour_length_m
-from rota.planners.patrol.nesting import can_nest, nested
+from rota.planners.patrol.nesting import WINDING, can_nest, nested
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
 from rota.planners.patrol.start.standing import robots_stand
@@ -89,7 +90,11 @@ def squeeze(start: Start, counts: list[int]) -> float:
     A tour may serve any ground of its part whose period is at least its own: within each part, all that the quickest
     classes ask for must fit into the budgets of the tours of these classes.
     """
-    room = math.inf
+    return min((room for _, room in squeezes(start, counts)), default=math.inf)
+
+
+def squeezes(start: Start, counts: list[int]) -> Iterator[tuple[int, float]]:
+    """The same for each class that tours serve, in each part: the class, and how much longer the tours may be."""
     for part in {tour.part for tour in start.tours}:
         here = [k for k, tour in enumerate(start.tours) if tour.part == part]
         for serves in {start.tours[k].serves for k in here}:
@@ -97,16 +102,63 @@ def squeeze(start: Start, counts: list[int]) -> float:
             asked_m = sum(start.ideal_m[k] for k in quick)
             budget_m = sum(replace(start.tours[k], robots=counts[k]).budget_m for k in quick)
             if asked_m > 0:
-                room = min(room, budget_m / asked_m)
-    return room
+                yield serves, budget_m / asked_m
 
 
-def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: float) -> list[list[Tour]]:
+def nest_bases(problem: Problem, start: Start, counts: list[int], robots: int) -> list[Start]:
+    """What loops within loops may be built on: the robots as their loads are, or as few on slow ground as can be.
+
+    In the second every quick ground has as many robots as it needs, each a hub of its own, and the slowest the rest.
+    """
+    shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
+    bases = [replace(start, tours=shared)]
+    one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
+    load = [m / b for m, b in zip(start.ideal_m, one_m, strict=True)]
+    slow = max(range(len(load)), key=lambda k: (start.tours[k].period_s, load[k]))
+    needed = [1 if k == slow else max(1, math.ceil(WINDING * x)) for k, x in enumerate(load)]
+    needed[slow] += robots - sum(needed)
+    if needed[slow] < 1 or (needed == counts and max((n for k, n in enumerate(needed) if k != slow), default=1) == 1):
+        return bases
+    hubs: list[tuple[Ground, Tour, float]] = []
+    for k, (ground, tour, ideal_m) in enumerate(zip(start.grounds, start.tours, start.ideal_m, strict=True)):
+        apart = tours_apart(problem, ground, needed[k]) if k != slow and needed[k] > 1 else [tour]
+        whole_m = sum(tour_length_m(one) for one in apart)
+        for one in apart:
+            share = tour_length_m(one) / whole_m if whole_m > 0 else 1 / len(apart)
+            hubs.append((ground, replace(one, robots=needed[k] if k == slow else 1), share * ideal_m))
+    if sum(tour.robots for _, tour, _ in hubs) == robots:
+        bases.append(
+            Start(grounds=[g for g, _, _ in hubs], tours=[t for _, t, _ in hubs], ideal_m=[m for *_, m in hubs])
+        )
+    return bases
+
+
+def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iterator[Split]:
+    """The loops within loops on these bases, where neither the quick tours nor the rest are too tight."""
+    for base in bases:
+        nest = nested(problem, base.grounds, base.tours, base.ideal_m, least_squeeze)
+        slowest = max(tour.serves for tour in base.tours)
+        hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < slowest]
+        if nest is not None and min(hubs, default=math.inf) >= least_squeeze:
+            yield Split(room=min(nest[0], *hubs), tours=nest[1], nests=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Split:
+    """The tours to begin with, and how many times longer than ideal they may be; ``nests``: loops within loops."""
+
+    room: float
+    tours: list[Tour]
+    nests: bool
+
+
+def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: float) -> list[Split]:
     """The tours to begin with for so many robots, every way in which they might suffice; the roomiest first.
 
     Robots that would share a tour are tried on tours of their own too, and where budgets are tight loops within loops.
     """
-    found: list[tuple[float, list[Tour]]] = []
+    found: list[Split] = []
+    nests: list[Split] = []
     seen: set[tuple[tuple[int, int], ...]] = set()
     for start in ways:
         counts = robots_each(start, robots)
@@ -115,11 +167,10 @@ def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: floa
         room = squeeze(start, counts)
         shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
         if can_nest(problem) and room < NEST_BELOW:
-            nest = nested(problem, start.grounds, shared, start.ideal_m, least_squeeze)
-            found += [(room, nest)] if nest is not None else []
+            nests += nests_on(problem, nest_bases(problem, start, counts, robots), least_squeeze)
         if room < least_squeeze:
             continue
-        found.append((room, shared))
+        found.append(Split(room=room, tours=shared, nests=False))
         shape = tuple(sorted((tour.serves, tour.robots) for tour in shared))
         if 1 < max(counts) <= MOST_APART and (shape not in seen or problem.robot.body_radius_m > 0):
             apart = [
@@ -128,7 +179,7 @@ def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: floa
                 for one in (tours_apart(problem, ground, tour.robots) if tour.robots > 1 else [tour])
             ]
             if len(apart) == robots:
-                found.append((room, [replace(tour, robots=1) for tour in apart]))
+                alone = [replace(tour, robots=1) for tour in apart]
+                found.append(Split(room=room, tours=alone, nests=False))
         seen.add(shape)
-    order = sorted(range(len(found)), key=lambda i: -found[i][0])
-    return [found[i][1] for i in order]
+    return sorted([*found, *nests], key=lambda split: -split.room)

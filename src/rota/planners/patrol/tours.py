@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,7 @@ PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
 RESERVE, DEAR_RESERVE = 0.03, 0.015  # shares of the budgets left for the mending, the second when all must be seen
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
 HOPELESS = 0.045  # share of the ground unseen after a quarter of the moves: all of them bring down a fifth of it
+NEST_HOPELESS = 0.09  # the same for loops within loops, of which they bring down four fifths
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
 OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
@@ -152,16 +154,23 @@ def worth_of_seeing(ways: list[Start]) -> float:
 
 
 def comfortably(context: Context, ways: list[Start], robots: int, best: Settled | None) -> Settled:
-    """A plan with so many robots or a few more, fewer than the best has; else the best; else as many as surely do."""
-    for turn in range(context.work.tries):
-        if best is not None and best.met and robots + turn >= robots_of(best):
+    """A plan with so many robots or more, fewer than the best has; else the best; else as many as surely do.
+
+    After some numbers tried one by one, the steps are an eighth.
+    """
+    fewest, most = robots, surely_enough(ways)
+    turn = 0
+    while turn < context.work.tries or robots < most:
+        if best is not None and best.met and robots >= robots_of(best):
             return best
-        context.progress(0.1 + 0.3 * turn / context.work.tries, f"trying {robots + turn} robots")
-        found = with_so_many(context, ways, robots + turn, least_squeeze=1.0)
+        context.progress(0.1 + 0.3 * (robots - fewest) / max(most, robots + 1 - fewest), f"trying {robots} robots")
+        found = with_so_many(context, ways, robots, least_squeeze=1.0)
         if found is not None:
             return found
         if context.should_stop():
             break
+        turn += 1
+        robots += 1 if turn < context.work.tries else max(1, robots // 8)
     if best is not None and best.met:
         return best
     context.progress(0.4, "finishing with the robots that surely suffice")
@@ -187,18 +196,27 @@ def surely_enough(ways: list[Start]) -> int:
 def with_so_many(context: Context, ways: list[Start], robots: int, *, least_squeeze: float) -> Settled | None:
     """A plan with so many robots that the judge passes, or None.
 
-    All splits are annealed a little; then the most promising ones in full, one after the other.
+    All splits are annealed a little; then the most promising ones in full, one after the other. Loops within loops
+    take longer to find their shape, and are tried by the room that they have, in turn with the others.
     """
     begun = splits(context.problem, ways, robots, least_squeeze)
     if len(begun) > 1:
         share = int(SCREENED * context.work.moves)
-        searches = annealed_all(context, begun, moves=share, seed=context.seed + 1000 * robots)
-        ranked = sorted(range(len(begun)), key=lambda i: (searches[i].shortfall_m, i))
-        begun = [searches[i].tours for i in ranked if searches[i].unseen_share <= HOPELESS]
-    for turn, tours in enumerate(begun[: context.work.tries]):
+        tours = [split.tours for split in begun]
+        searches = annealed_all(context, tours, moves=share, seed=context.seed + 1000 * robots)
+        hopeless = [(NEST_HOPELESS if split.nests else HOPELESS) for split in begun]
+        some = [i for i in range(len(begun)) if searches[i].unseen_share <= hopeless[i]]
+        plain = sorted((i for i in some if not begun[i].nests), key=lambda i: (searches[i].shortfall_m, i))
+        nests = [i for i in some if begun[i].nests]
+        roomy = max((split.room for split in begun if not split.nests), default=0.0)
+        if nests and begun[nests[0]].room > roomy:
+            plain, nests = nests, plain
+        order = [i for pair in zip_longest(plain, nests) for i in pair if i is not None]
+        begun = [replace(begun[i], tours=searches[i].tours) for i in order]
+    for turn, split in enumerate(begun[: context.work.tries]):
         if context.should_stop():
             break
-        found = anneal_and_settle(context, tours, seed=context.seed + 1000 * robots + 100 * turn)
+        found = anneal_and_settle(context, split.tours, seed=context.seed + 1000 * robots + 100 * turn)
         if found is not None:
             return found
     return None
