@@ -8,6 +8,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import time
 import traceback
 from collections import Counter
@@ -51,7 +52,15 @@ def random_missions(options: Options) -> Iterator[Row]:
         if outcome.failure is not None:
             name = f"random mission {outcome.seed}: {outcome.kind}"
             yield Row(name, "met", f"{outcome.failure} ({outcome.seconds:.1f} s)", False)
+        tell_progress(done, options.missions)
     yield summary(done, options, time.perf_counter() - started_s)
+
+
+def tell_progress(done: list[Outcome], missions: int) -> None:
+    """A line on stderr that is written over, on a terminal only."""
+    if sys.stderr.isatty():
+        failed = sum(outcome.failure is not None for outcome in done)
+        print(f"\r{len(done)} of {missions} planned, {failed} failed ", end="", file=sys.stderr, flush=True)
 
 
 def summary(done: list[Outcome], options: Options, wall_s: float) -> Row:
