@@ -72,12 +72,14 @@ def summary(done: list[Outcome], options: Options, wall_s: float) -> Row:
     passed = [outcome for outcome in done if outcome.failure is None]
     slowest = max(done, key=lambda outcome: outcome.seconds)
     above = Counter(outcome.robots - outcome.bound for outcome in passed)
+    farthest = max(passed, key=lambda outcome: outcome.robots - outcome.bound, default=None)
+    far = "" if farthest is None else f", seed {farthest.seed} farthest"
     stopped = "" if len(done) == options.missions else f" (of {options.missions}; interrupted)"
     measured = (
         f"{len(passed)} of {len(done)}{stopped} passed, {100 * len(passed) / len(done):.1f} %; "
         f"{sum(outcome.robots for outcome in passed)} robots (bounds {sum(outcome.bound for outcome in passed)}; "
         + ", ".join(f"{count} at +{robots}" for robots, count in sorted(above.items()))
-        + f"); {sum(outcome.seconds for outcome in done) / len(done):.1f} s each, "
+        + f"{far}); {sum(outcome.seconds for outcome in done) / len(done):.1f} s each, "
         f"seed {slowest.seed} slowest with {slowest.seconds:.1f} s, {wall_s:.0f} s in all"
     )
     return Row(name, "every plan passes the check", measured, len(passed) == len(done) == options.missions)
