@@ -123,7 +123,7 @@ def ground(rng: np.random.Generator) -> MultiPolygon:
         shape = box(0, 0, bar_m, high_m) | box(bar_m + 2, 0, wide_m + 2, bar_m)
     else:
         return MultiPolygon([box(0, 0, wide_m, high_m)])
-    shape = shapely.set_precision(affinity.rotate(shape, turned), 0.01)
+    shape = to_centimetres(affinity.rotate(shape, turned))
     return MultiPolygon([shape]) if isinstance(shape, Polygon) else MultiPolygon(shape)
 
 
@@ -132,6 +132,12 @@ def star(rng: np.random.Generator, corners: int, low_m: float, high_m: float) ->
     angles = 2 * math.pi * (np.arange(corners) + rng.uniform(-0.3, 0.3, corners)) / corners
     far_m = rng.uniform(low_m, high_m, corners)
     return Polygon(np.round(np.column_stack([far_m * np.cos(angles), far_m * np.sin(angles)]), 2))
+
+
+def to_centimetres(shape: Polygon) -> Polygon:
+    """The shape with corners in whole centimetres, as one would type it in."""
+    # a shape keeps the grid it was rounded to, and all that is made of it would be rounded too: the second takes it off
+    return shapely.set_precision(shapely.set_precision(shape, 0.01), 0.0)
 
 
 def spot(rng: np.random.Generator, area: MultiPolygon) -> tuple[float, float]:
@@ -152,7 +158,7 @@ def obstacles(rng: np.random.Generator, area: MultiPolygon, clear_m: float) -> t
             Point(0, 0).buffer(between(rng, 0.5, 3), quad_segs=4),
         )
         shape = affinity.rotate(shapes[int(rng.integers(len(shapes)))], between(rng, 0, 180))
-        shape = shapely.set_precision(affinity.translate(shape, x, y), 0.01)
+        shape = to_centimetres(affinity.translate(shape, x, y))
         blocks: Blocks = ("both", "motion", "sight")[int(rng.choice(3, p=(0.7, 0.15, 0.15)))]
         fits = area.buffer(-clear_m).covers(shape)
         if fits and all(shape.distance(other.shape) >= clear_m for other in placed):

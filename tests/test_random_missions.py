@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
+import shapely
 from benchmarks.random_missions import described, is_fair, random_mission, sweeping
 from shapely import MultiPolygon, box
 
@@ -36,6 +37,11 @@ def test_a_seed_is_a_mission(missions: list[Mission]) -> None:
     assert len({mission.area.wkb for mission in missions}) == len(missions)
     assert [mission.name for mission in missions] == [f"random-{seed}" for seed in range(200)]
     assert {mission.planning.effort for mission in missions} == {"quick"}
+    # in whole centimetres, but free of any grid, which everything made of a shape would inherit
+    for shape in (shape for mission in missions for shape in (mission.area, *(o.shape for o in mission.obstacles))):
+        corners_cm = 100 * shapely.get_coordinates(shape)
+        assert abs(corners_cm - corners_cm.round()).max() < 1e-9
+        assert shapely.get_precision(shape) == 0
 
 
 def test_every_kind_is_drawn_often_enough(missions: list[Mission]) -> None:
