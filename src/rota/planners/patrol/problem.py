@@ -16,7 +16,7 @@ from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.proved_bound import prove_bound
+from rota.planners.patrol.proved_bound import ProvedBound, prove_bound
 from rota.planners.patrol.rims import fine_arc_corners, has_rim, rim_points, surely_seeable_m2, with_reach_for
 from rota.planners.patrol.samples import SamplePoints, joined, prepare, region_points
 from rota.planners.patrol.start.nearest_places import nearest_places
@@ -106,8 +106,11 @@ def range_margin(reach_m: float) -> float:
     return min(0.05 * reach_m, max(0.004 * reach_m, 0.012))
 
 
-def set_up_problem(mission: Mission) -> Problem:
-    """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere."""
+def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Problem:
+    """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere.
+
+    bound: what was proved for this mission before; None: it is proved here.
+    """
     robot = common_robot(mission.fleet)
     reach_m = robot.sensor.radius_m if isinstance(robot.sensor, DiscSensor) else robot.sensor.side_m / 2
     regions = demanded_regions(mission)
@@ -144,8 +147,9 @@ def set_up_problem(mission: Mission) -> Problem:
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
-    areas = surely_seeable_m2(regions, space, walls, robot)
-    bound = prove_bound(mission, regions, areas, points, start, items)
+    if bound is None:
+        areas = surely_seeable_m2(regions, space, walls, robot)
+        bound = prove_bound(mission, regions, areas, points, start, items)
     return Problem(
         mission=mission,
         robot=robot,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import NoPlanFound
-from rota.mission import Mission
+from rota.mission import Effort, Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, over_budget_share
@@ -19,6 +19,7 @@ from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
 from rota.planners.patrol.problem import Problem, set_up_problem
+from rota.planners.patrol.proved_bound import ProvedBound
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
 from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
@@ -28,10 +29,12 @@ from rota.search_state import Watch
 
 Floats = NDArray[np.float64]
 
+EFFORTS: tuple[Effort, ...] = ("quick", "normal", "high")
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
 RESERVE, DEAR_RESERVE = 0.03, 0.015  # shares of the budgets left for the mending, the second when all must be seen
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
+HOPELESS = 0.045  # share of the ground unseen after a quarter of the moves: all of them bring down a fifth of it
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
 OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
@@ -85,6 +88,41 @@ def unmet_reason(problem: Problem, best: Settled) -> str:
 def fewest_robots(context: Context) -> Settled:
     """The settled plan with the fewest robots found (met unless all repair failed).
 
+    Every effort begins with what the lesser ones find and looks for fewer: more effort never takes more robots.
+    """
+    asked = context.problem.mission
+    efforts = EFFORTS[: EFFORTS.index(asked.planning.effort) + 1]
+    best = None
+    for turn, effort in enumerate(efforts):
+        here = context if effort == asked.planning.effort else with_less_effort(context, effort)
+        best = with_fewer(replace(here, progress=part_of(context.progress, turn, len(efforts))), best)
+        if context.should_stop() or (best.met and robots_of(best) <= context.problem.enough_robots):
+            break
+    assert best is not None
+    return replace(best, plan=replace(best.plan, mission=asked))
+
+
+def with_less_effort(context: Context, effort: Effort) -> Context:
+    """The same search with less effort: a coarser lattice, less work, the same bound."""
+    problem = context.problem
+    bound = ProvedBound(robots=problem.lower_bound, reason=problem.lower_bound_reason)
+    coarse = set_up_problem(problem.mission.with_effort(effort), bound=bound)
+    return replace(context, problem=replace(coarse, enough_robots=problem.enough_robots))
+
+
+def part_of(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
+    """Progress told within one of so many turns."""
+    return lambda share, what: progress((turn + share) / turns, what)
+
+
+def robots_of(settled: Settled) -> int:
+    """The robots of all its tours."""
+    return sum(tour.robots for tour in settled.tours)
+
+
+def with_fewer(context: Context, best: Settled | None) -> Settled:
+    """The settled plan with the fewest robots found, the best one given if none has fewer.
+
     Begins with a number that should be comfortable and goes up until a plan is met; or, when the first one was, down
     one by one until none is, no further than the proved bound.
     """
@@ -92,26 +130,38 @@ def fewest_robots(context: Context) -> Settled:
     ways = starts(problem, work.groupings)
     context = replace(context, dear=min(DEAR, max(1.0, winding(ways) / OPEN)))
     comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
-    for turn in range(work.tries):
-        context.progress(0.1 + 0.3 * turn / work.tries, f"trying {comfortable + turn} robots")
-        best = with_so_many(context, ways, comfortable + turn, least_squeeze=1.0)
-        if best is not None and turn > 0:
-            return best
-        if best is not None or context.should_stop():
-            break
-    if best is None:
-        context.progress(0.4, "finishing with the robots that surely suffice")
-        return settle(context, ways[0].tours, no_points(), may_add=True, rounds=3 * work.repairs)
-    robots = first = sum(tour.robots for tour in best.tours)
-    while robots > problem.enough_robots and not context.should_stop():
+    if best is None or not best.met or robots_of(best) > comfortable + 1:
+        best = comfortably(context, ways, comfortable, best)
+        if robots_of(best) > comfortable:
+            return best  # fewer were tried on the way up
+    robots = first = robots_of(best)
+    least = problem.enough_robots
+    while best.met and robots > least and not context.should_stop():
         robots -= 1
-        share = (first - robots) / (first - problem.enough_robots)
+        share = (first - robots) / (first - least)
         context.progress(0.4 + 0.5 * share, f"trying {robots} robots")
         found = with_so_many(context, ways, robots, least_squeeze=work.least_squeeze)
-        if found is None or len(found.plan.trajectories) >= len(best.plan.trajectories):
+        if found is None or robots_of(found) >= robots_of(best):
             break  # mending may post robots of their own
         best = found
     return best
+
+
+def comfortably(context: Context, ways: list[Start], robots: int, best: Settled | None) -> Settled:
+    """A plan with so many robots or a few more, fewer than the best has; else the best; else as many as surely do."""
+    for turn in range(context.work.tries):
+        if best is not None and best.met and robots + turn >= robots_of(best):
+            return best
+        context.progress(0.1 + 0.3 * turn / context.work.tries, f"trying {robots + turn} robots")
+        found = with_so_many(context, ways, robots + turn, least_squeeze=1.0)
+        if found is not None:
+            return found
+        if context.should_stop():
+            break
+    if best is not None and best.met:
+        return best
+    context.progress(0.4, "finishing with the robots that surely suffice")
+    return settle(context, ways[0].tours, no_points(), may_add=True, rounds=3 * context.work.repairs)
 
 
 def fewest_with_room(ways: list[Start], room: float) -> int:
@@ -140,7 +190,7 @@ def with_so_many(context: Context, ways: list[Start], robots: int, *, least_sque
         share = int(SCREENED * context.work.moves)
         searches = annealed_all(context, begun, moves=share, seed=context.seed + 1000 * robots)
         ranked = sorted(range(len(begun)), key=lambda i: (searches[i].shortfall_m, i))
-        begun = [searches[i].tours for i in ranked]
+        begun = [searches[i].tours for i in ranked if searches[i].unseen_share <= HOPELESS]
     for turn, tours in enumerate(begun[: context.work.tries]):
         if context.should_stop():
             break
@@ -181,6 +231,8 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
             return found
         if context.should_stop() or over_budget_share(found.tours) > OVER:
             break
+        if found.fits and not len(found.verdict.unmet_points_m):
+            break  # everything is seen in time, but bodies meet: they would on any tour much like this
         extra = found.extra
     return None
 
