@@ -77,13 +77,14 @@ def planned(columns: int, rows: int, options: Options) -> Planned:
 
 def _row(found: Planned, tiles: int, options: Options, goal: tuple[int, float, float]) -> Row:
     robots, seconds, size = goal
+    measured = f"{told([found])}; CPU {found.cpu_s:.0f} s"
     name = f"{tiles} km2 with {4 * tiles} blocks, r = 10 m, {options.effort}"
     if options.tile_m != TILE_M:  # for a quick look: nothing is asked of other tiles
         name = f"{tiles} tiles of {options.tile_m:g} m, r = 10 m, {options.effort}"
-        return Row(name, "met", told([found]), found.met)
+        return Row(name, "met", measured, found.met)
     asked = f"met, at most {robots} robots, < {seconds:.0f} s, < {size / 1e9:.0f} GB"
     reached = found.met and found.report["robots"] <= robots and found.plan.wall_s < seconds and found.peak_bytes < size
-    return Row(name, asked, told([found]), reached)
+    return Row(name, asked, measured, reached)
 
 
 def growth_row(small: Planned, large: Planned, options: Options) -> Row:

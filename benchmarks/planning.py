@@ -33,6 +33,11 @@ class Planned:
         return max(self.plan.peak_bytes, self.check.peak_bytes if self.check else 0)
 
     @property
+    def cpu_s(self) -> float:
+        """Processor time of both commands: what tells when other work slows the machine down."""
+        return self.plan.cpu_s + (self.check.cpu_s if self.check else 0.0)
+
+    @property
     def met(self) -> bool:
         """Whether there is a plan and the check passed it."""
         return self.report is not None and self.report["verdict"] == "met"

@@ -21,7 +21,7 @@ PATIENCE_S = 900.0  # a command that takes longer is ended, unless told otherwis
 class Run:
     """What one command took and said. ``peak_bytes``: most resident memory of its process.
 
-    ended_early: it was killed, since patience was at its end.
+    cpu_s: processor time of its process. ended_early: it was killed, since patience was at its end.
     """
 
     wall_s: float
@@ -29,6 +29,7 @@ class Run:
     code: int
     out: str
     err: str
+    cpu_s: float = 0.0
     ended_early: bool = False
 
     def failure(self) -> str:
@@ -65,6 +66,7 @@ def run(
         code=process.returncode,
         out=texts[0],
         err=texts[1],
+        cpu_s=usage.ru_utime + usage.ru_stime,
         ended_early=wall_s >= patience_s,
     )
 

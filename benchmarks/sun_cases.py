@@ -78,7 +78,7 @@ def case_row(case: Case, planned: Planned, effort: str) -> Row:
     reached = planned.met and planned.report["robots"] <= case.asked_robots and planned.wall_s < ONE_CASE_S
     measured = told([planned])
     if planned.report is not None:
-        measured += f"; worst gap / period {worst_ratio(planned.report):.3f}"
+        measured += f"; worst gap / period {worst_ratio(planned.report):.3f}; CPU {planned.cpu_s:.0f} s"
     asked = f"met, at most {case.asked_robots} robots ({paper}), < {ONE_CASE_S} s"
     return Row(f"Sun 2019, {case.name} ({periods} s), {effort}", asked, measured, reached)
 
@@ -89,8 +89,9 @@ def total_row(found: list[Planned], effort: str) -> Row:
     robots = sum(report["robots"] for report in met)
     bound = sum(report["lower_bound_robots"] for report in met)
     paper, late = sum(case.paper_robots for case in CASES), sum(case.paper_late for case in CASES)
-    seconds = sum(planned.wall_s for planned in found)
-    measured = f"{robots} robots (bound {bound}) in {len(met)} of {len(found)} cases met; {seconds:.0f} s in all"
+    seconds, cpu_s = sum(planned.wall_s for planned in found), sum(planned.cpu_s for planned in found)
+    measured = f"{robots} robots (bound {bound}) in {len(met)} of {len(found)} cases met; "
+    measured += f"{seconds:.0f} s in all, CPU {cpu_s:.0f} s"
     reached = len(met) == len(CASES) and robots <= ROBOTS_IN_ALL
     asked = f"at most {ROBOTS_IN_ALL} robots, all met (the paper: {paper}, {late} of them late)"
     return Row(f"Sun 2019, the seven cases together, {effort}", asked, measured, reached)

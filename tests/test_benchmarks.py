@@ -17,7 +17,17 @@ import pytest
 from benchmarks.__main__ import arguments, line_of
 from benchmarks.figures import FIGURES, LONG
 from benchmarks.large_areas import growth_row, write_tiles
-from benchmarks.one_robot import BLOCKS, SIDE_M, ground, judged, mission_text, peer_settings, shortest_that_sees
+from benchmarks.one_robot import (
+    BLOCKS,
+    SIDE_M,
+    Loop,
+    ground,
+    judged,
+    mission_text,
+    peer_settings,
+    shortest_loop,
+    shortest_that_sees,
+)
 from benchmarks.planning import Planned, worst_ratio
 from benchmarks.random_runs import Outcome, fault, outcomes, summary
 from benchmarks.row import Options, Row
@@ -34,7 +44,7 @@ MODULES = sorted(path.stem for path in (PROJECT / "benchmarks").glob("*.py") if 
 
 
 def ran(wall_s: float, peak_bytes: int = 300_000_000, code: int = 0, err: str = "") -> Run:
-    return Run(wall_s=wall_s, peak_bytes=peak_bytes, code=code, out="", err=err)
+    return Run(wall_s=wall_s, peak_bytes=peak_bytes, code=code, out="", err=err, cpu_s=wall_s + 2)
 
 
 def planned(robots: int, wall_s: float, *, bound: int = 3, verdict: str = "met") -> Planned:
@@ -108,7 +118,7 @@ def test_a_case_is_reached_with_no_more_robots_than_asked_within_a_minute() -> N
     row = case_row(case, planned(4, 30), "quick")
     assert row.reached
     assert row.asked == "met, at most 4 robots (the paper: 5), < 60 s"
-    assert "4 robots (bound 3), met; worst gap / period 0.988" in row.measured
+    assert "4 robots (bound 3), met; worst gap / period 0.988; CPU 35 s" in row.measured
     assert not case_row(case, planned(5, 30), "quick").reached
     assert not case_row(case, planned(4, 60), "quick").reached
     assert not case_row(case, planned(4, 30, verdict="not proven"), "quick").reached
@@ -119,7 +129,7 @@ def test_a_case_is_reached_with_no_more_robots_than_asked_within_a_minute() -> N
 def test_the_total_counts_what_is_met() -> None:
     row = total_row([planned(5, 10)] * 7, "normal")
     assert row.reached
-    assert row.measured == "35 robots (bound 21) in 7 of 7 cases met; 77 s in all"
+    assert row.measured == "35 robots (bound 21) in 7 of 7 cases met; 77 s in all, CPU 105 s"
     assert not total_row([planned(5, 10)] * 6 + [planned(6, 10)], "normal").reached
     assert not total_row([planned(5, 10)] * 6 + [NO_PLAN], "normal").reached
 
@@ -160,6 +170,29 @@ def test_the_shortest_route_that_sees_enough_is_chosen() -> None:
     assert best.length_m == pytest.approx(120)
     assert shortest_that_sees(routes, 0.9) is None  # the lanes go through the blocks
     assert shortest_that_sees([], 0.1) is None
+
+
+def test_lengths_are_tried_from_above_until_one_robot_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked_m: list[float] = []
+
+    def from_1550_m(budget_m: float, _options: Options) -> tuple[Planned, Loop | None]:
+        asked_m.append(budget_m)
+        if budget_m < 1550:
+            return planned(2, 10), None
+        return planned(1, 10), Loop(length_m=budget_m - 2, seen_share=1.0, sees_all=True, stays_inside=True)
+
+    monkeypatch.setattr("benchmarks.one_robot.planned_within", from_1550_m)
+    row = shortest_loop(Options(folder=Path()))
+    expected_m = [1620, 0.985 * 1618, 0.985 * (0.985 * 1618 - 2)]  # the third is 1,567.9
+    assert asked_m[:3] == pytest.approx(expected_m)
+    assert asked_m[3] == pytest.approx(0.985 * (expected_m[2] - 2))  # 1,542.4: too short
+    assert asked_m[4] == pytest.approx((expected_m[2] - 2 + asked_m[3]) / 2)  # 1,554.2
+    assert asked_m[5] == pytest.approx((asked_m[4] - 2 + asked_m[3]) / 2)  # 1,547.3: too short, and near enough
+    assert len(asked_m) == 6
+    assert row.reached
+    assert row.measured == "1,552 m, 100.00 % seen; none within 1,547 m; 6 lengths tried in 66 s, CPU 90 s"
+    monkeypatch.setattr("benchmarks.one_robot.planned_within", lambda *_: (NO_PLAN, None))
+    assert shortest_loop(Options(folder=Path())).measured.startswith("none within 1,620 m: exit code 3")
 
 
 def test_the_mission_of_the_loop_leaves_one_robot_so_many_metres(tmp_path: Path) -> None:
