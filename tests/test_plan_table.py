@@ -64,6 +64,23 @@ def test_robots_that_share_have_no_slack_of_their_own() -> None:
     assert row.slack is None
 
 
+def test_a_loop_in_rounds_serves_what_it_passes_on_each_of_them() -> None:
+    # from (12, 5), past the gate every time: to the tank and back in 16 s, along the gate and back in 12 s
+    loop = Trajectory(
+        robot="r", times_s=[0, 2, 8, 14, 16, 22, 28],
+        positions_m=[[9, 9], [12, 5], [55, 5], [9, 9], [12, 5], [5, 5], [9, 9]], loop_start_s=0,
+    )  # fmt: skip
+    row = robot_rows(Plan(mission=MISSION, trajectories=(loop,)))[0]
+    assert row.zones == ("gate", "tank", "area")
+    assert row.slack == pytest.approx(1 - 14 / 20)
+    # begun elsewhere it is the same loop
+    later = Trajectory(
+        robot="r", times_s=[0, 6, 8, 14, 20, 22, 28],
+        positions_m=[[55, 5], [9, 9], [12, 5], [5, 5], [9, 9], [12, 5], [55, 5]], loop_start_s=0,
+    )  # fmt: skip
+    assert robot_rows(Plan(mission=MISSION, trajectories=(later,)))[0].slack == pytest.approx(row.slack)
+
+
 def test_a_robot_that_stays_has_all_its_period_left() -> None:
     stay = Trajectory(robot="r", times_s=[0.0], positions_m=[[5, 5]])
     row = robot_rows(Plan(mission=MISSION, trajectories=(stay,)))[0]

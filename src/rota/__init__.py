@@ -25,6 +25,8 @@ if TYPE_CHECKING:
         PatrolSettings,
         Robot,
         SquareSensor,
+        StartBox,
+        StartPoints,
         Zone,
     )
     from rota.plan import Plan, Trajectory
@@ -43,6 +45,8 @@ __all__ = [
     "Robot",
     "RotaError",
     "SquareSensor",
+    "StartBox",
+    "StartPoints",
     "Trajectory",
     "Zone",
     "animate_plan",
@@ -74,6 +78,8 @@ _MODULES = {
         "PatrolSettings",
         "Robot",
         "SquareSensor",
+        "StartBox",
+        "StartPoints",
         "Zone",
     ],
     "rota.plan": ["Plan", "Trajectory"],

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
-from shapely import MultiPolygon, Polygon
+from shapely import MultiPolygon, Point, Polygon, box, union_all
 
 from rota.errors import MissionError
 
@@ -18,6 +18,9 @@ Effort = Literal["quick", "normal", "high"]
 Method = Literal["tours", "parallel", "sequential", "decomposition"]
 METHODS: tuple[Method, ...] = get_args(Method)
 
+Place = tuple[float, float]
+
+TOUCH_M = 1e-6  # by which a body may overlap what it touches
 AREA = "area"  # the name of the ground outside zones, wherever zones are told
 AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another name"
 
@@ -85,6 +88,11 @@ class SquareSensor:
 Sensor = DiscSensor | SquareSensor
 
 
+def inner_reach_m(sensor: Sensor) -> float:
+    """How far a sensor sees in every direction: a disc's radius, half a square's side."""
+    return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+
+
 @dataclass(frozen=True, kw_only=True)
 class Robot:
     """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere."""
@@ -94,7 +102,7 @@ class Robot:
     sensor: Sensor
     body_radius_m: float = 0.0
     turn_rate_rad_s: float | None = None
-    start: tuple[float, float] | None = None
+    start: Place | None = None
 
     def __post_init__(self) -> None:
         _require(bool(self.name), "robot.name", self.name, "must not be empty")
@@ -106,10 +114,41 @@ class Robot:
 
 
 @dataclass(frozen=True, kw_only=True)
+class StartBox:
+    """Robots start anywhere in the box between two opposite corners, (x, y) in metres; it may have no width."""
+
+    low_m: Place
+    high_m: Place
+
+    def __post_init__(self) -> None:
+        ends = (self.low_m, self.high_m)
+        ok = all(math.isfinite(value) for end in ends for value in end)
+        _require(ok, "fleet.start.box", ends, "coordinates must be finite")
+        (x0, y0), (x1, y1) = ends
+        object.__setattr__(self, "low_m", (float(min(x0, x1)), float(min(y0, y1))))
+        object.__setattr__(self, "high_m", (float(max(x0, x1)), float(max(y0, y1))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartPoints:
+    """Robots start at these points, (x, y) in metres, one at each; the planner chooses who starts where."""
+
+    points_m: tuple[Place, ...]
+
+    def __post_init__(self) -> None:
+        _require(len(self.points_m) > 0, "fleet.start.points", self.points_m, "must be at least one point")
+        for k, point in enumerate(self.points_m):
+            ok = all(math.isfinite(value) for value in point)
+            _require(ok, f"fleet.start.points[{k}]", point, "coordinates must be finite")
+        object.__setattr__(self, "points_m", tuple((float(x), float(y)) for x, y in self.points_m))
+
+
+@dataclass(frozen=True, kw_only=True)
 class Fleet:
     """The robots at hand: ``robots`` None means as few equal ones as possible, otherwise exactly those named.
 
-    The other fields are the common values; a robot made without overrides has them. Names are unique.
+    The other fields are the common values; a robot made without overrides has them. Names are unique. ``start``: where
+    robots without a start of their own begin; points only where ``robots`` is None (named robots have their own).
     """
 
     speed_m_s: float
@@ -118,9 +157,14 @@ class Fleet:
     body_radius_m: float = 0.0
     turn_rate_rad_s: float | None = None
     altitude_m: float = 30.0
+    start: StartBox | StartPoints | None = None
 
     def __post_init__(self) -> None:
         self.equal_robot("robot-1")  # checks the common values
+        ok = self.robots is None or not isinstance(self.start, StartPoints)
+        _require(
+            ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
+        )
         _require_positive("fleet.altitude_m", self.altitude_m)
         if self.robots is not None:
             _require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
@@ -198,16 +242,24 @@ class Zone:
 class PatrolSettings:
     """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
 
-    method: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
-    "sequential" scanning, area "decomposition".
+    ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
+    "sequential" scanning, area "decomposition". A reserve against wind and poor localisation: the plan keeps periods
+    shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
+    ``range_margin_m``.
     """
 
     effort: Effort = "normal"
     method: Method = "tours"
+    period_margin: float = 0.0
+    range_margin_m: float = 0.0
 
     def __post_init__(self) -> None:
         _require(self.effort in ("quick", "normal", "high"), "patrol.effort", self.effort, "quick, normal or high")
         _require(self.method in METHODS, "patrol.method", self.method, ", ".join(METHODS))
+        ok = 0 <= self.period_margin < 1
+        _require(ok, "patrol.period_margin", self.period_margin, "must be a share, 0 or more and below 1")
+        ok = math.isfinite(self.range_margin_m) and self.range_margin_m >= 0
+        _require(ok, "patrol.range_margin_m", self.range_margin_m, "must be a finite number, 0 or more")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,8 +293,20 @@ class Mission:
             _require(names.count(zone.name) == 1, "zones", zone.name, "names must be unique")
             outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
             _require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
+        reach_m = min(inner_reach_m(r.sensor) for r in (self.fleet.equal_robot("r"), *(self.fleet.robots or ())))
+        margin_m = self.planning.range_margin_m
+        allowed = f"must be less than the {reach_m:.6g} m that every sensor reaches"
+        _require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
+        faults = start_faults(self.area, self.obstacles, self.fleet)
+        if faults:
+            raise MissionError(*(f"{where}: {message}" for where, message in faults))
         asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
         _require(asked, "period_s", None, "the area or at least one zone needs a period")
+
+    @property
+    def has_starts(self) -> bool:
+        """Whether any robot must begin at a given place."""
+        return self.fleet.start is not None or any(robot.start is not None for robot in self.fleet.robots or ())
 
     def with_effort(self, effort: Effort) -> Mission:
         """The same mission, planned with another effort."""
@@ -251,3 +315,54 @@ class Mission:
     def with_method(self, method: Method) -> Mission:
         """The same mission, planned by another method."""
         return replace(self, planning=replace(self.planning, method=method))
+
+
+def start_faults(area: MultiPolygon, obstacles: tuple[Obstacle, ...], fleet: Fleet) -> list[tuple[str, str]]:
+    """What is wrong with the fleet's starts: the field at fault and a message, in the order of the fields.
+
+    A body must stand in the area and out of what blocks motion, and bodies apart; a box must have room for a centre.
+    """
+    blocking = [obstacle.shape for obstacle in obstacles if obstacle.blocks_motion]
+    placed: list[tuple[str, Place, float]] = []
+    faults: list[tuple[str, str]] = []
+    if isinstance(fleet.start, StartPoints):
+        for k, point in enumerate(fleet.start.points_m):
+            placed.append((f"fleet.start.points[{k}]", point, fleet.body_radius_m))
+    if isinstance(fleet.start, StartBox):
+        room = box(*fleet.start.low_m, *fleet.start.high_m).intersection(area)
+        if room.is_empty or room.difference(union_all(blocking)).is_empty:
+            faults.append(("fleet.start.box", "lies outside the area or in obstacles; must overlap the free space"))
+    for k, robot in enumerate(fleet.robots or ()):
+        if robot.start is not None:
+            placed.append((f"fleet.robots[{k}].start", robot.start, robot.body_radius_m))
+    for i, (where, point, body_m) in enumerate(placed):
+        wrong = _standing_fault(point, body_m, area, blocking)
+        for other, beside, its_body_m in placed[:i]:
+            if wrong is None and math.dist(point, beside) < max(body_m + its_body_m - TOUCH_M, TOUCH_M):
+                need_m = body_m + its_body_m
+                gap_m = math.dist(point, beside)
+                wrong = f"is {gap_m:.6g} m from {other}; bodies need {need_m:.6g} m, and no two may be equal"
+        if wrong is not None:
+            faults.append((where, f"[{point[0]:.9g}, {point[1]:.9g}] {wrong}"))
+    return faults
+
+
+def _standing_fault(
+    place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: list[MultiPolygon]
+) -> str | None:
+    """Why a body cannot stand with its centre there; None when it can."""
+    if not all(math.isfinite(value) for value in place_m):
+        return "is not allowed; coordinates must be finite"
+    point = Point(place_m)
+    if not area.covers(point):
+        return f"lies {area.distance(point):.6g} m outside the area; a start must be in the free space"
+    if area.boundary.distance(point) < body_radius_m - TOUCH_M:
+        gap_m = area.boundary.distance(point)
+        return f"is {gap_m:.6g} m from the area's border; a body of radius {body_radius_m:.6g} m does not fit there"
+    for shape in blocking:
+        if shape.contains(point):
+            return "lies in an obstacle; a start must be in the free space"
+        if shape.distance(point) < body_radius_m - TOUCH_M:
+            gap_m = shape.distance(point)
+            return f"is {gap_m:.6g} m from an obstacle; a body of radius {body_radius_m:.6g} m does not fit there"
+    return None

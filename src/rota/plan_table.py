@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
+import numpy as np
 from shapely import LineString, MultiPolygon, Point, union_all
 
 from rota.mission import AREA, Mission, Sensor, Zone
@@ -31,34 +33,64 @@ def zones_served(plan: Plan, trajectory: Trajectory) -> tuple[str, ...]:
     """Names of the zones (and ``AREA``) that the robot's loop serves, in the mission's order.
 
     A zone is served by a loop that comes within the sensor's reach of it (for a "visit" demand: into it) and takes no
-    longer than its period. A loop longer than every period that it passes serves all of them together with other
-    robots. Sight lines are not looked at: the check does that. Zones without a period are not listed.
+    longer than its period, or does so on each of its rounds, none of which takes longer. A loop longer than every
+    period that it passes serves all of them together with other robots. Sight lines are not looked at: the check does
+    that. Zones without a period are not listed.
     """
     return _served(plan.mission, trajectory, _demands(plan.mission))[0]
 
 
 def _row(mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]) -> RobotRow:
-    zones, period_s = _served(mission, trajectory, demands)
-    loop_s = trajectory.loop_duration_s
+    zones, slack = _served(mission, trajectory, demands)
     return RobotRow(
         robot=trajectory.robot,
         loop_length_m=trajectory.loop_length_m,
-        loop_time_s=loop_s,
+        loop_time_s=trajectory.loop_duration_s,
         zones=zones,
-        slack=None if period_s is None or loop_s > period_s else (period_s - loop_s) / period_s,
+        slack=slack,
     )
 
 
 def _served(
     mission: Mission, trajectory: Trajectory, demands: tuple[Zone, ...]
 ) -> tuple[tuple[str, ...], float | None]:
-    points_m = trajectory.positions_m[trajectory.loop_index :, :2]
-    loop = LineString(points_m) if len(points_m) > 1 else Point(points_m[0])
+    """The zones served, and the slack; None when no zone is served without other robots."""
+    rounds, longest_s = _rounds(trajectory)
+    loop_s = trajectory.loop_duration_s
     sensor = mission.fleet.robot(trajectory.robot).sensor
-    passed = [zone for zone in demands if _comes_near(loop, zone, sensor)]
-    alone = [zone for zone in passed if zone.period_s is not None and trajectory.loop_duration_s <= zone.period_s]
-    periods_s = [zone.period_s for zone in alone if zone.period_s is not None]
-    return tuple(zone.name for zone in alone or passed), min(periods_s, default=None)
+    passed, alone, slacks = [], [], []
+    for zone in demands:
+        near = [_comes_near(line, zone, sensor) for line in rounds]
+        if not any(near) or zone.period_s is None:
+            continue
+        passed.append(zone.name)
+        again_s = longest_s if all(near) else loop_s
+        if again_s <= zone.period_s:
+            alone.append(zone.name)
+            slacks.append((zone.period_s, (zone.period_s - again_s) / zone.period_s))
+    return tuple(alone or passed), min(slacks)[1] if slacks else None
+
+
+def _rounds(trajectory: Trajectory) -> tuple[list[LineString | Point], float]:
+    """The loop cut wherever it comes back to the place to which it comes back most often, and its longest piece's time.
+
+    One piece, and the whole loop's time, when it comes back nowhere.
+    """
+    times_s = trajectory.times_s[trajectory.loop_index :]
+    points_m = trajectory.positions_m[trajectory.loop_index :, :2]
+    if len(points_m) < 3:
+        return [LineString(points_m) if len(points_m) > 1 else Point(points_m[0])], trajectory.loop_duration_s
+    _, place, visits = np.unique(np.round(points_m[:-1], 6), axis=0, return_inverse=True, return_counts=True)
+    back = np.flatnonzero(place.ravel() == np.argmax(visits))
+    if len(back) == 1:
+        return [LineString(points_m)], trajectory.loop_duration_s
+    first, steps = back[0], len(points_m) - 1
+    # from that place on, once round
+    points_m = np.vstack([points_m[first:-1], points_m[: first + 1]])
+    ends = [*(back - first), steps]
+    starts_s = np.append(times_s[back], times_s[back[0]] + trajectory.loop_duration_s)
+    pieces = [LineString(points_m[i : j + 1]) for i, j in itertools.pairwise(ends)]
+    return pieces, float(np.diff(starts_s).max())
 
 
 def _comes_near(loop: LineString | Point, zone: Zone, sensor: Sensor) -> bool:
@@ -111,6 +143,12 @@ def robots_sentence(plan: Plan) -> str:
     if n == bound:
         return f"{count}: no plan needs fewer, proved."
     return f"{count}; no plan with fewer than {bound} exists, proved."
+
+
+def approach_sentence(plan: Plan) -> str | None:
+    """When the last robot that has a way to its loop begins it; None when all begin on their loops."""
+    loops_s = max((trajectory.loop_start_s for trajectory in plan), default=0.0)
+    return f"All robots are on their loops {rounded(loops_s)} s after they set out." if loops_s > 0 else None
 
 
 def bound_sentence(plan: Plan) -> str | None:

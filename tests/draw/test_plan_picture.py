@@ -82,9 +82,12 @@ def test_one_line_per_loop_and_one_mark_per_robot(yard: Plan):
         matplotlib.colors.to_rgb(ROUTE_COLOURS[k]) for k in (0, 0, 0, 1, 2)
     ]
     np.testing.assert_allclose([text.xy for text in marks][3:], [(70, 60), (30, 60)])
-    # no arrows for the robot that stays; the way to the loop is a line of its own
+    # no arrows for the robot that stays; the way to the loop is a line of its own, dashed, and a mark where it begins
     assert sum(isinstance(child, Quiver) for child in ax.get_children()) == 2
-    assert len(ax.get_lines()) == 4
+    assert len(ax.get_lines()) == 5
+    way, start = (line for line in ax.get_lines() if line.get_label().startswith("_"))
+    assert way.is_dashed()
+    np.testing.assert_array_equal(start.get_xydata(), way.get_xydata()[:1])
     assert min(text.get_fontsize() for text in ax.texts) >= 7
 
 
@@ -148,8 +151,8 @@ def test_a_label_does_not_hide_the_small_loop_of_its_zone(yard: Plan, side_m: fl
 def test_legend_has_an_entry_per_loop_and_kind_of_obstacle(yard: Plan):
     fig = plan_figure(yard, cells=400)
     words = [text.get_text() for text in fig.legends[0].get_texts()]
-    assert words[3:] == ["obstacle", "no entry, seen through", "cuts sight, may be entered"]
-    assert len(words) == 6
+    assert words[3:] == ["way from the start", "obstacle", "no entry, seen through", "cuts sight, may be entered"]
+    assert len(words) == 7
 
 
 def test_marks_at_one_place_are_spread(yard: Plan):

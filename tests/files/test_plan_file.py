@@ -29,6 +29,8 @@ from rota.mission import (
     PatrolSettings,
     Robot,
     SquareSensor,
+    StartBox,
+    StartPoints,
     Zone,
 )
 from rota.plan import Plan, Trajectory
@@ -42,7 +44,7 @@ def harbour() -> Plan:
         Robot(name="b", speed_m_s=2, sensor=DiscSensor(radius_m=5)),
     )
     holed = Polygon(
-        [(0, 0), (90, 0), (90, 90), (0, 90)], [[(10, 10), (20, 10), (20, 20)], [(40, 40), (50, 40), (45, 50)]]
+        [(0, -5), (90, -5), (90, 90), (0, 90)], [[(10, 10), (20, 10), (20, 20)], [(40, 40), (50, 40), (45, 50)]]
     )
     mission = Mission(
         name="harbour",
@@ -55,8 +57,16 @@ def harbour() -> Plan:
         period_s=40,
         origin=GeoPoint(lat=53.5413871, lon=-9.9836),
         unseeable="refuse",
-        fleet=Fleet(speed_m_s=2, sensor=sensor, robots=robots, body_radius_m=0.1, turn_rate_rad_s=1, altitude_m=25),
-        planning=PatrolSettings(effort="high"),
+        fleet=Fleet(
+            speed_m_s=2,
+            sensor=sensor,
+            robots=robots,
+            body_radius_m=0.1,
+            turn_rate_rad_s=1,
+            altitude_m=25,
+            start=StartBox(low_m=(70, 0.1), high_m=(80, 0.7)),
+        ),
+        planning=PatrolSettings(effort="high", period_margin=0.1, range_margin_m=0.05),
     )
     first = Trajectory(
         robot="Zoë",
@@ -185,6 +195,24 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
 def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict[str, str]) -> None:
     expected = {renamed.get(f.name, f.name) for f in dataclasses.fields(type_)}
     assert set(model.model_fields) - {"planner"} == expected
+
+
+def test_points_to_start_from_travel_with_the_plan_and_plans_of_before_have_no_starts() -> None:
+    plan = harbour()
+    points = StartPoints(points_m=((1.5, 0.1 + 0.2), (80, -4)))
+    fewest = dataclasses.replace(plan.mission.fleet, robots=None, start=points)
+    plan = Plan(mission=dataclasses.replace(plan.mission, fleet=fewest), trajectories=plan.trajectories)
+    document = plan_to_json(plan)
+    jsonschema.validate(document, fields.plan_schema())
+    assert plan_from_json(document) == plan
+    document["mission"]["fleet"]["start"]["box"] = [[0, 0], [1, 1]]
+    with pytest.raises(PlanError, match="exactly one of box and points"):
+        plan_from_json(document)
+    del document["mission"]["fleet"]["start"], document["mission"]["patrol"]["period_margin"]
+    del document["mission"]["patrol"]["range_margin_m"]
+    old = plan_from_json(document).mission
+    assert old.fleet.start is None
+    assert (old.planning.period_margin, old.planning.range_margin_m) == (0, 0)
 
 
 def test_the_reason_of_the_bound_travels_with_the_plan_and_may_be_absent() -> None:

@@ -18,13 +18,14 @@ from rota.check.report import DemandVerdict, Outcome, Report, Violation
 from rota.check.revisits import Sights, loop_gap, sights_of, slack_of
 from rota.check.seeable import grounds_of, seeable
 from rota.check.separation import separation_violations
-from rota.mission import Mission
+from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 PERIOD_TOLERANCE = 1e-9
+TOUCH_M = 1e-6
 MOST_EXCLUDED = 0.05
 MOST_CELLS = 250_000
 MOST_UNMET_POINTS = 200_000
@@ -212,7 +213,7 @@ def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mi
 
 def _fleet_violations(plan: Plan) -> list[Violation]:
     """Robots of a fixed fleet without a trajectory, and robots that do not begin at their start."""
-    found = []
+    found = _common_start_violations(plan)
     trajectories = {trajectory.robot: trajectory for trajectory in plan}
     for robot in plan.mission.fleet.robots or ():
         trajectory = trajectories.get(robot.name)
@@ -220,8 +221,32 @@ def _fleet_violations(plan: Plan) -> list[Violation]:
             found.append(_violation("no trajectory", robot.name, robot.start, 0.0, 1.0, "trajectories"))
         elif robot.start is not None:
             away = math.dist(robot.start, trajectory.positions_m[0, :2])
-            if away > 1e-6:
-                found.append(_violation("start", robot.name, robot.start, away, 1e-6, "m"))
+            if away > TOUCH_M:
+                found.append(_violation("start", robot.name, robot.start, away, TOUCH_M, "m"))
+    return found
+
+
+def _common_start_violations(plan: Plan) -> list[Violation]:
+    """Robots without a start of their own that begin outside the fleet's box, or at no free one of its points."""
+    fleet, found = plan.mission.fleet, []
+    free = list(fleet.start.points_m) if isinstance(fleet.start, StartPoints) else []
+    for trajectory in plan:
+        if fleet.start is None or fleet.robot(trajectory.robot).start is not None:
+            continue
+        x, y = (float(value) for value in trajectory.positions_m[0, :2])
+        if isinstance(fleet.start, StartBox):
+            (x0, y0), (x1, y1) = fleet.start.low_m, fleet.start.high_m
+            place = (min(max(x, x0), x1), min(max(y, y0), y1))
+        elif free:
+            place = min(free, key=lambda point: math.dist(point, (x, y)))
+        else:
+            found.append(_violation("no start left", trajectory.robot, (x, y), 0.0, 1.0, "starts"))
+            continue
+        away = math.dist(place, (x, y))
+        if away > TOUCH_M:
+            found.append(_violation("start", trajectory.robot, place, away, TOUCH_M, "m"))
+        elif place in free:
+            free.remove(place)
     return found
 
 

@@ -22,6 +22,7 @@ MARK_PT = 10.5
 MARK_FONT_PT = 7.0
 ARROW_IN = 0.085
 LISTED_ROUTES = 60
+APPROACH = (0, (4, 2))  # the dashes of the way from the start
 
 
 def _numbers(robots: tuple[int, ...]) -> str:
@@ -79,7 +80,8 @@ def _draw_approach(ax: Axes, plan: Plan, robot: int, colour: str) -> None:
     trajectory = plan.trajectories[robot]
     if trajectory.loop_index:
         way_m = trajectory.positions_m[: trajectory.loop_index + 1, :2]
-        ax.plot(*way_m.T, color=colour, linewidth=0.8, linestyle=(0, (1, 1.6)), zorder=3.8)
+        ax.plot(*way_m.T, color=colour, linewidth=0.8, linestyle=APPROACH, zorder=3.8)
+        ax.plot(*way_m[:1].T, color=colour, marker="s", markersize=3.5, markerfacecolor="white", zorder=3.9)
 
 
 def _spread(places_m: Floats, scale: float) -> Floats:
@@ -128,7 +130,8 @@ def robot_colours(plan: Plan) -> list[str]:
 def draw_route_lines(plan: Plan, ax: Axes) -> None:
     """Every loop of ``plan`` as a labelled line with arrowheads; a numbered mark where each robot's loop starts.
 
-    Robots on the same loop share its line. The way to the loop is dotted. ``ax`` has its limits and an equal aspect.
+    Robots on the same loop share its line. The way to the loop is dashed, from a small square. ``ax`` has its limits
+    and an equal aspect.
     """
     scale = points_per_metre(ax)
     routes = routes_of(plan)
@@ -152,7 +155,7 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
 
 
 def route_legend(plan: Plan) -> list[Line2D]:
-    """Legend entries, one per loop: its line with a mark, robots, length and time; the last says what is left out."""
+    """Legend entries, one per loop: its line with a mark, robots, length and time; then what is left out, and ways."""
     routes = routes_of(plan)
     entries = []
     for k, route in enumerate(routes[:LISTED_ROUTES]):
@@ -163,4 +166,7 @@ def route_legend(plan: Plan) -> list[Line2D]:
         entries.append(line)
     if len(routes) > LISTED_ROUTES:
         entries.append(Line2D([], [], linestyle="none", label=f"… and {len(routes) - LISTED_ROUTES} more loops"))
+    if any(trajectory.loop_index for trajectory in plan):
+        way = Line2D([], [], color="#333333", linewidth=0.8, linestyle=APPROACH, label="way from the start")
+        entries.append(way)
     return entries

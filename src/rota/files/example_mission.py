@@ -43,12 +43,16 @@ fleet:
   body_radius_m: 0                   # how far robots keep from walls and from each other
   turn_rate_rad_s: null              # null: turning takes no time
   altitude_m: 30                     # for exports
+  start: null                        # {box: [[0, 0], [5, 5]]} or {points: [[1, 1], [2, 1]]}; null: anywhere
 
 # What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
 unseeable: exclude
 
 planner: patrol
-patrol: {effort: normal}             # quick | normal | high
+patrol:
+  effort: normal                     # quick | normal | high
+  period_margin: 0                   # reserve against wind: 0.05 plans with periods shorter by 5 %
+  range_margin_m: 0                  # reserve against poor localisation: plans with sensors that reach so much less far
 """
 
 

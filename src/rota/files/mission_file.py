@@ -16,9 +16,10 @@ from rota.errors import MissionError
 from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
 from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock
+from rota.files.mission_starts import fleet_at_its_starts
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.yaml_text import Document, Place, parse_text
-from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Robot, Sensor, SquareSensor
+from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Robot, Sensor, SquareSensor, inner_reach_m
 
 MOST_CELLS = 50e6
 CELLS_PER_REACH = 4  # a lattice coarser than a quarter of the sensor's reach plans badly
@@ -54,9 +55,13 @@ def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None
     faults += ground_faults
     if file is not None:
         faults += _period_faults(file, ground)
-        faults += _robot_faults(file.fleet)
+        name_faults = _robot_faults(file.fleet)
+        faults += name_faults
+        faults += _margin_faults(file)
         if ground is not None:
             faults += _sensor_faults(file, ground)
+            if not name_faults:
+                faults += fleet_at_its_starts(_fleet(file.fleet), file, ground)[1]
     if faults or file is None or ground is None:
         raise MissionError(*positioned(document, faults))
     try:
@@ -105,6 +110,19 @@ def _robot_faults(fleet: FleetBlock) -> list[Fault]:
         for k, name in enumerate(names)
         if name in names[:k]
     ]
+
+
+def _margin_faults(file: MissionFile) -> list[Fault]:
+    """A reserve of range that leaves a sensor nothing to see with."""
+    listed = file.fleet.robots if isinstance(file.fleet.robots, list) else []
+    blocks = [file.fleet.sensor, *(robot.sensor for robot in listed if robot.sensor is not None)]
+    reach_m = min(inner_reach_m(_sensor(block)) for block in blocks)
+    if file.patrol is None or file.patrol.range_margin_m < reach_m:
+        return []
+    message = (
+        f"{file.patrol.range_margin_m:.6g} is not allowed; it must be less than the sensor's reach, {reach_m:.6g} m"
+    )
+    return [Fault(("patrol", "range_margin_m"), message)]
 
 
 def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
@@ -157,10 +175,10 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         obstacles=ground.obstacles,
         zones=ground.zones,
         period_s=file.period_s,
-        fleet=_fleet(file.fleet),
+        fleet=fleet_at_its_starts(_fleet(file.fleet), file, ground)[0],
         origin=ground.origin,
         unseeable=file.unseeable,
-        planning=PatrolSettings(effort=patrol.effort, method=patrol.method) if patrol else PatrolSettings(),
+        planning=PatrolSettings(**patrol.model_dump()) if patrol else PatrolSettings(),
     )
 
 

@@ -312,6 +312,10 @@ class PatrolBlock(Block):
 
     effort: Literal["quick", "normal", "high"] = "normal"
     method: Method = Field("tours", description="tours, or one of the traditional methods to compare with")
+    period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
+        0.0, description="reserve: plan with periods shorter by this share"
+    )
+    range_margin_m: NotNegative = Field(0.0, description="reserve: plan with sensors that reach so much less far")
 
 
 class OriginBlock(Block):
@@ -362,15 +366,6 @@ class MissionFile(Block):
 def _unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     if data.get("moving_obstacles"):
         yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
-    fleet = data.get("fleet")
-    if not isinstance(fleet, dict):
-        return
-    if fleet.get("start") is not None:
-        yield ("fleet", "start"), "the patrol planner has no use for fleet.start: remove it"
-    robots = fleet.get("robots")
-    for k, robot in enumerate(robots if isinstance(robots, list) else []):
-        if isinstance(robot, dict) and robot.get("start") is not None:
-            yield ("fleet", "robots", k, "start"), "the patrol planner has no use for a robot's start: remove it"
 
 
 def nearest_key(key: str, known: list[str]) -> str:

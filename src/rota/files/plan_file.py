@@ -26,6 +26,7 @@ from rota.files.plan_schema import (
     MissionFields,
     PlanFields,
     SquareSensorFields,
+    StartFields,
     TrajectoryFields,
 )
 from rota.mission import (
@@ -38,6 +39,8 @@ from rota.mission import (
     Robot,
     Sensor,
     SquareSensor,
+    StartBox,
+    StartPoints,
     Zone,
 )
 from rota.plan import Plan, Trajectory
@@ -129,7 +132,14 @@ def _fleet_to_json(fleet: Fleet) -> Json:
         "body_radius_m": float(fleet.body_radius_m),
         "turn_rate_rad_s": _number(fleet.turn_rate_rad_s),
         "altitude_m": float(fleet.altitude_m),
+        "start": _start_to_json(fleet.start),
     }
+
+
+def _start_to_json(start: StartBox | StartPoints | None) -> Json | None:
+    if isinstance(start, StartBox):
+        return {"box": [list(start.low_m), list(start.high_m)]}
+    return None if start is None else {"points": [list(point) for point in start.points_m]}
 
 
 def _sensor_to_json(sensor: Sensor) -> Json:
@@ -251,6 +261,7 @@ def _all_keys() -> list[str]:
         PlanFields,
         MissionFields,
         FleetFields,
+        StartFields,
         TrajectoryFields,
         DiscSensorFields,
         SquareSensorFields,
@@ -313,7 +324,18 @@ def _fleet(fields: FleetFields) -> Fleet:
             body_radius_m=fields.body_radius_m,
             turn_rate_rad_s=fields.turn_rate_rad_s,
             altitude_m=fields.altitude_m,
+            start=_start(fields.start),
         )
+
+
+def _start(fields: StartFields | None) -> StartBox | StartPoints | None:
+    if fields is None:
+        return None
+    if fields.box is not None:
+        low, high = fields.box
+        return StartBox(low_m=(low[0], low[1]), high_m=(high[0], high[1]))
+    assert fields.points is not None
+    return StartPoints(points_m=tuple((point[0], point[1]) for point in fields.points))
 
 
 def _sensor(fields: DiscSensorFields | SquareSensorFields) -> Sensor:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from rota.mission import Blocks, Demand, Effort, Method, Unseeable
 
@@ -60,6 +60,19 @@ def _robots_tag(value: object) -> str:
     return "fewest" if isinstance(value, str) else "list"
 
 
+class StartFields(_Strict):
+    """Where robots start that have no start of their own: in a box, or at points."""
+
+    box: Annotated[list[Point], Field(min_length=2, max_length=2, description="two opposite corners")] | None = None
+    points: Annotated[list[Point], Field(min_length=1)] | None = None
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        if (self.box is None) == (self.points is None):
+            raise ValueError("exactly one of box and points is needed")
+        return self
+
+
 class FleetFields(_Strict):
     """The robots at hand; ``robots`` "fewest" means as few equal ones as possible."""
 
@@ -72,6 +85,7 @@ class FleetFields(_Strict):
     body_radius_m: NotNegative
     turn_rate_rad_s: Positive | None
     altitude_m: Positive
+    start: StartFields | None = None
 
 
 class ObstacleFields(_Strict):
@@ -102,6 +116,8 @@ class PatrolFields(_Strict):
 
     effort: Effort
     method: Method
+    period_margin: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    range_margin_m: NotNegative = 0.0
 
 
 class MissionFields(_Strict):

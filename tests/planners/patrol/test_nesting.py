@@ -71,17 +71,25 @@ def test_a_nest_is_one_robots(problem: Problem) -> None:
 def test_the_robot_goes_round_the_hub_between_its_excursions(problem: Problem) -> None:
     loop, other = driven(nest(problem))
     hub = [[9, 3], [3, 3], [3, 9], [9, 9]]
-    assert loop.vertices_m.tolist() == [*hub, [9, 3], [15, 3], *hub, [9, 3], [17, 3], *hub]
-    assert tour_length_m(loop) == pytest.approx(3 * 24 + 12 + 16)
+    assert loop.vertices_m.tolist() == [*hub, [9, 3], [15, 3], *hub, [9, 3], [17, 3]]
+    assert tour_length_m(loop) == pytest.approx(2 * 24 + 12 + 16)  # the round with an empty petal is left out
     assert (loop.robots, loop.period_s, loop.nest) == (1, 60.0, -1)
     assert other.vertices_m.tolist() == nest(problem)[4].vertices_m.tolist()
     # what the hub alone sees of the gate is seen once in every round, the longest of which is 40 m at 2 m/s
     plan = plan_of(problem, nest(problem), seed=0)
     assert len(plan.trajectories) == 2
-    assert plan.trajectories[0].loop_duration_s == pytest.approx(50, rel=1e-5)
+    assert plan.trajectories[0].loop_duration_s == pytest.approx(38, rel=1e-5)
     gate = next(d for d in check_plan(plan).demands if d.name == "gate")
     assert gate.outcome == "met"
     assert 15 < gate.worst_gap_at_least_s < 20
+
+
+def test_a_hub_without_excursions_is_a_loop_of_its_own(problem: Problem) -> None:
+    hub, *petals, _ = nest(problem)
+    empty = [replace(petal, vertices_m=petal.vertices_m[:1]) for petal in petals]
+    [loop] = driven([hub, *empty])
+    assert loop.vertices_m.tolist() == hub.vertices_m.tolist()
+    assert (loop.period_s, loop.nest) == (hub.period_s, -1)
 
 
 def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem) -> None:

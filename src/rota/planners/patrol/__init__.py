@@ -21,7 +21,7 @@ def plan_patrol(
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
 ) -> Plan:
-    """A plan that the judge passes, by the method of the mission's settings; see ``tours.plan_patrol``."""
-    from rota.planners.patrol.tours import plan_patrol as plan  # loads the compiled loops only when they are needed
+    """A plan that the judge passes, by the method of the mission's settings; see ``asked.plan_patrol``."""
+    from rota.planners.patrol.asked import plan_patrol as plan  # loads the compiled loops only when they are needed
 
     return plan(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)

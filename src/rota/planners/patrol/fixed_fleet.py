@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 
 from rota.errors import NoPlanFound
-from rota.mission import AREA
+from rota.geometry.free_space import nearest_free_point
+from rota.mission import AREA, Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
@@ -16,16 +18,20 @@ from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.repair import Settled, plan_of
 
 
-def plan_for_fixed_fleet(context: Context, fewest: Settled) -> Plan:
-    """The plan for exactly the fleet's robots, from one with as few as possible; NoPlanFound when they are too few."""
+def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> Plan:
+    """The plan for exactly the fleet's robots, from one with as few as possible; NoPlanFound when they are too few.
+
+    asked: the mission with the robots' starts, which bind spare robots to parts of the ground.
+    """
     problem = context.problem
     fleet = problem.mission.fleet.robots
     assert fleet is not None
     needed = sum(tour.robots for tour in fewest.tours)
     if needed <= len(fleet):
         tours = list(fewest.tours)
+        starting = parts_started_in(problem, asked)
         for _ in range(len(fleet) - needed):
-            tours = busiest_helped(tours)
+            tours = busiest_helped(tours, parts_short(tours, starting))
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
         if verdict.verdict == "met":
@@ -68,9 +74,24 @@ def worst_reached(verdict: Verdict) -> str:
     return f"in {what} it is not proven that every gap is within its period of {period_s:.6g} s"
 
 
-def busiest_helped(tours: list[Tour]) -> list[Tour]:
-    """The tours with one robot more on the one whose budget is fullest."""
-    k = max(range(len(tours)), key=lambda i: tour_length_m(tours[i]) / tours[i].budget_m)
+def parts_started_in(problem: Problem, asked: Mission) -> Counter[int]:
+    """How many robots have a start of their own in each part of the ground."""
+    own_m = [robot.start for robot in asked.fleet.robots or () if robot.start is not None]
+    free_m = [nearest_free_point(problem.space, place_m) for place_m in own_m]
+    return Counter(int(part) for part in problem.paths.part_of(np.array(free_m).reshape(-1, 2)))
+
+
+def parts_short(tours: list[Tour], starting: Counter[int]) -> set[int]:
+    """The parts whose tours have fewer robots than start there; all with tours when there is none."""
+    parts = {tour.part for tour in tours}
+    robots = {part: sum(tour.robots for tour in tours if tour.part == part) for part in parts}
+    return {part for part in parts if robots[part] < starting[part]} or parts
+
+
+def busiest_helped(tours: list[Tour], parts: set[int] | None = None) -> list[Tour]:
+    """The tours with one robot more on the one whose budget is fullest, of those in these parts of the ground."""
+    some = [i for i, tour in enumerate(tours) if parts is None or tour.part in parts]
+    k = max(some, key=lambda i: tour_length_m(tours[i]) / tours[i].budget_m)
     return [*tours[:k], replace(tours[k], robots=tours[k].robots + 1), *tours[k + 1 :]]
 
 

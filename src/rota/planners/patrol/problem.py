@@ -178,6 +178,27 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
     )
 
 
+def asks_alike(one: Mission, other: Mission) -> bool:
+    """Whether two missions of one ground, that may differ in their starts, have the same periods and sensors."""
+    sensors = [[robot.sensor for robot in (m.fleet.equal_robot("r"), *(m.fleet.robots or ()))] for m in (one, other)]
+    periods = [[m.period_s, *(zone.period_s for zone in m.zones)] for m in (one, other)]
+    return sensors[0] == sensors[1] and periods[0] == periods[1]
+
+
+def bounded_as_asked(problem: Problem, asked: Mission) -> Problem:
+    """The problem of a mission with a reserve and without starts, with the bound of the mission as it is asked.
+
+    The search ends at the bound with the reserve, or at a fixed fleet's number; but robots that start in different
+    parts of the ground cannot help each other, so that each part makes do with as few as it can.
+    """
+    if asked.has_starts and len(problem.paths.parts) > 1:
+        problem = replace(problem, enough_robots=problem.lower_bound)
+    if asks_alike(asked, problem.mission):
+        return problem
+    wide = set_up_problem(asked)
+    return replace(problem, lower_bound=wide.lower_bound, lower_bound_reason=wide.lower_bound_reason)
+
+
 def space_and_rim(
     mission: Mission, regions: tuple[DemandedRegion, ...], robot: Robot, margin_m: float
 ) -> tuple[MultiPolygon, bool]:

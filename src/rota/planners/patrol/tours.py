@@ -18,7 +18,7 @@ from rota.planners.patrol.annealing.tour import Tour, over_budget_share
 from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
-from rota.planners.patrol.problem import Problem, set_up_problem
+from rota.planners.patrol.problem import Problem, bounded_as_asked, set_up_problem
 from rota.planners.patrol.proved_bound import ProvedBound
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
@@ -45,6 +45,7 @@ SCREENED = 0.25  # share of the moves that all splits get before the best of the
 def plan_patrol(
     mission: Mission,
     *,
+    asked: Mission,
     seed: int,
     judge: Judge,
     progress: Callable[[float, str], None],
@@ -53,17 +54,18 @@ def plan_patrol(
 ) -> Plan:
     """A plan of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
 
-    judge: the verdict on a plan. progress: told a share in 0..1 and what is going on. should_stop: polled often; once
-    true the best plan so far is returned. watch: told of every state on the way, from several threads. Raises
-    NoPlanFound, with the best plan found, when the demand is not met.
+    asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
+    robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
+    on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
+    from several threads. Raises NoPlanFound, with the best plan found, when the demand is not met.
     """
     progress(0.0, "looking at the mission")
-    problem = set_up_problem(mission)
+    problem = bounded_as_asked(set_up_problem(mission), asked)
     context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)
     if mission.fleet.robots is not None:
         free = replace(mission, fleet=replace(mission.fleet, robots=None))
         as_many = replace(context, problem=replace(problem, mission=free))
-        return plan_for_fixed_fleet(context, fewest_by_method(as_many))
+        return plan_for_fixed_fleet(context, fewest_by_method(as_many), asked)
     best = fewest_by_method(context)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)

@@ -141,11 +141,15 @@ def room_m(tours: Sequence[Tour], k: int) -> float:
 
 
 def driven(tours: Sequence[Tour]) -> list[Tour]:
-    """The tours as robots drive them: of each nest one long tour, hub and petals in turn, at the slow period."""
+    """The tours as robots drive them: of each nest one long tour, hub and petals in turn, at the slow period.
+
+    Rounds whose petal is empty are left out: what they see is seen again sooner.
+    """
     found = []
-    for hub, *petals in nests(tours):
+    for hub, *all_petals in nests(tours):
+        petals = [k for k in all_petals if len(tours[k].vertices_m) > 1]
         if not petals:
-            found.append(tours[hub])
+            found.append(replace(tours[hub], nest=-1))
             continue
         ring = tours[hub].vertices_m
         vertices_m = np.vstack([part for k in petals for part in (ring, tours[k].vertices_m)])

@@ -1,0 +1,116 @@
+"""Where a mission's robots start: points and boxes of a mission file to places in local metres, dealt to the robots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from rota.errors import MissionError
+from rota.files.geodesy import Projection
+from rota.files.mission_ground import Ground
+from rota.files.mission_schema import FleetBlock, MissionFile
+from rota.files.schema_faults import Fault
+from rota.files.yaml_text import Place
+from rota.mission import Fleet, StartBox, StartPoints, start_faults
+
+START: Place = ("fleet", "start")
+
+
+class _Written(NamedTuple):
+    """A start as the file has it, and where it stands there."""
+
+    place: Place
+    point: tuple[float, float]
+
+
+def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tuple[Fleet, list[Fault]]:
+    """The fleet with its starts in local metres, and what is wrong with them.
+
+    Named robots without a start of their own take the points in their order, one each. A fleet with faults is returned
+    without starts.
+    """
+    block = file.fleet
+    to_metres = _Metres(ground, in_degrees=file.coordinates == "wgs84")
+    try:
+        if fleet.robots is None:
+            placed, where = _placed_fewest(fleet, block, to_metres)
+        else:
+            placed, where = _placed_robots(fleet, block, to_metres)
+    except _Misplaced as error:
+        return fleet, error.faults
+    found = start_faults(ground.area, ground.obstacles, placed)
+    if found:
+        return fleet, [Fault(where[field], message) for field, message in found]
+    return placed, []
+
+
+class _Misplaced(Exception):  # noqa: N818 (the reader of the starts catches it)
+    def __init__(self, *faults: Fault) -> None:
+        self.faults = list(faults)
+
+
+class _Metres:
+    """From coordinates as written to local metres."""
+
+    def __init__(self, ground: Ground, *, in_degrees: bool) -> None:
+        self._projection = Projection(ground.origin) if in_degrees and ground.origin is not None else None
+
+    def __call__(self, written: _Written) -> tuple[float, float]:
+        x, y = written.point
+        if self._projection is None:
+            return x, y
+        try:
+            east, north = self._projection.to_metres([x], [y])
+        except MissionError as error:
+            raise _Misplaced(*(Fault(written.place, fault) for fault in error.faults)) from None
+        return float(east[0]), float(north[0])
+
+
+def _box(block: FleetBlock, to_metres: _Metres) -> StartBox | None:
+    if block.start is None or block.start.box is None:
+        return None
+    low, high = (to_metres(_Written((*START, "box"), point)) for point in block.start.box)
+    return StartBox(low_m=low, high_m=high)
+
+
+def _points(block: FleetBlock) -> list[_Written]:
+    points = block.start.points if block.start is not None else None
+    return [_Written((*START, "points", k), point) for k, point in enumerate(points or [])]
+
+
+def _placed_fewest(fleet: Fleet, block: FleetBlock, to_metres: _Metres) -> tuple[Fleet, dict[str, Place]]:
+    where: dict[str, Place] = {"fleet.start.box": (*START, "box")}
+    points = _points(block)
+    if not points:
+        return replace(fleet, start=_box(block, to_metres)), where
+    where |= {f"fleet.start.points[{k}]": written.place for k, written in enumerate(points)}
+    return replace(fleet, start=StartPoints(points_m=tuple(map(to_metres, points)))), where
+
+
+def _placed_robots(fleet: Fleet, block: FleetBlock, to_metres: _Metres) -> tuple[Fleet, dict[str, Place]]:
+    assert fleet.robots is not None
+    listed = block.robots if isinstance(block.robots, list) else []
+    written: list[_Written | None] = [None] * len(fleet.robots)
+    for k, robot in enumerate(listed):
+        if robot.start is not None:
+            written[k] = _Written(("fleet", "robots", k, "start"), robot.start)
+    points = _points(block)
+    waiting = [k for k, start in enumerate(written) if start is None]
+    if points and len(points) != len(waiting):
+        message = (
+            f"{len(points)} points for {len(waiting)} robots without a start of their own; as many points as robots"
+            " are needed"
+        )
+        raise _Misplaced(Fault((*START, "points"), message))
+    for k, point in zip(waiting, points, strict=False):
+        written[k] = point
+    box = _box(block, to_metres)
+    if box is not None and not waiting:
+        raise _Misplaced(Fault(START, "every robot has a start of its own: remove it"))
+    robots = [
+        robot if start is None else replace(robot, start=to_metres(start))
+        for robot, start in zip(fleet.robots, written, strict=True)
+    ]
+    where: dict[str, Place] = {"fleet.start.box": (*START, "box")}
+    where |= {f"fleet.robots[{k}].start": start.place for k, start in enumerate(written) if start is not None}
+    return replace(fleet, robots=tuple(robots), start=box), where

@@ -1,0 +1,1 @@
+"""From where robots start to their loops."""
