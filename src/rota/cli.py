@@ -163,11 +163,17 @@ def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
 
 def _show_outcome(answer: Plan, report: Report, target: str) -> None:
     from rota.check import report_table
-    from rota.plan_table import approach_sentence, bound_sentence, robots_sentence, robots_table
+    from rota.plan_table import approach_sentence, bound_sentence, ratio_sentence, robots_sentence, robots_table
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
     console.print(robots_table(answer), markup=False, soft_wrap=True)
-    for sentence in (robots_sentence(answer), bound_sentence(answer), approach_sentence(answer)):
+    sentences = (
+        robots_sentence(answer),
+        bound_sentence(answer),
+        ratio_sentence(answer, report),
+        approach_sentence(answer),
+    )
+    for sentence in sentences:
         if sentence is not None:
             console.print(sentence, markup=False, soft_wrap=True)
     if report.verdict == "met":

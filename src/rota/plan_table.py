@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from shapely import LineString, MultiPolygon, Point, union_all
 
 from rota.mission import AREA, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
+
+if TYPE_CHECKING:
+    from rota.check import Report
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,3 +162,17 @@ def bound_sentence(plan: Plan) -> str | None:
         return None
     count = f"{plan.lower_bound_robots} robot" + ("s" if plan.lower_bound_robots != 1 else "")
     return f"{count} at least: {plan.lower_bound_reason}."
+
+
+def ratio_sentence(plan: Plan, report: Report) -> str | None:
+    """How a fixed fleet's worst gap compares with its period, as a sentence; None for fleets of as few as possible.
+
+    Of a plan that meets its demand no gap is longer; of another some gap is at least as long.
+    """
+    if plan.mission.fleet.robots is None or not report.demands:
+        return None
+    if report.verdict == "met":
+        return f"Worst gap: {report.worst_ratio:.3f} of its period."
+    if math.isinf(report.worst_ratio_at_least):
+        return "Worst gap: some of what is asked is never seen."
+    return f"Worst gap: at least {report.worst_ratio_at_least:.3f} times its period."

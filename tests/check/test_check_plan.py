@@ -299,6 +299,10 @@ def test_json_fits_the_published_schema_and_table_names_every_demand() -> None:
         assert values["verdict"] == report.verdict
         assert len(values["unmet_points_m"]) <= 100
         assert values["unmet_points"] == len(report.unmet_points_m)
+        (demand,) = report.demands
+        ratios = [values["worst_ratio_at_least"], values["worst_ratio"]]
+        gaps_s = [demand.worst_gap_at_least_s, demand.worst_gap_s]
+        assert ratios == [gap_s / demand.period_s if math.isfinite(gap_s) else None for gap_s in gaps_s]
         table = report_table(report)
         assert f"verdict: {report.verdict}" in table
         assert all(d.name in table for d in report.demands)

@@ -76,6 +76,16 @@ class Report:
     unmet_points_m: NDArray[np.float64] = field(repr=False)
     unmet_demand: NDArray[np.int64] = field(repr=False)
 
+    @property
+    def worst_ratio(self) -> float:
+        """No gap is longer than so many times its period (inf: not shown of any number); 0 when nothing is asked."""
+        return max((d.worst_gap_s / d.period_s for d in self.demands), default=0.0)
+
+    @property
+    def worst_ratio_at_least(self) -> float:
+        """Some gap is at least so many times its period (inf: something is never seen); 0 when nothing is asked."""
+        return max((d.worst_gap_at_least_s / d.period_s for d in self.demands), default=0.0)
+
 
 def report_to_json(report: Report) -> dict[str, Any]:
     """The report as JSON values, by the schema of ``report_schema``: null for "never" and at most 100 unmet points."""
@@ -85,6 +95,8 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "robots": report.robots,
         "lower_bound_robots": report.lower_bound_robots,
         "first_coverage_s": report.first_coverage_s,
+        "worst_ratio": _finite(report.worst_ratio),
+        "worst_ratio_at_least": _finite(report.worst_ratio_at_least),
         "demands": [
             {
                 "name": d.name,
@@ -142,6 +154,7 @@ def report_schema() -> dict[str, Any]:
     number, text, count = {"type": "number"}, {"type": "string"}, {"type": "integer", "minimum": 0}
     size = {"type": "number", "minimum": 0}
     maybe = {"type": ["number", "null"], "description": "seconds; null: never"}
+    ratio = {"type": ["number", "null"], "minimum": 0}
     outcome = {"enum": ["met", "violated", "not proven"]}
     place = {"type": ["array", "null"], "items": number, "minItems": 2, "maxItems": 2}
     demand = _object(
@@ -173,6 +186,8 @@ def report_schema() -> dict[str, Any]:
         robots=count,
         lower_bound_robots={"type": ["integer", "null"], "minimum": 0},
         first_coverage_s=maybe,
+        worst_ratio={**ratio, "description": "no gap is longer than so many times its period; null: not shown"},
+        worst_ratio_at_least={**ratio, "description": "some gap is so many times its period; null: for ever"},
         demands={"type": "array", "items": demand},
         violations={"type": "array", "items": violation},
         unmet_points=count,

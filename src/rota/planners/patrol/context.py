@@ -74,6 +74,9 @@ class Work:
     are annealed in full for one number of robots, each up to ``coolings`` times, cooler and cooler. repairs: rounds of
     mending. groupings: of the period classes.
     least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is not tried.
+    stretches: of the periods, tried for the best that a fixed number of robots can do, until one that failed and one
+    that passed differ by no more than the factor ``nearness``. begins_anew: whether from new tours too, after some
+    have passed.
     """
 
     moves: int
@@ -83,17 +86,47 @@ class Work:
     repairs: int
     groupings: int
     least_squeeze: float
+    stretches: int
+    nearness: float
+    begins_anew: bool
 
 
 WORK: dict[Effort, Work] = {
     "quick": Work(
-        moves=300_000, most_moves=2_000_000, tries=2, coolings=4, repairs=12, groupings=4, least_squeeze=1.15
+        moves=300_000,
+        most_moves=2_000_000,
+        tries=2,
+        coolings=4,
+        repairs=12,
+        groupings=4,
+        least_squeeze=1.15,
+        stretches=4,
+        nearness=1.025,
+        begins_anew=False,
     ),
     "normal": Work(
-        moves=1_200_000, most_moves=10_000_000, tries=3, coolings=8, repairs=20, groupings=8, least_squeeze=1.1
+        moves=1_200_000,
+        most_moves=10_000_000,
+        tries=3,
+        coolings=8,
+        repairs=20,
+        groupings=8,
+        least_squeeze=1.1,
+        stretches=6,
+        nearness=1.015,
+        begins_anew=True,
     ),
     "high": Work(
-        moves=10_000_000, most_moves=100_000_000, tries=8, coolings=12, repairs=30, groupings=16, least_squeeze=1.05
+        moves=10_000_000,
+        most_moves=100_000_000,
+        tries=8,
+        coolings=12,
+        repairs=30,
+        groupings=16,
+        least_squeeze=1.05,
+        stretches=9,
+        nearness=1.01,
+        begins_anew=True,
     ),
 }
 

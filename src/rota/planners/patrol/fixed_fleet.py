@@ -12,7 +12,7 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import nearest_free_point
 from rota.mission import AREA, Mission
 from rota.plan import Plan
-from rota.planners.patrol.annealing.tour import Tour, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, driven, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.repair import Settled, plan_of
@@ -26,9 +26,10 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
     problem = context.problem
     fleet = problem.mission.fleet.robots
     assert fleet is not None
-    needed = sum(tour.robots for tour in fewest.tours)
+    found = driven(fewest.tours)
+    needed = sum(tour.robots for tour in found)
     if needed <= len(fleet):
-        tours = list(fewest.tours)
+        tours = found
         starting = parts_started_in(problem, asked)
         for _ in range(len(fleet) - needed):
             tours = busiest_helped(tours, parts_short(tours, starting))
@@ -37,17 +38,17 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
         if verdict.verdict == "met":
             return plan
         raise NoPlanFound(f"the plan for {len(fleet)} robots does not pass the check", best=plan)
-    parts = {tour.part for tour in fewest.tours}
+    parts = {tour.part for tour in found}
     proved = f"proved: at least {counted(max(problem.lower_bound, 1))} ({problem.lower_bound_reason})"
     reason = f"{counted(len(fleet))} cannot meet the demand: {proved}; found: {needed} can"
     if len(parts) > len(fleet):
-        some = plan_of(problem, [replace(tour, robots=1) for tour in fewest.tours[: len(fleet)]], context.seed)
+        some = plan_of(problem, [replace(tour, robots=1) for tour in found[: len(fleet)]], context.seed)
         raise NoPlanFound(
             f"{reason}; the ground falls into {len(parts)} parts between which no robot can travel, and each must be"
             f" watched by a robot of its own; with {counted(len(fleet))} {worst_reached(context.judge(some))}",
             best=some,
         )
-    tours = with_so_many(problem, fewest.tours, len(fleet))
+    tours = with_so_many(problem, found, len(fleet))
     plan = plan_of(problem, tours, context.seed)
     verdict = context.judge(plan)
     if verdict.verdict == "met":

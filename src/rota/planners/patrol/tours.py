@@ -17,7 +17,7 @@ from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, over_budget_share
 from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
-from rota.planners.patrol.fixed_fleet import counted, plan_for_fixed_fleet, worst_reached
+from rota.planners.patrol.fixed_fleet import counted, worst_reached
 from rota.planners.patrol.problem import Problem, bounded_as_asked, set_up_problem
 from rota.planners.patrol.proved_bound import ProvedBound
 from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
@@ -63,9 +63,9 @@ def plan_patrol(
     problem = bounded_as_asked(set_up_problem(mission), asked)
     context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)
     if mission.fleet.robots is not None:
-        free = replace(mission, fleet=replace(mission.fleet, robots=None))
-        as_many = replace(context, problem=replace(problem, mission=free))
-        return plan_for_fixed_fleet(context, fewest_by_method(as_many), asked)
+        from rota.planners.patrol.worst_ratio import plan_with_least_ratio  # it searches with this module's loops
+
+        return plan_with_least_ratio(context, asked)
     best = fewest_by_method(context)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
@@ -130,7 +130,7 @@ def with_fewer(context: Context, best: Settled | None) -> Settled:
     """
     problem, work = context.problem, context.work
     ways = starts(problem, work.groupings)
-    context = replace(context, dear=min(DEAR, max(1.0, winding(ways) / OPEN)))
+    context = replace(context, dear=worth_of_seeing(ways))
     comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     if best is None or not best.met or robots_of(best) > comfortable + 1:
         best = comfortably(context, ways, comfortable, best)
@@ -147,6 +147,11 @@ def with_fewer(context: Context, best: Settled | None) -> Settled:
             break  # mending may post robots of their own
         best = found
     return best
+
+
+def worth_of_seeing(ways: list[Start]) -> float:
+    """How many times more than on open ground it is worth to see anything: the more, the more the ways wind."""
+    return min(DEAR, max(1.0, winding(ways) / OPEN))
 
 
 def comfortably(context: Context, ways: list[Start], robots: int, best: Settled | None) -> Settled:

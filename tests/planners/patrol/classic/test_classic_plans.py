@@ -111,7 +111,9 @@ def test_the_same_seed_gives_the_same_plan(method: Method) -> None:
 def test_too_few_robots_are_told_with_the_bound() -> None:
     names = tuple(FIELD.fleet.equal_robot(f"guard-{k}") for k in range(2))
     few = replace(FIELD, fleet=replace(FIELD.fleet, robots=names))
-    with pytest.raises(rota.NoPlanFound, match="2 robots cannot meet the demand: proved: at least") as failure:
+    with pytest.raises(
+        rota.NoPlanFound, match=r"2 robots cannot meet the demand: .*; proved: at least 4 robots"
+    ) as failure:
         rota.make_plan(few.with_method("sequential"))
     assert isinstance(failure.value.best, rota.Plan)
 
