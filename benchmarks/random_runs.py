@@ -18,7 +18,7 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.synchronize import Event
 from typing import NamedTuple
 
-from benchmarks.random_missions import described, random_mission, sweeping
+from benchmarks.random_missions import described, random_mission
 from benchmarks.row import Options, Row
 from rota.check import check_plan
 from rota.errors import NoPlanFound, RotaError
@@ -32,7 +32,10 @@ STOPPED = "stopped"  # no outcome: Ctrl-C came before
 
 
 class Outcome(NamedTuple):
-    """What became of one mission. ``failure``: why it counts as failed; None: its plan passed."""
+    """What became of one mission. ``failure``: why it counts as failed; None: its plan passed.
+
+    given: the mission says how many robots there are; otherwise they are as few as were found.
+    """
 
     seed: int
     seconds: float
@@ -40,7 +43,7 @@ class Outcome(NamedTuple):
     kind: str
     robots: int = 0
     bound: int = 0
-    sweeping: float = 0.0
+    given: bool = False
 
 
 def random_missions(options: Options) -> Iterator[Row]:
@@ -71,13 +74,15 @@ def summary(done: list[Outcome], options: Options, wall_s: float) -> Row:
         return Row(name, "every plan passes the check", "none was planned", None)
     passed = [outcome for outcome in done if outcome.failure is None]
     slowest = max(done, key=lambda outcome: outcome.seconds)
-    above = Counter(outcome.robots - outcome.bound for outcome in passed)
-    farthest = max(passed, key=lambda outcome: outcome.robots - outcome.bound, default=None)
+    free = [outcome for outcome in passed if not outcome.given]
+    above = Counter(outcome.robots - outcome.bound for outcome in free)
+    farthest = max(free, key=lambda outcome: outcome.robots - outcome.bound, default=None)
     far = "" if farthest is None else f", seed {farthest.seed} farthest"
     stopped = "" if len(done) == options.missions else f" (of {options.missions}; interrupted)"
     measured = (
         f"{len(passed)} of {len(done)}{stopped} passed, {100 * len(passed) / len(done):.1f} %; "
-        f"{sum(outcome.robots for outcome in passed)} robots (bounds {sum(outcome.bound for outcome in passed)}; "
+        f"where robots may be few {sum(outcome.robots for outcome in free)} robots "
+        f"(bounds {sum(outcome.bound for outcome in free)}; "
         + ", ".join(f"{count} at +{robots}" for robots, count in sorted(above.items()))
         + f"{far}); {sum(outcome.seconds for outcome in done) / len(done):.1f} s each, "
         f"seed {slowest.seed} slowest with {slowest.seconds:.1f} s, {wall_s:.0f} s in all"
@@ -157,7 +162,7 @@ def planned(seed: int, effort: str) -> Outcome:
         kind=described(mission),
         robots=0 if plan is None else len(plan.trajectories),
         bound=0 if plan is None or plan.lower_bound_robots is None else plan.lower_bound_robots,
-        sweeping=sweeping(mission),
+        given=mission.fleet.robots is not None,
     )
 
 

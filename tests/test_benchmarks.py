@@ -244,12 +244,15 @@ def test_the_summary_counts_robots_above_their_bounds() -> None:
     row = summary([outcome(0), outcome(2, robots=2), outcome(1, seconds=7)], options, 12.0)
     assert row.reached
     assert row.measured == (
-        "3 of 3 passed, 100.0 %; 8 robots (bounds 6; 1 at +0, 2 at +1, seed 0 farthest); 5.0 s each,"
-        " seed 1 slowest with 7.0 s, 12 s in all"
+        "3 of 3 passed, 100.0 %; where robots may be few 8 robots (bounds 6; 1 at +0, 2 at +1, seed 0 farthest);"
+        " 5.0 s each, seed 1 slowest with 7.0 s, 12 s in all"
     )
     failed = summary([outcome(0), outcome(1), outcome(2, "no plan", robots=0)], options, 12.0)
     assert not failed.reached
-    assert failed.measured.startswith("2 of 3 passed, 66.7 %; 6 robots (bounds 4; 2 at +1, seed 0 farthest)")
+    few = "where robots may be few 6 robots (bounds 4; 2 at +1, seed 0 farthest)"
+    assert failed.measured.startswith(f"2 of 3 passed, 66.7 %; {few}")
+    given = outcome(2, robots=9)._replace(given=True)
+    assert f"3 of 3 passed, 100.0 %; {few}" in summary([outcome(0), outcome(1), given], options, 12.0).measured
     early = summary([outcome(0), outcome(1)], options, 12.0)
     assert not early.reached
     assert early.measured.startswith("2 of 2 (of 3; interrupted) passed")
