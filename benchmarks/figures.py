@@ -6,52 +6,47 @@ import statistics
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
 
+from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
+from benchmarks.one_robot import one_robot
 from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
+from benchmarks.random_runs import random_missions
+from benchmarks.row import Options, Row
 from benchmarks.shell import python, rota
+from benchmarks.sun_cases import sun_cases
 from benchmarks.warm_cache import measured_warm
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
 BUILDINGS = ("building",)  # walls cut sight there, so nothing general can be asked of the number of robots
 
 
-class Row(NamedTuple):
-    """One line of the table. ``reached`` None: not measured, or nothing is asked."""
-
-    name: str
-    asked: str
-    measured: str
-    reached: bool | None
-
-
-def fig13_warm(folder: Path) -> Iterator[Row]:
+def fig13_warm(options: Options) -> Iterator[Row]:
     """Sun 2019's map, planned and checked by a program that has compiled already."""
-    runs = planned_warm(FIG13, folder)
+    runs = planned_warm(FIG13, options.folder)
     reached = median_run(runs).wall_s < 15 and (met_with(runs) or 6) <= 5
     yield Row("sun2019-fig13, plan + check", "< 15 s, at most 5 robots, met", told(runs), reached)
 
 
-def fig13_cold(folder: Path) -> Iterator[Row]:
+def fig13_cold(options: Options) -> Iterator[Row]:
     """The same in a fresh installation: nothing is compiled yet."""
     with tempfile.TemporaryDirectory() as empty:
-        planned = plan_and_check(FIG13, folder, {"NUMBA_CACHE_DIR": empty})
+        planned = plan_and_check(FIG13, options.folder, {"NUMBA_CACHE_DIR": empty})
     says = "compiling" in planned.plan.err
     reached = planned.wall_s < 60 and says and met_with([planned]) is not None
     measured = f"{told([planned])}; {'says' if says else 'does not say'} that it compiles"
     yield Row("sun2019-fig13, plan + check, first run (cold cache)", "< 60 s, says that it compiles", measured, reached)
 
 
-def parcel_nl(folder: Path) -> Iterator[Row]:
+def parcel_nl(options: Options) -> Iterator[Row]:
     """A Dutch parcel from GeoJSON."""
-    yield _real("parcel-nl", folder)
+    yield _real("parcel-nl", options.folder)
 
 
-def cumberland(folder: Path) -> Iterator[Row]:
+def cumberland(options: Options) -> Iterator[Row]:
     """A building from a ROS map."""
-    yield _real("cumberland", folder)
+    yield _real("cumberland", options.folder)
 
 
 def _real(name: str, folder: Path) -> Row:
@@ -63,16 +58,16 @@ def _real(name: str, folder: Path) -> Row:
     return Row(what, asked, told(runs), reached)
 
 
-def importing(folder: Path) -> Iterator[Row]:
+def importing(options: Options) -> Iterator[Row]:
     """How long ``import rota`` keeps one waiting."""
     runs = measured_warm(lambda: python("-c", "import rota"), lambda run: run.wall_s, repeats=5)
     wall_s = statistics.median(run.wall_s for run in runs)
     yield Row("import rota, with the interpreter's start", "< 0.5 s", f"{wall_s:.2f} s, {peak(runs)}", wall_s < 0.5)
 
 
-def square_kilometre(folder: Path) -> Iterator[Row]:
+def square_kilometre(options: Options) -> Iterator[Row]:
     """The check alone, on a large plan."""
-    plan_file = folder / "square-kilometre.rota.json"
+    plan_file = options.folder / "square-kilometre.rota.json"
     made = python("-m", "benchmarks.square_kilometre", plan_file)
     if made.code != 0:
         raise RuntimeError(made.err)
@@ -84,10 +79,10 @@ def square_kilometre(folder: Path) -> Iterator[Row]:
     yield Row("check of 20 robots on 1 km2, r = 10 m", "< 10 s, < 2 GB, met", measured, reached)
 
 
-def examples(folder: Path) -> Iterator[Row]:
+def examples(options: Options) -> Iterator[Row]:
     """Every example mission."""
     for mission in example_missions():
-        runs = planned_warm(mission, folder)
+        runs = planned_warm(mission, options.folder)
         robots = met_with(runs)
         bound = runs[0].report["lower_bound_robots"] if robots else 0
         asked = "met" if mission.stem in BUILDINGS else "met, at most 2 x bound + 1 robots"
@@ -95,13 +90,13 @@ def examples(folder: Path) -> Iterator[Row]:
         yield Row(f"examples/{mission.name}", asked, told(runs), reached)
 
 
-def methods(folder: Path) -> Iterator[Row]:
+def methods(options: Options) -> Iterator[Row]:
     """Tours and the three traditional methods on Sun 2019's map, compared in one run."""
     for entry in compared(FIG13):
         yield Row(f"sun2019-fig13, method {entry['method']}", "met", cell(entry), entry["met"])
 
 
-FIGURES: dict[str, Callable[[Path], Iterator[Row]]] = {
+FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "fig13": fig13_warm,
     "fig13-cold": fig13_cold,
     "parcel-nl": parcel_nl,
@@ -110,4 +105,10 @@ FIGURES: dict[str, Callable[[Path], Iterator[Row]]] = {
     "square-kilometre": square_kilometre,
     "examples": examples,
     "methods": methods,
+    "sun-cases": sun_cases,
+    "one-robot": one_robot,
+    "plan-1-km2": one_tile,
+    "plan-10-km2": ten_tiles,
+    "random-missions": random_missions,
 }
+LONG = ("plan-10-km2", "random-missions")  # an hour and more together: measured only when named, or with --all

@@ -1,15 +1,16 @@
-"""``rota plan`` and ``rota check`` of one mission at quick effort: what they took and what came out."""
+"""``rota plan`` and ``rota check`` of one mission: what they took and what came out."""
 
 from __future__ import annotations
 
 import functools
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks.shell import Run, rota
+from benchmarks.shell import PATIENCE_S, Run, rota
 from benchmarks.warm_cache import measured_warm
 
 
@@ -31,15 +32,37 @@ class Planned:
         """The larger of both commands' memory."""
         return max(self.plan.peak_bytes, self.check.peak_bytes if self.check else 0)
 
+    @property
+    def cpu_s(self) -> float:
+        """Processor time of both commands: what tells when other work slows the machine down."""
+        return self.plan.cpu_s + (self.check.cpu_s if self.check else 0.0)
 
-def plan_and_check(mission: Path, folder: Path, environment: Mapping[str, str] | None = None) -> Planned:
-    """Plan ``mission`` and check the plan, which is left in ``folder``."""
-    plan_file = folder / f"{mission.stem}.rota.json"
-    plan = rota("plan", mission, "--effort", "quick", "-o", plan_file, environment=environment)
+    @property
+    def met(self) -> bool:
+        """Whether there is a plan and the check passed it."""
+        return self.report is not None and self.report["verdict"] == "met"
+
+
+def plan_and_check(
+    mission: Path,
+    folder: Path,
+    environment: Mapping[str, str] | None = None,
+    *,
+    effort: str = "quick",
+    patience_s: float = PATIENCE_S,
+) -> Planned:
+    """Plan ``mission`` and check the plan, which is left in ``folder``; neither for longer than ``patience_s``."""
+    plan_file = plan_file_of(mission, folder)
+    plan = rota("plan", mission, "--effort", effort, "-o", plan_file, environment=environment, patience_s=patience_s)
     if plan.code != 0:
         return Planned(plan=plan, check=None, report=None)
-    check = rota("check", plan_file, "--json", environment=environment)
+    check = rota("check", plan_file, "--json", environment=environment, patience_s=patience_s)
     return Planned(plan=plan, check=check, report=json.loads(check.out) if check.out.startswith("{") else None)
+
+
+def plan_file_of(mission: Path, folder: Path) -> Path:
+    """Where ``plan_and_check`` leaves the plan."""
+    return folder / f"{mission.stem}.rota.json"
 
 
 @functools.cache
@@ -65,6 +88,12 @@ def told(runs: Sequence[Planned]) -> str:
     took = f"{median.wall_s:.1f} s (plan {median.plan.wall_s:.1f}, check {median.check.wall_s:.1f})"
     robots = f"{report['robots']} robots (bound {report['lower_bound_robots']})"
     return f"{took}, {peak(runs)}; {robots}, {report['verdict']}"
+
+
+def worst_ratio(report: Mapping[str, Any]) -> float:
+    """The worst gap over its period, of all demands of a report; inf where something is not shown to be seen."""
+    gaps = [(demand["worst_gap_s"], demand["period_s"]) for demand in report["demands"]]
+    return max((math.inf if gap_s is None else gap_s / period_s for gap_s, period_s in gaps), default=0.0)
 
 
 def median_run(runs: Sequence[Planned]) -> Planned:

@@ -14,34 +14,44 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-PATIENCE_S = 900.0  # a command that takes longer is ended: its figure is missed many times over
+PATIENCE_S = 900.0  # a command that takes longer is ended, unless told otherwise: its figure is missed many times over
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What one command took and said. ``peak_bytes``: most resident memory of its process."""
+    """What one command took and said. ``peak_bytes``: most resident memory of its process.
+
+    cpu_s: processor time of its process. ended_early: it was killed, since patience was at its end.
+    """
 
     wall_s: float
     peak_bytes: int
     code: int
     out: str
     err: str
+    cpu_s: float = 0.0
+    ended_early: bool = False
 
     def failure(self) -> str:
         """Why it failed, in a few words."""
         lines = self.err.strip().splitlines() or ["nothing on stderr"]
-        ended = f"ended after {PATIENCE_S:.0f} s" if self.wall_s >= PATIENCE_S else f"exit code {self.code}"
+        ended = "no end, killed" if self.ended_early else f"exit code {self.code}"
         return f"{ended} after {self.wall_s:.1f} s: {lines[-1]}"
 
 
-def run(command: Sequence[str | Path], *, environment: Mapping[str, str] | None = None) -> Run:
-    """Run ``command`` to its end, and no longer than ``PATIENCE_S``; ``environment`` is added to the inherited one."""
+def run(
+    command: Sequence[str | Path],
+    *,
+    environment: Mapping[str, str] | None = None,
+    patience_s: float = PATIENCE_S,
+) -> Run:
+    """Run ``command`` to its end, and no longer than ``patience_s``; ``environment`` is added to the inherited one."""
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         started_s = time.perf_counter()
         process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env={**os.environ, **(environment or {})}
         )
-        patience = threading.Timer(PATIENCE_S, process.kill)
+        patience = threading.Timer(patience_s, process.kill)
         patience.start()
         # wait4 gives this process's own peak; RUSAGE_CHILDREN would give the largest of all so far
         _, status, usage = os.wait4(process.pid, 0)
@@ -50,7 +60,15 @@ def run(command: Sequence[str | Path], *, environment: Mapping[str, str] | None 
         patience.cancel()
         texts = [_text(stream) for stream in (out, err)]
     unit = 1 if sys.platform == "darwin" else 1024
-    return Run(wall_s=wall_s, peak_bytes=usage.ru_maxrss * unit, code=process.returncode, out=texts[0], err=texts[1])
+    return Run(
+        wall_s=wall_s,
+        peak_bytes=usage.ru_maxrss * unit,
+        code=process.returncode,
+        out=texts[0],
+        err=texts[1],
+        cpu_s=usage.ru_utime + usage.ru_stime,
+        ended_early=wall_s >= patience_s,
+    )
 
 
 def _text(stream: IO[bytes]) -> str:
@@ -58,9 +76,10 @@ def _text(stream: IO[bytes]) -> str:
     return stream.read().decode(errors="replace")
 
 
-def rota(*arguments: str | Path, environment: Mapping[str, str] | None = None) -> Run:
+def rota(*arguments: str | Path, environment: Mapping[str, str] | None = None, patience_s: float = PATIENCE_S) -> Run:
     """Run the installed ``rota`` program."""
-    return run([Path(sysconfig.get_path("scripts")) / "rota", *arguments], environment=environment)
+    program = Path(sysconfig.get_path("scripts")) / "rota"
+    return run([program, *arguments], environment=environment, patience_s=patience_s)
 
 
 def python(*arguments: str | Path) -> Run:

@@ -109,7 +109,8 @@ def test_nothing_knows_what_stands_to_its_right() -> None:
 
 def test_nothing_imports_the_command_line_and_only_it_talks_to_terminals() -> None:
     assert importers("rota.cli") == {"rota.__main__"}
-    assert importers("typer") == {"rota.cli"}
+    assert importers("typer") == {"rota.cli", "rota.study_command"}
+    assert importers("rota.study_command") == {"rota.cli"}
     assert importers("rich") == {"rota.cli", "rota.terminal"}
 
 

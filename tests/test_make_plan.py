@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import itertools
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,6 +16,7 @@ from rota.errors import MissionError, NoPlanFound
 from rota.make_plan import PlanSearch, make_plan, search_plan
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan, Trajectory
+from rota.search_state import SearchState
 
 MODULE = importlib.import_module("rota.make_plan")
 MISSION = Mission(
@@ -37,8 +39,8 @@ def use(monkeypatch: pytest.MonkeyPatch, planner: Callable[..., Plan]) -> None:
 def test_the_planner_gets_mission_seed_judge_and_stop_rule(monkeypatch: pytest.MonkeyPatch) -> None:
     shown: list[tuple[float, str]] = []
 
-    def planner(mission: Mission, *, seed: int, judge: Any, progress: Any, should_stop: Any) -> Plan:
-        assert (mission, seed, should_stop()) == (MISSION, 7, False)
+    def planner(mission: Mission, *, seed: int, judge: Any, progress: Any, should_stop: Any, watch: Any) -> Plan:
+        assert (mission, seed, should_stop(), watch) == (MISSION, 7, False, None)
         assert judge(TOO_FAST).verdict == "violated"
         assert judge(GOOD).verdict == "met"
         progress(0.5, "touring")
@@ -51,6 +53,44 @@ def test_the_planner_gets_mission_seed_judge_and_stop_rule(monkeypatch: pytest.M
     assert not found.stopped_early
     assert shown == [(0.5, "touring")]
     assert make_plan(MISSION, seed=7) is GOOD
+
+
+def test_every_plan_that_is_judged_is_told_to_those_who_watch(monkeypatch: pytest.MonkeyPatch) -> None:
+    still = Trajectory(robot="robot-1", times_s=[0], positions_m=[[40, 5]])
+    two = (*GOOD.trajectories, replace(GOOD.trajectories[0], robot="robot-2"))
+
+    def planner(_mission: Mission, *, judge: Any, watch: Any, **_: Any) -> Plan:
+        watch(SearchState(stage="searched", robots=3, unseen_share=0.25, late_share=0.5))
+        judge(replace(GOOD, trajectories=(still,)))
+        judge(replace(GOOD, trajectories=two))
+        return judge(GOOD) and GOOD
+
+    use(monkeypatch, planner)
+    told: list[SearchState] = []
+    search_plan(MISSION, watch=told.append)
+    assert [(s.stage, s.robots, s.unseen_share, s.late_share, s.met) for s in told] == [
+        ("searched", 3, 0.25, 0.5, False),
+        ("checked", 1, 1.0, 0.0, False),
+        ("checked", 2, 0.0, 0.0, True),
+        ("checked", 1, 0.0, 0.0, True),  # once, although the search judges its outcome again
+    ]
+
+
+def test_late_is_told_as_a_share_of_the_period(monkeypatch: pytest.MonkeyPatch) -> None:
+    # from x = 1 to x = 9 and back in 16 s, seeing 3 m: an end is out of range for 16 - 2 x 2 s, where 8 s are asked
+    short_sighted = replace(
+        MISSION, area=box(0, 4.99, 10, 5.01), period_s=8, fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=3))
+    )
+    there_and_back = Trajectory(robot="robot-1", times_s=[0, 8, 16], positions_m=[[1, 5], [9, 5], [1, 5]])
+    plan = Plan(mission=short_sighted, trajectories=(there_and_back,))
+    use(monkeypatch, lambda _mission, **_: plan)
+    told: list[SearchState] = []
+    with pytest.raises(NoPlanFound):
+        search_plan(short_sighted, watch=told.append)
+    (state,) = told
+    assert (state.stage, state.met, state.unseen_share) == ("checked", False, 0.0)
+    # told from below, by the middle of a piece at the end: somewhat less than at the end itself
+    assert 0.45 < state.late_share <= (16 - 2 * 2) / 8 - 1
 
 
 def test_the_plan_judged_last_is_not_judged_again(monkeypatch: pytest.MonkeyPatch) -> None:

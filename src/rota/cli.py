@@ -15,6 +15,8 @@ import typer
 from rich.console import Console
 
 from rota.errors import NoPlanFound, RotaError
+from rota.exit_codes import BAD_INPUT, DONE, INTERRUPTED, NO_PLAN, OUR_FAULT, VIOLATED
+from rota.study_command import app as study_app
 from rota.terminal import mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
@@ -22,7 +24,6 @@ if TYPE_CHECKING:
     from rota.mission import Mission
     from rota.plan import Plan
 
-DONE, VIOLATED, BAD_INPUT, NO_PLAN, OUR_FAULT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 STANDARD_STREAM = "-"
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -35,7 +36,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
+app.add_typer(study_app, name="study")
 
 ExportFormat = Literal["geojson", "qgroundcontrol", "qgroundcontrol-px4"]
 SchemaName = Literal["mission", "plan", "report"]
@@ -387,13 +388,10 @@ def options(
 
 def _require_target(target: str, source: str | Path) -> None:
     """Refuse what is known beforehand not to work, and to overwrite the input."""
-    from rota.files.atomic_write import require_writable
+    from rota.files.atomic_write import require_target
 
-    if target == STANDARD_STREAM:
-        return
-    require_writable(target)
-    if os.path.exists(source) and os.path.exists(target) and os.path.samefile(source, target):
-        raise RotaError(f"{target}: is the input itself and is not overwritten; name another file")
+    if target != STANDARD_STREAM:
+        require_target(target, source)
 
 
 if __name__ == "__main__":

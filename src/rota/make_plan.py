@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rota.errors import MissionError, NoPlanFound
+from rota.search_state import SearchState, Watch
 
 if TYPE_CHECKING:
     from rota.check.report import Report
@@ -46,22 +48,26 @@ def search_plan(
     time_limit_s: float | None = None,
     progress: Progress | None = None,
     should_stop: ShouldStop | None = None,
+    watch: Watch | None = None,
 ) -> PlanSearch:
     """Plan ``mission`` with the planner that its settings name, and check the outcome.
 
     seed: the same seed gives the same plan, unless the search is stopped early. time_limit_s: seconds after which the
     planner is asked to stop; it then gives the best plan so far. progress: called with a fraction 0..1 and what is
-    being done. should_stop: asked now and then; True stops like the time limit.
+    being done. should_stop: asked now and then; True stops like the time limit. watch: called with every state that
+    the search comes to, from several threads; it changes nothing of what is found.
 
     Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
     is not greater than 0 or a mission that the planner cannot use.
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
-    judge = _Judge()
+    judge = _Judge(watch)
     stop = _StopRule(time_limit_s, should_stop)
     try:
-        plan = _planner(mission)(mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop)
+        plan = _planner(mission)(
+            mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch
+        )
     except NoPlanFound as failure:
         if stop.stopped:
             raise NoPlanFound(f"{failure} (stopped early)", best=failure.best) from failure
@@ -87,15 +93,31 @@ def _planner(mission: Mission) -> Callable[..., Plan]:
 class _Judge:
     """The check as a planner sees it; remembers its last report, since the plan judged last is mostly the one given."""
 
-    def __init__(self) -> None:
+    def __init__(self, watch: Watch | None) -> None:
         self._last: tuple[Plan, Report] | None = None
+        self._watch = watch
 
     def __call__(self, plan: Plan) -> Report:
         from rota.check import check_plan
 
         if self._last is None or self._last[0] is not plan:
             self._last = (plan, check_plan(plan))
+            if self._watch is not None:
+                self._watch(_checked(*self._last))
         return self._last[1]
+
+
+def _checked(plan: Plan, report: Report) -> SearchState:
+    whole_m2 = sum(demand.area_m2 for demand in report.demands)
+    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
+    ratios = [d.worst_gap_at_least_s / d.period_s for d in report.demands if math.isfinite(d.worst_gap_at_least_s)]
+    return SearchState(
+        stage="checked",
+        robots=len(plan.trajectories),
+        unseen_share=unseen_m2 / whole_m2 if whole_m2 else 0.0,
+        late_share=max(0.0, *(ratio - 1 for ratio in ratios)) if ratios else 0.0,
+        met=report.verdict == "met",
+    )
 
 
 class _StopRule:

@@ -99,6 +99,13 @@ def require_writable(path: str | os.PathLike[str]) -> None:
         raise RotaError(f"{path}: cannot be written: no permission to write to {what}")
 
 
+def require_target(path: str | os.PathLike[str], source: str | os.PathLike[str] | None) -> None:
+    """Raise RotaError like ``require_writable``, and when ``path`` is the file ``source`` that is to be read."""
+    require_writable(path)
+    if source is not None and os.path.exists(source) and os.path.exists(path) and os.path.samefile(source, path):
+        raise RotaError(f"{path}: is the input itself and is not overwritten; name another file")
+
+
 def require_writable_folder(path: str | os.PathLike[str]) -> None:
     """Raise RotaError when it is already known that no folder can be made or filled at ``path``."""
     target = Path(os.path.realpath(path))

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from rota.mission import Mission
     from rota.plan import Plan
     from rota.planners.patrol.context import Judge
+    from rota.search_state import Watch
 
 
 def plan_patrol(
@@ -18,8 +19,9 @@ def plan_patrol(
     judge: Judge,
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
+    watch: Watch | None = None,
 ) -> Plan:
     """A plan that the judge passes, by the method of the mission's settings; see ``asked.plan_patrol``."""
     from rota.planners.patrol.asked import plan_patrol as plan  # loads the compiled loops only when they are needed
 
-    return plan(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
+    return plan(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)

@@ -12,6 +12,7 @@ from rota.planners.patrol.approach.from_starts import led_from_starts, require_r
 from rota.planners.patrol.context import Judge
 from rota.planners.patrol.fixed_fleet import worst_reached
 from rota.planners.patrol.tours import plan_patrol as plan_tours
+from rota.search_state import Watch
 
 
 def plan_patrol(
@@ -21,6 +22,7 @@ def plan_patrol(
     judge: Judge,
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
+    watch: Watch | None = None,
 ) -> Plan:
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
@@ -32,8 +34,9 @@ def plan_patrol(
     require_room(mission)
     try:
         plan = plan_tours(
-            without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop
-        )
+            without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress,
+            should_stop=should_stop, watch=watch,
+        )  # fmt: skip
     except NoPlanFound as failure:
         raise NoPlanFound(str(failure), best=led_as_asked(failure.best, mission)) from failure
     if mission.has_starts:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rota.mission import Effort
 from rota.plan import Plan
 from rota.planners.patrol.problem import Problem
+from rota.search_state import Watch
 
 
 class DemandOutcome(Protocol):
@@ -134,7 +135,8 @@ WORK: dict[Effort, Work] = {
 class Context:
     """One search: the problem, the seed and the caller's wishes.
 
-    dear: how many times more than on open ground it is worth, while annealing, to see anything.
+    dear: how many times more than on open ground it is worth, while annealing, to see anything. watch: told of the
+    states that the search comes to, from several threads; it changes nothing of what is found.
     """
 
     problem: Problem
@@ -143,6 +145,7 @@ class Context:
     progress: Callable[[float, str], None]
     should_stop: Callable[[], bool]
     dear: float = 1.0
+    watch: Watch | None = None
 
     @property
     def work(self) -> Work:

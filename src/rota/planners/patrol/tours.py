@@ -25,6 +25,8 @@ from rota.planners.patrol.repair import Settled, no_points, prepared_with, settl
 from rota.planners.patrol.samples import SamplePoints
 from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
 from rota.planners.patrol.start.standing import over_prices
+from rota.planners.patrol.watching import searched
+from rota.search_state import Watch
 
 Floats = NDArray[np.float64]
 
@@ -50,17 +52,18 @@ def plan_patrol(
     judge: Judge,
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
+    watch: Watch | None = None,
 ) -> Plan:
     """A plan of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
 
     asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
     robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
-    on. should_stop: polled often; once true the best plan so far is returned. Raises NoPlanFound, with the best plan
-    found, when the demand is not met.
+    on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
+    from several threads. Raises NoPlanFound, with the best plan found, when the demand is not met.
     """
     progress(0.0, "looking at the mission")
     problem = bounded_as_asked(set_up_problem(mission), asked)
-    context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop)
+    context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)
     if mission.fleet.robots is not None:
         from rota.planners.patrol.worst_ratio import plan_with_least_ratio  # it searches with this module's loops
 
@@ -276,7 +279,7 @@ def annealed(
     """
     dear = context.dear if dear is None else dear
     problem = context.problem
-    _, samples = prepared_with(problem, extra)
+    points, samples = prepared_with(problem, extra)
     search = Annealing(
         tours,
         samples._replace(weight=dear * samples.weight),
@@ -290,7 +293,8 @@ def annealed(
     corners = sum(len(tour.vertices_m) for tour in tours)
     moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))
     cold_m = problem.reach_m / 200
-    search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=context.should_stop)
+    tell = searched(context, search, points)
+    search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=context.should_stop, done=tell)
     return search
 
 

@@ -1,0 +1,26 @@
+"""A line of the table, and what a reader may choose about the figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Row(NamedTuple):
+    """One line of the table. ``reached`` None: not measured, or nothing is asked."""
+
+    name: str
+    asked: str
+    measured: str
+    reached: bool | None
+
+
+class Options(NamedTuple):
+    """Where to put files, and what the figures of the patrol planner take; see ``python -m benchmarks --help``."""
+
+    folder: Path
+    effort: str = "quick"
+    missions: int = 1000
+    first_seed: int = 0
+    tile_m: float = 1000.0
+    processes: int | None = None

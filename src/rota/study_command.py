@@ -1,0 +1,69 @@
+"""``rota study``: the part of the command line that runs studies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from rota.exit_codes import DONE, INTERRUPTED, NO_PLAN
+from rota.terminal import mention_compiling, progress_bar, say
+
+if TYPE_CHECKING:
+    from rota.mission import Mission
+
+app = typer.Typer(help="Run a study of how the planners do.", no_args_is_help=True, rich_markup_mode=None)
+
+
+@app.command("patrol-progress")
+def patrol_progress(
+    mission: Annotated[
+        Path | None, typer.Argument(metavar="MISSION", help="A mission file; default Sun 2019's map.")
+    ] = None,
+    output: Annotated[
+        list[str] | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="A picture (.png, .svg, .pdf) or numbers (.csv, .json); repeatable.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same search.")] = 0,
+    effort: Annotated[
+        Literal["quick", "normal", "high"] | None,
+        typer.Option(metavar="EFFORT", help="quick, normal or high; default as the mission says."),
+    ] = None,
+) -> None:
+    """Anytime curve: unseen ground and robots of the best plan so far, by seconds."""
+    from rota.files.atomic_write import require_suffix, require_target
+    from rota.interrupt import stop_on_interrupt
+    from rota.studies.patrol_progress import OUTPUTS, patrol_progress, progress_table, write_progress
+
+    for path in output or []:
+        require_suffix(path, OUTPUTS, "a progress curve")
+        require_target(path, source=mission)
+    asked = _mission(mission)
+    asked = asked if effort is None else asked.with_effort(effort)
+    mention_compiling("planners/patrol/annealing", "geometry", "check")
+    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
+        found = patrol_progress(asked, seed=seed, progress=bar.show, should_stop=stop)
+    typer.echo(progress_table(found))
+    for path in output or []:
+        write_progress(found, path)
+        typer.echo(path)
+    raise typer.Exit(INTERRUPTED if stop.raised else DONE if found.reason is None else NO_PLAN)
+
+
+def _mission(path: Path | None) -> Mission:
+    if path is None:
+        from rota.studies.sun2019 import figure_13
+
+        return figure_13()
+    from rota.files.mission_file import read_mission
+
+    read = read_mission(path)
+    for warning in read.warnings:
+        say(f"warning: {warning}")
+    return read.mission

@@ -1,0 +1,282 @@
+"""The benchmarks themselves: missions as the figures ask for them, what rows say, and one real run of two."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import math
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from benchmarks.__main__ import arguments, line_of
+from benchmarks.figures import FIGURES, LONG
+from benchmarks.large_areas import growth_row, write_tiles
+from benchmarks.one_robot import (
+    BLOCKS,
+    SIDE_M,
+    Loop,
+    ground,
+    judged,
+    mission_text,
+    peer_settings,
+    shortest_loop,
+    shortest_that_sees,
+)
+from benchmarks.planning import Planned, worst_ratio
+from benchmarks.random_runs import Outcome, fault, outcomes, summary
+from benchmarks.row import Options, Row
+from benchmarks.shell import Run
+from benchmarks.sun_cases import CASES, case_row, total_row, write_case
+from shapely import MultiPolygon, box
+
+from rota.files.mission_file import read_mission
+from rota.mission import DiscSensor, Fleet, Mission
+from rota.plan import Plan, Trajectory
+
+PROJECT = Path(__file__).parents[1]
+MODULES = sorted(path.stem for path in (PROJECT / "benchmarks").glob("*.py") if path.stem != "__main__")
+
+
+def ran(wall_s: float, peak_bytes: int = 300_000_000, code: int = 0, err: str = "") -> Run:
+    return Run(wall_s=wall_s, peak_bytes=peak_bytes, code=code, out="", err=err, cpu_s=wall_s + 2)
+
+
+def planned(robots: int, wall_s: float, *, bound: int = 3, verdict: str = "met") -> Planned:
+    demands = [{"worst_gap_s": 39.0, "period_s": 40.0}, {"worst_gap_s": 7.9, "period_s": 8.0}]
+    report = {"verdict": verdict, "robots": robots, "lower_bound_robots": bound, "demands": demands}
+    return Planned(plan=ran(wall_s), check=ran(1.0), report=report)
+
+
+EASY_SEED = 95  # a random mission of one open room
+NO_PLAN = Planned(plan=ran(4.0, code=3, err="rota: no plan: too far | away"), check=None, report=None)
+
+
+# ---------------------------------------------------------------- the program
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if name != "peer_paths"])
+def test_every_module_can_be_imported(name: str) -> None:
+    assert importlib.import_module(f"benchmarks.{name}").__doc__
+
+
+def test_the_peers_program_needs_nothing_but_the_peer() -> None:
+    tree = ast.parse((PROJECT / "benchmarks" / "peer_paths.py").read_text())
+    named = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    named |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    foreign = {name.partition(".")[0] for name in named} - set(sys.stdlib_module_names)
+    assert foreign == {"coverage_path_planner"}
+
+
+def test_one_name_is_measured_and_printed_as_a_table() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks", "import"], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    lines = done.stdout.splitlines()
+    assert lines[-3:-1] == ["| figure | asked | measured | reached |", "|---|---|---|---|"]
+    assert lines[-1].startswith("| import rota, with the interpreter's start | < 0.5 s | ")
+
+
+def test_names_and_numbers_are_read_from_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    chosen = arguments().parse_args(["random-missions", "--missions", "7", "--first-seed", "0", "--tile", "250"])
+    assert (chosen.names, chosen.missions, chosen.first_seed, chosen.tile) == (["random-missions"], 7, 0, 250)
+    assert (chosen.effort, chosen.all, chosen.processes) == ("quick", False, None)
+    assert arguments().parse_args([]).names == []
+    assert set(LONG) < set(FIGURES)
+    for wrong in (["fig14"], ["--missions", "0"], ["--tile", "-1"], ["--tile", "nan"], ["--effort", "much"]):
+        with pytest.raises(SystemExit):
+            arguments().parse_args(wrong)
+        assert wrong[-1] in capsys.readouterr().err
+
+
+def test_a_cell_keeps_to_its_column() -> None:
+    assert line_of(Row("a", "b", "no plan:\n too far | away", False)) == "| a | b | no plan: too far / away | NO |"
+    assert line_of(Row("a", "", "c", None)).endswith("| c |  |")
+
+
+# ---------------------------------------------------------------- the paper's cases
+
+
+def test_the_cases_are_the_papers(tmp_path: Path) -> None:
+    assert sum(case.paper_robots for case in CASES) == 50
+    assert sum(case.paper_late for case in CASES) == 4
+    example = read_mission(PROJECT / "examples" / "sun2019-fig13.yaml").mission
+    section = read_mission(write_case(CASES[-1], tmp_path)).mission
+    assert (section.area, section.obstacles, section.zones) == (example.area, example.obstacles, example.zones)
+    assert (section.period_s, section.fleet) == (example.period_s, example.fleet)
+    third = read_mission(write_case(CASES[2], tmp_path)).mission
+    assert ([zone.period_s for zone in third.zones], third.period_s) == ([12, 7], 40)
+
+
+def test_a_case_is_reached_with_no_more_robots_than_asked_within_a_minute() -> None:
+    case = CASES[-1]  # at most four
+    row = case_row(case, planned(4, 30), "quick")
+    assert row.reached
+    assert row.asked == "met, at most 4 robots (the paper: 5), < 60 s"
+    assert "4 robots (bound 3), met; worst gap / period 0.988; CPU 35 s" in row.measured
+    assert not case_row(case, planned(5, 30), "quick").reached
+    assert not case_row(case, planned(4, 60), "quick").reached
+    assert not case_row(case, planned(4, 30, verdict="not proven"), "quick").reached
+    assert not case_row(case, NO_PLAN, "quick").reached
+    assert "exit code 3" in case_row(case, NO_PLAN, "quick").measured
+
+
+def test_the_total_counts_what_is_met() -> None:
+    row = total_row([planned(5, 10)] * 7, "normal")
+    assert row.reached
+    assert row.measured == "35 robots (bound 21) in 7 of 7 cases met; 77 s in all, CPU 105 s"
+    assert not total_row([planned(5, 10)] * 6 + [planned(6, 10)], "normal").reached
+    assert not total_row([planned(5, 10)] * 6 + [NO_PLAN], "normal").reached
+
+
+def test_the_worst_ratio_is_without_end_where_something_is_never_seen() -> None:
+    never: dict[str, Any] = {"demands": [{"worst_gap_s": None, "period_s": 40.0}]}
+    assert worst_ratio(never) == math.inf
+
+
+# ---------------------------------------------------------------- one robot
+
+
+def test_what_a_straight_route_sees_is_a_stadium() -> None:
+    loop = judged(np.array([[10.0, 10.0], [110.0, 10.0]]))
+    radius_m = 5.001
+    free_m2 = SIDE_M**2 - 15 * 25 - 25 * 15
+    assert loop.length_m == pytest.approx(100)
+    assert loop.seen_share == pytest.approx((100 * 2 * radius_m + math.pi * radius_m**2) / free_m2, abs=5e-5)
+    assert loop.stays_inside
+    assert not loop.sees_all
+
+
+def test_walls_cut_what_a_route_sees_and_routes_through_them_do_not_count() -> None:
+    along_a_wall = judged(np.array([[30.0, 60.0], [45.0, 60.0]]))  # the lower side of the first block
+    free_m2 = SIDE_M**2 - 15 * 25 - 25 * 15
+    # half a stadium below; above, beside the block, a quarter of a disc at either end
+    assert along_a_wall.seen_share * free_m2 == pytest.approx(15 * 5.001 + math.pi * 5.001**2, abs=0.4)
+    assert along_a_wall.stays_inside
+    assert not judged(np.array([[20.0, 70.0], [60.0, 70.0]])).stays_inside
+    assert not judged(np.array([[20.0, 70.0], [-1.0, 70.0]])).stays_inside
+
+
+def test_the_shortest_route_that_sees_enough_is_chosen() -> None:
+    lanes = [(x, y) for k, y in enumerate(np.arange(5, 120, 10)) for x in ((0, 120) if k % 2 == 0 else (120, 0))]
+    routes = [np.array(lanes, float), np.array([[0.0, 5.0], [120.0, 5.0]]), np.array([[60.0, 5.0], [119.0, 5.0]])]
+    best = shortest_that_sees(routes, 0.05)
+    assert best is not None
+    assert best.length_m == pytest.approx(120)
+    assert shortest_that_sees(routes, 0.9) is None  # the lanes go through the blocks
+    assert shortest_that_sees([], 0.1) is None
+
+
+def test_lengths_are_tried_from_above_until_one_robot_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked_m: list[float] = []
+
+    def from_1550_m(budget_m: float, _options: Options) -> tuple[Planned, Loop | None]:
+        asked_m.append(budget_m)
+        if budget_m < 1550:
+            return planned(2, 10), None
+        return planned(1, 10), Loop(length_m=budget_m - 2, seen_share=1.0, sees_all=True, stays_inside=True)
+
+    monkeypatch.setattr("benchmarks.one_robot.planned_within", from_1550_m)
+    row = shortest_loop(Options(folder=Path()))
+    expected_m = [1620, 0.985 * 1618, 0.985 * (0.985 * 1618 - 2)]  # the third is 1,567.9
+    assert asked_m[:3] == pytest.approx(expected_m)
+    assert asked_m[3] == pytest.approx(0.985 * (expected_m[2] - 2))  # 1,542.4: too short
+    assert asked_m[4] == pytest.approx((expected_m[2] - 2 + asked_m[3]) / 2)  # 1,554.2
+    assert asked_m[5] == pytest.approx((asked_m[4] - 2 + asked_m[3]) / 2)  # 1,547.3: too short, and near enough
+    assert len(asked_m) == 6
+    assert row.reached
+    assert row.measured == "1,552 m, 100.00 % seen; none within 1,547 m; 6 lengths tried in 66 s, CPU 90 s"
+    monkeypatch.setattr("benchmarks.one_robot.planned_within", lambda *_: (NO_PLAN, None))
+    assert shortest_loop(Options(folder=Path())).measured.startswith("none within 1,620 m: exit code 3")
+
+
+def test_the_mission_of_the_loop_leaves_one_robot_so_many_metres(tmp_path: Path) -> None:
+    path = tmp_path / "one.json"
+    path.write_text(mission_text(1500))
+    mission = read_mission(path).mission
+    assert mission.fleet.speed_m_s * mission.period_s == pytest.approx(1500)
+    blocks = [obstacle.shape.bounds for obstacle in mission.obstacles]
+    assert (
+        blocks == [obstacle.shape.bounds for obstacle in ground().obstacles] == [tuple(map(float, b)) for b in BLOCKS]
+    )
+    assert len(peer_settings()) == 11 * 9 * 4 * 3
+
+
+# ---------------------------------------------------------------- large areas
+
+
+def test_tiles_are_the_square_kilometres_of_the_figures(tmp_path: Path) -> None:
+    one = read_mission(write_tiles(1, 1, 1000, tmp_path)).mission
+    assert one.area.bounds == (0, 0, 1000, 1000)
+    corners = [obstacle.shape.bounds for obstacle in one.obstacles]
+    assert corners == [(x, y, x + 80, y + 80) for x, y in ((200, 200), (700, 200), (200, 700), (700, 700))]
+    ten = read_mission(write_tiles(5, 2, 1000, tmp_path)).mission
+    assert ten.area.area == pytest.approx(10e6)
+    assert sum(obstacle.shape.area for obstacle in ten.obstacles) == pytest.approx(40 * 6400)
+    assert max(obstacle.shape.bounds for obstacle in ten.obstacles) == (4700, 1700, 4780, 1780)
+    small = read_mission(write_tiles(2, 1, 50, tmp_path)).mission
+    assert small.obstacles[-1].shape.bounds == (85, 35, 89, 39)
+
+
+def test_growth_is_the_exponent_of_time_in_area() -> None:
+    options = Options(folder=Path())
+    row = growth_row(planned(7, 20), planned(70, 200), options)
+    assert (row.measured, row.reached) == ("exponent 1.00 (20.0 s to 200.0 s)", True)
+    assert growth_row(planned(7, 20), planned(70, 2000), options).measured.startswith("exponent 2.00")
+    assert not growth_row(planned(7, 20), planned(70, 20 * 10**1.21), options).reached
+    assert not growth_row(planned(7, 20), NO_PLAN, options).reached
+
+
+# ---------------------------------------------------------------- random missions
+
+
+def outcome(seed: int, failure: str | None = None, *, robots: int = 3, bound: int = 2, seconds: float = 4.0) -> Outcome:
+    return Outcome(seed=seed, seconds=seconds, failure=failure, kind="600 m2", robots=robots, bound=bound)
+
+
+def test_the_summary_counts_robots_above_their_bounds() -> None:
+    options = Options(folder=Path(), missions=3)
+    row = summary([outcome(0), outcome(2, robots=2), outcome(1, seconds=7)], options, 12.0)
+    assert row.reached
+    assert row.measured == (
+        "3 of 3 passed, 100.0 %; where robots may be few 8 robots (bounds 6; 1 at +0, 2 at +1, seed 0 farthest);"
+        " 5.0 s each, seed 1 slowest with 7.0 s, 12 s in all"
+    )
+    failed = summary([outcome(0), outcome(1), outcome(2, "no plan", robots=0)], options, 12.0)
+    assert not failed.reached
+    few = "where robots may be few 6 robots (bounds 4; 2 at +1, seed 0 farthest)"
+    assert failed.measured.startswith(f"2 of 3 passed, 66.7 %; {few}")
+    given = outcome(2, robots=9)._replace(given=True)
+    assert f"3 of 3 passed, 100.0 %; {few}" in summary([outcome(0), outcome(1), given], options, 12.0).measured
+    early = summary([outcome(0), outcome(1)], options, 12.0)
+    assert not early.reached
+    assert early.measured.startswith("2 of 2 (of 3; interrupted) passed")
+    assert summary([], options, 1.0).reached is None
+
+
+def test_a_plan_is_at_fault_when_the_check_or_its_own_bound_says_so() -> None:
+    mission = Mission(
+        name="yard", area=MultiPolygon([box(0, 0, 10, 10)]), period_s=40,
+        fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=20)),
+    )  # fmt: skip
+    stays = Trajectory(robot="robot-1", times_s=[0.0], positions_m=[(5.0, 5.0)])
+    outside = Trajectory(robot="robot-1", times_s=[0.0], positions_m=[(-5.0, 5.0)])
+    assert fault(Plan(mission=mission, trajectories=(stays,), lower_bound_robots=1)) is None
+    assert "the check says 'violated'" in str(fault(Plan(mission=mission, trajectories=(outside,))))
+    above = fault(Plan(mission=mission, trajectories=(stays,), lower_bound_robots=2))
+    assert above == "the lower bound is 2, above the 1 robots of a plan that is met"
+
+
+def test_missions_are_planned_in_processes_until_ctrl_c(tmp_path: Path) -> None:
+    found = []
+    for one in outcomes(Options(folder=tmp_path, missions=50, first_seed=EASY_SEED, processes=1)):
+        found.append(one)
+        os.kill(os.getpid(), signal.SIGINT)
+    assert [(one.seed, one.failure) for one in found] == [(EASY_SEED, None)]
+    assert 0 < found[0].bound <= found[0].robots
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
