@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+import shapely
 from shapely import box
 
 from rota.errors import MissionError
@@ -26,3 +27,11 @@ def test_no_zone_takes_the_name_of_the_ground_outside_zones() -> None:
 def test_names_of_zones_are_unique() -> None:
     with pytest.raises(MissionError, match="zones: 'gate' is not allowed; names must be unique"):
         with_zones("gate", "gate")
+
+
+def test_a_shape_on_a_grid_is_taken_off_it() -> None:
+    coarse = shapely.set_precision(box(0, 0, 10, 10), 0.5)
+    mission = Mission(name="m", area=coarse, period_s=10, fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1)))
+    assert shapely.get_precision(mission.area) == 0
+    assert mission.area.equals(box(0, 0, 10, 10))
+    assert mission.area.intersection(box(0.1, 0.1, 20, 20)).bounds == (0.1, 0.1, 10, 10)

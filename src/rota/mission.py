@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
+import shapely
 from shapely import MultiPolygon, Point, Polygon, box, union_all
 
 from rota.errors import MissionError
@@ -40,7 +41,8 @@ def _as_multipolygon(where: str, shape: Polygon | MultiPolygon) -> MultiPolygon:
     _require(isinstance(shape, MultiPolygon), where, type(shape).__name__, "must be a polygon or a multipolygon")
     _require(not shape.is_empty, where, "an empty shape", "must have an area")
     _require(shape.is_valid, where, "an invalid shape", "rings may not cross themselves or each other")
-    return shape
+    # a shape on a grid would round all that is made from it to that grid
+    return shape if shapely.get_precision(shape) == 0 else shapely.set_precision(shape, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
