@@ -39,8 +39,9 @@ def nested(
     tours, ideal_m: one per ground, with their robots, and the metres of ideal lanes over it. Beside them how many times
     longer than ideal the slow ground's tour and its excursions may be together.
     """
-    slow = max(range(len(tours)), key=lambda k: (tours[k].period_s, ideal_m[k] / replace(tours[k], robots=1).budget_m))
-    if grounds[slow].stands is not None:
+    load = [ideal / replace(tour, robots=1).budget_m for tour, ideal in zip(tours, ideal_m, strict=True)]
+    slow = slowest(tours, load)
+    if load[slow] == 0 or grounds[slow].stands is not None:
         return None
     part, slow_s = tours[slow].part, tours[slow].period_s
     spare = [
@@ -65,6 +66,11 @@ def nested(
         found += nest_of(problem, tours[k], tours[slow], taken, rounds, len(found))
     rest = tour_past(problem, problem.places_m[left], tours[slow].serves, part)
     return room, [*found, replace(rest, robots=tours[slow].robots)]
+
+
+def slowest(tours: list[Tour], load: list[float]) -> int:
+    """The tour of the longest period that has ground to sweep, of those the one with the greatest load."""
+    return max(range(len(tours)), key=lambda k: (load[k] > 0, tours[k].period_s, load[k]))
 
 
 def nearest_first(problem: Problem, tour: Tour, places: Ints) -> Ints:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rota.planners.patrol.annealing.tour import Tour, tour_length_m
-from rota.planners.patrol.nesting import WINDING, can_nest, nested
+from rota.planners.patrol.nesting import WINDING, can_nest, nested, slowest
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
 from rota.planners.patrol.start.standing import robots_stand
@@ -114,7 +114,7 @@ def nest_bases(problem: Problem, start: Start, counts: list[int], robots: int) -
     bases = [replace(start, tours=shared)]
     one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
     load = [m / b for m, b in zip(start.ideal_m, one_m, strict=True)]
-    slow = max(range(len(load)), key=lambda k: (start.tours[k].period_s, load[k]))
+    slow = slowest(start.tours, load)
     needed = [1 if k == slow else max(1, math.ceil(WINDING * x)) for k, x in enumerate(load)]
     needed[slow] += robots - sum(needed)
     if needed[slow] < 1 or (needed == counts and max((n for k, n in enumerate(needed) if k != slow), default=1) == 1):
@@ -137,8 +137,8 @@ def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iter
     """The loops within loops on these bases, where neither the quick tours nor the rest are too tight."""
     for base in bases:
         nest = nested(problem, base.grounds, base.tours, base.ideal_m, least_squeeze)
-        slowest = max(tour.serves for tour in base.tours)
-        hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < slowest]
+        latest = max(tour.serves for tour in base.tours)
+        hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < latest]
         if nest is not None and min(hubs, default=math.inf) >= least_squeeze:
             yield Split(room=min(nest[0], *hubs), tours=nest[1], nests=True)
 
