@@ -99,7 +99,7 @@ def plan(
     best: Annotated[bool, typer.Option("--best", help="Write the best plan even if it misses its demand.")] = False,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
-    from rota.compiled_cache import check_compiled_meanwhile, is_compiled
+    from rota.compiled_cache import compiled_by_two, is_compiled
     from rota.files.mission_file import read_mission
 
     target = output if output is not None else f"{mission.stem}.rota.json"
@@ -109,7 +109,7 @@ def plan(
         say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
     mention_compiling("planners/patrol/annealing", "geometry", "check")
-    with nullcontext() if is_compiled("check") else check_compiled_meanwhile():
+    with nullcontext() if is_compiled("planners/patrol/annealing", "check") else compiled_by_two():
         code = _plan_and_write(asked, target, seed, time_limit, best)
     raise typer.Exit(code)
 

@@ -40,32 +40,45 @@ def _folders_for(file: Path, root: Path) -> list[Path]:
     return [folder for folder in root.glob(f"{file.parent.name}_*") if folder.is_dir()]
 
 
-# a robot that circles a block: it takes the check through sight, motion and two bodies' separation
-_CHECK_SOMETHING = """
+# the longest moves first, for they are wanted first; then all that a planner does before it anneals; then a robot that
+# circles a block, which takes the check through sight, motion and two bodies' separation
+_OTHER_HALF = """
+import numpy as np
 from shapely import MultiPolygon, box
+from rota.planners.patrol.annealing.compile_ahead import compile_exchanges
+compile_exchanges()
 from rota.check import check_plan
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.plan import Plan, Trajectory
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.problem import set_up_problem
+from rota.planners.patrol.splits import starts
 ring = [[2, 2], [18, 2], [18, 18], [2, 18], [2, 2]]
 mission = Mission(
     name="first run", area=MultiPolygon([box(0, 0, 20, 20)]), period_s=100,
     obstacles=(Obstacle(shape=MultiPolygon([box(8, 8, 12, 12)])),),
     fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=5), body_radius_m=0.1),
 )
+problem = set_up_problem(mission)
+tours, price = starts(problem, 1)[0].tours, np.ones(1)
+Annealing(tours[:1], problem.samples, problem.space_grid, price=price, over_price=price, seed=0, range_margin_m=0.01)
 robots = [Trajectory(robot=f"robot-{k}", times_s=[0, 16, 32, 48, 64], positions_m=ring) for k in (1, 2)]
 check_plan(Plan(mission=mission, trajectories=tuple(robots)))
 """
 
 
 @contextmanager
-def check_compiled_meanwhile() -> Iterator[None]:
-    """Let another process compile the check while this one compiles the planner: a first plan comes sooner.
+def compiled_by_two() -> Iterator[None]:
+    """Compile the annealing while another process compiles all else: a first plan comes sooner by a third.
 
-    Both write numba's shared cache, of different packages. Should that process fail, the check is compiled here later.
+    Both write numba's shared cache, of different functions; what the other has not finished is compiled when needed.
     """
     quiet = subprocess.DEVNULL
-    process = subprocess.Popen([sys.executable, "-c", _CHECK_SOMETHING], stdin=quiet, stdout=quiet, stderr=quiet)
+    process = subprocess.Popen([sys.executable, "-c", _OTHER_HALF], stdin=quiet, stdout=quiet, stderr=quiet)
     try:
+        from rota.planners.patrol.annealing.compile_ahead import compile_moves
+
+        compile_moves()
         yield
     finally:
         process.kill()

@@ -70,9 +70,9 @@ Judge = Callable[[Plan], Verdict]
 class Work:
     """Bounds of the work.
 
-    moves: of one annealing, for tours of a few hundred corners; most_moves: for any. tries: splits of the ground that
-    are annealed in full for one number of robots, each up to ``coolings`` times, cooler and cooler. repairs: rounds of
-    mending. groupings: of the period classes.
+    moves: of one annealing, for tours of a few hundred corners; most_moves: for any. screened: splits of the ground for
+    one number of robots, the roomiest, that are annealed a little. tries: those of them that are annealed in full, each
+    up to ``coolings`` times, cooler and cooler. repairs: rounds of mending. groupings: of the period classes.
     least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is not tried.
     stretches: of the periods, tried for the best that a fixed number of robots can do, until one that failed and one
     that passed differ by no more than the factor ``nearness``. begins_anew: whether from new tours too, after some
@@ -81,6 +81,7 @@ class Work:
 
     moves: int
     most_moves: int
+    screened: int
     tries: int
     coolings: int
     repairs: int
@@ -95,6 +96,7 @@ WORK: dict[Effort, Work] = {
     "quick": Work(
         moves=300_000,
         most_moves=2_000_000,
+        screened=4,
         tries=2,
         coolings=4,
         repairs=12,
@@ -107,6 +109,7 @@ WORK: dict[Effort, Work] = {
     "normal": Work(
         moves=1_200_000,
         most_moves=10_000_000,
+        screened=6,
         tries=3,
         coolings=8,
         repairs=20,
@@ -119,6 +122,7 @@ WORK: dict[Effort, Work] = {
     "high": Work(
         moves=10_000_000,
         most_moves=100_000_000,
+        screened=16,
         tries=8,
         coolings=12,
         repairs=30,

@@ -14,6 +14,7 @@ from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
 from rota.planners.patrol.start.standing import robots_stand
 
+THERE_AND_BACK = 1.1  # loops within loops over one tour of the same ground
 NEST_BELOW = 1.4  # budgets over ideal lengths, below which loops within loops are tried
 MOST_APART = 64  # robots, beyond which each on a tour of its own is not tried
 
@@ -134,9 +135,12 @@ def nest_bases(problem: Problem, start: Start, counts: list[int], robots: int) -
 
 
 def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iterator[Split]:
-    """The loops within loops on these bases, where neither the quick tours nor the rest are too tight."""
+    """The loops within loops on these bases, where neither the quick tours nor the rest are too tight.
+
+    The way to every piece of slow ground and back makes them longer than a tour of it all.
+    """
     for base in bases:
-        nest = nested(problem, base.grounds, base.tours, base.ideal_m, least_squeeze)
+        nest = nested(problem, base.grounds, base.tours, base.ideal_m, THERE_AND_BACK * least_squeeze)
         latest = max(tour.serves for tour in base.tours)
         hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < latest]
         if nest is not None and min(hubs, default=math.inf) >= least_squeeze:

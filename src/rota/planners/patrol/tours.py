@@ -202,7 +202,7 @@ def with_so_many(context: Context, ways: list[Start], robots: int, *, least_sque
     All splits are annealed a little; then the most promising ones in full, one after the other. Loops within loops
     take longer to find their shape, and are tried by the room that they have, in turn with the others.
     """
-    begun = splits(context.problem, ways, robots, least_squeeze)
+    begun = splits(context.problem, ways, robots, least_squeeze)[: context.work.screened]
     if len(begun) > 1:
         share = int(SCREENED * context.work.moves)
         tours = [split.tours for split in begun]

@@ -1,0 +1,63 @@
+"""The annealing's kernels compiled before there is anything to anneal, so that two processes can share the work."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from numba import float64, int64
+
+from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
+from rota.planners.patrol.annealing import kernels, move_kernels
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.tour_kernels import Tours
+
+typeof: Any = numba.typeof  # which has no types of its own
+WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "edges"}  # arrays of two dimensions
+WHOLE = {
+    "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
+    "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",
+    "grid_n", "anchor", "n", "square", "serves", "hub", "petals", "seen_n", "free_slots", "unseen_item", "unseen_place",
+    "ints", "tried_new", "tried_old", "start", "items", "clear",
+}  # fmt: skip
+SHORT = {"column_start", "seen", "times_seen"}  # 32 bits
+
+
+def compile_moves() -> None:
+    """Compile the whole annealing, but for what is in numba's cache already."""
+    _compile_geometry()
+    kernels.anneal.compile((int64, int64, int64, float64, float64, float64, float64, *_states()))
+
+
+def compile_exchanges() -> None:
+    """Compile the two longest moves alone; ``compile_moves`` in another process finds them in numba's cache."""
+    _compile_geometry()
+    space, samples, tours = _states()
+    numbers = typeof(np.zeros(0))
+    move_kernels.try_two_opt.compile((int64, int64, float64, space, samples, tours))
+    move_kernels.try_or_opt.compile(
+        (int64, int64, int64, float64, float64, space, samples, tours, numbers, numbers)
+    )  # fmt: skip
+
+
+def _compile_geometry() -> None:
+    # it allocates, which it may not when it is compiled for a caller that must not
+    space = _states()[0]
+    point_in_space.compile((float64, float64, space))
+    segment_is_free.compile((float64, float64, float64, float64, space))
+
+
+def _states() -> tuple[Any, Any, Any]:
+    """The types of a standing space, of samples and of tours."""
+    grid = EdgeGrid(0.0, 0.0, 1.0, 1, 1, *(_array(name) for name in EdgeGrid._fields[5:]))
+    return (
+        typeof(grid),
+        typeof(Samples(*(_array(name) for name in Samples._fields))),
+        typeof(Tours(*(_array(name) for name in Tours._fields))),
+    )
+
+
+def _array(name: str) -> Any:
+    kind = np.int32 if name in SHORT else np.int64 if name in WHOLE else np.uint64 if name == "rng" else np.float64
+    return np.zeros((0, 0) if name in WIDE else 0, dtype=kind)
