@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
-from numba import float64, int64
 
 from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
 from rota.planners.patrol.annealing import kernels, move_kernels
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.tour_kernels import Tours
 
-typeof: Any = numba.typeof  # which has no types of its own
+typeof = kernels.anneal.typeof_pyval
+INT, FLOAT = typeof(0), typeof(0.0)
 WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "edges"}  # arrays of two dimensions
 WHOLE = {
     "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
@@ -27,7 +26,7 @@ SHORT = {"column_start", "seen", "times_seen"}  # 32 bits
 def compile_moves() -> None:
     """Compile the whole annealing, but for what is in numba's cache already."""
     _compile_geometry()
-    kernels.anneal.compile((int64, int64, int64, float64, float64, float64, float64, *_states()))
+    kernels.anneal.compile((INT, INT, INT, FLOAT, FLOAT, FLOAT, FLOAT, *_states()))
 
 
 def compile_exchanges() -> None:
@@ -35,17 +34,17 @@ def compile_exchanges() -> None:
     _compile_geometry()
     space, samples, tours = _states()
     numbers = typeof(np.zeros(0))
-    move_kernels.try_two_opt.compile((int64, int64, float64, space, samples, tours))
+    move_kernels.try_two_opt.compile((INT, INT, FLOAT, space, samples, tours))
     move_kernels.try_or_opt.compile(
-        (int64, int64, int64, float64, float64, space, samples, tours, numbers, numbers)
+        (INT, INT, INT, FLOAT, FLOAT, space, samples, tours, numbers, numbers)
     )  # fmt: skip
 
 
 def _compile_geometry() -> None:
     # it allocates, which it may not when it is compiled for a caller that must not
     space = _states()[0]
-    point_in_space.compile((float64, float64, space))
-    segment_is_free.compile((float64, float64, float64, float64, space))
+    point_in_space.compile((FLOAT, FLOAT, space))
+    segment_is_free.compile((FLOAT, FLOAT, FLOAT, FLOAT, space))
 
 
 def _states() -> tuple[Any, Any, Any]:
