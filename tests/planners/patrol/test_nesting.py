@@ -147,3 +147,10 @@ def test_quick_ground_with_two_robots_gives_two_hubs(problem: Problem) -> None:
     assert second.ideal_m[2] == way.ideal_m[1]
     # with two robots nothing would be left for the rest
     assert len(nest_bases(problem, way, [1, 1], 2)) == 1
+
+
+def test_no_nest_where_the_slow_ground_is_one_place(problem: Problem) -> None:
+    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
+    one_place = replace(way.grounds[1], places=way.grounds[1].places[:1])
+    one_each = [replace(t, robots=1) for t in way.tours]
+    assert nested(problem, [way.grounds[0], one_place], one_each, way.ideal_m, 1.0) is None

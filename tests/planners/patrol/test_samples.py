@@ -21,7 +21,6 @@ from rota.planners.patrol.samples import (
     region_points,
     visit_point,
     walls_in_reach,
-    with_shrink,
 )
 
 Floats = NDArray[np.float64]
@@ -120,7 +119,7 @@ def test_a_zone_is_visited_where_robots_can_be() -> None:
     assert len(visit_point(zone, MultiPolygon([box(5, 1, 9, 2)]), 0, 0, 1.0)) == 0
 
 
-def test_joining_selecting_and_shrinking() -> None:
+def test_joining_and_selecting() -> None:
     one = points_of(np.array([[1.0, 2], [3, 4]]), 0.5, 1, 7, shrink_m=0.1)
     two = points_of(np.array([[5.0, 6]]), 2.0, 0, 8, visit_m=1.5)
     both = joined([one, points_of(np.zeros((0, 2)), 0.0, 0, 0), two])
@@ -129,7 +128,6 @@ def test_joining_selecting_and_shrinking() -> None:
     assert both.region.tolist() == [7, 7, 8]
     last = both[np.array([2, 0])]
     assert (last.area_m2.tolist(), last.visit_m.tolist(), last.period.tolist()) == ([2, 0.5], [1.5, 0], [0, 1])
-    assert with_shrink(both, 0.05).shrink_m.tolist() == [0.1, 0.1, 0.05]
     assert len(joined([points_of(np.zeros((0, 2)), 0.0, 0, 0)])) == 0
 
 

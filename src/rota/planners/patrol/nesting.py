@@ -61,9 +61,15 @@ def nested(
             continue
         # its own part of the slow ground: the nearest places, as many as it can sweep
         near = nearest_first(problem, tours[k], left)
-        taken, left = np.split(near, [min(len(near) - 1, int(share * spare[k]))])
+        count = min(len(near) - 1, int(share * spare[k]))
+        if count == 0:
+            found.append(tours[k])
+            continue
+        taken, left = np.split(near, [count])
         rounds = min(MOST_PETALS, math.floor(slow_s / tours[k].period_s + 1e-9))
         found += nest_of(problem, tours[k], tours[slow], taken, rounds, len(found))
+    if all(tour.nest < 0 for tour in found):
+        return None
     rest = tour_past(problem, problem.places_m[left], tours[slow].serves, part)
     return room, [*found, replace(rest, robots=tours[slow].robots)]
 

@@ -275,8 +275,3 @@ def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple
     x, y = (np.ascontiguousarray(points.xy_m[:, axis]) for axis in (0, 1))
     needed = walls_that_hide(x, y, start, wall, np.ascontiguousarray(walls))
     return np.searchsorted(point[needed], np.arange(n + 1)).astype(np.int64), wall[needed]
-
-
-def with_shrink(points: SamplePoints, shrink_m: float) -> SamplePoints:
-    """The same points, every sensor taken shorter by ``shrink_m`` at least."""
-    return replace(points, shrink_m=np.maximum(points.shrink_m, shrink_m))
