@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import threading
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,7 +28,7 @@ Ints = NDArray[np.int64]
 PERIOD_TOLERANCE = 1e-9
 TOUCH_M = 1e-6
 MOST_EXCLUDED = 0.05
-MOST_CELLS = 250_000
+MOST_CELLS = 4_000_000
 MOST_UNMET_POINTS = 200_000
 
 
@@ -87,10 +88,13 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
     ground = open_ground(mission)
     shapely.prepare(ground)
 
+    one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
+
     def is_seeable(points_m: Floats, spread_m: float) -> NDArray[np.bool_]:
-        # places where nothing is asked are not held against the piece beside them
-        found = ~shapely.contains_xy(ground, *points_m.T)
-        found[~found] = seeable(mission, grounds_of(mission), points_m[~found], spread_m)
+        with one_at_a_time:
+            # places where nothing is asked are not held against the piece beside them
+            found = ~shapely.contains_xy(ground, *points_m.T)
+            found[~found] = seeable(mission, grounds_of(mission), points_m[~found], spread_m)
         return np.asarray(found)
 
     return refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=max(finest_m, size / 4))

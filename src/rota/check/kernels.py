@@ -215,7 +215,7 @@ def _leg_sights(piece, leg, reach_m, square, shadows, boxes, n_shadows, slack_m,
     return kept
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def worst_gaps(
     offsets, corners, limits_s, slack_m, grid, shape,
     legs, leg_times_s, leg_robots, leg_kinds, leg_offsets, leg_index,

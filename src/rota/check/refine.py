@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +20,7 @@ Flags = NDArray[np.bool_]
 IsSeeable = Callable[[Floats, float], Flags]
 
 MOST_PIECES = 600_000
+MOST_TOGETHER = 250_000  # pieces at first; of more, so many at a time are refined by themselves
 MOST_PLACES = 8
 SAMPLED_MET = 200
 INSIDE = 1 - 1e-6  # corners are asked a little inside of their piece, off walls and borders
@@ -93,9 +96,49 @@ def refine(
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
     owners: (n,) index of each piece's demand into limits_s (demands,). ``is_seeable(points, spread)``: whether a body
-    can stand where it sees the point (within the spread). Pieces of a demand that is already violated are cut to
-    ``coarse_m`` only. When more than 600,000 pieces would be open at once, all are left undecided as they are.
+    can stand where it sees the point (within the spread); it is asked from several threads. Pieces of a demand that is
+    already violated are cut to ``coarse_m`` only. When more than 600,000 pieces would be open at once, all are left
+    undecided as they are. Very many pieces are refined in parts, each by itself, so that memory and work for one piece
+    do not grow with their number.
     """
+
+    def part(first: int) -> list[Found]:
+        some = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
+        return _refined(sights, pieces.chosen(some), owners[some], limits_s, is_seeable, finest_m, coarse_m)
+
+    if len(pieces) <= MOST_TOGETHER:
+        return part(0)
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        return [_together(alike) for alike in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
+
+
+def _together(parts: Iterable[Found]) -> Found:
+    """What was found out about one demand in all the parts."""
+    whole = Found()
+    for one in parts:
+        whole.upper_s = max(whole.upper_s, one.upper_s)
+        whole.lower_s = max(whole.lower_s, one.lower_s)
+        whole.first_s = max(whole.first_s, one.first_s)
+        if one.worst_place_m is not None and (whole.worst_place_m is None or one.worst_s > whole.worst_s):
+            whole.worst_s, whole.worst_begin_s, whole.worst_place_m = one.worst_s, one.worst_begin_s, one.worst_place_m
+        whole.unseen_area_m2 += one.unseen_area_m2
+        whole.excluded_area_m2 += one.excluded_area_m2
+        whole.undecided_cells += one.undecided_cells
+        whole.excluded += one.excluded
+        whole.unmet += one.unmet
+    return whole
+
+
+def _refined(
+    sights: Sights,
+    pieces: Pieces,
+    owners: Ints,
+    limits_s: Floats,
+    is_seeable: IsSeeable,
+    finest_m: float,
+    coarse_m: float,
+) -> list[Found]:
+    """The same for pieces that are looked at together."""
     found = [Found() for _ in limits_s]
     while len(pieces):
         gaps = piece_gaps(sights, pieces, limits_s[owners])

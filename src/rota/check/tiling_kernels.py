@@ -44,7 +44,7 @@ def rasterise(segments, margin_m, grid, shape):
     return offsets, found
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def swath_cuts(
     offsets, corners, grid, shape, legs, leg_robots, leg_offsets, leg_index, reaches_m, squares, margin_m
 ):  # fmt: skip
@@ -91,7 +91,7 @@ def swath_cuts(
     return cuts
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def halve(offsets, corners, cuts, narrowest_m):
     """Each convex piece cut in two along its line, or across the longer side of its box where the line is nan.
 
