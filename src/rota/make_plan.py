@@ -62,7 +62,7 @@ def search_plan(
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
-    judge = _Judge(watch)
+    judge = _Judge(mission, watch)
     stop = _StopRule(time_limit_s, should_stop)
     try:
         plan = _planner(mission)(
@@ -93,18 +93,21 @@ def _planner(mission: Mission) -> Callable[..., Plan]:
 class _Judge:
     """The check as a planner sees it; remembers its last report, since the plan judged last is mostly the one given."""
 
-    def __init__(self, watch: Watch | None) -> None:
+    def __init__(self, mission: Mission, watch: Watch | None) -> None:
         self._last: tuple[Plan, Report] | None = None
+        self._mission = mission
         self._watch = watch
 
     def __call__(self, plan: Plan) -> Report:
         from rota.check import check_plan
 
-        if self._last is None or self._last[0] is not plan:
-            self._last = (plan, check_plan(plan))
-            if self._watch is not None:
-                self._watch(_checked(*self._last))
-        return self._last[1]
+        last = self._last  # which another thread may change
+        if last is None or last[0] is not plan:
+            self._last = last = (plan, check_plan(plan))
+            # plans for parts of the area tell nothing of how far the whole has come
+            if self._watch is not None and plan.mission.area == self._mission.area:
+                self._watch(_checked(*last))
+        return last[1]
 
 
 def _checked(plan: Plan, report: Report) -> SearchState:

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, box
 
-from rota.check import Report, check_plan, report_schema, report_table, report_to_json
+from rota.check import Report, check_plan, refine, report_schema, report_table, report_to_json
 from rota.check.revisits import worst_gaps_s
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
@@ -346,3 +346,23 @@ def test_a_place_said_to_be_violated_is_among_the_unmet() -> None:
     (gap,) = [violation for violation in report.violations if violation.kind == "gap"]
     assert gap.place_m is not None
     assert np.hypot(*(report.unmet_points_m - gap.place_m).T).min() == 0
+
+
+@pytest.mark.parametrize("period", [0.999, 1.001])
+def test_pieces_judged_in_parts_come_to_the_same_verdict(period: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    trajectory = route(TOUR, 10.0)
+    pillar = Obstacle(shape=MultiPolygon([box(29, 29, 31, 30)]))
+    zone = Zone(name="gate", shape=MultiPolygon([box(10, 10, 50, 20)]), period_s=trajectory.loop_duration_s)
+    mission = field(period_s=period * trajectory.loop_duration_s, obstacles=(pillar,), zones=(zone,))
+    plan = Plan(mission=mission, trajectories=(trajectory,), lower_bound_robots=1)
+    whole = check_plan(plan)
+    monkeypatch.setattr(refine, "MOST_TOGETHER", 700)  # of 2,400 and more
+    parts = check_plan(plan)
+    assert parts.verdict == whole.verdict
+    assert [(v.kind, v.who, v.value) for v in parts.violations] == [(v.kind, v.who, v.value) for v in whole.violations]
+    for one, other in zip(parts.demands, whole.demands, strict=True):
+        assert one.outcome == other.outcome
+        assert one.worst_gap_at_least_s == other.worst_gap_at_least_s
+        assert one.unseen_area_m2 == pytest.approx(other.unseen_area_m2)
+        if one.outcome == "met":
+            assert (one.worst_gap_s, one.undecided_cells) == (other.worst_gap_s, other.undecided_cells)

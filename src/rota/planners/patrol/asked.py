@@ -45,7 +45,7 @@ def plan_patrol(
             plan = led_from_starts(plan, tight, judge)
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=as_asked(failure.best, mission)) from failure
-    final = replace(plan, mission=mission)
+    final = plan if plan.mission is mission else replace(plan, mission=mission)  # the judge knows the plan judged last
     if mission.planning.range_margin_m > 0 and (verdict := judge(final)).verdict != "met":
         raise NoPlanFound(
             f"patrol.range_margin_m: {mission.planning.range_margin_m:.6g} hides ground that only sensors of full reach"
@@ -71,7 +71,9 @@ def led_as_asked(best: object | None, mission: Mission) -> Plan | None:
 
 
 def without_starts(mission: Mission) -> Mission:
-    """The same mission, its robots anywhere to begin with."""
+    """The same mission, its robots anywhere to begin with; itself when they are."""
+    if not mission.has_starts:
+        return mission
     robots = mission.fleet.robots
     anywhere = None if robots is None else tuple(replace(robot, start=None) for robot in robots)
     return replace(mission, fleet=replace(mission.fleet, robots=anywhere, start=None))

@@ -32,6 +32,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_SAMPLES = 400_000
+COARSEST, COARSEST_PLACES = (
+    0.5,
+    0.9,
+)  # of the reach: spacing of samples and of places on very large ground, which has more
 SAMPLES_PER_REACH: dict[Effort, int] = {"quick": 8, "normal": 12, "high": 16}
 # of the lattice's spacing: what lies between its points is then nearly always seen too, or needs a point of its own
 SHRINK: dict[Effort, float] = {"quick": 0.4, "normal": 0.2, "high": 0.15}
@@ -120,7 +124,8 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
     margin_m = range_margin(reach_m)
     space, rim = space_and_rim(mission, regions, robot, margin_m)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
-    spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.planning.effort], float(np.sqrt(asked_m2 / MOST_SAMPLES)))
+    spacing_m = min(float(np.sqrt(asked_m2 / MOST_SAMPLES)), COARSEST * reach_m)
+    spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.planning.effort], spacing_m)
     walls = sight_walls(mission)
     # on large areas rounds of mending cost more than a little overlap
     shrink = SHRINK[mission.planning.effort] if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
@@ -135,7 +140,7 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
         parts.append(rim_points(regions, region_class, space, robot, margin_m=margin_m, spacing_m=spacing_m))
         rim_places_m = nearest_places(parts[-1].xy_m, space, walls, robot)[0]
     points, samples, _ = laid_out(joined(parts), walls, robot)
-    places_m = candidate_places(space, 0.5 * reach_m)
+    places_m = candidate_places(space, 0.5 * reach_m, COARSEST_PLACES * reach_m)
     points, samples, further_m, hopeless, unseeable = places_for_all(
         points, samples, places_m, space, walls, robot, margin_m
     )

@@ -35,6 +35,7 @@ TIGHTER = 0.01  # share of the budgets to which they are tightened below them
 MOST_NEW_POINTS = 1_500
 MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
 ON_ROUTE_M = 1e-7  # a place so near a route is on it
+MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
 MOST_VISITS = 12  # places that are gone to in one round for the sake of stubborn points
 
 
@@ -281,6 +282,27 @@ def near_places(problem: Problem, xy_m: Floats) -> Floats:
     return problem.places_m[sorted({int(i) for row in near for i in row})].reshape(-1, 2)
 
 
+def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple[int, float]:
+    """The leg of a closed tour (n, 2) from which the way past the place is shortest, the first of several; its metres.
+
+    inf where no way leads there. Legs are looked at by their straight detours, for no way is shorter than straight.
+    """
+    ends_m = np.roll(vertices_m, -1, axis=0)
+    legs_m = np.hypot(*(ends_m - vertices_m).T)
+    away_m = np.hypot(*(vertices_m - place_m).T)
+    straight_m = away_m + np.roll(away_m, -1) - legs_m
+    order = np.argsort(straight_m, kind="stable")
+    best = (math.inf, 0)
+    for first in range(0, len(order), MOST_DETOURS):
+        some = order[first : first + MOST_DETOURS]
+        if straight_m[some[0]] > best[0] + ON_ROUTE_M:
+            break
+        ways_m = problem.paths.distances(np.vstack([vertices_m[some], ends_m[some]]), place_m[None])[:, 0]
+        detours_m = ways_m[: len(some)] + ways_m[len(some) :] - legs_m[some]
+        best = min(best, *zip(detours_m.tolist(), some.tolist(), strict=True))
+    return best[1], best[0]
+
+
 def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
     """The tours, the one that has the least detour led past the place; a new tour when none may or can go there.
 
@@ -291,14 +313,11 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
     for k, tour in enumerate(tours):
         if tour.serves > period or tour.part != part:
             continue
-        to_place = problem.paths.distances(tour.vertices_m, place_m[None])[:, 0]
-        ends = np.roll(tour.vertices_m, -1, axis=0)
-        detour = to_place + np.roll(to_place, -1) - np.hypot(*(ends - tour.vertices_m).T)
-        i = int(np.argmin(detour))
+        i, detour_m = least_detour(problem, tour.vertices_m, place_m)
         room = room_m(tours, k)
-        if min(float(detour[i]), float(detour[i]) - room) > replace(tour, robots=1).budget_m:
+        if min(detour_m, detour_m - room) > replace(tour, robots=1).budget_m:
             continue
-        cost = float(detour[i]) + 3 * max(0.0, float(detour[i]) - room)
+        cost = detour_m + 3 * max(0.0, detour_m - room)
         if math.isfinite(cost) and (best is None or cost < best[0]):
             best = (cost, k, i)
     if best is None:

@@ -16,8 +16,10 @@ from rota.mission import Effort, Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, over_budget_share
+from rota.planners.patrol.classic.methods import METHODS
 from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
+from rota.planners.patrol.districts.search import fewest_on_large, is_large
 from rota.planners.patrol.fixed_fleet import counted, worst_reached
 from rota.planners.patrol.problem import Problem, bounded_as_asked, set_up_problem
 from rota.planners.patrol.proved_bound import ProvedBound
@@ -77,7 +79,9 @@ def plan_patrol(
 def fewest_by_method(context: Context) -> Settled:
     """The best settled plan that the method of the mission's settings finds."""
     method = context.problem.mission.planning.method
-    return fewest_robots(context) if method == "tours" else fewest_robots_of(method, context)
+    if method != "tours":
+        return fewest_robots_of(METHODS[method], context)
+    return fewest_on_large(context, fewest_robots) if is_large(context.problem) else fewest_robots(context)
 
 
 def unmet_reason(problem: Problem, best: Settled) -> str:
@@ -103,7 +107,7 @@ def fewest_robots(context: Context) -> Settled:
         if context.should_stop() or (best.met and robots_of(best) <= context.problem.enough_robots):
             break
     assert best is not None
-    return replace(best, plan=replace(best.plan, mission=asked))
+    return best if best.plan.mission is asked else replace(best, plan=replace(best.plan, mission=asked))
 
 
 def with_less_effort(context: Context, effort: Effort) -> Context:

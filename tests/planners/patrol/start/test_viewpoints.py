@@ -106,6 +106,14 @@ def test_candidates_lie_in_the_space_and_leave_no_gap() -> None:
     assert corners <= {tuple(xy) for xy in places.tolist()}
 
 
+def test_candidates_lie_farther_apart_in_a_large_space_but_never_too_far() -> None:
+    space = MultiPolygon([box(0, 0, 1000, 300)])
+    few = len(candidate_places(space, 0.5))
+    assert 60_000 <= few < 75_000  # a lattice of 60,000 and the border
+    near = candidate_places(space, 0.5, 1.1)
+    assert len(near) > 1000 * 300 / 1.1**2
+
+
 def in_sight(a: Floats, b: Floats, blocks: MultiPolygon) -> bool:
     return not LineString([a, b]).relate_pattern(blocks.buffer(-1e-6), "T********")
 

@@ -34,6 +34,7 @@ from rota.planners.patrol.classic.routes import (
 from rota.planners.patrol.problem import Problem
 
 Floats = NDArray[np.float64]
+Sweeping = Callable[[Problem, Ground, float, int | None], list[Tour] | None]  # see the methods of this module
 
 BALANCING = 4  # rounds in which strips and sub-areas are made more alike
 MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
@@ -257,7 +258,7 @@ def cut_in_two(shape: MultiPolygon, angle_rad: float, share: float) -> tuple[Mul
     return turned(both[0], angle_rad), turned(both[1], angle_rad)
 
 
-METHODS: dict[Method, Callable[[Problem, Ground, float, int | None], list[Tour] | None]] = {
+METHODS: dict[Method, Sweeping] = {
     "sequential": sequential,
     "parallel": parallel,
     "decomposition": decomposition,

@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from rota.errors import NoPlanFound
-from rota.mission import Method
 from rota.planners.patrol.annealing.tour import Tour, tour_length_m
-from rota.planners.patrol.classic.methods import METHODS
+from rota.planners.patrol.classic.methods import Sweeping
 from rota.planners.patrol.classic.routes import Ground, grounds
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.problem import Problem
@@ -35,8 +34,8 @@ class Proposal:
         return sum(tour.robots for tour in self.tours), sum(tour_length_m(tour) for tour in self.tours)
 
 
-def fewest_robots_of(method: Method, context: Context) -> Settled:
-    """The best settled plan of a traditional method (met unless all repair failed).
+def fewest_robots_of(sweeping: Sweeping, context: Context) -> Settled:
+    """The best settled plan of a way to sweep ground in lanes (met unless all repair failed).
 
     The methods know one period; here the period classes are grouped in every way that could be best, a single group
     included, and each group's ground is swept at its shortest period by routes of its own. The proposals are mended
@@ -44,7 +43,7 @@ def fewest_robots_of(method: Method, context: Context) -> Settled:
     in reserve. Raises NoPlanFound when no robot can stand near anything that is asked.
     """
     exact = replace(context, problem=judged_by_lanes(context.problem))
-    proposals = list(first_proposals(method, exact))
+    proposals = list(first_proposals(sweeping, exact))
     if not proposals:
         raise NoPlanFound("no lane lies where a robot can be")
     best: Settled | None = None
@@ -60,7 +59,7 @@ def fewest_robots_of(method: Method, context: Context) -> Settled:
             best = found
         elif proposal.reserve + 1 < len(RESERVES):
             most = None if best is None else len(best.plan.trajectories) - 1
-            careful = proposed(method, exact.problem, proposal.groups, proposal.reserve + 1, most)
+            careful = proposed(sweeping, exact.problem, proposal.groups, proposal.reserve + 1, most)
             proposals += [] if careful is None else [careful]
     if best is None:
         context.progress(0.9, "finishing with the robots that mending asks for")
@@ -78,13 +77,13 @@ def is_smaller(proposal: Proposal, best: Settled | None) -> bool:
     return best is None or proposal.rank[0] < len(best.plan.trajectories)
 
 
-def first_proposals(method: Method, context: Context) -> Iterator[Proposal]:
+def first_proposals(sweeping: Sweeping, context: Context) -> Iterator[Proposal]:
     """What the method gives for each grouping of the period classes, nothing kept in reserve."""
     ways = list(class_groups(context.problem))[:GROUPINGS]
     fewest: int | None = None
     for k, groups in enumerate(ways):
         context.progress(0.3 * k / len(ways), "laying lanes")
-        proposal = proposed(method, context.problem, groups, 0, fewest)
+        proposal = proposed(sweeping, context.problem, groups, 0, fewest)
         if proposal is not None and proposal.tours:
             fewest = min(proposal.rank[0], fewest or proposal.rank[0])
             yield proposal
@@ -93,7 +92,7 @@ def first_proposals(method: Method, context: Context) -> Iterator[Proposal]:
 
 
 def proposed(
-    method: Method, problem: Problem, groups: tuple[tuple[int, ...], ...], reserve: int, most: int | None
+    sweeping: Sweeping, problem: Problem, groups: tuple[tuple[int, ...], ...], reserve: int, most: int | None
 ) -> Proposal | None:
     """The method's tours over the ground of every group and part; None when they surely are more than ``most``."""
     left = grounds(problem, groups)
@@ -104,7 +103,7 @@ def proposed(
         room = None if most is None else most - others
         if room is not None and least_robots(problem, ground) > room:
             return None
-        found = METHODS[method](problem, ground, RESERVES[reserve], room)
+        found = sweeping(problem, ground, RESERVES[reserve], room)
         if found is None:
             return None
         tours += found

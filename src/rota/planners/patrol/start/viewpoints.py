@@ -29,9 +29,12 @@ def sensor_arguments(robot: Robot, range_margin_m: float) -> tuple[float, int]:
     return robot.sensor.side_m / 2 - range_margin_m, 1
 
 
-def candidate_places(space: MultiPolygon, spacing_m: float) -> Floats:
-    """Places (n, 2) to look from: a lattice in the standing space, its borders and one place in each of its parts."""
-    spacing_m = max(spacing_m, float(np.sqrt(space.area / MOST_CANDIDATES)))
+def candidate_places(space: MultiPolygon, spacing_m: float, coarsest_m: float = np.inf) -> Floats:
+    """Places (n, 2) to look from: a lattice in the standing space, its borders and one place in each of its parts.
+
+    In a large space they lie farther apart, up to ``coarsest_m``: beyond that, what lies between would not be seen.
+    """
+    spacing_m = max(spacing_m, min(float(np.sqrt(space.area / MOST_CANDIDATES)), coarsest_m))
     border = shapely.get_coordinates(shapely.segmentize(space.boundary, spacing_m))
     middles = shapely.get_coordinates(shapely.point_on_surface(np.array(space.geoms)))
     return np.ascontiguousarray(np.vstack([lattice(space, spacing_m), np.unique(border, axis=0), middles]))

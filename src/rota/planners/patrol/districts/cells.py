@@ -1,0 +1,145 @@
+"""A mission cut into missions for boxes of its area, each of which asks for the ground in its box alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from rota.geometry.free_space import DemandedRegion, demanded_regions
+from rota.mission import Mission, Obstacle, Zone
+
+Floats = NDArray[np.float64]
+Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
+
+ELSEWHERE = "outside the district"
+BISECTIONS = 40
+SLIVER_M2 = 1e-6  # a zone that has no more than that in a box is rounding of the cut
+
+
+def even_boxes(shape: BaseGeometry, count: int) -> list[Box]:
+    """So many boxes that share no ground, cover all of the shape and hold about as much of it each.
+
+    The bounds of the shape are cut across their longer side again and again.
+    """
+    return list(_cut(shape, shape.bounds, count))
+
+
+def _cut(shape: BaseGeometry, box: Box, count: int) -> Iterator[Box]:
+    if count == 1 or shape.is_empty:
+        yield box
+        return
+    x0, y0, x1, y1 = box
+    first = count // 2
+    left, low, right, high = shape.bounds
+    upright = right - left >= high - low
+    bottom, top = (left, right) if upright else (low, high)
+    for _ in range(BISECTIONS):
+        at = (bottom + top) / 2
+        below = shapely.clip_by_rect(shape, x0, y0, *((at, y1) if upright else (x1, at)))
+        bottom, top = (at, top) if below.area < shape.area * first / count else (bottom, at)
+    one: Box = (x0, y0, at, y1) if upright else (x0, y0, x1, at)
+    other: Box = (at, y0, x1, y1) if upright else (x0, at, x1, y1)
+    yield from _cut(shapely.intersection(shape, shapely.box(*one)), one, first)
+    yield from _cut(shapely.intersection(shape, shapely.box(*other)), other, count - first)
+
+
+def missions_of(mission: Mission, count: int, margin_m: float) -> list[Mission]:
+    """Missions for so many boxes with about as much demanded ground each, which together ask for what the whole asks.
+
+    margin_m: how far round its box a robot may go. What it may pass there asks nothing, and neither do boxes without
+    demanded ground, which are absent. A zone to visit is asked for in the box with most of it. Numbers of robots, and
+    what is to be done when ground cannot be seen, are for the whole alone.
+    """
+    regions = demanded_regions(mission)
+    asked = shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
+    boxes = even_boxes(asked, count)
+    found = [mission_in(mission, k, boxes, regions, margin_m) for k in range(len(boxes))]
+    return [one for one in found if one is not None]
+
+
+def mission_in(
+    mission: Mission, k: int, boxes: list[Box], regions: tuple[DemandedRegion, ...], margin_m: float
+) -> Mission | None:
+    """The mission for the k-th of the boxes; None when nothing is asked there."""
+    own = shapely.box(*boxes[k])
+    visits = {region.name for region in regions if region.demand == "visit" and k == box_with_most(region, boxes)}
+    x0, y0, x1, y1 = boxes[k]
+    wide = shapely.box(x0 - margin_m, y0 - margin_m, x1 + margin_m, y1 + margin_m)
+    wide = shapely.union_all([wide, *(region.shape.envelope for region in regions if region.name in visits)])
+    area = polygonal(
+        part for part in shapely.get_parts(shapely.intersection(mission.area, wide)) if shapely.intersects(part, own)
+    )
+    zones = [zone for zone in (zone_in(zone, own, asked=zone.name in visits) for zone in mission.zones) if zone]
+    zones = [zone for zone in zones if zone.shape.intersection(area).area > SLIVER_M2]
+    outside = polygonal([shapely.difference(area, own)])
+    if outside.area > SLIVER_M2:
+        zones.append(Zone(name=new_name(ELSEWHERE, [zone.name for zone in zones]), shape=outside, period_s=None))
+    inside = any(
+        region.demand == "every_point" and region.shape.intersection(own).area > SLIVER_M2 for region in regions
+    )
+    if area.is_empty or not (inside or visits):
+        return None
+    return replace(
+        mission,
+        area=area,
+        zones=tuple(zones),
+        obstacles=tuple(obstacles_near(mission.obstacles, wide)),
+        unseeable="exclude",
+    )
+
+
+def zone_in(zone: Zone, own: Polygon, *, asked: bool) -> Zone | None:
+    """What a zone is in a box: the part of it there; a zone to visit is whole where it is asked for.
+
+    Where it is not, its ground asks nothing, as it does in the whole mission. None when there is none of it.
+    """
+    if asked:
+        return zone
+    shape = polygonal([shapely.intersection(zone.shape, own)])
+    if shape.is_empty:
+        return None
+    if zone.demand == "visit":
+        return Zone(name=zone.name, shape=shape, period_s=None)
+    return replace(zone, shape=shape)
+
+
+def new_name(name: str, taken: Sequence[str]) -> str:
+    """The name, made longer until it is none of those taken."""
+    while name in taken:
+        name += "'"
+    return name
+
+
+def box_with_most(region: DemandedRegion, boxes: list[Box]) -> int:
+    """The first of the boxes with the greatest part of the region; the nearest when none has any."""
+    cells = shapely.box(*np.array(boxes).T)
+    shares = shapely.area(shapely.intersection(region.shape, cells))
+    if shares.max() > 0:
+        return int(np.argmax(shares))
+    return int(np.argmin(shapely.distance(region.shape, cells)))
+
+
+def obstacles_near(obstacles: tuple[Obstacle, ...], shape: BaseGeometry) -> Iterator[Obstacle]:
+    """The obstacles that meet the shape, whole."""
+    if obstacles:
+        shapely.prepare(shape)
+        meets = shapely.intersects(shape, np.array([obstacle.shape for obstacle in obstacles]))
+        yield from (obstacle for obstacle, near in zip(obstacles, meets, strict=True) if near)
+
+
+def polygonal(shapes: Iterator[BaseGeometry] | list[BaseGeometry]) -> MultiPolygon:
+    """The polygons of the shapes that have an area."""
+    parts = shapely.get_parts(shapely.get_parts(np.array(list(shapes), dtype=object)))
+    return MultiPolygon([part for part in parts if isinstance(part, Polygon) and part.area > 0])
+
+
+def boxes_for(asked_m2: float, most_m2: float) -> int:
+    """How many boxes hold so much ground each at most."""
+    return max(1, math.ceil(asked_m2 / most_m2))

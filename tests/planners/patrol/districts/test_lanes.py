@@ -1,0 +1,77 @@
+"""Lanes over districts: few robots share each route, routes see all of it, and little is lost to the cuts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import shapely
+from shapely import LineString, MultiPolygon, box
+
+from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings
+from rota.planners.patrol.annealing.tour import tour_length_m
+from rota.planners.patrol.classic.routes import Ground
+from rota.planners.patrol.classic.search import grounds
+from rota.planners.patrol.districts.lanes import MOST_SHARING, in_districts, robots_shared, space_near
+from rota.planners.patrol.problem import Problem, set_up_problem
+
+FIELD = Mission(
+    name="field",
+    area=MultiPolygon([box(0, 0, 200, 120).difference(box(60, 40, 90, 70))]),
+    period_s=24,
+    fleet=Fleet(speed_m_s=10, sensor=DiscSensor(radius_m=5)),
+    planning=PatrolSettings(effort="quick"),
+)
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    return set_up_problem(FIELD)
+
+
+@pytest.mark.parametrize(("robots", "most", "shares"), [(1, 8, [1]), (8, 8, [8]), (9, 8, [5, 4]), (3, 1, [1, 1, 1])])
+def test_robots_are_shared_evenly_by_as_few_as_can_be(robots: int, most: int, shares: list[int]) -> None:
+    assert robots_shared(robots, most).tolist() == shares
+
+
+def test_routes_fit_and_leave_nothing_out_of_range(problem: Problem) -> None:
+    (ground,) = grounds(problem, ((0,),))
+    tours = in_districts(problem, ground, 0.02, None)
+    assert tours is not None
+    assert len(tours) >= 2
+    for tour in tours:
+        assert tour.robots <= MOST_SHARING
+        assert tour_length_m(tour) <= 0.98 * tour.robots * 24 * 10
+    swept = shapely.union_all(
+        [LineString([*tour.vertices_m, tour.vertices_m[0]]).buffer(5, quad_segs=64) for tour in tours]
+    )
+    assert shapely.difference(ground.shape, swept).area == pytest.approx(0, abs=0.1)
+    # lanes that lose nothing at borders and cuts are area / swath long; here one of ten or so is half in vain
+    robots = sum(tour.robots for tour in tours)
+    assert robots <= 1.3 * ground.shape.area / (10 * 240 * 0.98) + 1
+
+
+def test_too_few_robots_give_none(problem: Problem) -> None:
+    (ground,) = grounds(problem, ((0,),))
+    assert in_districts(problem, ground, 0.0, 9) is None  # 23,100 m2 take 9.6 robots that sweep 10 m
+
+
+def test_robots_with_bodies_have_routes_of_their_own() -> None:
+    bodies = replace(FIELD, fleet=replace(FIELD.fleet, body_radius_m=0.2))
+    alone = set_up_problem(bodies)
+    (ground,) = grounds(alone, ((0,),))
+    tours = in_districts(alone, ground, 0.0, None)
+    assert tours is not None
+    assert {tour.robots for tour in tours} == {1}
+
+
+def test_ways_are_looked_for_nearby_only_where_the_district_hangs_together() -> None:
+    # a comb of two teeth, 100 m long: between their ends the way leads round by the back
+    comb = replace(FIELD, area=MultiPolygon([box(0, 0, 200, 120).difference(box(60, 20, 140, 120))]))
+    problem = set_up_problem(comb)
+    teeth = MultiPolygon([box(0, 90, 60, 120), box(140, 90, 200, 120)])
+    ends = Ground(shape=teeth, stops_m=problem.points.xy_m[:0], serves=0, part=0)
+    assert space_near(problem, ends) is None
+    near = space_near(problem, replace(ends, shape=MultiPolygon([box(0, 90, 60, 120)])))
+    assert near is not None
+    assert shapely.equals(near, box(0, 70, 60, 120))
