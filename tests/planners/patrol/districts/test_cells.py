@@ -11,7 +11,7 @@ from shapely import MultiPolygon, box
 
 from rota.geometry.free_space import demanded_regions
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Zone
-from rota.planners.patrol.districts.cells import ELSEWHERE, even_boxes, missions_of
+from rota.planners.patrol.districts.cells import ELSEWHERE, missions_of, weighed_boxes
 
 TOWN = Mission(
     name="town",
@@ -34,17 +34,17 @@ TOWN = Mission(
 )
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 7, 16])
-def test_boxes_are_even_and_fill_the_bounds_once(count: int) -> None:
+@pytest.mark.parametrize("weights", [[1], [1, 1], [3, 1, 2], [1, 1, 1, 5, 1, 1, 1], [2] * 16])
+def test_boxes_hold_what_they_weigh_and_fill_the_bounds_once(weights: list[int]) -> None:
     shape = shapely.union_all([box(0, 0, 100, 20), box(0, 0, 15, 90), shapely.Point(80, 80).buffer(18)])
-    boxes = even_boxes(shape, count)
+    boxes = weighed_boxes(shape, np.array(weights, dtype=np.float64))
     cells = shapely.box(*np.array(boxes).T)
-    assert len(boxes) == count
+    assert len(boxes) == len(weights)
     bounds = box(*shape.bounds)
     assert shapely.area(cells).sum() == pytest.approx(bounds.area, rel=1e-12)
     assert shapely.union_all(cells).area == pytest.approx(bounds.area, rel=1e-9)
-    # cut by shares: no box has more than rounding of a few bisections off its even share
-    assert shapely.area(shapely.intersection(shape, cells)) == pytest.approx(shape.area / count, rel=1e-6)
+    shares = shape.area * np.array(weights) / sum(weights)
+    assert shapely.area(shapely.intersection(shape, cells)) == pytest.approx(shares, rel=1e-6)
 
 
 @pytest.mark.parametrize("count", [2, 5])

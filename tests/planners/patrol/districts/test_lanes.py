@@ -18,7 +18,7 @@ from rota.planners.patrol.problem import Problem, set_up_problem
 FIELD = Mission(
     name="field",
     area=MultiPolygon([box(0, 0, 200, 120).difference(box(60, 40, 90, 70))]),
-    period_s=24,
+    period_s=20,
     fleet=Fleet(speed_m_s=10, sensor=DiscSensor(radius_m=5)),
     planning=PatrolSettings(effort="quick"),
 )
@@ -41,19 +41,19 @@ def test_routes_fit_and_leave_nothing_out_of_range(problem: Problem) -> None:
     assert len(tours) >= 2
     for tour in tours:
         assert tour.robots <= MOST_SHARING
-        assert tour_length_m(tour) <= 0.98 * tour.robots * 24 * 10
+        assert tour_length_m(tour) <= 0.98 * tour.robots * 20 * 10
     swept = shapely.union_all(
         [LineString([*tour.vertices_m, tour.vertices_m[0]]).buffer(5, quad_segs=64) for tour in tours]
     )
     assert shapely.difference(ground.shape, swept).area == pytest.approx(0, abs=0.1)
     # lanes that lose nothing at borders and cuts are area / swath long; here one of ten or so is half in vain
     robots = sum(tour.robots for tour in tours)
-    assert robots <= 1.3 * ground.shape.area / (10 * 240 * 0.98) + 1
+    assert robots <= 1.3 * ground.shape.area / (10 * 200 * 0.98) + 1
 
 
 def test_too_few_robots_give_none(problem: Problem) -> None:
     (ground,) = grounds(problem, ((0,),))
-    assert in_districts(problem, ground, 0.0, 9) is None  # 23,100 m2 take 9.6 robots that sweep 10 m
+    assert in_districts(problem, ground, 0.0, 11) is None  # 23,100 m2 take 11.55 robots that sweep 10 m
 
 
 def test_robots_with_bodies_have_routes_of_their_own() -> None:

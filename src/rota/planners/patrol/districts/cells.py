@@ -23,31 +23,32 @@ BISECTIONS = 40
 SLIVER_M2 = 1e-6  # a zone that has no more than that in a box is rounding of the cut
 
 
-def even_boxes(shape: BaseGeometry, count: int) -> list[Box]:
-    """So many boxes that share no ground, cover all of the shape and hold about as much of it each.
+def weighed_boxes(shape: BaseGeometry, weights: Floats) -> list[Box]:
+    """A box for each of the weights (n,): they share no ground, cover the shape, and hold of it what their weights say.
 
-    The bounds of the shape are cut across their longer side again and again.
+    The bounds of the shape are cut across their longer side, again and again.
     """
-    return list(_cut(shape, shape.bounds, count))
+    return list(_cut(shape, shape.bounds, weights))
 
 
-def _cut(shape: BaseGeometry, box: Box, count: int) -> Iterator[Box]:
-    if count == 1 or shape.is_empty:
-        yield box
+def _cut(shape: BaseGeometry, box: Box, weights: Floats) -> Iterator[Box]:
+    if len(weights) == 1 or shape.is_empty:
+        yield from [box] * len(weights)
         return
     x0, y0, x1, y1 = box
-    first = count // 2
+    first = len(weights) // 2
     left, low, right, high = shape.bounds
     upright = right - left >= high - low
     bottom, top = (left, right) if upright else (low, high)
+    wanted_m2 = shape.area * float(weights[:first].sum() / weights.sum())
     for _ in range(BISECTIONS):
         at = (bottom + top) / 2
-        below = shapely.clip_by_rect(shape, x0, y0, *((at, y1) if upright else (x1, at)))
-        bottom, top = (at, top) if below.area < shape.area * first / count else (bottom, at)
+        below = shapely.clip_by_rect(shape, x0 - 1, y0 - 1, *((at, y1 + 1) if upright else (x1 + 1, at)))
+        bottom, top = (at, top) if below.area < wanted_m2 else (bottom, at)
     one: Box = (x0, y0, at, y1) if upright else (x0, y0, x1, at)
     other: Box = (at, y0, x1, y1) if upright else (x0, at, x1, y1)
-    yield from _cut(shapely.intersection(shape, shapely.box(*one)), one, first)
-    yield from _cut(shapely.intersection(shape, shapely.box(*other)), other, count - first)
+    yield from _cut(polygonal([shapely.intersection(shape, shapely.box(*one))]), one, weights[:first])
+    yield from _cut(polygonal([shapely.intersection(shape, shapely.box(*other))]), other, weights[first:])
 
 
 def missions_of(mission: Mission, count: int, margin_m: float) -> list[Mission]:
@@ -59,7 +60,7 @@ def missions_of(mission: Mission, count: int, margin_m: float) -> list[Mission]:
     """
     regions = demanded_regions(mission)
     asked = shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
-    boxes = even_boxes(asked, count)
+    boxes = weighed_boxes(asked, np.ones(count))
     found = [mission_in(mission, k, boxes, regions, margin_m) for k in range(len(boxes))]
     return [one for one in found if one is not None]
 

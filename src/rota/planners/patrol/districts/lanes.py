@@ -18,14 +18,16 @@ from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.annealing.tour import Tour, tour_length_m
-from rota.planners.patrol.classic.methods import divided_area, load, sequential
+from rota.planners.patrol.classic.lanes import common_part, polygons, turned
+from rota.planners.patrol.classic.methods import load, sequential
 from rota.planners.patrol.classic.routes import Ground, best_route, promising_angles
+from rota.planners.patrol.districts.cells import weighed_boxes
 from rota.planners.patrol.problem import Problem
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SHARING = 8  # robots of one district; with bodies, which would meet on lanes side by side, one
+MOST_SHARING = 12  # robots of one district; with bodies, which would meet on lanes side by side, one
 BALANCING = 6  # rounds in which districts are weighed anew by the lengths of their routes
 LEAST_LANES = 0.95  # of area / swath: lanes end where their ends are just seen
 AROUND = 4.0  # reaches beyond a district's bounds in which its route may find its way
@@ -53,9 +55,10 @@ def over_districts(problem: Problem, ground: Ground, robots: int, reserve: float
     """So many robots on routes over districts as large as their shares, weighed anew until all fit or none can help."""
     shares = robots_shared(robots, 1 if problem.robot.body_radius_m > 0 else MOST_SHARING)
     weights = shares.astype(np.float64)
+    angle_rad = promising_angles(problem, ground.shape)[0]
     best: list[Tour] = []
     for _ in range(BALANCING):
-        tours = routes_over(problem, ground, divided_area(problem, ground.shape, weights), shares)
+        tours = routes_over(problem, ground, divided(ground.shape, angle_rad, weights), shares)
         loads = np.array([load(tour) for tour in tours])
         if not best or loads.max(initial=0.0) < max(load(tour) for tour in best):
             best = tours
@@ -63,6 +66,16 @@ def over_districts(problem: Problem, ground: Ground, robots: int, reserve: float
             break
         weights = weights * np.clip(loads @ shares / robots / loads, 0.5, 2.0)
     return best
+
+
+def divided(shape: MultiPolygon, angle_rad: float, weights: Floats) -> list[MultiPolygon]:
+    """The shape in as many districts as weights (n,), of areas in proportion to them, cut along the angle and across.
+
+    Districts in which there is nothing are left out.
+    """
+    upright = turned(shape, -angle_rad)
+    cut = [common_part(upright, shapely.box(*box)) for box in weighed_boxes(upright, weights)]
+    return [MultiPolygon(polygons(turned(part, angle_rad))) for part in cut if part.area > 0]
 
 
 def robots_shared(robots: int, most: int) -> Ints:
