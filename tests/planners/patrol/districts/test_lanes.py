@@ -12,7 +12,7 @@ from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings
 from rota.planners.patrol.annealing.tour import tour_length_m
 from rota.planners.patrol.classic.routes import Ground
 from rota.planners.patrol.classic.search import grounds
-from rota.planners.patrol.districts.lanes import MOST_SHARING, in_districts, robots_shared, space_near
+from rota.planners.patrol.districts.lanes import MOST_SHARING, groups_for, in_districts, robots_shared, space_near
 from rota.planners.patrol.problem import Problem, set_up_problem
 
 FIELD = Mission(
@@ -29,9 +29,19 @@ def problem() -> Problem:
     return set_up_problem(FIELD)
 
 
-@pytest.mark.parametrize(("robots", "most", "shares"), [(1, 8, [1]), (8, 8, [8]), (9, 8, [5, 4]), (3, 1, [1, 1, 1])])
-def test_robots_are_shared_evenly_by_as_few_as_can_be(robots: int, most: int, shares: list[int]) -> None:
-    assert robots_shared(robots, most).tolist() == shares
+@pytest.mark.parametrize(("robots", "groups", "shares"), [(1, 1, [1]), (9, 2, [5, 4]), (3, 3, [1, 1, 1])])
+def test_robots_are_shared_evenly(robots: int, groups: int, shares: list[int]) -> None:
+    assert robots_shared(robots, groups).tolist() == shares
+
+
+@pytest.mark.parametrize(("robots", "corners", "groups"), [(12, 0, 1), (13, 0, 2), (12, 1000, 2), (3, 10_000, 3)])
+def test_districts_have_few_robots_and_few_corners(problem: Problem, robots: int, corners: int, groups: int) -> None:
+    (ground,) = grounds(problem, ((0,),))
+    if corners:
+        round_shape = MultiPolygon([shapely.Point(0, 0).buffer(50, quad_segs=corners // 4)])
+        assert shapely.count_coordinates(round_shape) == corners + 1
+        ground = replace(ground, shape=round_shape)
+    assert groups_for(problem, ground, robots) == groups
 
 
 def test_routes_fit_and_leave_nothing_out_of_range(problem: Problem) -> None:

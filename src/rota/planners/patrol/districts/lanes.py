@@ -28,6 +28,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_SHARING = 12  # robots of one district; with bodies, which would meet on lanes side by side, one
+MOST_CORNERS = 600  # of the ground in one district: ways round them, and orders of lanes, take their square
 BALANCING = 6  # rounds in which districts are weighed anew by the lengths of their routes
 LEAST_LANES = 0.95  # of area / swath: lanes end where their ends are just seen
 AROUND = 4.0  # reaches beyond a district's bounds in which its route may find its way
@@ -53,7 +54,7 @@ def in_districts(problem: Problem, ground: Ground, reserve: float, most: int | N
 
 def over_districts(problem: Problem, ground: Ground, robots: int, reserve: float) -> list[Tour]:
     """So many robots on routes over districts as large as their shares, weighed anew until all fit or none can help."""
-    shares = robots_shared(robots, 1 if problem.robot.body_radius_m > 0 else MOST_SHARING)
+    shares = robots_shared(robots, groups_for(problem, ground, robots))
     weights = shares.astype(np.float64)
     angle_rad = promising_angles(problem, ground.shape)[0]
     best: list[Tour] = []
@@ -78,9 +79,15 @@ def divided(shape: MultiPolygon, angle_rad: float, weights: Floats) -> list[Mult
     return [MultiPolygon(polygons(turned(part, angle_rad))) for part in cut if part.area > 0]
 
 
-def robots_shared(robots: int, most: int) -> Ints:
-    """So many robots in as few groups as hold at most so many each, as even as can be: (k,) robots of each."""
-    groups = max(1, math.ceil(robots / most))
+def groups_for(problem: Problem, ground: Ground, robots: int) -> int:
+    """How many districts there are for so many robots: as few as keep each one's robots and corners few."""
+    sharing = math.ceil(robots / (1 if problem.robot.body_radius_m > 0 else MOST_SHARING))
+    winding = math.ceil(int(shapely.count_coordinates(ground.shape)) / MOST_CORNERS)
+    return max(sharing, min(winding, robots))
+
+
+def robots_shared(robots: int, groups: int) -> Ints:
+    """So many robots in groups as even as can be: (k,) robots of each."""
     return np.array([robots // groups + (k < robots % groups) for k in range(groups)], dtype=np.int64)
 
 
