@@ -66,6 +66,11 @@ def test_too_few_robots_give_none(problem: Problem) -> None:
     assert in_districts(problem, ground, 0.0, 11) is None  # 23,100 m2 take 11.55 robots that sweep 10 m
 
 
+def test_periods_too_short_for_lanes_give_none(problem: Problem) -> None:
+    (ground,) = grounds(problem, ((0,),))
+    assert in_districts(replace(problem, periods_s=(9.9,)), ground, 0.0, None) is None  # 99 m, and the reach is 5 m
+
+
 def test_robots_with_bodies_have_routes_of_their_own() -> None:
     bodies = replace(FIELD, fleet=replace(FIELD.fleet, body_radius_m=0.2))
     alone = set_up_problem(bodies)

@@ -21,6 +21,7 @@ from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.classic.lanes import common_part, polygons, turned
 from rota.planners.patrol.classic.methods import load, sequential
 from rota.planners.patrol.classic.routes import Ground, best_route, promising_angles
+from rota.planners.patrol.classic.search import LEAST_LANES
 from rota.planners.patrol.districts.cells import weighed_boxes
 from rota.planners.patrol.problem import Problem
 
@@ -29,21 +30,27 @@ Ints = NDArray[np.int64]
 
 MOST_SHARING = 12  # robots of one district; with bodies, which would meet on lanes side by side, one
 MOST_CORNERS = 600  # of the ground in one district: ways round them, and orders of lanes, take their square
+SHORTEST = 20.0  # reaches that a robot can drive in a period: with less, it hardly moves or is all turns
+MOST_TRIES = 8  # numbers of robots
 BALANCING = 6  # rounds in which districts are weighed anew by the lengths of their routes
-LEAST_LANES = 0.95  # of area / swath: lanes end where their ends are just seen
 AROUND = 4.0  # reaches beyond a district's bounds in which its route may find its way
 
 
 def in_districts(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
     """Routes over districts of the ground, with as few robots as their lengths allow; None when more than ``most``.
 
-    reserve: share of every budget that is kept for mending.
+    reserve: share of every budget that is kept for mending. None also where a period is too short for lanes, or
+    districts of so many robots do not fit their budgets after some numbers tried.
     """
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve, most)
     one_m = problem.robot.speed_m_s * problem.periods_s[ground.serves] * (1 - reserve)
     robots = max(1, math.ceil(LEAST_LANES * ground.shape.area / (problem.swath_m * one_m)))
-    while most is None or robots <= most:
+    if one_m < SHORTEST * problem.reach_m:
+        return None
+    for _ in range(MOST_TRIES):
+        if most is not None and robots > most:
+            return None
         tours = over_districts(problem, ground, robots, reserve)
         if all(load(tour) <= 1 - reserve for tour in tours):
             return tours
@@ -65,7 +72,7 @@ def over_districts(problem: Problem, ground: Ground, robots: int, reserve: float
             best = tours
         if len(tours) < len(shares) or loads.max() <= 1 - reserve or loads @ shares > robots * (1 - reserve):
             break
-        weights = weights * np.clip(loads @ shares / robots / loads, 0.5, 2.0)
+        weights = weights * np.clip(loads @ shares / robots / np.maximum(loads, 1e-9), 0.5, 2.0)
     return best
 
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
@@ -83,27 +84,23 @@ def better(one: Settled | None, other: Settled) -> Settled:
 
 def by_districts(context: Context, search: Search, missions: list[Mission]) -> Settled:
     """Tours found for every district's mission by itself, mended together, robots added if it takes them."""
-    problem = context.problem
-    done = 0
-
-    def planned(k: int) -> list[Tour]:
-        nonlocal done
-        found = tours_of(context, search, missions[k], seed=context.seed + k)
-        done += 1
-        context.progress(0.3 + 0.6 * done / len(missions), f"planned {done} of {len(missions)} districts")
-        return found
-
+    found: list[list[Tour]] = []
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        tours = joined(list(pool.map(planned, range(len(missions)))))
-    exact = replace(context, problem=judged_by_lanes(problem))
-    found = settle(exact, tours, no_points(), may_add=False, rounds=context.work.repairs)
-    if found.met and found.fits:
-        return found
+        seeds = range(context.seed, context.seed + len(missions))
+        for tours in pool.map(partial(tours_of, context, search), missions, seeds):
+            found.append(tours)
+            context.progress(
+                0.3 + 0.6 * len(found) / len(missions), f"{len(found)} of {len(missions)} districts planned"
+            )
+    exact = replace(context, problem=judged_by_lanes(context.problem))
+    whole = settle(exact, joined(found), no_points(), may_add=False, rounds=context.work.repairs)
+    if whole.met and whole.fits:
+        return whole
     context.progress(0.9, "finishing with the robots that mending asks for")
-    return settle(exact, tours, no_points(), may_add=True, rounds=3 * context.work.repairs)
+    return settle(exact, joined(found), no_points(), may_add=True, rounds=3 * context.work.repairs)
 
 
-def tours_of(context: Context, search: Search, mission: Mission, *, seed: int) -> list[Tour]:
+def tours_of(context: Context, search: Search, mission: Mission, seed: int) -> list[Tour]:
     """The tours that the search finds for one district, classes and parts as the whole problem numbers them.
 
     None where nobody can see enough of it from within: mending the whole will lead robots there.
