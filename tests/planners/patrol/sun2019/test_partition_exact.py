@@ -12,52 +12,57 @@ from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
 from rota.planners.patrol.sun2019.frame_settings import PartitionSettings
-from rota.planners.patrol.sun2019.partition import Partition, partition_frame
+from rota.planners.patrol.sun2019.partition import partition_frame
 
 SPEED_M_S, RADIUS_M = 2.0, 1.0
 
 
 class Rank(NamedTuple):
-    """What is smaller is better."""
+    """A partition's number of segments, what is late, the largest share of a period, and the sum of squares."""
 
     segments: int
     late_s: float
+    largest: float
     uneven: float
 
 
 def rank_of(
-    first: tuple[int, ...], legs: list[float], periods: list[float], joining: bool, margin_s: float, alone: bool
-) -> Rank | None:  # fmt: skip
-    """The partition whose segments begin there; None if it is late by more than a waypoint alone (if so asked)."""
+    first: tuple[int, ...], legs: list[float], periods: list[float], joining: bool, margin_s: float
+) -> tuple[Rank, bool]:  # fmt: skip
+    """The partition whose segments begin there, and whether it is late only where a waypoint is alone."""
     n = len(legs)
-    late_s = uneven = 0.0
+    shares, late_s, only_alone = [], [], True
     for k, at in enumerate(first):
         count = (first[(k + 1) % len(first)] - at - 1) % n + 1
         long_m = sum(legs[(at + i) % n] for i in range(count - 1)) + (legs[at - 1] if joining else 0.0)
         time_s = (2 * long_m + 2 * math.pi * RADIUS_M) / SPEED_M_S + margin_s
         period_s = min(periods[(at + i) % n] for i in range(count))
-        if alone and count > 1 and time_s >= period_s:
-            return None
-        late_s += max(0.0, time_s - period_s)
-        uneven += (time_s / period_s) ** 2
-    return Rank(len(first), late_s, uneven)
-
-
-def of_partition(found: Partition, margin_s: float) -> Rank:
-    late_s = np.maximum(0, found.times_s + margin_s - found.periods_s).sum()
-    return Rank(len(found.first), late_s, float((((found.times_s + margin_s) / found.periods_s) ** 2).sum()))
+        only_alone &= count == 1 or time_s < period_s
+        shares.append(time_s / period_s)
+        late_s.append(max(0.0, time_s - period_s))
+    return Rank(len(first), sum(late_s), max(shares), sum(share**2 for share in shares)), only_alone
 
 
 def best_of_all(legs: list[float], periods: list[float], joining: bool, margin_s: float, segments: int | None) -> Rank:
-    ranks = [
-        rank_of(first, legs, periods, joining, margin_s, segments is None)
-        for count in (range(1, len(legs) + 1) if segments is None else (segments,))
-        for first in itertools.combinations(range(len(legs)), count)
+    """The best of all partitions, what differs by rounding being equal."""
+    n = len(legs)
+    ranked = [
+        rank_of(first, legs, periods, joining, margin_s)
+        for count in (range(1, n + 1) if segments is None else (segments,))
+        for first in itertools.combinations(range(n), count)
     ]
     if segments is None:
-        return min(rank for rank in ranks if rank is not None)
-    least_s = min(rank.late_s for rank in ranks if rank is not None)
-    return min(rank for rank in ranks if rank is not None and rank.late_s <= least_s + 1e-9)
+        ranks = [rank for rank, only_alone in ranked if only_alone]
+        fewest = min(rank.segments for rank in ranks)
+        ranks = [rank for rank in ranks if rank.segments == fewest]
+    else:
+        ranks = [rank for rank, _ in ranked]
+        least_s = min(rank.late_s for rank in ranks)
+        ranks = [rank for rank in ranks if rank.late_s <= least_s + 1e-8]
+        if least_s > 0 or not any(rank.largest < 1 for rank in ranks):
+            return min(ranks, key=lambda rank: rank.uneven)
+    smallest = min(rank.largest for rank in ranks)
+    return min((rank for rank in ranks if rank.largest <= smallest + 1e-8), key=lambda rank: rank.uneven)
 
 
 @seed(1)
@@ -65,7 +70,7 @@ def best_of_all(legs: list[float], periods: list[float], joining: bool, margin_s
 @given(data=st.data(), joining=st.booleans(), margin_s=st.sampled_from([0.0, 0.7]))
 def test_against_all_partitions(data: st.DataObject, joining: bool, margin_s: float) -> None:
     n = data.draw(st.integers(1, 8))
-    legs = data.draw(st.lists(st.floats(0, 10), min_size=n, max_size=n))
+    legs = [eighths / 8 for eighths in data.draw(st.lists(st.integers(0, 80), min_size=n, max_size=n))]
     # some smaller than the time round a waypoint alone, 3.14 s
     periods = data.draw(st.lists(st.sampled_from([2.5, 5.0, 9.0, 20.0, 60.0]), min_size=n, max_size=n))
     segments = data.draw(st.none() | st.integers(1, n))
@@ -73,12 +78,15 @@ def test_against_all_partitions(data: st.DataObject, joining: bool, margin_s: fl
         np.array(legs), np.array(periods), speed_m_s=SPEED_M_S, sensor_radius_m=RADIUS_M, segments=segments,
         settings=PartitionSettings(joining_legs=joining, margin_s=margin_s),
     )  # fmt: skip
-    ranked = of_partition(found, margin_s)
-    again = rank_of(tuple(found.first.tolist()), legs, periods, joining, margin_s, False)
-    assert again is not None
-    assert [*ranked] == pytest.approx([*again])
+    ranked, _ = rank_of(tuple(found.first.tolist()), legs, periods, joining, margin_s)
     best = best_of_all(legs, periods, joining, margin_s, segments)
-    assert [*ranked] == pytest.approx([*best], rel=1e-7, abs=1e-7)
+    assert ranked.segments == best.segments
+    assert ranked.late_s == pytest.approx(best.late_s, abs=1e-7)
+    assert ranked.uneven == pytest.approx(best.uneven, rel=1e-7)
+    if ranked.late_s == 0:
+        assert ranked.largest == pytest.approx(best.largest, rel=1e-7)
+    shares = (found.times_s + margin_s) / found.periods_s
+    assert [shares.max(), (shares**2).sum()] == pytest.approx([ranked.largest, ranked.uneven])
     assert sorted(np.concatenate([found.places(k, n) for k in range(len(found.first))]).tolist()) == list(range(n))
     assert found.last.tolist() == [int(found.places(k, n)[-1]) for k in range(len(found.first))]
     assert found.kept == bool((found.times_s < found.periods_s).all())

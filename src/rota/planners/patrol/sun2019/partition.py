@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.sun2019.frame_settings import PartitionSettings
 from rota.planners.patrol.sun2019.partition_kernels import (
-    TIE_S,
+    TIE,
     Ring,
     best_partition,
     fewest_segments,
@@ -29,7 +29,7 @@ from rota.planners.patrol.sun2019.pso_kernels import cost_of
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-HALVINGS = 60  # of the time by which some segment must be late when robots are too few
+HALVINGS = 60  # of an interval that holds the smallest limit that enough segments can keep to: to the last bit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,10 +78,11 @@ def partition_frame(
     smallest among its waypoints. speed_m_s: V. sensor_radius_m: r_s. segments: how many there shall be; None: as few as
     are needed. seed: of the particle swarms.
 
-    The exact method gives the fewest segments and of these partitions the one whose (time + margin) / period has the
-    smallest sum of squares. A waypoint whose route round it alone takes too long gets a segment of its own, so that
-    ``kept`` tells whether all periods can be kept. With ``segments`` given, and too few, the sum of what routes are
-    late (margin counted) is the smallest possible. The swarms' best partition is as good as they find, by Eq. 28.
+    The exact method gives the fewest segments, of these partitions one whose largest (time + margin) / period is the
+    smallest, and of those the one in which its squares have the smallest sum. A waypoint whose route round it alone
+    takes too long gets a segment of its own; ``kept`` tells whether all periods are kept. If they cannot be with the
+    number of segments given, the sum of what routes are late (margin counted) is the smallest possible, and then the
+    sum of squares. The swarms' best partition is as good as they find, by Eq. 28.
 
     Raises ValueError when an argument is not finite or not greater than 0 (a leg may be 0), and for more segments than
     waypoints.
@@ -106,22 +107,43 @@ def exact_partition(ring: Ring, margin_s: float, segments: int | None) -> Ints:
     """The first waypoints (m,) of the best partition's segments; see ``partition_frame``."""
     n = len(ring.level) - 1
     longest = np.empty(n, dtype=np.int64)
-    longest_counts(0.0, margin_s, True, ring, longest)
+    longest_counts(1.0, 0.0, margin_s, ring, longest)
     fewest = int(fewest_segments(longest))
-    if segments is None or segments >= fewest:
-        return _best(ring, margin_s, longest, segments or fewest)
-    # too few: find how late some segment must be at least, then how late all are together when none is later, and so
-    # how late any one may be in the best partition
-    low_s, high_s = 0.0, max(0.0, 2 * _whole_time_s(ring) + margin_s)
+    alone = max((segment_time_s(k, 1, ring) + margin_s) / segment_period_s(k, 1, ring) for k in range(n))
+    if segments is None or (segments >= fewest and alone < 1):
+        return _most_even(ring, margin_s, segments or fewest, least=min(1.0, float(alone)))
+    return _least_late(ring, margin_s, segments)
+
+
+def _most_even(ring: Ring, margin_s: float, segments: int, *, least: float) -> Ints:
+    """The best partition when periods can be kept; no partition's largest share of a period is below ``least``."""
+    longest = np.empty(len(ring.level) - 1, dtype=np.int64)
+    low, high = least, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        longest_counts(middle, 0.0, margin_s, ring, longest)
+        low, high = (low, middle) if fewest_segments(longest) <= segments else (middle, high)
+    # shares that differ by rounding are equal
+    longest_counts(min(1.0, high * (1 + TIE)), 0.0, margin_s, ring, longest)
+    return _best(ring, margin_s, longest, segments)
+
+
+def _least_late(ring: Ring, margin_s: float, segments: int) -> Ints:
+    """The best partition when not all periods can be kept.
+
+    First how late some segment must be at least; then how late all are together when none is later than that; so late
+    any one may be in the best partition.
+    """
+    longest = np.empty(len(ring.level) - 1, dtype=np.int64)
+    low_s, high_s = 0.0, max(float(segment_time_s(k, len(longest), ring)) for k in range(len(longest))) + margin_s
     for _ in range(HALVINGS):
         middle_s = (low_s + high_s) / 2
-        longest_counts(middle_s, margin_s, False, ring, longest)
+        longest_counts(1.0, middle_s, margin_s, ring, longest)
         low_s, high_s = (low_s, middle_s) if fewest_segments(longest) <= segments else (middle_s, high_s)
-    longest_counts(high_s, margin_s, False, ring, longest)
-    first = _best(ring, margin_s, longest, segments)
-    times_s, periods_s = _times_and_periods(first, ring)
+    longest_counts(1.0, high_s, margin_s, ring, longest)
+    times_s, periods_s = _times_and_periods(_best(ring, margin_s, longest, segments), ring)
     together_s = float(np.maximum(0.0, times_s + margin_s - periods_s).sum())
-    longest_counts(together_s + TIE_S, margin_s, False, ring, longest)
+    longest_counts(1.0, together_s + TIE, margin_s, ring, longest)
     return _best(ring, margin_s, longest, segments)
 
 
@@ -182,11 +204,6 @@ def _best(ring: Ring, margin_s: float, longest: Ints, segments: int) -> Ints:
     need, first = np.empty((2, segments + 1), dtype=np.int64)
     best_partition(segments, margin_s, longest, ring, late, uneven, chosen, need, first)
     return np.sort(first[:segments])
-
-
-def _whole_time_s(ring: Ring) -> float:
-    n = len(ring.level) - 1
-    return max(float(segment_time_s(k, n, ring)) for k in range(n))
 
 
 def _times_and_periods(first: Ints, ring: Ring) -> tuple[Floats, Floats]:

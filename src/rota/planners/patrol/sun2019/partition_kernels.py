@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from rota.planners.patrol.kernels import compiled
 
-TIE_S = 1e-9  # sums of what is late that differ by no more are equal but for rounding
+TIE = 1e-9  # seconds late, or shares of a period, that differ by no more are equal but for rounding
 
 
 class Ring(NamedTuple):
@@ -56,18 +56,20 @@ def late_s(first: int, count: int, margin_s: float, ring: Ring) -> float:
 
 
 @compiled
-def longest_counts(allowed_s: float, margin_s: float, strictly: bool, ring: Ring, longest: Any) -> None:
-    """For each first waypoint the most waypoints (n,) with which a segment is late by at most so much, at least 1.
+def longest_counts(share: float, allowed_s: float, margin_s: float, ring: Ring, longest: Any) -> None:
+    """For each first waypoint the most waypoints (n,), 1 or more, of a segment that keeps to a share of its period.
 
-    strictly: by less. A longer segment takes longer and has no longer period, so the ends only move on.
+    Time and margin exceed that share by at most ``allowed_s``, and if that is 0 are less, as Eq. 25 asks. A longer
+    segment takes longer and has no longer period, so the ends only move on.
     """
     n = longest.shape[0]
     count = 1
     for first in range(n):
         count = max(1, count - 1)
         while count < n:
-            late = late_s(first, count + 1, margin_s, ring)
-            if late > allowed_s or (strictly and late == allowed_s):
+            time_s = segment_time_s(first, count + 1, ring) + margin_s
+            over_s = time_s - share * segment_period_s(first, count + 1, ring)
+            if over_s > allowed_s or (allowed_s == 0.0 and over_s == 0.0):
                 break
             count += 1
         longest[first] = count
@@ -116,7 +118,7 @@ def starts_before(at: int, longest: Any) -> int:
 @compiled
 def better(late: float, uneven: float, than_late: float, than_uneven: float) -> bool:
     """Whether less is late, or as much and the shares of the periods are more even."""
-    return late < than_late - TIE_S or (late <= than_late + TIE_S and uneven < than_uneven)
+    return late < than_late - TIE or (late <= than_late + TIE and uneven < than_uneven)
 
 
 @compiled
