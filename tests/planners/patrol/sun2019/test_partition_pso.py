@@ -67,7 +67,7 @@ def test_the_seed_decides() -> None:
     assert one.history.tolist() != other.history.tolist()
 
 
-def test_more_iterations_and_particles_go_on_where_fewer_end() -> None:
+def test_swarms_do_not_depend_on_each_other() -> None:
     # the random numbers of a swarm do not depend on how many swarms there are
     few, many = (cut(replace(SMALL, swarms=swarms, particles=10)) for swarms in (10, 20))
     assert (many.history <= few.history).all()

@@ -34,7 +34,7 @@ class TourSettings:
     alpha: metres that a change of sub-region counts as (Eq. 12). The paper does not say; 10,000 fits its tour of
     61,025.99, whose actual length is 1,027.40 m, as six changes.
     neighbour_range: r_n as a multiple of the virtual sensors' radius r_v. The paper asks for 2 or more.
-    a_star: the weights tau of Eqs. 16 and 17, not given; 1 makes A* exact.
+    a_star: the weights tau of Eqs. 16 and 17, not given; 1 makes A* exact. Others change legs' paths, not the order.
     generations, population: of the genetic algorithm, Table 3.
     regroup_every: generations between two draws of its groups of four; not given. 500 keeps many families apart long
     enough to become short; with 1, tours over 96 sensors ended 7 % longer than the shortest known.
