@@ -9,8 +9,6 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import sys
-import venv
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
+from benchmarks.peer_environment import peer_answer
 from benchmarks.planning import Planned, plan_and_check, plan_file_of, told
 from benchmarks.row import Options, Row
-from benchmarks.shell import run
 from benchmarks.warm_cache import measured_warm
 from rota.check import check_plan
 from rota.files.plan_file import read_plan
@@ -213,16 +211,7 @@ def shortest_that_sees(routes_m: list[np.ndarray], least: float) -> Loop | None:
 
 def peer_paths(folder: Path, settings: list[dict[str, Any]]) -> dict[str, Any] | str:
     """What ``peer_paths.py`` prints, from an environment made for it in ``folder``; or why there is none."""
-    environment = folder / "peer"
-    venv.create(environment, with_pip=True)
-    python = environment / ("Scripts" if sys.platform == "win32" else "bin") / "python"
-    installed = run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", PEER])
-    if installed.code != 0:
-        return f"{PEER} cannot be installed: {installed.failure()}"
     rings = [[list(corner) for corner in shapely.box(*block).exterior.coords[:-1]] for block in BLOCKS]
-    problem = folder / "peer-problem.json"
     square = [[0, 0], [SIDE_M, 0], [SIDE_M, SIDE_M], [0, SIDE_M]]
-    problem.write_text(json.dumps({"area": square, "obstacles": rings, "start": [0, 0], "settings": settings}))
-    # -I: without the paths by which this project is found
-    planned = run([python, "-I", Path(__file__).with_name("peer_paths.py"), problem])
-    return json.loads(planned.out) if planned.code == 0 else planned.failure()
+    problem = {"area": square, "obstacles": rings, "start": [0, 0], "settings": settings}
+    return peer_answer(folder, PEER, "peer_paths.py", problem)

@@ -41,6 +41,7 @@ from rota.plan import Plan, Trajectory
 
 PROJECT = Path(__file__).parents[1]
 MODULES = sorted(path.stem for path in (PROJECT / "benchmarks").glob("*.py") if path.stem != "__main__")
+PEERS = {"peer_paths": "coverage_path_planner", "peer_tours": "fast_tsp"}
 
 
 def ran(wall_s: float, peak_bytes: int = 300_000_000, code: int = 0, err: str = "") -> Run:
@@ -60,17 +61,18 @@ NO_PLAN = Planned(plan=ran(4.0, code=3, err="rota: no plan: too far | away"), ch
 # ---------------------------------------------------------------- the program
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if name != "peer_paths"])
+@pytest.mark.parametrize("name", [name for name in MODULES if name not in PEERS])
 def test_every_module_can_be_imported(name: str) -> None:
     assert importlib.import_module(f"benchmarks.{name}").__doc__
 
 
-def test_the_peers_program_needs_nothing_but_the_peer() -> None:
-    tree = ast.parse((PROJECT / "benchmarks" / "peer_paths.py").read_text())
+@pytest.mark.parametrize("program", PEERS)
+def test_a_peers_program_needs_nothing_but_the_peer(program: str) -> None:
+    tree = ast.parse((PROJECT / "benchmarks" / f"{program}.py").read_text())
     named = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
     named |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     foreign = {name.partition(".")[0] for name in named} - set(sys.stdlib_module_names)
-    assert foreign == {"coverage_path_planner"}
+    assert foreign == {PEERS[program]}
 
 
 def test_one_name_is_measured_and_printed_as_a_table() -> None:

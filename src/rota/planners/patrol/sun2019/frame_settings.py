@@ -1,0 +1,127 @@
+"""What a reader may choose about the frame and its partition, and what the paper leaves open (Sun et al. 2019)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+
+@dataclass(frozen=True, kw_only=True)
+class AStarWeights:
+    """The weights tau of Eqs. 16 and 17, which the paper does not give; 1 each is ordinary A*, which is exact.
+
+    tau_1 ``before``: of the cost so far; tau_2 ``step``: of the step; tau_4 ``rest``: of the straight way that remains.
+    tau_3, of obstacles, has nothing left to weigh: no edge leads through one.
+    """
+
+    before: float = 1.0
+    step: float = 1.0
+    rest: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            _require_share(f"a_star.{name}", value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TourSettings:
+    """How the frame is found.
+
+    method: "local_search", the default, is shorter and faster; "genetic" is the paper's Algorithm 2.
+    distance: "graph" is Eq. 14; "euclidean" is the straight distance, obstacles and sub-regions ignored, which
+    Figure 8 compares it with.
+    alpha: metres that a change of sub-region counts as (Eq. 12). The paper does not say; 10,000 fits its tour of
+    61,025.99, whose actual length is 1,027.40 m, as six changes.
+    neighbour_range: r_n as a multiple of the virtual sensors' radius r_v. The paper asks for 2 or more.
+    a_star: the weights tau of Eqs. 16 and 17, not given; 1 makes A* exact. Others change legs' paths, not the order.
+    generations, population: of the genetic algorithm, Table 3.
+    regroup_every: generations between two draws of its groups of four; not given. 500 keeps many families apart long
+    enough to become short; with 1, tours over 96 sensors ended 7 % longer than the shortest known.
+    reversal_tries: stretches drawn, at most, until one is found whose reversal is "valid", that is shortens the tour.
+    The paper speaks of one; with 20, tours ended within 2 % of the shortest known, with 1 within 5 %.
+    kicks_per_waypoint: work of the local search; 50 comes within 1 % of the best known tours of 1,000 random points.
+    """
+
+    method: Literal["local_search", "genetic"] = "local_search"
+    distance: Literal["graph", "euclidean"] = "graph"
+    alpha: float = 10_000.0
+    neighbour_range: float = 2.0
+    a_star: AStarWeights = field(default_factory=AStarWeights)
+    generations: int = 10_000
+    population: int = 600
+    regroup_every: int = 500
+    reversal_tries: int = 20
+    kicks_per_waypoint: int = 50
+
+    def __post_init__(self) -> None:
+        _require(self.method in ("local_search", "genetic"), "method", self.method, "local_search or genetic")
+        _require(self.distance in ("graph", "euclidean"), "distance", self.distance, "graph or euclidean")
+        _require_share("alpha", self.alpha)
+        ok = math.isfinite(self.neighbour_range) and self.neighbour_range >= 2
+        _require(ok, "neighbour_range", self.neighbour_range, "a finite number, 2 or more")
+        for name in ("generations", "regroup_every", "reversal_tries"):
+            _require(getattr(self, name) >= 1, name, getattr(self, name), "1 or more")
+        _require(self.population >= 4 and self.population % 4 == 0, "population", self.population, "a multiple of 4")
+        _require(self.kicks_per_waypoint >= 0, "kicks_per_waypoint", self.kicks_per_waypoint, "0 or more")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PartitionSettings:
+    """How the frame is cut into segments, one robot each.
+
+    method: "exact", the default, is the optimum by dynamic programming; "pso" is the paper's Algorithm 3.
+    joining_legs: whether a segment includes the leg from the last sensor of the segment before to its own first one, as
+    Eq. 22 has it (the curve from one termination point to the next). The sensors' discs are covered without it, so that
+    the default leaves it out. The paper's times say that it counts: four robots on its zone 2 (Table 6, case 3) go
+    470.4 m, 11.5 m a leg with 15 legs, near the 10.7 m of its whole frame, but 15.7 m with the 11 legs left otherwise.
+    margin_s: T_m of Eq. 28, by which a route must be shorter than its period.
+    weight_late, weight_segments, weight_early: xi_1, xi_2 and xi_3 of Eq. 28. Not given, but T_m = 0.5 s, xi_2 = 1000
+    and xi_3 = 100 give the cost 5709.23 of Figure 13 from Table 5 (5709.0, and its times are rounded); the cost 9343.48
+    of Figure 16 would follow (9344) if one of Table 8's times were a second too long (9244 as printed). Of xi_1 one
+    only sees that it is large; with 10,000 a tenth of a second late costs as much as one more robot.
+    iterations, swarms, particles, least_velocity, most_velocity (shares of the frame), most_inertia, least_inertia,
+    own_pull (c_1), swarm_pull (c_2): Table 4. Its 50 iterations contradict the text, whose cost still falls in the
+    168th.
+    """
+
+    method: Literal["exact", "pso"] = "exact"
+    joining_legs: bool = False
+    margin_s: float = 0.0
+    weight_late: float = 10_000.0
+    weight_segments: float = 1_000.0
+    weight_early: float = 100.0
+    iterations: int = 50
+    swarms: int = 500
+    particles: int = 1000
+    least_velocity: float = -0.1
+    most_velocity: float = 0.1
+    most_inertia: float = 0.9
+    least_inertia: float = 0.4
+    own_pull: float = 2.0
+    swarm_pull: float = 2.0
+
+    def __post_init__(self) -> None:
+        _require(self.method in ("exact", "pso"), "method", self.method, "exact or pso")
+        for name in ("margin_s", "weight_late", "weight_segments", "weight_early", "own_pull", "swarm_pull"):
+            _require_share(name, getattr(self, name))
+        for name in ("iterations", "swarms", "particles"):
+            _require(getattr(self, name) >= 1, name, getattr(self, name), "1 or more")
+        for least, most in (("least_velocity", "most_velocity"), ("least_inertia", "most_inertia")):
+            low, high = getattr(self, least), getattr(self, most)
+            _require(math.isfinite(low) and math.isfinite(high), f"{least}, {most}", (low, high), "finite numbers")
+            _require(low <= high, least, low, f"at most {most}, {high!r}")
+
+
+def _require(ok: bool, name: str, value: object, allowed: str) -> None:
+    if not ok:
+        raise ValueError(f"{name}: {value!r} is not allowed; must be {allowed}")
+
+
+def _require_share(name: str, value: float) -> None:
+    _require(math.isfinite(value) and value >= 0, name, value, "a finite number, 0 or more")
+
+
+TABLE_3 = TourSettings(method="genetic", generations=10_000, population=600)
+
+TABLE_4 = PartitionSettings(method="pso", joining_legs=True, margin_s=0.5)
