@@ -66,6 +66,19 @@ class Cells:
         """Only the cells of these ascending numbers (k,)."""
         return _cells(self.lattice, self.shapes[keep], self.square[keep])
 
+    def quartered(self, number: Ints) -> Cells:
+        """The same with the cells of these numbers (k,) cut in four, across the middle of their bounding boxes."""
+        shapes = self.shapes[number]
+        x0, y0, x1, y1 = shapely.bounds(shapes).T
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        boxes = np.stack(
+            [shapely.box(*box) for box in ((x0, y0, x, y), (x, y0, x1, y), (x0, y, x, y1), (x, y, x1, y1))]
+        )
+        parts, of = _solid_parts(shapely.intersection(shapes, boxes).ravel(), self.lattice.cell_m)
+        kept = np.delete(np.arange(len(self)), number)
+        square = np.concatenate([self.square[kept], self.square[np.tile(number, 4)[of]]])
+        return _cells(self.lattice, np.concatenate([self.shapes[kept], parts]), square)
+
 
 def lattice_over(area: BaseGeometry, cell_m: float) -> Lattice:
     """The squares over the bounding box of an area, from its lower left corner on.
@@ -112,11 +125,8 @@ def cells_of(region: MultiPolygon, lattice: Lattice, *, hidden: MultiPolygon, bo
         cut = ~shapely.covers(region, shapes)
         shapes[cut] = shapely.intersection(shapes[cut], region)
     square = row[keep] * lattice.nx + column[keep]
-    parts, of = shapely.get_parts(shapes, return_index=True)
-    parts, of_part = shapely.get_parts(parts, return_index=True)
-    of = of[of_part]
-    solid = shapely.area(parts) > SLIVER * lattice.cell_m**2
-    return _cells(lattice, parts[solid], square[of[solid]].astype(np.int64))
+    parts, of = _solid_parts(shapes, lattice.cell_m)
+    return _cells(lattice, parts, square[of].astype(np.int64))
 
 
 def ground_for(space: MultiPolygon, hidden: MultiPolygon, reach_m: float) -> Ground:
@@ -149,6 +159,14 @@ def cells_seen_from(places_m: Floats, cells: Cells, ground: Ground) -> tuple[Int
     most = sight_kernels.most_in_reach(cells.table, ground.reach_m)
     start, items = sight_kernels.cells_seen_from(places, cells.table, ground, most)
     return start, items
+
+
+def _solid_parts(shapes: NDArray[np.object_], cell_m: float) -> tuple[NDArray[np.object_], Ints]:
+    """The polygons in geometries of any kind, without slivers of rounding, and which geometry each is of."""
+    parts, of = shapely.get_parts(shapes, return_index=True)
+    parts, of_part = shapely.get_parts(parts, return_index=True)
+    solid = shapely.area(parts) > SLIVER * cell_m**2
+    return parts[solid], np.asarray(of[of_part][solid], dtype=np.int64)
 
 
 def _cells(lattice: Lattice, shapes: NDArray[np.object_], square: Ints) -> Cells:

@@ -130,16 +130,17 @@ def cells_seen_from(places: Any, cells: CellTable, ground: Ground, most: int) ->
     known = np.zeros(1 + cells.corners.shape[0], np.int64)
     seen = np.empty(most, np.int32)
     start = np.zeros(places.shape[0] + 1, np.int64)
-    items = np.empty(64 * (places.shape[0] + 1), np.int64)
-    for k in range(places.shape[0]):
-        count = cells_seen(places[k, 0], places[k, 1], cells, ground, known, seen)
-        start[k + 1] = start[k] + count
-        if start[k + 1] > items.shape[0]:
-            wider = np.empty(2 * items.shape[0] + count, np.int64)
-            wider[: start[k]] = items[: start[k]]
-            items = wider
-        items[start[k] : start[k + 1]] = seen[:count]
-    return start, items[: start[-1]].copy()
+    items = np.empty(0, np.int64)
+    for filling in range(2):
+        for k in range(places.shape[0]):
+            count = cells_seen(places[k, 0], places[k, 1], cells, ground, known, seen)
+            start[k + 1] = start[k] + count
+            if filling:
+                for n in range(count):
+                    items[start[k] + n] = seen[n]
+        if not filling:
+            items = np.empty(start[-1], np.int64)
+    return start, items
 
 
 @compiled

@@ -39,8 +39,8 @@ class Swarms(NamedTuple):
     """Particles now, at their best (P.y) and the best of all (one particle, the context vector), and their grouping.
 
     order: (n,) sensors, those of swarm j are order[group_start[j] : group_start[j + 1]]; best_fitness: (p, k) of
-    P_j.y_i in the context; times: (m,) how many deployed sensors of the context see each cell; counts: (4,) what Eq. 11 counts
-    of the context; weights: (4,) lambda. bare_start (k + 1,), bare_item: see ``list_bare``.
+    P_j.y_i in the context; times: (m,) how many deployed sensors of the context see each cell; counts: (4,) what
+    Eq. 11 counts of the context; weights: (4,) lambda. bare_start (k + 1,), bare_item: see ``list_bare``.
     """
 
     now: Particles

@@ -31,6 +31,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 VIRTUAL = 2.0  # r_v = 2 r_s: a route on either side of the frame lets a robot see that far from it
+QUARTERINGS = 4  # of a cell that bends round a corner, so that no place sees all of it: down to a 16th of its side
 CELL_SHARE = 0.24  # of r_v: 50 x 50 cells on 120 m, for r_v = 10 m
 
 
@@ -57,7 +58,8 @@ class ZoneTasks:
 
     The first task is the paper's: sensors in the zone itself, zones already covered are obstacles. Cells that cannot
     be seen so (ground closed to motion, or behind a corner) make a second one: sensors wherever a robot can stand,
-    and only obstacles hide. spot_m: where a zone that asks for visits is visited; such a zone has no cells.
+    and only obstacles hide. Cells that no place sees whole are quartered, up to ``QUARTERINGS`` times. spot_m: where a
+    zone that asks for visits is visited; such a zone has no cells.
     """
 
     name: str
@@ -103,9 +105,13 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
             continue
         cells = cells_of(region.shape, lattice, hidden=hidden, border=border)
         own = polygons(region.shape.intersection(standing))
-        first, left = _task(cells, np.arange(len(cells)), own, ground_for(own, hidden, reach_m))
-        second, left = _task(cells, left, standing, ground_for(standing, obstacles, reach_m))
-        tasks = tuple(task for task in (first, second) if task is not None)
+        grounds = (ground_for(own, hidden, reach_m), ground_for(standing, obstacles, reach_m))
+        tasks, left = _tasks(cells, (own, standing), grounds)
+        for _ in range(QUARTERINGS if len(left) else 0):
+            cells = cells.quartered(left)
+            tasks, left = _tasks(cells, (own, standing), grounds)
+            if not len(left):
+                break
         yield ZoneTasks(name=region.name, period_s=region.period_s, cells=cells, tasks=tasks, unseeable=left)
         hidden = polygons(shapely.union_all([hidden, region.shape]))
 
@@ -121,6 +127,18 @@ def _visited(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -
         name=region.name, period_s=region.period_s, cells=none, tasks=(), unseeable=np.zeros(0, dtype=np.int64),
         spot_m=(float(spot.x), float(spot.y)),
     )  # fmt: skip
+
+
+def _tasks(
+    cells: Cells, spaces: tuple[MultiPolygon, ...], grounds: tuple[Ground, ...]
+) -> tuple[tuple[CoverTask, ...], Ints]:
+    """The tasks to cover the cells, from each space what those before it leave, and the numbers that none sees."""
+    tasks, left = [], np.arange(len(cells))
+    for space, ground in zip(spaces, grounds, strict=True):
+        task, left = _task(cells, left, space, ground)
+        if task is not None:
+            tasks.append(task)
+    return tuple(tasks), left
 
 
 def _task(cells: Cells, number: Ints, space: MultiPolygon, ground: Ground) -> tuple[CoverTask | None, Ints]:
