@@ -57,7 +57,9 @@ def unseen_m2(asked: Mission, deployment: Deployment, among: list[str]) -> float
     for part, region in zip(deployment.zones, sorted(demanded_regions(asked), key=lambda r: r.period_s), strict=True):
         if part.name not in among:
             continue
-        discs = [Point(p).buffer(deployment.virtual_radius_m, quad_segs=64) for p in part.positions_m]
+        # polygons of 256 corners about the discs
+        outer_m = deployment.virtual_radius_m / np.cos(np.pi / 256)
+        discs = [Point(p).buffer(outer_m, quad_segs=64) for p in part.positions_m]
         lost += region.shape.difference(shapely.union_all(discs)).area
         for c, shape in enumerate(part.cells.shapes):
             corners = shapely.get_coordinates(shape)

@@ -105,10 +105,10 @@ def deploy_sensors(
     """Deploy virtual sensors of radius r_v = 2 r_s that see all cells of the mission's zones (Section 4.2).
 
     A virtual sensor sees a cell when all corners of the cell are within r_v, not r_s, and in sight: with cells of 2.4 m
-    on Figure 13 that is the reading in which greedy set cover comes out at the paper's order of 10/15/71 sensors; with
-    r_s alone the free ground would need more than 125 discs for its area. Zones come one after the other, from the
-    smallest period up; sensors of a zone stand in it, and zones already covered count as obstacles, for placing and for
-    sight. The ground of a zone is cut to cells as ``settings.border_cells`` tells (see ``cells_of``).
+    on Figure 13 greedy set cover then takes 10/18/88 sensors (``border_cells="centre"``), where the paper's swarms took
+    10/15/71; discs of r_s would be 165 or more, by the area of its free ground alone. Zones come one after the other,
+    from the smallest period up; sensors of a zone stand in it, and zones already covered count as obstacles, for
+    placing and for sight. The ground of a zone is cut to cells as ``settings.border_cells`` tells (see ``cells_of``).
 
     Departures, where the paper says nothing: cells that cannot be seen from their own zone take sensors wherever a
     robot can stand, and only obstacles hide them; a zone that asks for visits takes one sensor inside; what the CCPSO2
