@@ -16,7 +16,7 @@ from rota.planners.patrol.sun2019.ccpso2 import Evolution, evolve, fitness, grou
 from rota.planners.patrol.sun2019.cells import cells_of, ground_for, lattice_over
 from rota.planners.patrol.sun2019.deploy_settings import TABLE_2, TABLE_7, DeploySettings
 from rota.planners.patrol.sun2019.swarm_kernels import Particles, Swarms
-from rota.planners.patrol.sun2019.zones import CoverTask, _tasks
+from rota.planners.patrol.sun2019.zones import CoverTask, cover_tasks
 
 BOX = np.array([0.0, 0.0, 100.0, 100.0])
 WEIGHTS = (1000.0, 100.0, 10.0, 1.0)
@@ -217,7 +217,7 @@ def open_task(side_m: float, cell_m: float, reach_m: float = 10.0) -> CoverTask:
     region = MultiPolygon([box(0, 0, side_m, side_m)])
     nothing = MultiPolygon()
     cells = cells_of(region, lattice_over(region, cell_m), hidden=nothing, border="clipped")
-    tasks, left = _tasks(cells, (region,), (ground_for(region, nothing, reach_m),))
+    tasks, left = cover_tasks(cells, (region,), (ground_for(region, nothing, reach_m),))
     assert len(left) == 0
     return tasks[0]
 

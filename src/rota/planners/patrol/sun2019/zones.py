@@ -106,10 +106,10 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
         cells = cells_of(region.shape, lattice, hidden=hidden, border=border)
         own = polygons(region.shape.intersection(standing))
         grounds = (ground_for(own, hidden, reach_m), ground_for(standing, obstacles, reach_m))
-        tasks, left = _tasks(cells, (own, standing), grounds)
+        tasks, left = cover_tasks(cells, (own, standing), grounds)
         for _ in range(QUARTERINGS if len(left) else 0):
             cells = cells.quartered(left)
-            tasks, left = _tasks(cells, (own, standing), grounds)
+            tasks, left = cover_tasks(cells, (own, standing), grounds)
             if not len(left):
                 break
         yield ZoneTasks(name=region.name, period_s=region.period_s, cells=cells, tasks=tasks, unseeable=left)
@@ -129,7 +129,7 @@ def _visited(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -
     )  # fmt: skip
 
 
-def _tasks(
+def cover_tasks(
     cells: Cells, spaces: tuple[MultiPolygon, ...], grounds: tuple[Ground, ...]
 ) -> tuple[tuple[CoverTask, ...], Ints]:
     """The tasks to cover the cells, from each space what those before it leave, and the numbers that none sees."""
