@@ -16,6 +16,7 @@ from benchmarks.random_runs import random_missions
 from benchmarks.row import Options, Row
 from benchmarks.shell import python, rota
 from benchmarks.sun_cases import sun_cases
+from benchmarks.sun_deploy import sun_deploy
 from benchmarks.sun_frame import sun_frame
 from benchmarks.warm_cache import measured_warm
 
@@ -107,6 +108,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "examples": examples,
     "methods": methods,
     "sun-cases": sun_cases,
+    "sun2019-deploy": sun_deploy,
     "sun2019-frame": sun_frame,
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
