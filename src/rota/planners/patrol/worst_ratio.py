@@ -25,6 +25,7 @@ from rota.planners.patrol.fixed_fleet import (
     parts_short,
     parts_started_in,
     plan_for_fixed_fleet,
+    touching,
 )
 from rota.planners.patrol.fixed_fleet import with_so_many as joined_or_helped
 from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m2_s
@@ -109,6 +110,9 @@ def too_few_reason(problem: Problem, robots: int, best: Reached, proved: float, 
         if problem.lower_bound > robots
         else f"no plan was found with which {counted(robots)} meet the demand"
     )
+    crowded = touching(best.settled.verdict)
+    if best.ratio <= 1 and crowded is not None:
+        return f"{few}: {crowded}; {proved_words(problem)}"
     worst = max(best.settled.verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s)
     what = "the area" if worst.name == AREA else repr(worst.name)
     least = f", and with {counted(robots)} no worst gap below {proved:.3f} times its period" if proved > 0 else ""
