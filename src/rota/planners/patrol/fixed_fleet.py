@@ -15,7 +15,7 @@ from rota.plan import Plan
 from rota.planners.patrol.annealing.tour import Tour, driven, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.problem import Problem
-from rota.planners.patrol.repair import Settled, plan_of
+from rota.planners.patrol.repair import Settled, plan_of, settle
 
 
 def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> Plan:
@@ -37,6 +37,10 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
         verdict = context.judge(plan)
         if verdict.verdict == "met":
             return plan
+        if touching(verdict) is not None:
+            apart = settle(context, tours, fewest.extra, may_add=False, rounds=context.work.repairs)
+            if apart.met and len(apart.plan.trajectories) == len(fleet):
+                return apart.plan
         reason = f"the plan for {len(fleet)} robots does not pass the check: {worst_reached(verdict)}"
         raise NoPlanFound(reason, best=plan)
     parts = {tour.part for tour in found}

@@ -129,7 +129,7 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
             return settled
         if not len(found):
             # all is seen, but bodies touch
-            apart = led_apart(problem, tours) if reroutes < MOST_REROUTES else None
+            apart = led_apart(problem, tours, verdict, may_add) if reroutes < MOST_REROUTES else None
             if apart is None:
                 return settled
             tours, reroutes, stuck = apart, reroutes + 1, 0
@@ -143,10 +143,11 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
                     tours = led_past(problem, tours, place, int(found.period[i]))
 
 
-def led_apart(problem: Problem, tours: list[Tour]) -> list[Tour] | None:
-    """The tours led another way, so that bodies can be kept apart; None when no way was found, or no bodies touch."""
-    body_m = problem.robot.body_radius_m
-    return None if body_m == 0 else rerouted(driven(tours), body_m, problem.space, problem.paths)
+def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bool) -> list[Tour] | None:
+    """The tours led another way, so that bodies can be kept apart; None when no bodies touch, or no way was found."""
+    if not any(fault.kind == "bodies touch" for fault in verdict.violations):
+        return None
+    return rerouted(driven(tours), problem.robot.body_radius_m, problem.space, problem.paths, may_add=may_add)
 
 
 def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:

@@ -84,7 +84,8 @@ def plan_with_least_ratio(context: Context, asked: Mission) -> Plan:
             return crowded
     if best is None or plan is None:
         some = plan_of(problem, joined_or_helped(problem, ways[0].tours, robots), context.seed)
-        reason = f"no plan for {counted(robots)} was found that surely sees everything; {proved_words(problem)}"
+        why = touching(context.judge(some)) or f"no plan for {counted(robots)} was found that surely sees everything"
+        reason = f"{why}; {proved_words(problem)}"
         raise NoPlanFound(reason, best=some)
     raise NoPlanFound(too_few_reason(problem, robots, best, proved, reserve), best=plan)
 
@@ -293,11 +294,16 @@ def with_all_of(context: Context, found: Settled, robots: int, starting: Counter
     if not (found.met and found.fits) or len(found.plan.trajectories) > robots:
         return None
     for tours in (helped(found.tours, robots, starting), stood_aside(context.problem, found.tours, robots)):
-        if tours is not None:
-            plan = plan_of(context.problem, tours, context.seed)
-            verdict = context.judge(plan)
-            if verdict.verdict == "met":
-                return replace(found, tours=tours, plan=plan, verdict=verdict)
+        if tours is None:
+            continue
+        plan = plan_of(context.problem, tours, context.seed)
+        verdict = context.judge(plan)
+        if verdict.verdict == "met":
+            return replace(found, tours=tours, plan=plan, verdict=verdict)
+        if touching(verdict) is not None:
+            apart = settle(context, tours, found.extra, may_add=False, rounds=context.work.repairs)
+            if apart.met and len(apart.plan.trajectories) == robots:
+                return apart
     return None
 
 

@@ -26,7 +26,7 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
 
     Both keep the period and share the robots; only cuts that keep both within their budgets.
     """
-    if tour.robots < 2:
+    if tour.robots < 2 or len(tour.vertices_m) < 2:
         return
     length_m = float(np.hypot(*(np.roll(tour.vertices_m, -1, axis=0) - tour.vertices_m).T).sum())
     points = split_legs(tour.vertices_m, max(length_m / PLACES, 1e-9))
@@ -105,15 +105,20 @@ def cut_to_the_last(tour: Tour, near_m: float, paths: ShortestPaths) -> list[Tou
 
 def exchanges(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
     """Other tours for the same robots: shared loops cut up, then pairs that change over; the gentlest first."""
-    shared = [k for k, tour in enumerate(tours) if tour.robots > 1]
-    for k in shared:
+    for k in range(len(tours)):
         for one, other in cut_in_two(tours[k], near_m, paths):
             yield [*tours[:k], one, other, *tours[k + 1 :]]
     split = [cut_to_the_last(tour, near_m, paths) for tour in tours]
-    if shared and all(parts is not None for parts in split):
+    if any(tour.robots > 1 for tour in tours) and all(parts is not None for parts in split):
         yield [part for parts in split for part in parts or ()]
     for k in range(len(tours)):
         for i in range(k):
             for one, other in changed_over(tours[i], tours[k], near_m, paths):
-                rest = [tour for n, tour in enumerate(tours) if n not in (i, k)]
-                yield [*rest, one, other]
+                yield [*(tour for n, tour in enumerate(tours) if n not in (i, k)), one, other]
+
+
+def with_one_more(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
+    """The tours with one of them cut in two, for one robot more than it has."""
+    for k, tour in enumerate(tours):
+        for one, other in cut_in_two(replace(tour, robots=tour.robots + 1), near_m, paths):
+            yield [*tours[:k], one, other, *tours[k + 1 :]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -14,7 +15,8 @@ from shapely import MultiPolygon
 from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.annealing.tour import Tour, split_legs
+from rota.planners.patrol.annealing.tour import Tour, split_legs, tour_length_m
+from rota.planners.patrol.timetable import thinned
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -23,6 +25,7 @@ LANES = 1.1  # times two bodies: distance of two lanes, with what timing on a gr
 TOWARDS = -0.5  # cosine between directions of robots that come towards each other, at most
 ON_THE_RIGHT = 0.5  # bodies: who is farther to the right of a route is passed on the other side
 ROUNDS = 3  # of moving apart
+QUARTER = 3  # corners of a quarter of the way round a robot that stays
 STRAIGHT = 0.02  # bodies: points of a route that stand out less are left out again
 
 
@@ -95,27 +98,32 @@ def led_along(tour: Tour, points_m: Floats, space: MultiPolygon, paths: Shortest
 
 
 def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon) -> list[Tour] | None:
-    """The tours led by shortest ways round the robots that stay; None when nobody stays in the way, or no way leads."""
+    """The tours led by shortest ways round the robots that stay; None when nobody stays, or nothing is left of a tour.
+
+    Where a robot that stays blocks the ground, a tour past it becomes one on either side, each with robots of its own.
+    """
     wide_m = 2 * body_radius_m * LANES
     staying = [tour.vertices_m[0] for tour in tours if len(tour.vertices_m) == 1]
-    moving = [k for k, tour in enumerate(tours) if len(tour.vertices_m) > 1]
-    if not staying or not moving:
+    if not staying or len(staying) == len(tours):
         return None
-    discs = shapely.union_all(
-        [shapely.Point(place).buffer(wide_m / np.cos(np.pi / 24), quad_segs=6) for place in staying]
-    )
-    left = shapely.get_parts(shapely.get_parts(space.difference(discs)))
-    free = MultiPolygon([part for part in left if part.geom_type == "Polygon" and part.area > 1e-9])
+    round_m = wide_m / math.cos(math.pi / (4 * QUARTER))
+    discs = shapely.union_all([shapely.Point(place).buffer(round_m, quad_segs=QUARTER) for place in staying])
+    parts = shapely.get_parts(shapely.get_parts(space.difference(discs)))
+    free = MultiPolygon([part for part in parts if part.geom_type == "Polygon" and part.area > body_radius_m**2 / 100])
     paths = ShortestPaths(free)
-    found = list(tours)
-    for k in moving:
-        vertices_m = tours[k].vertices_m
-        outside = vertices_m[paths.part_of(vertices_m) >= 0]
-        if not len(outside):
+    found: list[Tour] = []
+    for tour in tours:
+        if len(tour.vertices_m) == 1:
+            found.append(tour)
+            continue
+        points = split_legs(tour.vertices_m, body_radius_m / 2)
+        part = paths.part_of(points)
+        sides = [points[part == side] for side in dict.fromkeys(part[part >= 0].tolist())]
+        if not sides:
             return None
-        try:
-            way = paths.paths_along(np.vstack([outside, outside[:1]]))
-        except PlanError:
-            return None
-        found[k] = replace(tours[k], vertices_m=way[:-1] if len(way) > 1 else way)
+        for side in sides:
+            way = thinned(paths.paths_along(np.vstack([side, side[:1]])))
+            one = replace(tour, vertices_m=way, robots=1)
+            needed = math.ceil(tour_length_m(one) / one.budget_m)
+            found.append(replace(one, robots=max(1, needed, tour.robots if len(sides) == 1 else 1)))
     return found

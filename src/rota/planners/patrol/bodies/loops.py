@@ -97,9 +97,14 @@ def rounds_of(loop: Loop, timed: Timed) -> list[tuple[Floats, Floats]]:
     return [started_at(timed.times_s, timed.places_m, timed.offset_s + k * headway_s) for k in range(loop.robots)]
 
 
+def line_of(loop: Loop) -> shapely.LineString | shapely.Point:
+    """The loop as a line; as a point for a robot that stays."""
+    return shapely.Point(loop.places_m[0]) if loop.stays else shapely.LineString(loop.places_m)
+
+
 def crowds(loops: Sequence[Loop], apart_m: float) -> list[list[int]]:
     """Loops in groups, such that no two of different groups ever come nearer than ``apart_m``, whatever the time."""
-    lines = [shapely.Point(loop.places_m[0]) if loop.stays else shapely.LineString(loop.places_m) for loop in loops]
+    lines = [line_of(loop) for loop in loops]
     a, b = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=apart_m)
     n = len(loops)
     _, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)

@@ -26,7 +26,8 @@ Bytes = NDArray[np.uint8]
 
 MOST_SAMPLES = 2_000  # moments of one round
 MOST_STARTS = 24  # moments at which a round is begun, for one direction and one first place
-BASES = 6  # places at which the round of robots that share a loop is begun
+MOST_SHARED_STARTS = 8  # the same for robots that share a loop
+BASES = 4  # places at which their round is begun
 
 
 class Placed(NamedTuple):
@@ -69,7 +70,8 @@ def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Pl
 
     At one speed if there is a phase for that, else with waits; the way it is given before the other way round.
     """
-    directed = (loop, the_other_way(loop))
+    # with nobody else about, one way is as good as the other
+    directed = (loop, the_other_way(loop)) if others else (loop,)
     for one in directed:
         found = at_one_speed(one, headway, grid, others)
         if found is not None or loop.stays:
@@ -136,6 +138,8 @@ def timetables(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -
     along_s = np.arange(whole) * (loop.natural_s / whole)
     places = np.column_stack([np.interp(along_s, loop.times_s, loop.places_m[:, axis]) for axis in (0, 1)])
     blocked = blocked_by(cKDTree(places), headway, grid.apart_m, others)
+    if blocked.all(axis=1).any():
+        return  # somebody is always there
     for base in bases(blocked, loop.robots):
         rows = np.roll(blocked, -base, axis=0)
         if loop.robots == 1:
@@ -226,7 +230,8 @@ def several_robots(
     stretches = [np.arange(i * steps, (i + 1) * steps + 1) % len(places_m) for i in range(robots)]
     trees = [cKDTree(places_m[stretch]) for stretch in stretches]
     columns = np.arange(headway + 1)
-    for start in np.unique(np.linspace(0, headway, MOST_STARTS, endpoint=False).astype(np.int64)):
+    moments = MOST_SHARED_STARTS if blocked.any() else 1
+    for start in np.unique(np.linspace(0, headway, moments, endpoint=False).astype(np.int64)):
         gone: list[Ints] = []
         for i, stretch in enumerate(stretches):
             here = np.ascontiguousarray(blocked[stretch][:, (start + columns) % headway])
