@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ Floats = NDArray[np.float64]
 
 PLACES = 240  # along a loop where it may be cut
 CUTS = 4  # of one loop that are tried, the ones that leave most of the budgets
+BRANCHES = 2  # of them, where the pieces are cut further
+MOST_MORE = 3  # robots more than a loop has, with which it is cut
 ALIKE = 0.08  # of a loop: cuts nearer to each other are one
 
 
@@ -96,7 +99,7 @@ def cut_to_the_last(tour: Tour, near_m: float, paths: ShortestPaths) -> list[Tou
     """As many loops as robots, each its own; None where cuts within the budgets do not lead that far."""
     if tour.robots == 1:
         return [tour]
-    for one, other in cut_in_two(tour, near_m, paths):
+    for one, other in islice(cut_in_two(tour, near_m, paths), BRANCHES):
         parts = [cut_to_the_last(part, near_m, paths) for part in (one, other)]
         if parts[0] is not None and parts[1] is not None:
             return [*parts[0], *parts[1]]
@@ -104,21 +107,25 @@ def cut_to_the_last(tour: Tour, near_m: float, paths: ShortestPaths) -> list[Tou
 
 
 def exchanges(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
-    """Other tours for the same robots: shared loops cut up, then pairs that change over; the gentlest first."""
-    for k in range(len(tours)):
+    """Other tours for the same robots: shared loops cut up, then pairs that change over."""
+    shared = [k for k, tour in enumerate(tours) if tour.robots > 1]
+    if sum(tours[k].robots - 1 for k in shared) > 1:  # else it is the cut in two below
+        split = [cut_to_the_last(tour, near_m, paths) for tour in tours]
+        if all(parts is not None for parts in split):
+            yield [part for parts in split for part in parts or ()]
+    for k in shared:
         for one, other in cut_in_two(tours[k], near_m, paths):
             yield [*tours[:k], one, other, *tours[k + 1 :]]
-    split = [cut_to_the_last(tour, near_m, paths) for tour in tours]
-    if any(tour.robots > 1 for tour in tours) and all(parts is not None for parts in split):
-        yield [part for parts in split for part in parts or ()]
     for k in range(len(tours)):
         for i in range(k):
             for one, other in changed_over(tours[i], tours[k], near_m, paths):
                 yield [*(tour for n, tour in enumerate(tours) if n not in (i, k)), one, other]
 
 
-def with_one_more(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
-    """The tours with one of them cut in two, for one robot more than it has."""
-    for k, tour in enumerate(tours):
-        for one, other in cut_in_two(replace(tour, robots=tour.robots + 1), near_m, paths):
-            yield [*tours[:k], one, other, *tours[k + 1 :]]
+def with_more_robots(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
+    """The tours with one of them cut up, for one or more robots more than it has."""
+    for more in range(1, MOST_MORE + 1):
+        for k, tour in enumerate(tours):
+            parts = cut_to_the_last(replace(tour, robots=tour.robots + more), near_m, paths)
+            if parts is not None:
+                yield [*tours[:k], *parts, *tours[k + 1 :]]

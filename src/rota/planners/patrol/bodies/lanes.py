@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import compress
 
 import numpy as np
 import shapely
@@ -25,6 +26,8 @@ LANES = 1.1  # times two bodies: distance of two lanes, with what timing on a gr
 TOWARDS = -0.5  # cosine between directions of robots that come towards each other, at most
 ON_THE_RIGHT = 0.5  # bodies: who is farther to the right of a route is passed on the other side
 ROUNDS = 3  # of moving apart
+BEND = 12  # samples before and after a place of a line, beside which it may bend back
+SAMPLES = 4  # of a line, to a body
 QUARTER = 3  # corners of a quarter of the way round a robot that stays
 STRAIGHT = 0.02  # bodies: points of a route that stand out less are left out again
 
@@ -49,7 +52,7 @@ def moved_apart(
 ) -> list[Tour] | None:
     """The tours after one step apart; None when nobody comes towards anybody too near."""
     wide_m = 2 * body_radius_m * LANES
-    lines = [split_legs(tour.vertices_m, body_radius_m / 2) for tour in tours]
+    lines = [split_legs(tour.vertices_m, body_radius_m / SAMPLES) for tour in tours]
     line = np.repeat(np.arange(len(lines)), [len(points) for points in lines])
     places = np.vstack(lines)
     ahead = np.vstack([np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0) for points in lines])
@@ -70,13 +73,26 @@ def moved_apart(
     shift_m = np.where(to_right > 0, to_right, to_left)
     if np.abs(shift_m).max(initial=0.0) < 1e-3 * body_radius_m:
         return None
-    shifted = places + shift_m[:, None] * np.column_stack([ahead[:, 1], -ahead[:, 0]])
-    return [
-        led_along(tour, shifted[line == k], space, paths, STRAIGHT * body_radius_m)
-        if (shift_m[line == k] != 0).any()
-        else tour
-        for k, tour in enumerate(tours)
-    ]
+    found = list(tours)
+    for k, tour in enumerate(tours):
+        mine = line == k
+        if (shift_m[mine] != 0).any():
+            lane = beside(places[mine], ahead[mine], shift_m[mine], body_radius_m)
+            found[k] = led_along(tour, lane, space, paths, STRAIGHT * body_radius_m)
+    return found
+
+
+def beside(points_m: Floats, ahead: Floats, shift_m: Floats, body_radius_m: float) -> Floats:
+    """Points (m, 2), m <= n, so far to the right of a closed line (n, 2) that is led in directions ahead (n, 2).
+
+    Points that come nearer to the line than that, inside of its bends, are left out.
+    """
+    shifted = points_m + shift_m[:, None] * np.column_stack([ahead[:, 1], -ahead[:, 0]])
+    near_m = np.full(len(points_m), np.inf)
+    for step in range(-BEND, BEND + 1):
+        near_m = np.minimum(near_m, np.hypot(*(shifted - np.roll(points_m, step, axis=0)).T))
+    kept = near_m > np.abs(shift_m) * (1 - STRAIGHT)
+    return np.asarray(shifted[kept | (shift_m == 0)])
 
 
 def led_along(tour: Tour, points_m: Floats, space: MultiPolygon, paths: ShortestPaths, straight_m: float) -> Tour:
@@ -100,20 +116,21 @@ def led_along(tour: Tour, points_m: Floats, space: MultiPolygon, paths: Shortest
 def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon) -> list[Tour] | None:
     """The tours led by shortest ways round the robots that stay; None when nobody stays, or nothing is left of a tour.
 
-    Where a robot that stays blocks the ground, a tour past it becomes one on either side, each with robots of its own.
+    Who keeps within half a body of a place stays there. Where a robot that stays blocks the ground, a tour past it
+    becomes one on either side, each with robots of its own.
     """
-    wide_m = 2 * body_radius_m * LANES
-    staying = [tour.vertices_m[0] for tour in tours if len(tour.vertices_m) == 1]
-    if not staying or len(staying) == len(tours):
+    spots = [shapely.convex_hull(shapely.MultiPoint(tour.vertices_m)) for tour in tours]
+    stays = [shapely.minimum_bounding_radius(spot) <= body_radius_m / 2 for spot in spots]
+    if not any(stays) or all(stays):
         return None
-    round_m = wide_m / math.cos(math.pi / (4 * QUARTER))
-    discs = shapely.union_all([shapely.Point(place).buffer(round_m, quad_segs=QUARTER) for place in staying])
+    round_m = 2 * body_radius_m * LANES / math.cos(math.pi / (4 * QUARTER))
+    discs = shapely.union_all([spot.buffer(round_m, quad_segs=QUARTER) for spot in compress(spots, stays)])
     parts = shapely.get_parts(shapely.get_parts(space.difference(discs)))
     free = MultiPolygon([part for part in parts if part.geom_type == "Polygon" and part.area > body_radius_m**2 / 100])
     paths = ShortestPaths(free)
     found: list[Tour] = []
-    for tour in tours:
-        if len(tour.vertices_m) == 1:
+    for tour, stays_here in zip(tours, stays, strict=True):
+        if stays_here:
             found.append(tour)
             continue
         points = split_legs(tour.vertices_m, body_radius_m / 2)

@@ -9,7 +9,7 @@ from shapely import MultiPolygon
 
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.annealing.tour import Tour, over_budget_share
-from rota.planners.patrol.bodies.exchanges import exchanges, with_one_more
+from rota.planners.patrol.bodies.exchanges import exchanges, with_more_robots
 from rota.planners.patrol.bodies.lanes import in_lanes, round_those_who_stay
 from rota.planners.patrol.bodies.timing import can_be_timed, crowds_that_touch
 
@@ -60,4 +60,4 @@ def other_ways(
         yield anew
         yield in_lanes(anew, body_radius_m, space, paths)
     if may_add:
-        yield from with_one_more(tours, near_m, paths)
+        yield from with_more_robots(tours, near_m, paths)
