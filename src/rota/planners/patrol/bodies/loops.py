@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rota.planners.patrol.annealing.tour import Tour
-from rota.planners.patrol.timetable import loop_timetable, started_at
+from rota.planners.patrol.timetable import loop_timetable
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -87,14 +87,6 @@ def loop_of(tour: Tour) -> Loop:
         period_s=tour.period_s,
         speed_m_s=tour.robot.speed_m_s,
     )
-
-
-def rounds_of(loop: Loop, timed: Timed) -> list[tuple[Floats, Floats]]:
-    """Times and places of one round of each of the loop's robots, from where it is at time 0."""
-    if loop.stays:
-        return [(loop.times_s, loop.places_m)] * loop.robots
-    headway_s = float(timed.times_s[-1]) / loop.robots
-    return [started_at(timed.times_s, timed.places_m, timed.offset_s + k * headway_s) for k in range(loop.robots)]
 
 
 def line_of(loop: Loop) -> shapely.LineString | shapely.Point:

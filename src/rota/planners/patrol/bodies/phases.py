@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from rota.planners.patrol.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
+from rota.planners.patrol.timetable import stretched
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -59,18 +60,12 @@ def on_the_clock(
 ) -> tuple[list[tuple[Floats, Floats]], list[cKDTree], Grid]:
     """The loops stretched to their headways, where each is at the samples of the common clock, and that clock."""
     grid = grid_of(loops, clock, body_radius_m, MOST_SAMPLES)
-    rounds = [stretched(loop, multiple * clock.unit_s) for loop, multiple in zip(loops, clock.multiples, strict=True)]
+    rounds = [
+        stretched(loop.times_s, loop.places_m, loop.robots * multiple * clock.unit_s)
+        for loop, multiple in zip(loops, clock.multiples, strict=True)
+    ]
     samples = [loop.robots * multiple * grid.bins for loop, multiple in zip(loops, clock.multiples, strict=True)]
     return rounds, [cKDTree(sampled(one, n)) for one, n in zip(rounds, samples, strict=True)], grid
-
-
-def stretched(loop: Loop, headway_s: float) -> tuple[Floats, Floats]:
-    """The round driven evenly slower, so that it takes so many seconds for each of its robots."""
-    if loop.stays:
-        return loop.times_s, loop.places_m
-    times_s = loop.times_s * (loop.robots * headway_s / loop.natural_s)
-    times_s[-1] = loop.robots * headway_s
-    return times_s, loop.places_m
 
 
 def driven(one: tuple[Floats, Floats], choice: Choice, step_s: float) -> Timed:

@@ -22,8 +22,8 @@ def rerouted(
 ) -> list[Tour] | None:
     """The tours led another way, so that all bodies can be kept apart by timing; None when no way was found.
 
-    Crowd by crowd, within the budgets, with as many robots; with ``may_add`` there may be more. What is seen may change
-    a little, at corners that are cut and beside lanes; it is left to the caller to mend that.
+    Crowd by crowd, within the budgets, with as many robots; with ``may_add``, with more where that is not enough. What
+    is seen may change a little, at corners that are cut and beside lanes; it is left to the caller to mend that.
     """
     touching = crowds_that_touch(tours, body_radius_m)
     if not touching:
@@ -31,33 +31,42 @@ def rerouted(
     found = [tour for k, tour in enumerate(tours) if not any(k in crowd for crowd in touching)]
     for crowd in touching:
         some = [tours[k] for k in crowd]
-        robots = sum(tour.robots for tour in some)
-        ways = other_ways(some, body_radius_m, space, paths, may_add=may_add)
-        fitting = (
-            anew
-            for anew in ways
-            if over_budget_share(anew) == 0 and (may_add or sum(tour.robots for tour in anew) <= robots)
-        )
-        apart = next((anew for anew in islice(fitting, MOST_TRIED) if can_be_timed(anew, body_radius_m)), None)
+        apart = crowd_led_apart(some, body_radius_m, space, paths, more=False)
+        if apart is None and may_add:
+            apart = crowd_led_apart(some, body_radius_m, space, paths, more=True)
         if apart is None:
             return None
         found += apart
     return found
 
 
+def crowd_led_apart(
+    tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, more: bool
+) -> list[Tour] | None:
+    """One crowd led another way, with as many robots as it has, or with more; None when no way was found."""
+    robots = sum(tour.robots for tour in tours)
+    fitting = (
+        anew
+        for anew in other_ways(tours, body_radius_m, space, paths, more=more)
+        if (sum(tour.robots for tour in anew) > robots) == more and over_budget_share(anew) == 0
+    )
+    return next((anew for anew in islice(fitting, MOST_TRIED) if can_be_timed(anew, body_radius_m)), None)
+
+
 def other_ways(
-    tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, may_add: bool
+    tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, more: bool
 ) -> Iterator[list[Tour]]:
-    """Other tours for the same robots, or for more if that may be, those that change least first."""
+    """Other tours for as many robots, or also for more, those that change least first."""
     near_m = NEAR * body_radius_m
     around = round_those_who_stay(tours, body_radius_m, space)
+    begun = [tours] if around is None else [around, tours]
     if around is not None:
-        # nothing else helps as long as somebody stays in the way
         yield around
-        tours = around
-    yield in_lanes(tours, body_radius_m, space, paths)
-    for anew in exchanges(tours, near_m, paths):
-        yield anew
-        yield in_lanes(anew, body_radius_m, space, paths)
-    if may_add:
-        yield from with_more_robots(tours, near_m, paths)
+    for some in begun:
+        yield in_lanes(some, body_radius_m, space, paths)
+    for some in begun:
+        for anew in exchanges(some, near_m, paths):
+            yield anew
+            yield in_lanes(anew, body_radius_m, space, paths)
+        if more:
+            yield from with_more_robots(some, near_m, paths)

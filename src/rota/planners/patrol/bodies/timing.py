@@ -9,9 +9,10 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.planners.patrol.annealing.tour import Tour
-from rota.planners.patrol.bodies.loops import Loop, Timed, clocks, crowds, line_of, loop_of, rounds_of
+from rota.planners.patrol.bodies.loops import Loop, Timed, clocks, crowds, line_of, loop_of
 from rota.planners.patrol.bodies.phases import phases_apart, phases_hardly_touching
 from rota.planners.patrol.bodies.waits import waits_apart
+from rota.planners.patrol.timetable import evenly_spaced
 
 Floats = NDArray[np.float64]
 
@@ -29,7 +30,11 @@ def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[tuple[Floa
         found = timed_apart(here, body_radius_m) or nearly_apart(here, body_radius_m)
         for k, one in zip(crowd, found, strict=True):
             timed[k] = one
-    return [one for loop, how in zip(loops, timed, strict=True) for one in rounds_of(loop, how)]
+    return [
+        one
+        for loop, how in zip(loops, timed, strict=True)
+        for one in evenly_spaced(how.times_s, how.places_m, loop.robots, how.offset_s)
+    ]
 
 
 def nearly_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed]:

@@ -17,8 +17,8 @@ from scipy.spatial import cKDTree
 
 from rota.planners.patrol.bodies import kernels
 from rota.planners.patrol.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
-from rota.planners.patrol.bodies.phases import follows_itself, roomy_offsets, sampled, stretched
-from rota.planners.patrol.timetable import SHORTEST_LEG_M, started_at
+from rota.planners.patrol.bodies.phases import follows_itself, roomy_offsets, sampled
+from rota.planners.patrol.timetable import SHORTEST_LEG_M, started_at, stretched
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -105,7 +105,7 @@ def placed_as(timed: Timed, robots: int, headway: int, grid: Grid) -> Placed:
 
 def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Placed | None:
     """The loop stretched to its headway, at the phase with most room; None when there is none."""
-    times_s, places_m = stretched(loop, headway * grid.step_s)
+    times_s, places_m = stretched(loop.times_s, loop.places_m, loop.robots * headway * grid.step_s)
     tree = cKDTree(sampled((times_s, places_m), loop.robots * headway))
     if not follows_itself(tree, loop.robots, grid.apart_m):
         return None
