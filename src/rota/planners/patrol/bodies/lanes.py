@@ -27,7 +27,7 @@ TOWARDS = -0.5  # cosine between directions of robots that come towards each oth
 ON_THE_RIGHT = 0.5  # bodies: who is farther to the right of a route is passed on the other side
 ROUNDS = 3  # of moving apart
 BEND = 12  # samples before and after a place of a line, beside which it may bend back
-SAMPLES = 4  # of a line, to a body
+SAMPLES, MOST_POINTS = 4, 20_000  # of a line to a body, and in all
 QUARTER = 3  # corners of a quarter of the way round a robot that stays
 STRAIGHT = 0.02  # bodies: points of a route that stand out less are left out again
 
@@ -52,7 +52,8 @@ def moved_apart(
 ) -> list[Tour] | None:
     """The tours after one step apart; None when nobody comes towards anybody too near."""
     wide_m = 2 * body_radius_m * LANES
-    lines = [split_legs(tour.vertices_m, body_radius_m / SAMPLES) for tour in tours]
+    between_m = max(body_radius_m / SAMPLES, sum(tour_length_m(tour) for tour in tours) / MOST_POINTS)
+    lines = [split_legs(tour.vertices_m, between_m) for tour in tours]
     line = np.repeat(np.arange(len(lines)), [len(points) for points in lines])
     places = np.vstack(lines)
     ahead = np.vstack([np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0) for points in lines])

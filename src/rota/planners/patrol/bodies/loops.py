@@ -22,6 +22,7 @@ Ints = NDArray[np.int64]
 
 MOST_DIVISIONS = 12  # the common unit of all headways is at least this part of the shortest
 MOST_CLOCKS = 4  # that are tried
+MOST_PAIRS = 4_000_000  # of near places on two loops
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -134,17 +135,21 @@ def freedom_s(clock: Clock, moving: Sequence[int]) -> float:
     return clock.unit_s * (sum(measures) or clock.multiples[moving[0]])
 
 
-def near_pairs(one: cKDTree, other: cKDTree, apart_m: float) -> tuple[Ints, Ints]:
-    """Indices (m,) into both of all pairs of places nearer than ``apart_m``."""
+def near_pairs(one: cKDTree, other: cKDTree, apart_m: float) -> tuple[Ints, Ints] | None:
+    """Indices (m,) into both of all pairs of places nearer than ``apart_m``; None where they are too many to hold.
+
+    Then both loops keep near each other most of the time, and are taken as always near.
+    """
+    if one.count_neighbors(other, apart_m) > MOST_PAIRS:
+        return None
     found = one.sparse_distance_matrix(other, apart_m, output_type="ndarray")
     return found["i"].astype(np.int64), found["j"].astype(np.int64)
 
 
-def grid_of(loops: Sequence[Loop], clock: Clock, body_radius_m: float, most_samples: int) -> Grid:
-    """The clock in samples a tenth of a body apart at full speed, or so that the longest round has so many."""
-    speed_m_s = max(loop.speed_m_s for loop in loops)
+def grid_of(loops: Sequence[Loop], clock: Clock, speed_m_s: float, body_radius_m: float, most_samples: int) -> Grid:
+    """The clock in samples a tenth of a body apart at the greatest speed driven, or so that a round has so many."""
     longest_s = max(loop.robots * m * clock.unit_s for loop, m in zip(loops, clock.multiples, strict=True))
-    step_s = max(0.1 * body_radius_m / speed_m_s, longest_s / most_samples)
+    step_s = max(0.1 * body_radius_m / max(speed_m_s, 1e-12), longest_s / most_samples)
     bins = max(1, math.ceil(clock.unit_s / step_s))
     step_s = clock.unit_s / bins
     return Grid(bins, step_s, 2 * body_radius_m + speed_m_s * step_s)

@@ -59,11 +59,10 @@ def on_the_clock(
     loops: Sequence[Loop], clock: Clock, body_radius_m: float
 ) -> tuple[list[tuple[Floats, Floats]], list[cKDTree], Grid]:
     """The loops stretched to their headways, where each is at the samples of the common clock, and that clock."""
-    grid = grid_of(loops, clock, body_radius_m, MOST_SAMPLES)
-    rounds = [
-        stretched(loop.times_s, loop.places_m, loop.robots * multiple * clock.unit_s)
-        for loop, multiple in zip(loops, clock.multiples, strict=True)
-    ]
+    durations_s = [loop.robots * m * clock.unit_s for loop, m in zip(loops, clock.multiples, strict=True)]
+    rounds = [stretched(loop.times_s, loop.places_m, s) for loop, s in zip(loops, durations_s, strict=True)]
+    speed_m_s = max(loop.speed_m_s * loop.natural_s / s for loop, s in zip(loops, durations_s, strict=True))
+    grid = grid_of(loops, clock, speed_m_s, body_radius_m, MOST_SAMPLES)
     samples = [loop.robots * multiple * grid.bins for loop, multiple in zip(loops, clock.multiples, strict=True)]
     return rounds, [cKDTree(sampled(one, n)) for one, n in zip(rounds, samples, strict=True)], grid
 
@@ -111,10 +110,13 @@ class Meetings:
         key = (i, k, direction_i, direction_k)
         if key not in self._shifts:
             measure = math.gcd(self.headways[i], self.headways[k])
-            a, b = self._near[i, k]
-            meets = np.bincount((direction_k * b - direction_i * a) % measure, minlength=measure)
-            if self._still[i] or self._still[k]:
-                meets[:] = len(a)  # a robot that stays is met at any phase
+            near = self._near[i, k]
+            if near is None:
+                meets = np.ones(measure, dtype=np.int64)
+            elif self._still[i] or self._still[k]:
+                meets = np.full(measure, len(near[0]))  # a robot that stays is met at any phase
+            else:
+                meets = np.bincount((direction_k * near[1] - direction_i * near[0]) % measure, minlength=measure)
             self._shifts[key] = meets
         return self._shifts[key]
 

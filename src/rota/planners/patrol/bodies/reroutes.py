@@ -63,10 +63,19 @@ def other_ways(
     if around is not None:
         yield around
     for some in begun:
-        yield in_lanes(some, body_radius_m, space, paths)
+        yield from moved_into_lanes(some, body_radius_m, space, paths)
     for some in begun:
         for anew in exchanges(some, near_m, paths):
             yield anew
-            yield in_lanes(anew, body_radius_m, space, paths)
+            yield from moved_into_lanes(anew, body_radius_m, space, paths)
         if more:
             yield from with_more_robots(some, near_m, paths)
+
+
+def moved_into_lanes(
+    tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths
+) -> Iterator[list[Tour]]:
+    """The tours in lanes, if that moves any of them."""
+    found = in_lanes(tours, body_radius_m, space, paths)
+    if any(after is not before for after, before in zip(found, tours, strict=True)):
+        yield found

@@ -8,7 +8,8 @@ The Path-Velocity Decomposition", Int. J. Robotics Research 5(3), 1986). Everyth
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from scipy.spatial import cKDTree
 from rota.planners.patrol.bodies import kernels
 from rota.planners.patrol.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
 from rota.planners.patrol.bodies.phases import follows_itself, roomy_offsets, sampled
-from rota.planners.patrol.timetable import SHORTEST_LEG_M, started_at, stretched
+from rota.planners.patrol.timetable import started_at, stretched
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,7 +45,7 @@ def waits_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> li
     Loops with the least time to spare are timed first; one for which nothing is left goes before all others, and all
     are timed anew.
     """
-    grid = grid_of(loops, clock, body_radius_m, MOST_SAMPLES)
+    grid = grid_of(loops, clock, max(loop.speed_m_s for loop in loops), body_radius_m, MOST_SAMPLES)
     spare = [
         1.0 - loop.natural_s / (loop.robots * multiple * clock.unit_s) if not loop.stays else -1.0
         for loop, multiple in zip(loops, clock.multiples, strict=True)
@@ -77,9 +78,9 @@ def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Pl
         if found is not None or loop.stays:
             return found
     for one in directed:
-        timetable = next(timetables(one, headway, grid, others), None)
-        if timetable is not None:
-            start, along_s = timetable
+        found_way = way_through(one, headway, grid, others)
+        if found_way is not None:
+            start, along_s = found_way
             timed = with_knots(one, along_s, start, grid.step_s, loop.robots * headway * grid.step_s)
             return placed_as(timed, loop.robots, headway, grid)
     return None
@@ -87,13 +88,7 @@ def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Pl
 
 def the_other_way(loop: Loop) -> Loop:
     """The loop driven backwards."""
-    return Loop(
-        times_s=loop.times_s[-1] - loop.times_s[::-1],
-        places_m=loop.places_m[::-1],
-        robots=loop.robots,
-        period_s=loop.period_s,
-        speed_m_s=loop.speed_m_s,
-    )
+    return replace(loop, times_s=loop.times_s[-1] - loop.times_s[::-1], places_m=loop.places_m[::-1])
 
 
 def placed_as(timed: Timed, robots: int, headway: int, grid: Grid) -> Placed:
@@ -111,13 +106,15 @@ def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed])
         return None
     free = np.ones(headway, dtype=bool)
     for other in others:
-        mine, theirs = near_pairs(tree, other.tree, grid.apart_m)
+        near = near_pairs(tree, other.tree, grid.apart_m)
+        if near is None:
+            return None
         if loop.stays or other.tree.n == 1:
-            free &= len(mine) == 0
+            free &= len(near[0]) == 0
             continue
         measure = math.gcd(headway, other.headway)
         meets = np.zeros(measure, dtype=bool)
-        meets[(mine - theirs) % measure] = True
+        meets[(near[0] - near[1]) % measure] = True
         free &= ~np.tile(meets, headway // measure)
     if not free.any():
         return None
@@ -125,21 +122,21 @@ def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed])
     return placed_as(timed, loop.robots, headway, grid)
 
 
-def timetables(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Iterator[tuple[int, Floats]]:
-    """Timetables that pass the others: at which sample they begin, and how far along (n,) the loop they then are.
+def way_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> tuple[int, Floats] | None:
+    """A timetable that passes the others: at which sample it begins, and how far along (n,) the loop it then is.
 
-    Along, in seconds at full speed from the loop's start; at every sample of one round, its end included.
+    Along, in seconds at full speed from the loop's start; at every sample of one round, its end included. None: no way.
     """
     split = math.ceil(loop.natural_s / loop.robots / grid.step_s)
     steps = min(split + 1, headway)  # of a headway's way: a hair slower than full speed, so that knots can be moved
     if split > headway:
-        return
+        return None
     whole = steps * loop.robots
     along_s = np.arange(whole) * (loop.natural_s / whole)
     places = np.column_stack([np.interp(along_s, loop.times_s, loop.places_m[:, axis]) for axis in (0, 1)])
     blocked = blocked_by(cKDTree(places), headway, grid.apart_m, others)
     if blocked.all(axis=1).any():
-        return  # somebody is always there
+        return None  # somebody is always there
     for base in bases(blocked, loop.robots):
         rows = np.roll(blocked, -base, axis=0)
         if loop.robots == 1:
@@ -148,20 +145,23 @@ def timetables(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -
             found = several_robots(np.roll(places, -base, axis=0), rows, loop.robots, headway, grid.apart_m)
         if found is not None:
             start, place = found
-            yield start, np.asarray((base + place) * (loop.natural_s / whole), dtype=np.float64)
+            return start, np.asarray((base + place) * (loop.natural_s / whole), dtype=np.float64)
+    return None
 
 
 def blocked_by(tree: cKDTree, headway: int, apart_m: float, others: Sequence[Placed]) -> Bytes:
     """Where along the loop (places) at which time of its headway (columns) one of the others is near."""
     blocked = np.zeros((tree.n, headway), dtype=np.uint8)
     for other in others:
-        mine, theirs = near_pairs(tree, other.tree, apart_m)
+        near = near_pairs(tree, other.tree, apart_m)
+        if near is None:
+            return np.ones((tree.n, headway), dtype=np.uint8)
         if other.tree.n == 1:
-            blocked[mine] = 1
+            blocked[near[0]] = 1
             continue
         measure = math.gcd(headway, other.headway)
         once = np.zeros((tree.n, measure), dtype=np.uint8)
-        once[mine, theirs % measure] = 1
+        once[near[0], near[1] % measure] = 1
         blocked |= np.tile(once, (1, headway // measure))
     return blocked
 
@@ -236,8 +236,10 @@ def several_robots(
         for i, stretch in enumerate(stretches):
             here = np.ascontiguousarray(blocked[stretch][:, (start + columns) % headway])
             for other, place in enumerate(gone):
-                mine, theirs = near_pairs(trees[i], cKDTree(places_m[stretches[other]][place]), apart_m)
-                here[mine, theirs] = 1
+                near = near_pairs(trees[i], cKDTree(places_m[stretches[other]][place]), apart_m)
+                if near is None:
+                    return None
+                here[near] = 1
             way = through(here, headway)
             if way is None:
                 break
@@ -252,14 +254,14 @@ def with_knots(loop: Loop, along_s: Floats, start: int, step_s: float, duration_
     """The timetable of a round that is so far along (n,) the loop at every sample, begun at sample ``start``."""
     first_s = along_s[0] % loop.natural_s
     times_s, places_m = started_at(loop.times_s, loop.places_m, first_s)
-    along_s = along_s - along_s[0]
-    along_s[-1] = times_s[-1]
-    bends = np.flatnonzero(np.abs(np.diff(along_s, 2)) > 1e-6 * step_s) + 1
-    knots = np.concatenate([[0], bends, [len(along_s) - 1]])
-    at_s, along_s = knots * step_s, along_s[knots]
-    # a corner hardly off a knot is the knot: no leg of hardly any length
+    whole_s = along_s - along_s[0]
+    whole_s[-1] = times_s[-1]
+    bends = np.flatnonzero(np.abs(np.diff(whole_s, 2)) > 1e-6 * step_s) + 1
+    knots = np.concatenate([[0], bends, [len(whole_s) - 1]])
+    at_s, along_s = knots * step_s, whole_s[knots]
+    # a knot hardly off a corner is moved there: no leg of hardly any length; so little that it never shows as speeding
     nearest = times_s[np.abs(along_s[:, None] - times_s[None]).argmin(axis=1)]
-    along_s = np.where(np.abs(along_s - nearest) * loop.speed_m_s < 2 * SHORTEST_LEG_M, nearest, along_s)
+    along_s = np.where(np.abs(along_s - nearest) < step_s / (2 * len(whole_s)), nearest, along_s)
     corners_s = times_s[~np.isin(times_s, along_s)]
     before = np.searchsorted(along_s, corners_s) - 1
     share = (corners_s - along_s[before]) / (along_s[before + 1] - along_s[before])
