@@ -84,7 +84,8 @@ def plan_with_least_ratio(context: Context, asked: Mission) -> Plan:
             return crowded
     if best is None or plan is None:
         some = plan_of(problem, joined_or_helped(problem, ways[0].tours, robots), context.seed)
-        why = touching(context.judge(some)) or f"no plan for {counted(robots)} was found that surely sees everything"
+        crowding = touching(context.judge(some)) if problem.robot.body_radius_m > 0 else None
+        why = crowding or f"no plan for {counted(robots)} was found that surely sees everything"
         reason = f"{why}; {proved_words(problem)}"
         raise NoPlanFound(reason, best=some)
     raise NoPlanFound(too_few_reason(problem, robots, best, proved, reserve), best=plan)
