@@ -64,4 +64,4 @@ def test_ground_in_two_parts_needs_two_robots() -> None:
 def test_the_reason_names_what_is_missed_most(name: str, at_least_s: float, at_most_s: float, words: str) -> None:
     met = SimpleNamespace(name="met", period_s=10.0, worst_gap_at_least_s=9.0, worst_gap_s=9.5)
     asked = SimpleNamespace(name=name, period_s=40.0, worst_gap_at_least_s=at_least_s, worst_gap_s=at_most_s)
-    assert worst_reached(SimpleNamespace(demands=(met, asked))) == words
+    assert worst_reached(SimpleNamespace(demands=(met, asked), violations=())) == words

@@ -16,10 +16,11 @@ from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.timetable import (
     SHORTEST_LEG_M,
     as_trajectories,
+    evenly_spaced,
     loop_timetable,
     started_at,
+    stretched,
     thinned,
-    trajectories_of,
 )
 
 Floats = NDArray[np.float64]
@@ -76,10 +77,9 @@ def test_a_tour_without_length_is_a_robot_that_stays(vertices: list[list[float]]
     times, places = loop_timetable(np.array(vertices), TURNING)
     assert times.tolist() == [0]
     assert places.tolist() == [[1, 2]]
-    times, places = loop_timetable(np.array(vertices), ROBOT, 7.0)
-    assert times.tolist() == [0, 7]
-    assert places.tolist() == [[1, 2], [1, 2]]
-    (one,) = as_trajectories(trajectories_of([tour(vertices)], [None], [0.0]), ["r"])
+    times, places = stretched(times, places, 7.0)
+    assert times.tolist() == [0]
+    (one,) = as_trajectories(evenly_spaced(times, places, 1), ["r"])
     assert one.loop_duration_s == 0
 
 
@@ -105,7 +105,7 @@ def test_a_round_can_be_stretched_by_driving_slower(robot: Robot) -> None:
         ring = random_ring(rng)
         natural, places = loop_timetable(ring, robot)
         wanted = float(natural[-1]) * rng.uniform(1, 3)
-        times, same = loop_timetable(ring, robot, wanted)
+        times, same = stretched(natural, places, wanted)
         assert times[-1] == wanted  # to the last bit: loops with a common period depend on it
         assert same.tolist() == places.tolist()
         assert speeds(times, same).max() <= 2
@@ -113,7 +113,7 @@ def test_a_round_can_be_stretched_by_driving_slower(robot: Robot) -> None:
         still = (np.diff(places, axis=0) == 0).all(axis=1)
         assert np.diff(times)[still] == pytest.approx(np.diff(natural)[still])
         # what is asked for and cannot be reached is not pretended
-        too_short, _ = loop_timetable(ring, robot, 0.5 * float(natural[-1]))
+        too_short, _ = stretched(natural, places, 0.5 * float(natural[-1]))
         assert too_short[-1] == pytest.approx(natural[-1])
 
 
@@ -171,7 +171,7 @@ def test_robots_of_a_tour_follow_each_other_at_equal_times() -> None:
     rng = np.random.default_rng(5)
     for robots in (1, 2, 3, 7):
         ring = random_ring(rng)
-        rounds = trajectories_of([tour(ring, robots=robots, robot=TURNING)], [None], [0.0])
+        rounds = evenly_spaced(*loop_timetable(ring, TURNING), robots)
         assert len(rounds) == robots
         leader = rounds[0]
         duration = float(leader[0][-1])
@@ -183,14 +183,18 @@ def test_robots_of_a_tour_follow_each_other_at_equal_times() -> None:
 
 
 def test_offsets_shift_all_robots_of_their_tour() -> None:
-    tours = [tour(SQUARE, robots=2), tour(SQUARE + 20, robots=1), tour([[9.0, 9]])]
-    rounds = trajectories_of(tours, [16.0, None, None], [1.0, 2.5, 3.0])
+    slow = stretched(*loop_timetable(SQUARE, ROBOT), 16.0)
+    rounds = [
+        *evenly_spaced(*slow, 2, 1.0),
+        *evenly_spaced(*loop_timetable(SQUARE + 20, ROBOT), 1, 2.5),
+        *evenly_spaced(*loop_timetable(np.array([[9.0, 9]]), ROBOT), 1, 3.0),
+    ]
     assert [len(times) > 1 for times, _ in rounds] == [True, True, True, False]
     assert [float(times[-1]) for times, _ in rounds[:2]] == [16.0, 16.0]
     # at 16 s the square of 24 m is driven at 1.5 m/s
     assert rounds[0][1][0] == pytest.approx([1.5, 0])
     assert rounds[1][1][0] == pytest.approx([6, 6 + 0.0], abs=1.6)
-    assert rounds[1][1][0] == pytest.approx(positions(*loop_timetable(SQUARE, ROBOT, 16.0), np.array([9.0]))[0])
+    assert rounds[1][1][0] == pytest.approx(positions(*slow, np.array([9.0]))[0])
     assert rounds[2][1][0] == pytest.approx([25, 20], rel=1e-5)
     assert rounds[3][1].tolist() == [[9, 9]]
     named = as_trajectories(rounds, ["a", "b", "c", "d"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -39,6 +39,45 @@ class DemandOutcome(Protocol):
         ...
 
 
+class Fault(Protocol):
+    """What the search reads of something that is wrong with the routes themselves."""
+
+    @property
+    def kind(self) -> str:
+        """What it is: "bodies touch", say."""
+        ...
+
+    @property
+    def who(self) -> str:
+        """The robots, or the robot."""
+        ...
+
+    @property
+    def place_m(self) -> tuple[float, float] | None:
+        """Where it is (None: nowhere in particular)."""
+        ...
+
+    @property
+    def time_s(self) -> float | None:
+        """When it is (None: at no particular time)."""
+        ...
+
+    @property
+    def value(self) -> float:
+        """How much it is."""
+        ...
+
+    @property
+    def limit(self) -> float:
+        """How much is allowed."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Of both."""
+        ...
+
+
 class Verdict(Protocol):
     """What the search reads of the verdict on a plan."""
 
@@ -50,6 +89,11 @@ class Verdict(Protocol):
     @property
     def demands(self) -> tuple[DemandOutcome, ...]:
         """One outcome per demand."""
+        ...
+
+    @property
+    def violations(self) -> Sequence[Fault]:
+        """What is wrong with the routes, and demands that are violated."""
         ...
 
     @property

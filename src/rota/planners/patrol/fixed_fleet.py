@@ -15,7 +15,7 @@ from rota.plan import Plan
 from rota.planners.patrol.annealing.tour import Tour, driven, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.problem import Problem
-from rota.planners.patrol.repair import Settled, plan_of
+from rota.planners.patrol.repair import Settled, plan_of, settle
 
 
 def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> Plan:
@@ -37,7 +37,12 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
         verdict = context.judge(plan)
         if verdict.verdict == "met":
             return plan
-        raise NoPlanFound(f"the plan for {len(fleet)} robots does not pass the check", best=plan)
+        if touching(verdict) is not None:
+            apart = settle(context, tours, fewest.extra, may_add=False, rounds=context.work.repairs)
+            if apart.met and len(apart.plan.trajectories) == len(fleet):
+                return apart.plan
+        reason = f"the plan for {len(fleet)} robots does not pass the check: {worst_reached(verdict)}"
+        raise NoPlanFound(reason, best=plan)
     parts = {tour.part for tour in found}
     proved = f"proved: at least {counted(max(problem.lower_bound, 1))} ({problem.lower_bound_reason})"
     reason = f"{counted(len(fleet))} cannot meet the demand: {proved}; found: {needed} can"
@@ -65,7 +70,7 @@ def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
     worst = max(verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s, default=None)
     if worst is None or worst.worst_gap_s <= worst.period_s:
-        return "the check finds the routes themselves at fault"
+        return touching(verdict) or "the check finds the routes themselves at fault"
     what, period_s = "the area" if worst.name == AREA else repr(worst.name), worst.period_s
     if math.isinf(worst.worst_gap_at_least_s):
         return f"some of {what} is never seen"
@@ -73,6 +78,21 @@ def worst_reached(verdict: Verdict) -> str:
         gap_s = worst.worst_gap_at_least_s
         return f"in {what} the worst gap is {gap_s:.6g} s, {gap_s / period_s:.3f} times its period"
     return f"in {what} it is not proven that every gap is within its period of {period_s:.6g} s"
+
+
+def touching(verdict: Verdict) -> str | None:
+    """Which robots come nearest to each other, of all whose bodies touch, where and when; None when no bodies touch."""
+    pairs = [fault for fault in verdict.violations if fault.kind == "bodies touch"]
+    if not pairs:
+        return None
+    worst = min(pairs, key=lambda fault: fault.value / fault.limit)
+    where = "" if worst.place_m is None else f" at ({worst.place_m[0]:.2f}, {worst.place_m[1]:.2f})"
+    when = "" if worst.time_s is None else f", t = {worst.time_s:.2f} s"
+    more = "" if len(pairs) == 1 else f"; {len(pairs) - 1} more pair{'s'[: len(pairs) > 2]} touch"
+    return (
+        f"no way was found to keep bodies apart: {' and '.join(worst.who.split(', '))} come within {worst.value:.3f} m"
+        f"{where}{when}, where {worst.limit:.3f} m between their centres are needed{more}"
+    )
 
 
 def parts_started_in(problem: Problem, asked: Mission) -> Counter[int]:

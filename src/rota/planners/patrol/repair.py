@@ -14,7 +14,8 @@ from scipy.spatial import cKDTree
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, driven, over_budget_share, room_m, tour_length_m
-from rota.planners.patrol.bodies import timed_rounds
+from rota.planners.patrol.bodies.reroutes import rerouted
+from rota.planners.patrol.bodies.timing import timed_rounds
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.problem import Problem
@@ -36,6 +37,7 @@ MOST_NEW_POINTS = 1_500
 MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
 ON_ROUTE_M = 1e-7  # a place so near a route is on it
 MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
+MOST_REROUTES = 3  # for the sake of bodies
 MOST_VISITS = 12  # places that are gone to in one round for the sake of stubborn points
 
 
@@ -102,7 +104,7 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
     With ``may_add`` a tour that outgrows its budget gets another robot. Returns the last state.
     """
     problem = context.problem
-    turn, stuck = 0, 0
+    turn, stuck, reroutes = 0, 0, 0
     complaints = -1
     while True:
         points, samples = prepared_with(problem, extra)
@@ -122,10 +124,17 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
         settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
         stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
         complaints = len(verdict.unmet_points_m)
-        if settled.met or not len(found) or turn == rounds or stuck == MOST_STUCK or context.should_stop():
+        if settled.met or turn == rounds or stuck == MOST_STUCK or context.should_stop():
             return settled
         if not may_add and not settled.fits:
             return settled
+        if not len(found):
+            # all is seen, but bodies touch
+            apart = led_apart(problem, tours, verdict, may_add) if reroutes < MOST_REROUTES else None
+            if apart is None:
+                return settled
+            tours, reroutes, stuck = apart, reroutes + 1, 0
+            continue
         extra = settled.extra
         if stuck:
             # every point is seen, but no one view takes in a whole piece round it: go and look from nearby
@@ -133,6 +142,13 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
                 place = nearby_place(problem, found.xy_m[i], float(found.visit_m[i]), stuck)
                 if place is not None:
                     tours = led_past(problem, tours, place, int(found.period[i]))
+
+
+def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bool) -> list[Tour] | None:
+    """The tours led another way, so that bodies can be kept apart; None when no bodies touch, or no way was found."""
+    if not any(fault.kind == "bodies touch" for fault in verdict.violations):
+        return None
+    return rerouted(driven(tours), problem.robot.body_radius_m, problem.space, problem.paths, may_add=may_add)
 
 
 def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:

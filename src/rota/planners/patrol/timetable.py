@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rota.mission import Robot
 from rota.plan import Trajectory
-from rota.planners.patrol.annealing.tour import Tour, turns_rad, without_repeats
+from rota.planners.patrol.annealing.tour import turns_rad, without_repeats
 
 Floats = NDArray[np.float64]
 
@@ -17,33 +17,41 @@ SLOWER = 1 - 1e-6  # below full speed, so that rounding of times never shows as 
 SHORTEST_LEG_M = 1e-5  # shorter legs would be timed to fewer digits than the check asks
 
 
-def loop_timetable(vertices_m: Floats, robot: Robot, duration_s: float | None = None) -> tuple[Floats, Floats]:
+def loop_timetable(vertices_m: Floats, robot: Robot) -> tuple[Floats, Floats]:
     """Times (k,) and places (k, 2) of one round of a closed polyline (n, 2), turning at each corner included.
 
-    duration_s: stretch the round to this time, by driving slower; None: as fast as the robot can. One vertex, or a
-    polyline without length: the robot stays, for ``duration_s`` or no time at all. Starts and ends on the first vertex.
+    As fast as the robot can. One vertex, or a polyline without length: one row, the robot stays. Starts and ends on the
+    first vertex.
     """
     vertices_m = thinned(vertices_m)
     n = len(vertices_m)
     if n == 1:
-        stay = duration_s or 0.0
-        return np.array([0.0, stay][: 2 if stay else 1]), np.repeat(vertices_m, 2 if stay else 1, axis=0)
+        return np.zeros(1), vertices_m
     ends = np.roll(vertices_m, -1, axis=0)
     travel_s = np.hypot(*(ends - vertices_m).T) / (robot.speed_m_s * SLOWER)
     turn_s = np.zeros(n)
     if robot.turn_rate_rad_s is not None:
         turn_s = np.roll(turns_rad(vertices_m), -1) / (robot.turn_rate_rad_s * SLOWER)
-    if duration_s is not None:
-        travel_s *= max(1.0, (duration_s - turn_s.sum()) / travel_s.sum())
     # one row on arrival at each vertex, one more when turning there takes time
     steps = np.column_stack([travel_s, turn_s]).ravel()
     places = np.repeat(ends, 2, axis=0)
     keep = steps > 0
-    times_s = np.concatenate([[0.0], np.cumsum(steps[keep])])
-    places = np.vstack([vertices_m[:1], places[keep]])
-    if duration_s is not None and times_s[-1] <= duration_s * (1 + 1e-9):
-        times_s[-1] = duration_s
-    return times_s, places
+    return np.concatenate([[0.0], np.cumsum(steps[keep])]), np.vstack([vertices_m[:1], places[keep]])
+
+
+def stretched(times_s: Floats, places_m: Floats, duration_s: float) -> tuple[Floats, Floats]:
+    """The same round, driven slower so that it takes ``duration_s``, to the last bit; pauses stay as long as they are.
+
+    As it is where it takes longer already, or stays.
+    """
+    if len(times_s) == 1 or duration_s <= times_s[-1]:
+        return times_s, places_m
+    steps = np.diff(times_s)
+    moves = (np.diff(places_m, axis=0) != 0).any(axis=1)
+    steps[moves] *= (duration_s - steps[~moves].sum()) / steps[moves].sum()
+    later_s = np.concatenate([[0.0], np.cumsum(steps)])
+    later_s[-1] = duration_s
+    return later_s, places_m
 
 
 def thinned(vertices_m: Floats) -> Floats:
@@ -82,19 +90,11 @@ def started_at(times_s: Floats, places_m: Floats, phase_s: float) -> tuple[Float
     return times, places
 
 
-def trajectories_of(
-    tours: Sequence[Tour], durations_s: Sequence[float | None], offsets_s: Sequence[float]
-) -> list[tuple[Floats, Floats]]:
-    """Times and places of every robot, tour by tour; those of one tour follow each other at equal times."""
-    found = []
-    for tour, duration_s, offset_s in zip(tours, durations_s, offsets_s, strict=True):
-        times_s, places_m = loop_timetable(tour.vertices_m, tour.robot, duration_s)
-        for k in range(tour.robots):
-            if len(times_s) == 1:
-                found.append((times_s, places_m))
-            else:
-                found.append(started_at(times_s, places_m, offset_s + k * float(times_s[-1]) / tour.robots))
-    return found
+def evenly_spaced(times_s: Floats, places_m: Floats, robots: int, offset_s: float = 0.0) -> list[tuple[Floats, Floats]]:
+    """The round of each of the robots that share it at equal times between them, the first ``offset_s`` into it."""
+    if len(times_s) == 1:
+        return [(times_s, places_m)] * robots
+    return [started_at(times_s, places_m, offset_s + k * float(times_s[-1]) / robots) for k in range(robots)]
 
 
 def as_trajectories(rounds: Sequence[tuple[Floats, Floats]], names: Sequence[str]) -> tuple[Trajectory, ...]:

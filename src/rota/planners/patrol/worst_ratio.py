@@ -25,6 +25,7 @@ from rota.planners.patrol.fixed_fleet import (
     parts_short,
     parts_started_in,
     plan_for_fixed_fleet,
+    touching,
 )
 from rota.planners.patrol.fixed_fleet import with_so_many as joined_or_helped
 from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m2_s
@@ -83,7 +84,9 @@ def plan_with_least_ratio(context: Context, asked: Mission) -> Plan:
             return crowded
     if best is None or plan is None:
         some = plan_of(problem, joined_or_helped(problem, ways[0].tours, robots), context.seed)
-        reason = f"no plan for {counted(robots)} was found that surely sees everything; {proved_words(problem)}"
+        crowding = touching(context.judge(some)) if problem.robot.body_radius_m > 0 else None
+        why = crowding or f"no plan for {counted(robots)} was found that surely sees everything"
+        reason = f"{why}; {proved_words(problem)}"
         raise NoPlanFound(reason, best=some)
     raise NoPlanFound(too_few_reason(problem, robots, best, proved, reserve), best=plan)
 
@@ -109,6 +112,9 @@ def too_few_reason(problem: Problem, robots: int, best: Reached, proved: float, 
         if problem.lower_bound > robots
         else f"no plan was found with which {counted(robots)} meet the demand"
     )
+    crowded = touching(best.settled.verdict)
+    if best.ratio <= 1 and crowded is not None:
+        return f"{few}: {crowded}; {proved_words(problem)}"
     worst = max(best.settled.verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s)
     what = "the area" if worst.name == AREA else repr(worst.name)
     least = f", and with {counted(robots)} no worst gap below {proved:.3f} times its period" if proved > 0 else ""
@@ -289,11 +295,16 @@ def with_all_of(context: Context, found: Settled, robots: int, starting: Counter
     if not (found.met and found.fits) or len(found.plan.trajectories) > robots:
         return None
     for tours in (helped(found.tours, robots, starting), stood_aside(context.problem, found.tours, robots)):
-        if tours is not None:
-            plan = plan_of(context.problem, tours, context.seed)
-            verdict = context.judge(plan)
-            if verdict.verdict == "met":
-                return replace(found, tours=tours, plan=plan, verdict=verdict)
+        if tours is None:
+            continue
+        plan = plan_of(context.problem, tours, context.seed)
+        verdict = context.judge(plan)
+        if verdict.verdict == "met":
+            return replace(found, tours=tours, plan=plan, verdict=verdict)
+        if touching(verdict) is not None:
+            apart = settle(context, tours, found.extra, may_add=False, rounds=context.work.repairs)
+            if apart.met and len(apart.plan.trajectories) == robots:
+                return apart
     return None
 
 

@@ -1,0 +1,1 @@
+"""Keeping bodies apart: phases, directions, waits, and lanes beside each other."""
