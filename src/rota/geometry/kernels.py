@@ -289,7 +289,7 @@ def segment_is_free(ax, ay, bx, by, grid):
     count = _contacts(ax, ay, bx, by, grid, grid.edges[:0])
     if count <= 0:
         return count == 0
-    return not _meets_between_touches(ax, ay, bx, by, grid, count, OUTSIDE)
+    return not _meets_between_touches(ax, ay, bx, by, grid, count, np.int64(OUTSIDE))
 
 
 @njit(cache=True)
@@ -302,7 +302,7 @@ def point_sees_point(ax, ay, bx, by, grid):
     count = _contacts(ax, ay, bx, by, grid, grid.edges[:0])
     if count <= 0:
         return count == 0
-    return not _meets_between_touches(ax, ay, bx, by, grid, count, INSIDE)
+    return not _meets_between_touches(ax, ay, bx, by, grid, count, np.int64(INSIDE))
 
 
 @njit(cache=True)
