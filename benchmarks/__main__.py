@@ -46,7 +46,7 @@ def line_of(row: Row) -> str:
 def arguments() -> argparse.ArgumentParser:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Print what planning and checking cost.")
-    known = f"{', '.join(FIGURES)}; default all but {' and '.join(LONG)}, which take long"
+    known = f"{', '.join(FIGURES)}; default all but {' and '.join(LONG)}, which takes long"
     parser.add_argument("names", nargs="*", type=figure_name, metavar="NAME", help=f"figures to measure: {known}")
     parser.add_argument("--all", action="store_true", help="measure those that take long, too")
     parser.add_argument(

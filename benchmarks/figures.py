@@ -115,4 +115,4 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "plan-10-km2": ten_tiles,
     "random-missions": random_missions,
 }
-LONG = ("plan-10-km2", "random-missions")  # an hour and more together: measured only when named, or with --all
+LONG = ("random-missions",)  # an hour and more: measured only when named, or with --all
