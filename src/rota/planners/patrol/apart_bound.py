@@ -49,6 +49,7 @@ def heaviest_clique(joined: NDArray[np.bool_], weight: Ints) -> list[int]:
     nodes = 0
 
     def extend(clique: list[int], total: int, among: int) -> None:
+        """Take up every heavier clique that adds some of the vertices ``among`` (a bit each) to this one."""
         nonlocal best, nodes
         nodes += 1
         if total > sum(heavy[v] for v in best):

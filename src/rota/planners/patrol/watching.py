@@ -22,6 +22,7 @@ def searched(context: Context, search: Annealing, points: SamplePoints) -> Calla
     robots = sum(tour.robots for tour in search.tours)
 
     def tell(moves: int) -> None:
+        """Tell the watcher how the tours stand, whatever number of moves was made."""
         unseen_m2 = float(points.area_m2[search.unseen_samples].sum())
         watch(
             SearchState(

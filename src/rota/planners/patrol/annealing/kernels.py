@@ -11,13 +11,8 @@ from typing import Any
 import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, point_in_space
-from rota.planners.patrol.annealing.move_kernels import (
-    change_legs,
-    move_together,
-    pinned,
-    try_or_opt,
-    try_two_opt,
-)
+from rota.planners.patrol.annealing.anchor_kernels import move_together, pinned
+from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
 from rota.planners.patrol.kernels import Samples, compiled, norm
 from rota.planners.patrol.tour_kernels import FULL, UNSEEN, VERTICES, Tours, apart, tour_length, uniform
 

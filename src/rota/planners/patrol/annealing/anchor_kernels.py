@@ -1,0 +1,95 @@
+"""Compiled moves of the vertex where a hub and its petals meet: all of them go along, or none."""
+
+from __future__ import annotations
+
+from rota.geometry.kernels import EdgeGrid, segment_is_free
+from rota.planners.patrol.kernels import Samples, compiled, norm
+from rota.planners.patrol.tour_kernels import (
+    Tours,
+    begin,
+    enter_bucket,
+    keep,
+    leave_bucket,
+    new_leg,
+    old_leg,
+    over_budget_cost,
+    tour_length,
+    undo,
+)
+
+
+@compiled
+def pinned(v: int, t: Tours) -> bool:
+    """Whether vertex v is where a hub and its petals meet: it moves only with all of them."""
+    k = t.tour[v]
+    h = t.hub[k]
+    return bool(t.anchor[k] == v and t.petals[h, 0] < t.petals[h, 1])
+
+
+@compiled
+def move_together(
+    v: int, x: float, y: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours
+) -> bool:
+    """Move the only vertex of a tour, or that where a hub and its petals meet, if that costs at most ``limit``."""
+    h = t.hub[t.tour[v]]
+    first, last = t.petals[h, 0], t.petals[h, 1]
+    was = over_budget_cost(h, t)
+    unseen = t.unseen[0]
+    metres = 0.0
+    kept = t.x[v], t.y[v]
+    begin(t)
+    fair = True
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        a = t.anchor[k]
+        p, q = t.before[a], t.after[a]
+        if p == a:
+            fair = fair and new_leg(x, y, x, y, k, s, t)
+        else:
+            fair = (
+                fair
+                and norm(x - t.x[p], y - t.y[p]) <= most_m
+                and norm(x - t.x[q], y - t.y[q]) <= most_m
+                and segment_is_free(t.x[p], t.y[p], x, y, space)
+                and segment_is_free(x, y, t.x[q], t.y[q], space)
+                and new_leg(t.x[p], t.y[p], x, y, k, s, t)
+                and new_leg(x, y, t.x[q], t.y[q], k, s, t)
+            )
+        if not fair:
+            undo(unseen, s, t)
+            return False
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        a = t.anchor[k]
+        if t.before[a] != a:
+            old_leg(t.slot[t.before[a]], s, t)
+        old_leg(t.slot[a], s, t)
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        t.x[t.anchor[k]], t.y[t.anchor[k]] = x, y
+        now_m = tour_length(k, t)
+        metres += t.price[k] * (now_m - t.length[k])
+        t.length[k] = now_m
+    keeps = metres + over_budget_cost(h, t) - was + t.unseen[0] - unseen <= limit
+    if not keeps:
+        undo(unseen, s, t)
+        x, y = kept
+    else:
+        keep(t)
+    made = 0
+    for member in range(first - 1, last):
+        k = h if member < first else member
+        a = t.anchor[k]
+        t.x[a], t.y[a] = kept
+        leave_bucket(a, t)
+        t.x[a], t.y[a] = x, y
+        enter_bucket(a, t)
+        if not keeps:
+            t.length[k] = tour_length(k, t)
+            continue
+        if t.before[a] != a:
+            t.slot[t.before[a]] = t.tried_new[made]
+            made += 1
+        t.slot[a] = t.tried_new[made]
+        made += 1
+    return bool(keeps)
