@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from rota.errors import MissionError
-from rota.mission import Deployment, Effort, PatrolSettings
+from rota.mission import DeploymentMethod, Effort, PatrolSettings
 from rota.planners.patrol.sun2019.deploy_settings import TABLE_2, TABLE_7, DeploySettings
 from rota.planners.patrol.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
 from rota.planners.patrol.sun2019.route_settings import RouteSettings
@@ -67,7 +67,7 @@ def settings_for(planning: PatrolSettings) -> MethodSettings:
     )
 
 
-def _deployments(asked: Deployment, effort: Effort) -> tuple[DeploySettings, ...]:
+def _deployments(asked: DeploymentMethod, effort: Effort) -> tuple[DeploySettings, ...]:
     if asked == "best":
         return BEST[effort]
     return (TABLE_2,) if asked == "ccpso2" else (DeploySettings(method=asked),)
