@@ -55,8 +55,11 @@ REPAIRS: dict[Effort, int] = {"quick": 12, "normal": 20, "high": 30}
 
 
 def settings_for(planning: PatrolSettings) -> MethodSettings:
-    """The settings that a mission asks for, with as much work as its effort allows; stages named after the paper's
-    are done as its tables say."""
+    """The settings that a mission asks for, with as much work as its effort allows.
+
+    Stages named after the paper's are done as its tables say, but that S_MAX fits the ground: Table 2's 160 sensors
+    are for its own map.
+    """
     asked, effort = planning.sun2019, planning.effort
     return MethodSettings(
         deployments=_deployments(asked.deployment, effort),
@@ -70,4 +73,4 @@ def settings_for(planning: PatrolSettings) -> MethodSettings:
 def _deployments(asked: DeploymentMethod, effort: Effort) -> tuple[DeploySettings, ...]:
     if asked == "best":
         return BEST[effort]
-    return (TABLE_2,) if asked == "ccpso2" else (DeploySettings(method=asked),)
+    return (replace(TABLE_2, sensors_max=None),) if asked == "ccpso2" else (DeploySettings(method=asked),)
