@@ -79,11 +79,9 @@ def study_figure(panels: Sequence[Panel], *, columns: int = 2, width: float = WI
             left, y = MARGIN + Y_AXIS + k * (row.width + Y_AXIS + GAP), top - row.head - row.high
             inset, narrower = CURVE_INSET if isinstance(panel, CurvePanel) else (0.0, 0.0)
             panel.draw(axes_at(fig, left + inset, y, row.width - narrower, row.high))
-            above = [(panel.title, TITLE_PT, "bold", "#000000")]
-            above += [(panel.note, NOTE_PT, "normal", "#444444")] if panel.note else []
-            for line, (text, size_pt, weight, colour) in enumerate(reversed(above)):
-                at = (left / width, (y + row.high + 0.06 + line * NOTE) / height)
-                fig.text(*at, plain(text, 90), fontsize=size_pt, fontweight=weight, color=colour, va="bottom")
+            title_at, note_at = ((y + row.high + 0.06 + up) / height for up in (row.head - TITLE, 0.0))
+            fig.text(left / width, title_at, plain(panel.title, 90), fontsize=TITLE_PT, fontweight="bold", va="bottom")
+            fig.text(left / width, note_at, plain(panel.note, 90), fontsize=NOTE_PT, color="#444444", va="bottom")
             place_legend(fig, panel.entries, left - 0.1, y - X_AXIS, row.width + 0.3)
         top -= row.height + GAP
     return fig

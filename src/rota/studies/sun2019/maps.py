@@ -40,7 +40,7 @@ def with_periods(mission: Mission, periods_s: tuple[float, float, float]) -> Mis
 def figure_8() -> Mission:
     """A map of two sub-regions, as Figure 8 has: Figure 13's with zone 2 alone. The paper's is not given."""
     whole = figure_13()
-    return replace(whole, name="sun2019-fig8", zones=whole.zones[1:])
+    return replace(whole, name="sun2019-fig8", zones=(replace(whole.zones[1], name="zone-1"),))
 
 
 def figure_15() -> Mission:

@@ -14,8 +14,7 @@ from rota.planners.patrol.sun2019.deploy_settings import TABLE_2, TABLE_7, Deplo
 from rota.planners.patrol.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
 from rota.planners.patrol.sun2019.partition import Partition, partition_frame
 from rota.planners.patrol.sun2019.tour import Frame, find_frame
-
-Tell = Callable[[float, str], None]
+from rota.studies.sun2019.maps import figure_8, figure_13, figure_15
 
 
 class StudyStopped(Exception):  # noqa: N818 (no fault: somebody asked for it)
@@ -58,7 +57,7 @@ class Stages:
 
 
 class Runs:
-    """Runs what is asked for, once, with one seed; remembers it, since figures share runs.
+    """Runs what is asked for, once, with one seed; remembers it, since figures share runs, and the maps they are on.
 
     tell: called with what is being done. should_stop: asked before every run; True raises StudyStopped.
     """
@@ -68,6 +67,7 @@ class Runs:
     ) -> None:
         self.settings = settings
         self.seed = seed
+        self.map_8, self.map_13, self.map_15 = figure_8(), figure_13(), figure_15()
         self._tell = tell
         self._should_stop = should_stop
         self._deployments: list[tuple[Mission, DeploySettings, Deployment]] = []
