@@ -135,7 +135,7 @@ def test_seed_and_progress_reach_every_method() -> None:
 @pytest.mark.parametrize(
     ("listed", "told"),
     [
-        ("tours,spiral", "'spiral' is not known; tours, parallel, sequential, decomposition are"),
+        ("tours,spiral", "'spiral' is not known; tours, parallel, sequential, decomposition, sun2019 are"),
         ("tours,tours", "'tours' is given twice"),
         ("", "'' is not known"),
     ],
@@ -181,6 +181,7 @@ def test_captions_tell_what_a_plan_comes_to(yard: Path, monkeypatch: pytest.Monk
         ("parallel", "no plan: nobody can stand anywhere", False),
         ("sequential", "2 robots · loops 12 m · worst gap 0.00", True),
         ("decomposition", "1 robot · loops 0 m · some of it is never seen · not met", False),
+        ("sun2019", "2 robots · loops 12 m · worst gap 0.00", True),
     ]
 
 

@@ -16,8 +16,12 @@ Blocks = Literal["both", "motion", "sight"]
 Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
 Effort = Literal["quick", "normal", "high"]
-Method = Literal["tours", "parallel", "sequential", "decomposition"]
+Method = Literal["tours", "parallel", "sequential", "decomposition", "sun2019"]
 METHODS: tuple[Method, ...] = get_args(Method)
+Deployment = Literal["best", "greedy", "exact", "ccpso2"]
+FrameTour = Literal["local_search", "genetic"]
+FramePartition = Literal["exact", "pso"]
+SegmentRoutes = Literal["shortened", "repaired", "printed"]
 
 Place = tuple[float, float]
 
@@ -241,19 +245,43 @@ class Zone:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Sun2019:
+    """How the stages of the method ``sun2019`` are done; ours, which take fewest robots, unless the paper's are named.
+
+    ``deployment`` of virtual sensors: "best" of set covers and swarms, as many as the effort allows; "greedy" or
+    "exact" set cover; "ccpso2", the paper's swarms. ``tour``, the frame past them: "local_search" or the paper's
+    "genetic" algorithm. ``partition`` of the frame: "exact", or the paper's particle swarms, "pso". ``routes`` round
+    the segments: "repaired" until all is seen, by robots as many as that takes; "shortened" besides where they are too
+    long; "printed": cut to the free space and no more, which mostly leaves ground unseen.
+    """
+
+    deployment: Deployment = "best"
+    tour: FrameTour = "local_search"
+    partition: FramePartition = "exact"
+    routes: SegmentRoutes = "shortened"
+
+    def __post_init__(self) -> None:
+        choices = {"deployment": Deployment, "tour": FrameTour, "partition": FramePartition, "routes": SegmentRoutes}
+        for name, known in choices.items():
+            _require(getattr(self, name) in get_args(known), f"patrol.sun2019.{name}", getattr(self, name),
+                     ", ".join(get_args(known)))  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
 class PatrolSettings:
     """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
 
     ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
-    "sequential" scanning, area "decomposition". A reserve against wind and poor localisation: the plan keeps periods
-    shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
-    ``range_margin_m``.
+    "sequential" scanning, area "decomposition"; or the paper's own, "sun2019", whose stages ``sun2019`` chooses. A
+    reserve against wind and poor localisation: the plan keeps periods shorter by the share ``period_margin``, and with
+    sensors whose reach in every direction is shorter by ``range_margin_m``.
     """
 
     effort: Effort = "normal"
     method: Method = "tours"
     period_margin: float = 0.0
     range_margin_m: float = 0.0
+    sun2019: Sun2019 = field(default_factory=Sun2019)
 
     def __post_init__(self) -> None:
         _require(self.effort in ("quick", "normal", "high"), "patrol.effort", self.effort, "quick, normal or high")

@@ -24,6 +24,7 @@ from rota.plan import Plan
 # inches
 MARGIN, GAP, HEADER, PANEL_TITLE, FOOTER = 0.14, 0.28, 0.3, 0.42, 0.3
 WIDEST, MAP_AREA, NARROWEST_MAP = 13.5, 12.0, 3.0
+EMPTY = 0.3  # what a place without a map weighs, against the logarithm of how much wider or higher than asked
 NO_PLAN = "no plan"
 
 
@@ -48,17 +49,17 @@ class _Grid:
 
 
 def _grid(mission: Mission, count: int) -> _Grid:
-    """As many columns as make the picture about half again as wide as high; every map of the same size."""
+    """As many columns as make the picture about half again as wide as high, with few gaps; all maps of one size."""
     left, bottom, right, top = mission.area.bounds
     pad_m = 0.05 * math.sqrt((right - left) * (top - bottom))
     slope = (top - bottom + pad_m) / (right - left + pad_m)
     width = float(np.clip(math.sqrt(MAP_AREA / slope), NARROWEST_MAP, WIDEST - 2 * MARGIN))
     most = max(1, int((WIDEST - 2 * MARGIN + GAP) / (width + GAP)))
 
-    def unlike(columns: int) -> tuple[int, float]:
+    def unlike(columns: int) -> float:
         rows = -(-count // columns)
         wide, high = columns * (width + GAP), rows * (width * slope + PANEL_TITLE + GAP) + HEADER
-        return rows * columns - count, abs(math.log(wide / high / 1.5))
+        return abs(math.log(wide / high / 1.5)) + EMPTY * (rows * columns - count)
 
     columns = min(range(1, min(most, count) + 1), key=unlike)
     return _Grid(columns=columns, rows=-(-count // columns), width=width, height=width * slope)

@@ -15,11 +15,21 @@ from shapely import MultiPolygon, unary_union
 from rota.errors import MissionError
 from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
-from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock
+from rota.files.mission_schema import FleetBlock, MissionFile, PatrolBlock, RobotBlock, SensorBlock
 from rota.files.mission_starts import fleet_at_its_starts
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.yaml_text import Document, Place, parse_text
-from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Robot, Sensor, SquareSensor, inner_reach_m
+from rota.mission import (
+    DiscSensor,
+    Fleet,
+    Mission,
+    PatrolSettings,
+    Robot,
+    Sensor,
+    SquareSensor,
+    Sun2019,
+    inner_reach_m,
+)
 
 MOST_CELLS = 50e6
 CELLS_PER_REACH = 4  # a lattice coarser than a quarter of the sensor's reach plans badly
@@ -178,8 +188,14 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         fleet=fleet_at_its_starts(_fleet(file.fleet), file, ground)[0],
         origin=ground.origin,
         unseeable=file.unseeable,
-        planning=PatrolSettings(**patrol.model_dump()) if patrol else PatrolSettings(),
+        planning=_planning(patrol) if patrol else PatrolSettings(),
     )
+
+
+def _planning(block: PatrolBlock) -> PatrolSettings:
+    values = block.model_dump(exclude={"sun2019"})
+    stages = block.sun2019
+    return PatrolSettings(**values, sun2019=Sun2019(**stages.model_dump()) if stages else Sun2019())
 
 
 def _fleet(block: FleetBlock) -> Fleet:

@@ -20,7 +20,7 @@ from pydantic import (
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from rota.files.rings import ring_fault
-from rota.mission import Method
+from rota.mission import METHODS, Deployment, FramePartition, FrameTour, Method, SegmentRoutes
 
 PLANNERS = ("patrol",)
 MOST_ROBOTS = 10_000
@@ -307,15 +307,32 @@ class FleetBlock(Block):
     start: Start | None = None
 
 
+class Sun2019Block(Block):
+    """How the stages of the method sun2019 are done: ours by default, or the paper's."""
+
+    deployment: Deployment = Field("best", description="of virtual sensors; ccpso2 is the paper's")
+    tour: FrameTour = Field("local_search", description="past all sensors; genetic is the paper's")
+    partition: FramePartition = Field("exact", description="of the tour among the robots; pso is the paper's")
+    routes: SegmentRoutes = Field("shortened", description="printed, or repaired until all is seen, or shortened too")
+
+
 class PatrolBlock(Block):
     """Settings of the patrol planner."""
 
     effort: Literal["quick", "normal", "high"] = "normal"
-    method: Method = Field("tours", description="tours, or one of the traditional methods to compare with")
+    method: Method = Field("tours", description="tours, or to compare with: a traditional method or the paper's own")
     period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
         0.0, description="reserve: plan with periods shorter by this share"
     )
     range_margin_m: NotNegative = Field(0.0, description="reserve: plan with sensors that reach so much less far")
+    sun2019: Sun2019Block | None = None
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Settings of another method."""
+        method = data.get("method", "tours")
+        if data.get("sun2019") is not None and method in METHODS and method != "sun2019":
+            yield ("sun2019",), f"settings of another method; method is {method}: remove this block"
 
 
 class OriginBlock(Block):
@@ -366,6 +383,14 @@ class MissionFile(Block):
 def _unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     if data.get("moving_obstacles"):
         yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
+    if _inner(data, "patrol", "method") == "sun2019" and _inner(data, "fleet", "sensor", "shape") == "square":
+        yield ("fleet", "sensor", "shape"), "square is not allowed: patrol.method sun2019 is made for discs; give disc"
+
+
+def _inner(data: Any, *keys: str) -> Any:
+    for key in keys:
+        data = data.get(key) if isinstance(data, dict) else None
+    return data
 
 
 def nearest_key(key: str, known: list[str]) -> str:

@@ -24,6 +24,7 @@ from rota.files.plan_schema import (
     DiscSensorFields,
     FleetFields,
     MissionFields,
+    PatrolFields,
     PlanFields,
     SquareSensorFields,
     StartFields,
@@ -41,6 +42,7 @@ from rota.mission import (
     SquareSensor,
     StartBox,
     StartPoints,
+    Sun2019,
     Zone,
 )
 from rota.plan import Plan, Trajectory
@@ -298,8 +300,13 @@ def _mission(fields: MissionFields) -> Mission:
             fleet=fleet,
             origin=None if fields.origin is None else GeoPoint(lat=fields.origin.lat, lon=fields.origin.lon),
             unseeable=fields.unseeable,
-            planning=PatrolSettings(**fields.patrol.model_dump()),
+            planning=_planning(fields.patrol),
         )
+
+
+def _planning(fields: PatrolFields) -> PatrolSettings:
+    values = fields.model_dump(exclude={"sun2019"})
+    return PatrolSettings(**values, sun2019=Sun2019(**fields.sun2019.model_dump()))
 
 
 def _fleet(fields: FleetFields) -> Fleet:

@@ -6,7 +6,17 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from rota.mission import Blocks, Demand, Effort, Method, Unseeable
+from rota.mission import (
+    Blocks,
+    Demand,
+    Deployment,
+    Effort,
+    FramePartition,
+    FrameTour,
+    Method,
+    SegmentRoutes,
+    Unseeable,
+)
 
 PLAN_VERSION = 1
 
@@ -111,6 +121,15 @@ class OriginFields(_Strict):
     lon: Annotated[float, Field(ge=-180, le=180)]
 
 
+class Sun2019Fields(_Strict):
+    """The stages of the method sun2019."""
+
+    deployment: Deployment = "best"
+    tour: FrameTour = "local_search"
+    partition: FramePartition = "exact"
+    routes: SegmentRoutes = "shortened"
+
+
 class PatrolFields(_Strict):
     """Settings of the patrol planner."""
 
@@ -118,6 +137,7 @@ class PatrolFields(_Strict):
     method: Method
     period_margin: Annotated[float, Field(ge=0, lt=1)] = 0.0
     range_margin_m: NotNegative = 0.0
+    sun2019: Sun2019Fields = Sun2019Fields()
 
 
 class MissionFields(_Strict):

@@ -27,6 +27,7 @@ from rota.planners.patrol.repair import Settled, no_points, prepared_with, settl
 from rota.planners.patrol.samples import SamplePoints
 from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
 from rota.planners.patrol.start.standing import over_prices
+from rota.planners.patrol.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.watching import searched
 from rota.search_state import Watch
 
@@ -79,6 +80,8 @@ def plan_patrol(
 def fewest_by_method(context: Context) -> Settled:
     """The best settled plan that the method of the mission's settings finds."""
     method = context.problem.mission.planning.method
+    if method == "sun2019":
+        return fewest_robots_by_stages(context)
     if method != "tours":
         return fewest_robots_of(METHODS[method], context)
     return fewest_on_large(context, fewest_robots) if is_large(context.problem) else fewest_robots(context)
