@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from rota.draw.mission_picture import draw_mission, mission_legend
+from rota.draw.mission_picture import draw_mission, mission_legend, zone_legend
 from rota.draw.palette import LineStyle
 from rota.draw.route_lines import draw_route_lines, route_legend
 from rota.draw.routes import routes_of
@@ -51,7 +51,7 @@ class Strokes(NamedTuple):
 class MapPanel:
     """A mission's map under a title; on it strokes, then the routes of a plan, then dots. ``note``: below the title.
 
-    named_zones: whether each zone carries its name and period.
+    named_zones: whether each zone carries its name and period; listed_zones: whether the legend tells them.
     """
 
     title: str
@@ -61,6 +61,7 @@ class MapPanel:
     dots: tuple[Dots, ...] = ()
     plan: Plan | None = None
     named_zones: bool = False
+    listed_zones: bool = False
 
     @property
     def entries(self) -> list[Artist]:
@@ -70,6 +71,7 @@ class MapPanel:
         found += [_dots_entry(dots) for dots in self.dots]
         reaches_m = sorted({dots.reach_m for dots in self.dots if dots.reach_m > 0})
         found += [Patch(facecolor="#DDDDDD", edgecolor="#777777", label=f"seen, {reach:g} m") for reach in reaches_m]
+        found += zone_legend(self.mission) if self.listed_zones else []
         return [*found, *mission_legend(self.mission)]
 
     def draw(self, ax: Axes) -> None:

@@ -29,9 +29,27 @@ NOT_REPRODUCED = (
 )
 
 
+# figures whose tables have a column for each way of planning
+COMPARING = (13, 14, 16)
+HOW_TO_READ = (
+    "*paper*: as printed there.",
+    "*Eq. 26*: the paper's algorithms with its parameters, run here; times by its formula, 2 × segment + 2 π r_s.",
+    "*as printed*: the routes round those segments, cut to the free ground and driven as they are.",
+    "*mended*: the paper's algorithms once more, by the method `sun2019` told so (`deployment: ccpso2, tour: genetic, "
+    "partition: pso, routes: repaired`), which mends routes until the check passes.",
+    "*sun2019*: that method as it is by default; *tours*: the default method.",
+    "*lower bound*: no plan has fewer robots, proved.",
+    "A route belongs to the sub-region whose period it must keep. *7.00 × 2*: two loops of 7.00 s. A loop of `tours` "
+    "may be longer than T^c: robots share it, or it passes the zone several times in one round; the worst gap decides.",
+)
+
+
 def page_markdown(sections: Sequence[Section], *, seed: int, effort: str) -> str:
     """The page; its pictures are beside it. seed, effort: with which it was made."""
     figures = joined([str(section.figure) for section in sections])
+    comparing = []
+    if any(section.figure in COMPARING for section in sections):
+        comparing = ["## How to read the tables", "\n".join(f"- {line}" for line in HOW_TO_READ)]
     parts = [
         HEADING,
         f"{'Figure' if len(sections) == 1 else 'Figures'} {figures} of {paper.CITATION}, made again by `rota study "
@@ -42,6 +60,7 @@ def page_markdown(sections: Sequence[Section], *, seed: int, effort: str) -> str
         "All numbers under **Here** and in columns of ours come from that one run; the paper's are as printed.",
         "## What cannot be reproduced",
         "\n".join(f"- {line}" for line in NOT_REPRODUCED),
+        *comparing,
         *(section.markdown for section in sections),
     ]
     return "\n\n".join(parts) + "\n"

@@ -136,7 +136,7 @@ def _free(mission: Mission, piece_m: Floats) -> bool:
 
 def tour_panel(title: str, frame: Frame) -> CurvePanel:
     """The shortest tour so far by generation: Figures 13d and 16d."""
-    note = f"{frame.tour_length:,.2f} in the end, of which {frame.length_m:,.0f} m of way"
+    note = f"ends at {frame.tour_length:,.0f}, {frame.length_m:,.0f} m of it way"
     curve = Curve("shortest tour", frame.history, ZONE_COLOURS[0])
     return CurvePanel(
         title=title, note=note, curves=(curve,), across="generations", up="length with α (Eq. 12)", logarithmic=True
@@ -179,6 +179,6 @@ def routes_panel(title: str, mission: Mission, outcome: MethodOutcome) -> MapPan
     if outcome.plan is None or outcome.loops_m is None or outcome.worst_ratio is None:
         return MapPanel(title=title, note="no plan", mission=mission, named_zones=True)
     met = "" if outcome.met else ", not met"
-    note = f"{counted(len(outcome.plan.trajectories), 'robot')}, {outcome.loops_m:,.0f} m of loops, "
-    note += f"worst gap {outcome.worst_ratio:.2f} of its period{met}"
-    return MapPanel(title=title, note=note, mission=mission, plan=outcome.plan, named_zones=True)
+    note = f"{counted(len(outcome.plan.trajectories), 'robot')}, {outcome.loops_m:,.0f} m, "
+    note += f"worst gap {outcome.worst_ratio:.2f}{met}"
+    return MapPanel(title=title, note=note, mission=mission, plan=outcome.plan, listed_zones=True)

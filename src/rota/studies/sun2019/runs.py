@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
+import numpy as np
+
+from rota.check import Report, check_plan
 from rota.compare import MethodOutcome, load_compiled_loops, outcome_of
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Effort, Method, Mission
+from rota.mission import Effort, Mission, PatrolSettings, Sun2019
+from rota.plan import Plan, Trajectory
 from rota.planners.patrol.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.sun2019.deploy_settings import TABLE_2, TABLE_7, DeploySettings
-from rota.planners.patrol.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
-from rota.planners.patrol.sun2019.partition import Partition, partition_frame
+from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.sun2019.frame_settings import TourSettings
+from rota.planners.patrol.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
+from rota.planners.patrol.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors
 from rota.planners.patrol.sun2019.tour import Frame, find_frame
-from rota.studies.sun2019.maps import figure_8, figure_13, figure_15
+from rota.studies.sun2019 import paper
+from rota.studies.sun2019.maps import figure_8, figure_13, figure_15, with_periods
 
 
 class StudyStopped(Exception):  # noqa: N818 (no fault: somebody asked for it)
@@ -22,38 +29,24 @@ class StudyStopped(Exception):  # noqa: N818 (no fault: somebody asked for it)
 
 
 @dataclass(frozen=True, kw_only=True)
-class StageSettings:
-    """How the three algorithms run."""
-
-    deploy: DeploySettings
-    tour: TourSettings
-    partition: PartitionSettings
-
-
-@dataclass(frozen=True, kw_only=True)
 class StudySettings:
-    """What the study runs with. figure_13: Figures 6 to 14; figure_16: Figure 16. effort: of the method ``tours``.
+    """What the study runs with. figure_13: Figures 6 to 14; figure_16: Figure 16; by default the paper's tables.
 
-    The defaults are the paper's Tables 2, 3, 4 and 7.
+    Of several deployments in them the first counts. effort: of the methods ``sun2019`` and ``tours``.
     """
 
-    figure_13: StageSettings = field(
-        default_factory=lambda: StageSettings(deploy=TABLE_2, tour=TABLE_3, partition=TABLE_4)
-    )
-    figure_16: StageSettings = field(
-        default_factory=lambda: StageSettings(deploy=TABLE_7, tour=TABLE_3, partition=TABLE_4)
-    )
+    figure_13: MethodSettings = AS_PRINTED
+    figure_16: MethodSettings = AS_PRINTED_FIGURE_16
     effort: Effort = "quick"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stages:
-    """What the paper's three algorithms came to on one map."""
+class Printed(NamedTuple):
+    """The paper's algorithms run to the end on one map: stages, the routes as a plan, and what the check says of it."""
 
     mission: Mission
-    deployment: Deployment
-    frame: Frame
-    partition: Partition
+    stages: Stages
+    plan: Plan
+    report: Report
 
 
 class Runs:
@@ -68,78 +61,99 @@ class Runs:
         self.settings = settings
         self.seed = seed
         self.map_8, self.map_13, self.map_15 = figure_8(), figure_13(), figure_15()
+        self.maps_14 = tuple(with_periods(self.map_13, case.periods_s) for case in paper.TABLE_6)
         self._tell = tell
         self._should_stop = should_stop
-        self._deployments: list[tuple[Mission, DeploySettings, Deployment]] = []
-        self._outcomes: list[tuple[Mission, MethodOutcome]] = []
+        self._framed: list[tuple[Mission, MethodSettings, Framed]] = []
+        self._printed: list[tuple[MethodSettings, Printed]] = []
+        self._outcomes: list[tuple[Mission, PatrolSettings, MethodOutcome]] = []
 
     def deployment(self, mission: Mission, settings: DeploySettings) -> Deployment:
         """Algorithm 1 (or the same without rules)."""
-        for known, under, found in self._deployments:
-            if known is mission and under == settings:
-                return found
         self._begin(f"{mission.name}: deploying sensors")
-        found = deploy_sensors(mission, settings, seed=self.seed)
-        self._deployments.append((mission, settings, found))
-        return found
+        return deploy_sensors(mission, settings, seed=self.seed)
 
     def frame(self, mission: Mission, deployment: Deployment, settings: TourSettings) -> Frame:
-        """Algorithm 2."""
+        """Algorithm 2 on ground in one part."""
         self._begin(f"{mission.name}: finding the frame")
-        space = ShortestPaths(standing_space(mission, mission.fleet.body_radius_m))
         return find_frame(
             deployment.positions_m,
             deployment.zone_of,
-            space,
+            _paths(mission),
             virtual_radius_m=deployment.virtual_radius_m,
             settings=settings,
             seed=self.seed,
         )
 
-    def partition(
-        self, mission: Mission, deployment: Deployment, frame: Frame, settings: PartitionSettings
-    ) -> Partition:
-        """Algorithm 3."""
+    def framed(self, mission: Mission, settings: MethodSettings) -> Framed:
+        """Algorithms 1 and 2."""
+        for known, under, found in self._framed:
+            if known is mission and under == settings:
+                return found
+        self._begin(f"{mission.name}: deploying sensors and finding the frame")
+        found = framed_sensors(mission, _paths(mission), settings.deployments[0], settings, seed=self.seed)
+        self._framed.append((mission, settings, found))
+        return found
+
+    def printed(self, mission: Mission, settings: MethodSettings) -> Printed:
+        """Algorithms 1 to 3 and the routes round the segments, as the paper has them, judged by the check."""
+        for under, known in self._printed:
+            if known.mission is mission and under == settings:
+                return known
+        framed = self.framed(mission, settings)
         self._begin(f"{mission.name}: cutting the frame")
-        sensor = mission.fleet.sensor
-        assert isinstance(sensor, DiscSensor)
-        return partition_frame(
-            frame.legs_m,
-            deployment.periods_s[frame.order],
-            speed_m_s=mission.fleet.speed_m_s,
-            sensor_radius_m=sensor.radius_m,
-            settings=settings,
-            seed=self.seed,
-        )
+        stages = cut_in_segments(framed, mission.fleet.equal_robot("robot-1"), _paths(mission), settings)
+        plan = driven(mission, stages, seed=self.seed)
+        self._begin(f"{mission.name}: checking the routes")
+        found = Printed(mission, stages, plan, check_plan(plan))
+        self._printed.append((settings, found))
+        return found
 
-    def stages(self, mission: Mission, settings: StageSettings) -> Stages:
-        """All three algorithms, one after the other."""
-        deployment = self.deployment(mission, settings.deploy)
-        frame = self.frame(mission, deployment, settings.tour)
-        partition = self.partition(mission, deployment, frame, settings.partition)
-        return Stages(mission=mission, deployment=deployment, frame=frame, partition=partition)
+    def by_stages(self, mission: Mission, stages: Sun2019 | None = None) -> MethodOutcome:
+        """A checked plan by the method ``sun2019``, its stages as given or as the method chooses."""
+        planning = PatrolSettings(effort=self.settings.effort, method="sun2019", sun2019=stages or Sun2019())
+        return self._outcome(mission, planning)
 
-    def outcome(self, mission: Mission, method: Method) -> MethodOutcome:
-        """A checked plan by one of the methods, or why there is none."""
-        for known, found in self._outcomes:
-            if known is mission and found.method == method:
+    def by_tours(self, mission: Mission) -> MethodOutcome:
+        """A checked plan by the method ``tours``."""
+        return self._outcome(mission, PatrolSettings(effort=self.settings.effort))
+
+    def _outcome(self, mission: Mission, planning: PatrolSettings) -> MethodOutcome:
+        for known, under, found in self._outcomes:
+            if known is mission and under == planning:
                 return found
         if not self._outcomes:
             self._begin("loading")
             load_compiled_loops()
-        doing = f"{mission.name}: {method}"
+        doing = f"{mission.name}: {planning.method}"
         self._begin(doing)
         found = outcome_of(
-            mission.with_method(method).with_effort(self.settings.effort),
+            replace(mission, planning=planning),
             seed=self.seed,
             progress=lambda _, what: self._tell(f"{doing}: {what}"),
             should_stop=self._should_stop,
         )
         self._begin(doing)  # what was stopped early is not shown
-        self._outcomes.append((mission, found))
+        self._outcomes.append((mission, planning, found))
         return found
 
     def _begin(self, doing: str) -> None:
         if self._should_stop():
             raise StudyStopped
         self._tell(doing)
+
+
+def driven(mission: Mission, stages: Stages, *, seed: int) -> Plan:
+    """The segments' routes driven by a robot each, at full speed and for ever; nothing is mended."""
+    trajectories = []
+    for k, segment in enumerate(stages.segments):
+        ring_m = np.vstack([segment.route_m, segment.route_m[:1]])
+        legs_m = np.hypot(*np.diff(ring_m, axis=0).T)
+        moved = np.append(True, legs_m > 0)
+        times_s = np.append(0.0, np.cumsum(legs_m))[moved] / mission.fleet.speed_m_s
+        trajectories.append(Trajectory(robot=f"robot-{k + 1}", times_s=times_s, positions_m=ring_m[moved]))
+    return Plan(mission=mission, trajectories=tuple(trajectories), seed=seed)
+
+
+def _paths(mission: Mission) -> ShortestPaths:
+    return ShortestPaths(standing_space(mission, mission.fleet.body_radius_m))

@@ -32,9 +32,9 @@ ONE_MAP_WIDTH = 3.9  # inches
 
 def figure_6_section(runs: Runs) -> Section:
     """Figure 6: what the heuristic rules do for the deployment."""
-    mission, settings = runs.map_13, runs.settings.figure_13.deploy
-    with_rules = runs.deployment(mission, settings)
-    without = runs.deployment(mission, settings.without_rules())
+    mission, settings = runs.map_13, runs.settings.figure_13
+    with_rules = runs.framed(mission, settings).deployment
+    without = runs.deployment(mission, settings.deployments[0].without_rules())
     panels: list[MapPanel | CurvePanel] = [
         deployment_panel("(a) With heuristic rules", mission, with_rules),
         deployment_panel("(b) Without", mission, without),
@@ -96,7 +96,7 @@ def _convergence(with_rules: Deployment, without: Deployment) -> str:
 def figure_8_section(runs: Runs) -> Section:
     """Figure 8: the frame by straight distances and by Eq. 14."""
     mission, settings = runs.map_8, runs.settings.figure_13
-    deployment = runs.deployment(mission, settings.deploy)
+    deployment = runs.deployment(mission, settings.deployments[0])
     straight = runs.frame(mission, deployment, replace(settings.tour, distance="euclidean"))
     graph = runs.frame(mission, deployment, replace(settings.tour, distance="graph"))
     panels = [
@@ -150,15 +150,15 @@ def _blocked(straight: Frame, graph: Frame) -> str:
 def figure_12_section(runs: Runs) -> Section:
     """Figure 12: the stages of the method one after the other."""
     mission, settings = runs.map_13, runs.settings.figure_13
-    stages = runs.stages(mission, settings)
-    deployment, frame = stages.deployment, stages.frame
+    stages = runs.printed(mission, settings).stages
+    deployment, frame, partition = stages.framed.deployment, stages.framed.parts[0].frame, stages.partitions[0]
     range_m = settings.tour.neighbour_range * deployment.virtual_radius_m
     edges = graph_edges(mission, deployment, range_m)
     panels: list[MapPanel | CurvePanel] = [
         MapPanel(title="(1) Mission", note=rest_note(mission), mission=mission, named_zones=True),
         deployment_panel("(2) Sensors (Algorithm 1)", mission, deployment),
         frame_panel("(3) Graph and frame (Algorithm 2)", mission, deployment, frame, edges=edges),
-        segments_panel("(4) Segments (Algorithm 3)", mission, deployment, frame, stages.partition),
+        segments_panel("(4) Segments (Algorithm 3)", mission, deployment, frame, partition),
     ]
     ours, theirs = sensors_by_zone(mission, deployment), paper.FIGURE_13.sensors
     return Section(
@@ -179,7 +179,7 @@ def figure_12_section(runs: Runs) -> Section:
         "we follow: the smallest period is the most important.",
         found=f"{_by_zone(ours)} = {counted(sum(ours), 'sensor')} where the paper has {_by_zone(theirs)} = "
         f"{sum(theirs)}, a graph of {len(edges)} edges, a frame of {frame.length_m:,.0f} m that changes zones "
-        f"{frame.zone_crossings} times, and {counted(len(stages.partition.first), 'segment')}.",
+        f"{frame.zone_crossings} times, and {counted(len(partition.first), 'segment')}.",
     )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from rota.errors import RotaError
 from rota.files.atomic_write import replaced_file, require_writable, require_writable_folder
 from rota.studies.sun2019.page import page_markdown
+from rota.studies.sun2019.result_figures import figure_13_section, figure_14_section, figure_16_section
 from rota.studies.sun2019.runs import Runs, StudySettings
 from rota.studies.sun2019.section import Section
 from rota.studies.sun2019.stage_figures import (
@@ -25,7 +26,10 @@ FIGURES: dict[int, tuple[Callable[[Runs], Section], float]] = {
     6: (figure_6_section, 8),
     8: (figure_8_section, 6),
     12: (figure_12_section, 6),
+    13: (figure_13_section, 20),
+    14: (figure_14_section, 150),
     15: (figure_15_section, 1),
+    16: (figure_16_section, 30),
 }
 
 

@@ -1,0 +1,112 @@
+"""Tables 5, 6 and 8: the paper's routes beside those of the runs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rota.check import check_plan
+from rota.mission import Mission
+from rota.studies.sun2019 import paper
+from rota.studies.sun2019.cases import Case, gaps_table, robots_table, routes_table
+from rota.studies.sun2019.result_figures import case_of, figure_13_section, figure_14_section
+from rota.studies.sun2019.runs import Runs
+
+
+@pytest.fixture
+def case(make_runs: Callable[..., Runs], without_search: list[Mission]) -> Case:
+    runs = make_runs()
+    return case_of(runs, paper.TABLE_5, runs.map_13, runs.settings.figure_13)
+
+
+def times(cell: str) -> list[float]:
+    found = []
+    for told in [] if cell == "–" else cell.split(", "):
+        time_s, _, count = told.partition(" × ")
+        found += [float(time_s)] * int(count or 1)
+    return found
+
+
+def test_robots_are_counted_for_each_way(case: Case) -> None:
+    (row,) = robots_table("robots", [case]).rows
+    segments = sum(len(partition.first) for partition in case.printed.stages.partitions)
+    robots = len(case.tours.plan.trajectories)
+    assert row[:4] == ("Section 5.1", "8, 20, 40", "5", str(segments))
+    assert row[4:] == (*[f"{robots}, not met"] * 3, "–")
+
+
+def test_several_cases_are_added_up(case: Case) -> None:
+    proved = replace(case, tours=replace(case.tours, plan=replace(case.tours.plan, lower_bound_robots=3), reason=None))
+    none = replace(case, paper=paper.TABLE_6[5], tours=replace(case.tours, plan=None, report=None))
+    *rows, total = robots_table("robots", [proved, proved, none]).rows
+    segments, robots = len(case.printed.stages.segments), len(case.tours.plan.trajectories)
+    assert [row[6:] for row in rows] == [(str(robots), "3"), (str(robots), "3"), ("no plan", "–")]
+    assert rows[2][2] == "11, 4 late"
+    assert total == ("together", "", "21", str(3 * segments), str(3 * robots), str(3 * robots), "–", "–")
+
+
+def test_worst_shares_and_what_is_unseen(case: Case) -> None:
+    (row,) = gaps_table("gaps", [case]).rows
+    assert row[1] == "0.94"  # 18.81 of 20 s
+    shares = [t / p for one in case.printed.stages.partitions for t, p in zip(one.times_s, one.periods_s, strict=True)]
+    assert row[2] == f"{max(shares):.2f}"
+    unseen_m2 = sum(demand.unseen_area_m2 for demand in check_plan(case.printed.plan).demands)
+    assert float(row[3].replace(",", "")) == pytest.approx(unseen_m2, abs=0.5)
+    assert row[4:] == ("never",) * 3 if unseen_m2 > 0 else ("met",)
+
+
+def test_every_route_is_told_once_with_its_zone(case: Case) -> None:
+    rows = routes_table("routes", [case]).rows
+    assert [row[:3] for row in rows] == [
+        ("zone 1", "8.00", "6.75, 7.19"), ("zone 2", "20.00", "18.81"), ("rest", "40.00", "36.37, 37.29"),
+    ]  # fmt: skip
+    by_formula = sorted(time_s for row in rows for time_s in times(row[3]))
+    segments = case.printed.stages.segments
+    assert by_formula == pytest.approx(sorted(segment.time_s for segment in segments), abs=0.006)
+    # Eq. 26: every segment's route lies below its zone's row
+    for row, period_s in zip(rows, (8, 20, 40), strict=True):
+        told = sorted(times(row[3]))
+        assert told == pytest.approx(sorted(s.time_s for s in segments if s.period_s == period_s), abs=0.006)
+    driven = sorted(time_s for row in rows for time_s in times(row[4]))
+    loops_m = [np.hypot(*np.diff(np.vstack([s.route_m, s.route_m[:1]]), axis=0).T).sum() for s in segments]
+    assert driven == pytest.approx(sorted(length_m / 20 for length_m in loops_m), abs=0.006)
+    assert [row[5] for row in rows] == [row[4] for row in rows]  # the plans are the same here
+
+
+def test_the_papers_odd_route_is_told_with_sub_region_3(make_runs, without_search: list[Mission]) -> None:
+    runs = make_runs()
+    odd = case_of(runs, paper.TABLE_6[3], runs.maps_14[3], runs.settings.figure_13)
+    rows = routes_table("routes", [odd, odd]).rows
+    assert [row[3] for row in rows[:3]] == ["10.95", "9.33, 8.74, 6.35", "18.48, 18.83, 18.92, 18.65"]
+    assert [row[0] for row in rows] == ["Case 4", "", "", "Case 4", "", ""]
+
+
+def test_the_texts_tell_the_numbers_of_the_run(make_runs, without_search: list[Mission], case: Case) -> None:
+    section = figure_13_section(make_runs())
+    frame = case.printed.stages.framed.parts[0].frame
+    assert f"{frame.tour_length:,.2f} long, {frame.length_m:,.2f} of it way" in section.found
+    assert f"{len(case.printed.stages.framed.deployment.positions_m)} sensors (" in section.found
+    assert f"{case.unseen_m2:,.0f} m²" in section.found
+    assert "61,025.99 is 6 crossings and 1,025.99 of way, where its text has 1,027.40" in section.found
+    assert [picture.file for picture in section.pictures] == ["figure-13.png", "figure-13-plans.png"]
+
+
+def test_figure_14_has_six_cases(make_runs, without_search: list[Mission]) -> None:
+    section = figure_14_section(make_runs())
+    robots, gaps, routes = section.tables
+    assert [row[0] for row in robots.rows] == [*(f"Case {k}" for k in range(1, 7)), "together"]
+    assert robots.rows[-1][2] == "45"
+    assert len(gaps.rows) == 6
+    assert len(routes.rows) == 18
+    assert "5, 5, 7, 8, 9, 11 robots for Cases 1 to 6" in section.paper
+    assert "but 4 of Case 6" in section.paper
+    assert "the paper 45" in section.found
+    assert re.search(r"sun2019 \d+ with 0 of 6 cases met", section.found)
+    assert {mission.name for mission in without_search} == {
+        "sun2019-12-10-40", "sun2019-12-20-30", "sun2019-12-7-40", "sun2019-12-10-20", "sun2019-8-10-20",
+        "sun2019-12-10-10",
+    }  # fmt: skip
