@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
+
+TooFew = Literal["least_late", "even"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +78,9 @@ class PartitionSettings:
     the default leaves it out. The paper's times say that it counts: four robots on its zone 2 (Table 6, case 3) go
     470.4 m, 11.5 m a leg with 15 legs, near the 10.7 m of its whole frame, but 15.7 m with the 11 legs left otherwise.
     margin_s: T_m of Eq. 28, by which a route must be shorter than its period.
+    too_few: what the exact method makes smallest where the segments asked for are too few to keep all periods: the sum
+    of what routes are late, as Eq. 28 has it, "least_late"; or the largest share of a period, "even", for routes that
+    are to be shortened all alike afterwards.
     weight_late, weight_segments, weight_early: xi_1, xi_2 and xi_3 of Eq. 28. Not given, but T_m = 0.5 s, xi_2 = 1000
     and xi_3 = 100 give the cost 5709.23 of Figure 13 from Table 5 (5709.0, and its times are rounded); the cost 9343.48
     of Figure 16 would follow (9344) if one of Table 8's times were a second too long (9244 as printed). Of xi_1 one
@@ -88,6 +93,7 @@ class PartitionSettings:
     method: Literal["exact", "pso"] = "exact"
     joining_legs: bool = False
     margin_s: float = 0.0
+    too_few: TooFew = "least_late"
     weight_late: float = 10_000.0
     weight_segments: float = 1_000.0
     weight_early: float = 100.0
@@ -103,6 +109,7 @@ class PartitionSettings:
 
     def __post_init__(self) -> None:
         _require(self.method in ("exact", "pso"), "method", self.method, "exact or pso")
+        _require(self.too_few in get_args(TooFew), "too_few", self.too_few, "least_late or even")
         for name in ("margin_s", "weight_late", "weight_segments", "weight_early", "own_pull", "swarm_pull"):
             _require_share(name, getattr(self, name))
         for name in ("iterations", "swarms", "particles"):

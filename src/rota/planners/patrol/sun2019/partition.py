@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.sun2019.frame_settings import PartitionSettings
+from rota.planners.patrol.sun2019.frame_settings import PartitionSettings, TooFew
 from rota.planners.patrol.sun2019.partition_kernels import (
     TIE,
     Ring,
@@ -82,7 +82,8 @@ def partition_frame(
     smallest, and of those the one in which its squares have the smallest sum. A waypoint whose route round it alone
     takes too long gets a segment of its own; ``kept`` tells whether all periods are kept. If they cannot be with the
     number of segments given, the sum of what routes are late (margin counted) is the smallest possible, and then the
-    sum of squares. The swarms' best partition is as good as they find, by Eq. 28.
+    sum of squares; with ``settings.too_few`` "even" the largest share of a period is, as above. The swarms' best
+    partition is as good as they find, by Eq. 28.
 
     Raises ValueError when an argument is not finite or not greater than 0 (a leg may be 0), and for more segments than
     waypoints.
@@ -99,11 +100,11 @@ def partition_frame(
             ring, termination_shares(legs), expected, settings, segments=segments, seed=seed
         )
         return _judged((np.roll(last, 1) + 1) % n, ring, settings, history)
-    first = exact_partition(ring, settings.margin_s, segments)
+    first = exact_partition(ring, settings.margin_s, segments, too_few=settings.too_few)
     return _judged(first, ring, settings, None)
 
 
-def exact_partition(ring: Ring, margin_s: float, segments: int | None) -> Ints:
+def exact_partition(ring: Ring, margin_s: float, segments: int | None, *, too_few: TooFew = "least_late") -> Ints:
     """The first waypoints (m,) of the best partition's segments; see ``partition_frame``."""
     n = len(ring.level) - 1
     longest = np.empty(n, dtype=np.int64)
@@ -111,20 +112,27 @@ def exact_partition(ring: Ring, margin_s: float, segments: int | None) -> Ints:
     fewest = int(fewest_segments(longest))
     alone = max((segment_time_s(k, 1, ring) + margin_s) / segment_period_s(k, 1, ring) for k in range(n))
     if segments is None or (segments >= fewest and alone < 1):
-        return _most_even(ring, margin_s, segments or fewest, least=min(1.0, float(alone)))
+        return _most_even(ring, margin_s, segments or fewest, least=min(1.0, float(alone)), most=1.0)
+    if too_few == "even":
+        whole_s = max(segment_time_s(k, n, ring) for k in range(n)) + margin_s
+        most = float(whole_s / ring.period_s[0].min()) * (1 + TIE)
+        return _most_even(ring, margin_s, segments, least=float(alone), most=most)
     return _least_late(ring, margin_s, segments)
 
 
-def _most_even(ring: Ring, margin_s: float, segments: int, *, least: float) -> Ints:
-    """The best partition when periods can be kept; no partition's largest share of a period is below ``least``."""
+def _most_even(ring: Ring, margin_s: float, segments: int, *, least: float, most: float) -> Ints:
+    """The partition into so many segments whose largest share of a period is smallest.
+
+    It is no smaller than ``least``; with ``most``, 1 where periods can be kept, so many segments surely do.
+    """
     longest = np.empty(len(ring.level) - 1, dtype=np.int64)
-    low, high = least, 1.0
+    low, high = least, most
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         longest_counts(middle, 0.0, margin_s, ring, longest)
         low, high = (low, middle) if fewest_segments(longest) <= segments else (middle, high)
     # shares that differ by rounding are equal
-    longest_counts(min(1.0, high * (1 + TIE)), 0.0, margin_s, ring, longest)
+    longest_counts(min(most, high * (1 + TIE)), 0.0, margin_s, ring, longest)
     return _best(ring, margin_s, longest, segments)
 
 

@@ -23,6 +23,8 @@ class RouteSettings:
     are shorter than Eq. 26 has it where lanes meet borders, and repair shifts ground from one to the next (measured on
     the seven cases: none above 1.2 came to pass).
     repairs: rounds of judging and mending.
+    recuts: how often a frame is cut anew for the same number of robots, by the lengths to which repair led the routes,
+    when these are too long and are not shortened.
     """
 
     routes: SegmentRoutes = "shortened"
@@ -30,12 +32,13 @@ class RouteSettings:
     hole: float = 0.25
     most_load: float = 1.3
     repairs: int = 12
+    recuts: int = 4
 
     def __post_init__(self) -> None:
         known = get_args(SegmentRoutes)
         if self.routes not in known:
             raise MissionError(f"route.routes: {self.routes!r} is not allowed; {', '.join(known)}")
-        for name, least in (("arc_corners", 2), ("repairs", 1)):
+        for name, least in (("arc_corners", 2), ("repairs", 1), ("recuts", 0)):
             if getattr(self, name) < least:
                 raise MissionError(f"route.{name}: {getattr(self, name)!r} is not allowed; must be {least} or more")
         for name in ("hole", "most_load"):

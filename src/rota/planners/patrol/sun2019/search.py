@@ -12,12 +12,12 @@ import numpy as np
 
 from rota.errors import NoPlanFound
 from rota.mission import DiscSensor
-from rota.planners.patrol.annealing.tour import Tour
+from rota.planners.patrol.annealing.tour import Tour, tour_length_m
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.repair import Settled, no_points, plan_of, settle
 from rota.planners.patrol.sun2019.settings import MethodSettings, settings_for
-from rota.planners.patrol.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors
+from rota.planners.patrol.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measured
 
 FURTHER = 8  # robots more than the first partition needs, up to which frames are cut anew while the check fails
 
@@ -105,11 +105,23 @@ def cut(context: Context, framed: Framed, settings: MethodSettings, robots: int 
 def settled(context: Context, stages: Stages, settings: MethodSettings) -> Settled:
     """The routes led to what they leave unseen until the check passes or the rounds are over.
 
-    Routes that become too long get a further robot, or are shortened, as the settings say.
+    Where this makes routes too long they are shortened, or the frame is cut anew by their lengths; when that does not
+    help, they get a further robot.
     """
-    tours = tours_of(context.problem, stages)
-    add = settings.route.routes == "repaired"
-    return settle(context, tours, no_points(), may_add=add, rounds=settings.route.repairs)
+    tours, rounds = tours_of(context.problem, stages), settings.route.repairs
+    if settings.route.routes == "shortened":
+        return settle(context, tours, no_points(), may_add=False, rounds=rounds)
+    robots = len(stages.segments)
+    best = settle(context, tours, no_points(), may_add=True, rounds=rounds)
+    found = best
+    for _ in range(settings.route.recuts):
+        if (best.met and robots_of(best) <= robots) or context.should_stop() or len(found.tours) < robots:
+            break
+        driven_m = np.array([tour_length_m(tour) for tour in found.tours[:robots]])
+        stages = cut(context, measured(stages, driven_m, context.problem.robot), settings, robots)
+        found = settle(context, tours_of(context.problem, stages), no_points(), may_add=True, rounds=rounds)
+        best = found if is_better(found, best) else best
+    return best
 
 
 def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Settled:

@@ -10,6 +10,9 @@ from rota.planners.patrol.sun2019.deploy_settings import TABLE_2, TABLE_7, Deplo
 from rota.planners.patrol.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
 from rota.planners.patrol.sun2019.route_settings import RouteSettings
 
+EVEN = PartitionSettings(too_few="even")
+"""Our partition: exact; where robots are too few by Eq. 26, all routes are too long alike, for repair to shorten."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class MethodSettings:
@@ -22,7 +25,7 @@ class MethodSettings:
     deployments: tuple[DeploySettings, ...] = (DeploySettings(method="greedy"),)
     frames: int = 1
     tour: TourSettings = field(default_factory=TourSettings)
-    partition: PartitionSettings = field(default_factory=PartitionSettings)
+    partition: PartitionSettings = field(default_factory=lambda: EVEN)
     route: RouteSettings = field(default_factory=RouteSettings)
 
     def __post_init__(self) -> None:
@@ -59,7 +62,7 @@ def settings_for(planning: PatrolSettings) -> MethodSettings:
         deployments=_deployments(asked.deployment, effort),
         frames=FRAMES[effort],
         tour=TABLE_3 if asked.tour == "genetic" else TourSettings(),
-        partition=TABLE_4 if asked.partition == "pso" else PartitionSettings(),
+        partition=TABLE_4 if asked.partition == "pso" else EVEN,
         route=RouteSettings(routes=asked.routes, repairs=REPAIRS[effort]),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Mission, Robot
 from rota.planners.patrol.sun2019.deploy import Deployment, deploy_sensors
 from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.sun2019.partition import Partition, partition_frame
+from rota.planners.patrol.sun2019.partition import Partition, partition_frame, route_length_m
 from rota.planners.patrol.sun2019.route import route_round, segment_line
 from rota.planners.patrol.sun2019.settings import MethodSettings
 from rota.planners.patrol.sun2019.tour import Frame, find_frame
@@ -19,19 +19,23 @@ from rota.planners.patrol.sun2019.tour import Frame, find_frame
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+MOST_SCALED = 2.0  # times its length, or part of it, that a leg counts as after one measuring
+
 
 @dataclass(frozen=True, kw_only=True)
 class PartFrame:
     """The frame past the sensors in one connected part of the space; the paper's ground has one part.
 
     frame: its order counts the part's sensors, which are those numbered ``sensors`` (n,) of the deployment.
-    waypoint_periods_s: (n,) along the frame. part: of ``ShortestPaths.parts``.
+    waypoint_periods_s: (n,) along the frame. part: of ``ShortestPaths.parts``. legs_m: (n,) what each leg counts as in
+    the partition: its length, until routes round it are found to be longer or shorter than Eq. 26 has it.
     """
 
     frame: Frame
     sensors: Ints
     waypoint_periods_s: Floats
     part: int
+    legs_m: Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +96,13 @@ def framed_sensors(
             settings=settings.tour, seed=seed,
         )  # fmt: skip
         found.append(
-            PartFrame(frame=frame, sensors=here, waypoint_periods_s=periods_s[here][frame.order], part=int(part))
+            PartFrame(
+                frame=frame,
+                sensors=here,
+                waypoint_periods_s=periods_s[here][frame.order],
+                part=int(part),
+                legs_m=frame.legs_m,
+            )
         )
     return Framed(deployment=deployment, parts=tuple(found), seed=seed)
 
@@ -126,7 +136,7 @@ def partition_of(
 ) -> Partition:
     """The frame of one part cut into segments for a robot, as many as given or needed."""
     return partition_frame(
-        part.frame.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
+        part.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
         segments=segments, settings=settings.partition, seed=seed,
     )  # fmt: skip
 
@@ -145,6 +155,25 @@ def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: i
         some = [k for k, count in enumerate(counts) if count < most[k]]
         counts[max(some, key=lambda k: loads[k] / counts[k])] += 1
     return counts
+
+
+def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
+    """The frames with legs that count as what the routes (m,) round their segments came to, metres by Eq. 26.
+
+    The next partition then gives shorter segments where repair made routes long, and longer ones where it did not.
+    """
+    around_m = route_length_m(0.0, radius_m(robot))
+    found, at = [], 0
+    for part, partition in zip(stages.framed.parts, stages.partitions, strict=True):
+        legs_m = part.legs_m.copy()
+        for k in range(len(partition.first)):
+            inner = partition.places(k, len(legs_m))[:-1]
+            long_m, really_m = float(part.legs_m[inner].sum()), (driven_m[at] - around_m) / 2
+            if long_m > 0:
+                legs_m[inner] *= np.clip(really_m / long_m, 1 / MOST_SCALED, MOST_SCALED)
+            at += 1
+        found.append(replace(part, legs_m=legs_m))
+    return replace(stages.framed, parts=tuple(found))
 
 
 def radius_m(robot: Robot) -> float:
