@@ -14,6 +14,7 @@ from PIL import Image
 from rota.errors import RotaError
 from rota.mission import Mission
 from rota.planners.patrol.sun2019.deploy import deploy_sensors
+from rota.studies.sun2019.result_figures import AS_THE_PAPER
 from rota.studies.sun2019.runs import Runs, StudySettings, StudyStopped
 from rota.studies.sun2019.stage_figures import figure_8_section
 from rota.studies.sun2019.study import FIGURES, Study, named_figures, sun2019_study, write_study
@@ -125,10 +126,25 @@ def test_other_figures_are_refused(listed: str) -> None:
         named_figures(listed)
 
 
-def test_figures_share_their_runs(settings: StudySettings, without_search: list[Mission]) -> None:
+def test_what_figures_share_runs_once(settings: StudySettings) -> None:
     told: list[str] = []
-    sun2019_study((6, 12, 13), settings=settings, progress=lambda _, doing: told.append(doing))
-    assert told.count("sun2019-fig13: deploying sensors and finding the frame") == 1
-    assert told.count("sun2019-fig13: cutting the frame") == 1
+    runs = Runs(settings, seed=0, tell=told.append, should_stop=lambda: False)
+    framed, printed = runs.framed(runs.map_13, settings.figure_13), runs.printed(runs.map_13, settings.figure_13)
+    assert printed.stages.framed is framed
+    assert runs.printed(runs.map_13, settings.figure_13) is printed
+    assert told == [
+        f"sun2019-fig13: {doing}"
+        for doing in ("deploying sensors and finding the frame", "cutting the frame", "checking the routes")
+    ]
+
+
+def test_methods_are_asked_once(make_runs: Callable[..., Runs], without_search: list[Mission]) -> None:
+    runs = make_runs()
+    runs.printed(runs.map_13, runs.settings.figure_13)
+    for _ in range(2):
+        runs.by_tours(runs.map_13)
+        runs.by_stages(runs.map_13)
+        runs.by_stages(runs.map_13, AS_THE_PAPER)
     methods = [(mission.planning.method, mission.planning.sun2019.deployment) for mission in without_search]
-    assert methods == [("sun2019", "ccpso2"), ("sun2019", "best"), ("tours", "best")]
+    assert methods == [("tours", "best"), ("sun2019", "best"), ("sun2019", "ccpso2")]
+    assert {mission.planning.effort for mission in without_search} == {"quick"}

@@ -23,20 +23,21 @@ class Case:
     """A case with all that it is compared with.
 
     printed: the paper's algorithms with its parameters, nothing mended. mended: the same by the method ``sun2019``,
-    which mends the routes until the check passes. stages: ``sun2019`` as it chooses its stages. tours: our method.
+    which mends the routes until the check passes; None where that was not run. stages: ``sun2019`` as it chooses its
+    stages. tours: our method.
     """
 
     paper: PaperCase
     mission: Mission
     printed: Printed
-    mended: MethodOutcome
+    mended: MethodOutcome | None
     stages: MethodOutcome
     tours: MethodOutcome
 
     @property
     def lower_bound(self) -> int | None:
         """Robots below which no plan exists, proved."""
-        bounds = [one.lower_bound_robots for one in (self.tours, self.stages, self.mended)]
+        bounds = [one.lower_bound_robots for one in self.outcomes.values()]
         return max((bound for bound in bounds if bound is not None), default=None)
 
     @property
@@ -52,9 +53,10 @@ class Case:
         return sum(demand.unseen_area_m2 for demand in self.printed.report.demands)
 
     @property
-    def outcomes(self) -> tuple[MethodOutcome, MethodOutcome, MethodOutcome]:
-        """The plans by the three ways, in the order of the tables' columns."""
-        return self.mended, self.stages, self.tours
+    def outcomes(self) -> dict[str, MethodOutcome]:
+        """The plans that the check judged, by the heads of the tables' columns."""
+        mended = {} if self.mended is None else {"mended": self.mended}
+        return mended | {"sun2019": self.stages, "tours": self.tours}
 
 
 def robots_told(outcome: MethodOutcome) -> str:
@@ -66,7 +68,7 @@ def robots_told(outcome: MethodOutcome) -> str:
 
 def robots_table(title: str, cases: Sequence[Case]) -> Table:
     """A row for each case: robots by the paper, by its algorithms here, by two methods, and the proved bound."""
-    head = ("case", "periods s", "paper", "Eq. 26", "mended", "sun2019", "tours", "lower bound")
+    head = ("case", "periods s", "paper", "Eq. 26", *cases[0].outcomes, "lower bound")
     rows = []
     for case in cases:
         late = sum(route.late for route in case.paper.routes)
@@ -76,16 +78,14 @@ def robots_table(title: str, cases: Sequence[Case]) -> Table:
                 ", ".join(f"{period_s:g}" for period_s in case.paper.periods_s),
                 f"{len(case.paper.routes)}" + (f", {late} late" if late else ""),
                 str(len(case.printed.stages.segments)),
-                *(robots_told(outcome) for outcome in case.outcomes),
+                *(robots_told(outcome) for outcome in case.outcomes.values()),
                 number(case.lower_bound, "d"),
             )
         )
     if len(cases) > 1:
         sums = [[len(case.paper.routes), len(case.printed.stages.segments)] for case in cases]
         totals = [str(sum(column)) for column in zip(*sums, strict=True)]
-        totals += [
-            _total([outcome.robots for outcome in way]) for way in zip(*(c.outcomes for c in cases), strict=True)
-        ]
+        totals += [_total([case.outcomes[way].robots for case in cases]) for way in cases[0].outcomes]
         rows.append(("together", "", *totals, _total([case.lower_bound for case in cases])))
     return Table(title=title, head=head, rows=tuple(rows), words=(0, 1))
 
@@ -97,7 +97,7 @@ def _total(values: Sequence[int | None]) -> str:
 
 def gaps_table(title: str, cases: Sequence[Case]) -> Table:
     """A row for each case: how much of a period is used at worst, and what the paper's routes leave unseen here."""
-    head = ("case", "paper", "Eq. 26", "as printed: m² unseen", "mended", "sun2019", "tours")
+    head = ("case", "paper", "Eq. 26", "as printed: m² unseen", *cases[0].outcomes)
     rows = []
     for case in cases:
         partitions = case.printed.stages.partitions
@@ -108,7 +108,7 @@ def gaps_table(title: str, cases: Sequence[Case]) -> Table:
                 f"{max(route.time_s / route.period_s for route in case.paper.routes):.2f}",
                 f"{worst:.2f}",
                 f"{case.unseen_m2:,.0f}",
-                *(_ratio_told(outcome.worst_ratio) for outcome in case.outcomes),
+                *(_ratio_told(outcome.worst_ratio) for outcome in case.outcomes.values()),
             )
         )
     return Table(title=title, head=head, rows=tuple(rows))
@@ -131,7 +131,7 @@ def routes_table(title: str, cases: Sequence[Case]) -> Table:
             cells = (
                 zone_title(name),
                 f"{period_s:.2f}",
-                _listed([_paper_time(route, period_s) for route in case.paper.routes if _zone(route, case) == k]),
+                _listed([_paper_time(route) for route in case.paper.routes if _zone(route, case) == k]),
                 _listed([f"{time_s:.2f}" for time_s in sorted(segment_times_s(case.printed, name))]),
                 _listed(loop_times(case.printed.plan, name)),
                 _listed(loop_times(case.stages.plan, name)),
@@ -155,7 +155,7 @@ def _zone(route: PaperRoute, case: Case) -> int:
     return route.zone - 1
 
 
-def _paper_time(route: PaperRoute, period_s: float) -> str:
+def _paper_time(route: PaperRoute) -> str:
     return f"{route.time_s:.2f}" + (" (late)" if route.late else "")
 
 

@@ -36,7 +36,8 @@ HOW_TO_READ = (
     "*Eq. 26*: the paper's algorithms with its parameters, run here; times by its formula, 2 × segment + 2 π r_s.",
     "*as printed*: the routes round those segments, cut to the free ground and driven as they are.",
     "*mended*: the paper's algorithms once more, by the method `sun2019` told so (`deployment: ccpso2, tour: genetic, "
-    "partition: pso, routes: repaired`), which mends routes until the check passes.",
+    "partition: pso, routes: repaired`), which mends routes until the check passes. It takes long: Table 6 goes "
+    "without.",
     "*sun2019*: that method as it is by default; *tours*: the default method.",
     "*lower bound*: no plan has fewer robots, proved.",
     "A route belongs to the sub-region whose period it must keep. *7.00 × 2*: two loops of 7.00 s. A loop of `tours` "
