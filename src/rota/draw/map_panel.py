@@ -67,7 +67,7 @@ class MapPanel:
     def entries(self) -> list[Artist]:
         """What the legend tells of it."""
         found: list[Artist] = [_stroke_entry(strokes) for strokes in self.strokes]
-        found += [] if self.plan is None else route_legend(self.plan)
+        found += [] if self.plan is None else route_legend(self.plan, brief=True)
         found += [_dots_entry(dots) for dots in self.dots]
         reaches_m = sorted({dots.reach_m for dots in self.dots if dots.reach_m > 0})
         found += [Patch(facecolor="#DDDDDD", edgecolor="#777777", label=f"seen, {reach:g} m") for reach in reaches_m]

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from shapely import LineString
+
 from rota.check import Report
 from rota.compare import MethodOutcome
+from rota.draw.routes import Route, routes_of
 from rota.mission import AREA, Mission
 from rota.plan import Plan
-from rota.plan_table import robot_rows
+from rota.plan_table import zones_served
 from rota.studies.sun2019.panels import zone_title
 from rota.studies.sun2019.paper import PaperCase, PaperRoute
 from rota.studies.sun2019.runs import Printed
@@ -105,8 +107,8 @@ def gaps_table(title: str, cases: Sequence[Case]) -> Table:
         rows.append(
             (
                 case.paper.name,
-                f"{max(route.time_s / route.period_s for route in case.paper.routes):.2f}",
-                f"{worst:.2f}",
+                f"{max(route.time_s / route.period_s for route in case.paper.routes):.3f}",
+                f"{worst:.3f}",
                 f"{case.unseen_m2:,.0f}",
                 *(_ratio_told(outcome.worst_ratio) for outcome in case.outcomes.values()),
             )
@@ -115,7 +117,7 @@ def gaps_table(title: str, cases: Sequence[Case]) -> Table:
 
 
 def _ratio_told(ratio: float | None) -> str:
-    return NOTHING if ratio is None else "never" if math.isinf(ratio) else f"{ratio:.2f}"
+    return NOTHING if ratio is None else "never" if math.isinf(ratio) else f"{ratio:.3f}"
 
 
 def routes_table(title: str, cases: Sequence[Case]) -> Table:
@@ -174,18 +176,31 @@ def segment_times_s(printed: Printed, name: str) -> list[float]:
 
 
 def loop_times(plan: Plan | None, name: str) -> list[str]:
-    """The loops of a plan that must keep this sub-region's period, shortest first; robots on loops as long as another
-    are counted."""
+    """Seconds of the loops of a plan that must keep this sub-region's period, shortest first.
+
+    ``62.83 / 2``: a loop that two robots share, so that one comes by every 31.4 s.
+    """
     if plan is None:
         return []
+    told = []
+    for route in routes_of(plan):
+        if _kept_zone(plan, route) == name:
+            shared = "" if len(route.robots) == 1 else f" / {len(route.robots)}"
+            told.append((route.duration_s, f"{route.duration_s:.2f}{shared}"))
+    return [text for _, text in sorted(told)]
+
+
+def _kept_zone(plan: Plan, route: Route) -> str | None:
+    """Of the sub-regions that a loop serves, the one with the smallest period; None when it serves nothing."""
     mission = plan.mission
-    periods_s = {zone.name: zone.period_s for zone in mission.zones} | {AREA: mission.period_s}
-    times_s = [
-        round(row.loop_time_s, 2)
-        for row in robot_rows(plan)
-        if row.zones and min(row.zones, key=lambda zone: periods_s[zone] or math.inf) == name
-    ]
-    return [f"{time_s:.2f}" + (f" × {n}" if n > 1 else "") for time_s, n in sorted(Counter(times_s).items())]
+    periods_s = {zone.name: zone.period_s or math.inf for zone in mission.zones} | {AREA: mission.period_s or math.inf}
+    served = zones_served(plan, plan.trajectories[route.robots[0]])
+    if len(route.robots) > 1:
+        line, every_s = LineString(route.loop_m), route.duration_s / len(route.robots)
+        reach_m = mission.fleet.sensor.reach_m
+        near = [zone.name for zone in mission.zones if line.distance(zone.shape) < reach_m]
+        served = tuple(zone for zone in (*near, AREA) if every_s <= periods_s[zone])
+    return min(served, key=lambda zone: periods_s[zone], default=None)
 
 
 def unseen_told(report: Report) -> str:

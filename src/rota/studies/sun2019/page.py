@@ -40,8 +40,8 @@ HOW_TO_READ = (
     "without.",
     "*sun2019*: that method as it is by default; *tours*: the default method.",
     "*lower bound*: no plan has fewer robots, proved.",
-    "A route belongs to the sub-region whose period it must keep. *7.00 × 2*: two loops of 7.00 s. A loop of `tours` "
-    "may be longer than T^c: robots share it, or it passes the zone several times in one round; the worst gap decides.",
+    "A route belongs to the sub-region whose period it must keep. *7.00 / 2*: a loop of 7.00 s that two robots "
+    "share. A loop may also be longer than T^c where it passes the zone several times a round; the worst gap decides.",
 )
 
 

@@ -122,11 +122,12 @@ def _run_told(run: paper.PaperRun) -> str:
     """What the paper tells of the three algorithms."""
     by_zone = " + ".join(map(str, run.sensors))
     after = "" if run.cost_iteration is None else f" after {run.cost_iteration} iterations"
-    by = "" if run.best_generation is None else f" by generation {run.best_generation:,}"
+    best = "" if run.best_generation is None else f" and at its best by {run.best_generation:,}"
     way = "" if run.length_m is None else f", {run.length_m:,.2f} of it way"
     return (
         f"{sum(run.sensors)} sensors ({by_zone}); their cost falls from {run.first_cost:,.0f} to "
-        f"{run.last_cost:,.0f}{after}. The tour is {run.tour_length:,.2f} long{way}{by}. The partition costs "
+        f"{run.last_cost:,.0f}{after}. The tour is {run.tour_length:,.2f} long{way}, stable after generation "
+        f"{run.stable_generation:,}{best}. The partition costs "
         f"{run.partition_cost:,.2f} after iteration {run.partition_iteration}, where Table 4 has "
         f"{paper.TABLE_4_ITERATIONS}."
     )
@@ -174,8 +175,8 @@ def _checked_told(case: Case) -> str:
     if case.unseen_m2 <= 0:
         return f"The routes round these segments see everything, but not in time: {unseen_told(case.printed.report)}."
     return (
-        f"“The task area is covered completely” does not hold for these routes as printed: {case.unseen_m2:,.0f} m² "
-        f"({share:.1f} %) are never seen, where lanes merge and where routes are cut at obstacles."
+        f"That the routes “cover the task area completely and persistently” does not hold for these as they are: "
+        f"{case.unseen_m2:,.0f} m² ({share:.1f} %) are never seen, where lanes merge or routes are cut at obstacles."
     )
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import textwrap
 from dataclasses import dataclass
 
 NOTHING = "–"
+LONGEST_CELL = 24  # characters, in plain text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +33,8 @@ class Table:
 
     @property
     def text(self) -> str:
-        """The table as plain text in columns, its title above it."""
-        rows = [self.head, *self.rows]
+        """The table as plain text in columns, its title above it; long cells go on below."""
+        rows = self._wrapped()
         widths = [max(len(row[k]) for row in rows) for k in range(len(self.head))]
         lines = [self.title]
         for row in rows:
@@ -41,6 +44,14 @@ class Table:
             ]
             lines.append("  ".join(cells).rstrip())
         return "\n".join(lines)
+
+    def _wrapped(self) -> list[tuple[str, ...]]:
+        """Head and rows, with as many lines for each as its longest cell needs."""
+        found: list[tuple[str, ...]] = []
+        for row in (self.head, *self.rows):
+            cells = [textwrap.wrap(cell, LONGEST_CELL) or [""] for cell in row]
+            found += itertools.zip_longest(*cells, fillvalue="")
+        return found
 
 
 def _piped(cells: tuple[str, ...]) -> str:
