@@ -53,7 +53,8 @@ def arguments() -> argparse.ArgumentParser:
         "--effort",
         choices=get_args(Effort),
         default="quick",
-        help="of sun-cases, one-robot, plan-1-km2, plan-10-km2 and random-missions; default quick, as all else is",
+        help="of sun-cases, sun2019-method, one-robot, plan-1-km2, plan-10-km2 and random-missions; default quick,"
+        " as all else is",
     )
     parser.add_argument("--missions", type=count, default=1000, metavar="N", help="of random-missions; default 1000")
     parser.add_argument("--first-seed", type=seed, default=0, metavar="K", help="of random-missions; default 0")

@@ -18,6 +18,7 @@ from benchmarks.shell import python, rota
 from benchmarks.sun_cases import sun_cases
 from benchmarks.sun_deploy import sun_deploy
 from benchmarks.sun_frame import sun_frame
+from benchmarks.sun_method import sun_method
 from benchmarks.warm_cache import measured_warm
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
@@ -93,7 +94,7 @@ def examples(options: Options) -> Iterator[Row]:
 
 
 def methods(options: Options) -> Iterator[Row]:
-    """Tours and the three traditional methods on Sun 2019's map, compared in one run."""
+    """Tours, the three traditional methods and the paper's own on Sun 2019's map, compared in one run."""
     for entry in compared(FIG13):
         yield Row(f"sun2019-fig13, method {entry['method']}", "met", cell(entry), entry["met"])
 
@@ -110,6 +111,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "sun-cases": sun_cases,
     "sun2019-deploy": sun_deploy,
     "sun2019-frame": sun_frame,
+    "sun2019-method": sun_method,
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,

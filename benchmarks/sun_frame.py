@@ -5,19 +5,21 @@ CPU seconds, with everything compiled. The peer is installed into a folder that 
 
 from __future__ import annotations
 
+import functools
 import statistics
 import time
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-import shapely
 
 from benchmarks.peer_environment import peer_answer
 from benchmarks.row import Options, Row
 from benchmarks.warm_cache import measured_warm
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
+from rota.planners.patrol.sun2019.deploy import deploy_sensors
+from rota.planners.patrol.sun2019.deploy_settings import TABLE_2
 from rota.planners.patrol.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
 from rota.planners.patrol.sun2019.local_search import locally_shortest_tour, tour_length
 from rota.planners.patrol.sun2019.partition import Partition, partition_frame
@@ -29,7 +31,6 @@ PEER_S = 2.0  # what the peer is given for a tour: its default
 SEEDS = 5
 SIZES = (100, 1000)
 SIDE_M = 10_000.0
-SENSORS_APART_M = 12.6  # gives 96 sensors, as many as Table 3 has
 SPEED_M_S, SENSOR_M, VIRTUAL_M = 20.0, 5.0, 10.0
 
 
@@ -41,7 +42,8 @@ class Timed(NamedTuple):
 
 
 def sun_frame(options: Options) -> Iterator[Row]:
-    """Frames on the paper's map, tours beside the peer's, and partitions."""
+    """Frames past the sensors deployed on the paper's map, tours beside the peer's, and partitions."""
+    sensors()
     frame = timed(lambda: frame_of(TourSettings()))
     yield genetic_row(frame)
     yield crossings_row(frame.answer)
@@ -66,19 +68,12 @@ def timed(call: Callable[[], Any]) -> Timed:
     return Timed(runs[0].answer, statistics.median(one.cpu_s for one in runs))
 
 
+@functools.cache
 def sensors() -> tuple[np.ndarray, np.ndarray, ShortestPaths]:
-    """A hexagonal lattice of sensors over the free space of Figure 13: positions, sub-regions, where robots travel."""
+    """The sensors that Table 2's swarms deploy on Figure 13: positions, sub-regions, where robots travel."""
     mission = figure_13()
-    space = standing_space(mission, 0.0)
-    rows = np.arange(5, 120, SENSORS_APART_M * 0.75**0.5)
-    lattice = [
-        (x, y) for j, y in enumerate(rows) for x in np.arange(5 + SENSORS_APART_M / 2 * (j % 2), 120, SENSORS_APART_M)
-    ]
-    places = np.array(lattice)[shapely.contains_xy(space, lattice)]
-    zone = np.full(len(places), len(mission.zones))
-    for k, one in enumerate(mission.zones):
-        zone[shapely.contains_xy(one.shape, places)] = k
-    return places, zone, ShortestPaths(space)
+    deployment = deploy_sensors(mission, TABLE_2, seed=0)
+    return deployment.positions_m, deployment.zone_of, ShortestPaths(standing_space(mission, 0.0))
 
 
 def frame_of(settings: TourSettings, seed: int = 0) -> Frame:
