@@ -12,6 +12,7 @@ from shapely import box
 from rota.draw.curve_panel import Curve, CurvePanel, Level
 from rota.draw.house_style import house_style
 from rota.draw.map_panel import Dots, MapPanel, Strokes
+from rota.draw.palette import OBSTACLE, ZONE_TINTS
 from rota.draw.study_picture import study_figure, study_picture
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.plan import Plan
@@ -99,5 +100,7 @@ def test_the_same_panels_give_the_same_picture(sensors: MapPanel, costs: CurvePa
     with Image.open(io.BytesIO(drawn)) as picture:
         picture.load()
         assert picture.format == "PNG"
-        assert picture.width == 976  # fits a page's column at 100 %
-        assert len(picture.convert("RGB").getcolors(10_000) or []) > 20
+        assert picture.width == 805  # fits a page's column at 100 %
+        colours = {colour for _, colour in picture.convert("RGB").getcolors(256) or []}
+    for named in ("#FFFFFF", BLUE, GREEN, OBSTACLE, ZONE_TINTS[1]):  # small marks keep their colours
+        assert tuple(bytes.fromhex(named[1:])) in colours, named

@@ -6,8 +6,11 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
 
 from rota.draw.curve_panel import CurvePanel
@@ -15,7 +18,7 @@ from rota.draw.house_style import house_style
 from rota.draw.legends import axes_at, legend_height, place_legend
 from rota.draw.map_panel import MapPanel
 from rota.draw.mission_picture import plain
-from rota.draw.plan_picture import DPI
+from rota.draw.palette import GROUND, OBSTACLE, OUTSIDE, OVER_PERIOD, ROUTE_COLOURS, ZONE_EDGE, ZONE_TINTS
 
 Panel = MapPanel | CurvePanel
 
@@ -23,6 +26,8 @@ Panel = MapPanel | CurvePanel
 WIDTH, MARGIN, GAP, Y_AXIS, X_AXIS, TITLE, NOTE, CURVE_HEIGHT = 6.1, 0.06, 0.16, 0.5, 0.4, 0.24, 0.17, 2.1
 CURVE_INSET = (0.2, 0.38)  # its numbers need more room: to the left, and with the last one's right half together
 TITLE_PT, NOTE_PT = 9.0, 7.5
+DPI = 132  # some 800 pixels wide: a page with all pictures of a study stays small
+ON_GROUND, ON_ZONES = (0.08, 0.16, 0.3, 0.5, 0.75, 1.0), (0.15, 0.4)  # shares of an ink in a blend
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +93,7 @@ def study_figure(panels: Sequence[Panel], *, columns: int = 2, width: float = WI
 
 
 def study_picture(panels: Sequence[Panel], *, columns: int = 2, width: float = WIDTH) -> bytes:
-    """The picture as the bytes of a PNG file of 256 colours at most; the same panels give the same bytes."""
+    """The picture as the bytes of a small PNG file, of few colours; the same panels give the same bytes."""
     with house_style():
         fig = study_figure(panels, columns=columns, width=width)
         drawn = io.BytesIO()
@@ -96,5 +101,32 @@ def study_picture(panels: Sequence[Panel], *, columns: int = 2, width: float = W
     drawn.seek(0)
     small = io.BytesIO()
     with Image.open(drawn) as picture:
-        picture.convert("RGB").quantize(256, method=Image.Quantize.MEDIANCUT).save(small, format="PNG", optimize=True)
+        _in_house_colours(picture.convert("RGB")).save(small, format="PNG", optimize=True)
     return small.getvalue()
+
+
+def _in_house_colours(picture: Image.Image) -> Image.Image:
+    """The picture with every colour replaced by the nearest of the house's palette."""
+    pixels = np.asarray(picture, dtype=np.int64)
+    packed, places = np.unique(pixels @ (65536, 256, 1), return_inverse=True)
+    found = np.column_stack([packed >> 16, packed >> 8 & 255, packed & 255])
+    palette = _house_palette()
+    away = np.array([((found - colour) ** 2).sum(axis=1) for colour in palette])
+    indexed = Image.fromarray(away.argmin(axis=0).astype(np.uint8)[places].reshape(pixels.shape[:2]), mode="P")
+    indexed.putpalette(palette.ravel().tolist())
+    return indexed
+
+
+def _house_palette() -> NDArray[np.int64]:
+    """Colours (n, 3), n at most 256: greys, and those of lines and marks with their blends into ground and zones.
+
+    A palette chosen from the picture would give up the colours of small marks, by which they are told apart.
+    """
+    greys = [(level, level, level) for level in range(0, 256, 17)]
+    grounds = [to_rgb(tint) for tint in (GROUND, *ZONE_TINTS)]
+    inks = [to_rgb(ink) for ink in (*ROUTE_COLOURS, OVER_PERIOD, ZONE_EDGE)]
+    shades = [(ground, ground, 0.0) for ground in (*grounds, to_rgb(OUTSIDE), to_rgb(OBSTACLE))]
+    shades += [(grounds[0], ink, share) for ink in inks for share in ON_GROUND]
+    shades += [(ground, ink, share) for ground in grounds[1:] for ink in inks for share in ON_ZONES]
+    blends = [tuple(round(255 * (a + share * (b - a))) for a, b in zip(*pair, strict=True)) for *pair, share in shades]
+    return np.array(list(dict.fromkeys([*greys, *blends])), dtype=np.int64)
