@@ -56,7 +56,7 @@ def patrol_progress(
     raise typer.Exit(INTERRUPTED if stop.raised else DONE if found.reason is None else NO_PLAN)
 
 
-@app.command("sun2019")
+@app.command("sun2019", short_help="The figures and tables of Sun 2019, ours beside the paper's.")
 def sun2019(
     output: Annotated[
         Path | None,
@@ -73,7 +73,7 @@ def sun2019(
     seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page.")] = 0,
     effort: Annotated[
         Literal["quick", "normal", "high"],
-        typer.Option(metavar="EFFORT", help="quick, normal or high: of our methods."),
+        typer.Option(metavar="EFFORT", help="quick, normal or high, of sun2019 and tours."),
     ] = "quick",
 ) -> None:
     """Sun et al. 2019, figure by figure: the paper's numbers beside those of its method and of ours.
