@@ -6,7 +6,8 @@ leave unseen (``repair.settle``), and where this makes them too long, the frame 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,28 +38,30 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
             " made for discs; give shape: disc and a radius_m, or another method"
         )
     settings = settings or settings_for(context.problem.mission.planning)
+    problem = context.problem
     best: Settled | None = None
     first: Framed | None = None
-    for framed in frames(context, settings):
+    # covers have no chance in them, but the tours past their places have
+    ways = [(turn, deploy) for turn in range(settings.frames) for deploy in settings.deployments]
+    for k, (turn, deploy) in enumerate(ways):
+        here = replace(context, progress=part_of(context.progress, k, len(ways)))
+        here.progress(0.0, f"deploying sensors ({deploy.method}) and finding a frame past them")
+        seed = context.seed + 1000 * turn
+        framed = framed_sensors(problem.mission, problem.paths, deploy, settings, seed=seed)
         first = first or framed
         if settings.route.routes == "printed":
             return as_printed(context, framed, settings)
-        best = with_fewer(context, framed, settings, best)
-        if context.should_stop() or (best.met and robots_of(best) <= context.problem.enough_robots):
+        best = with_fewer(here, framed, settings, best)
+        if context.should_stop() or (is_good(best) and robots_of(best) <= problem.enough_robots):
             break
     assert best is not None
     assert first is not None
     return best if is_good(best) or context.should_stop() else with_more(context, first, settings, best)
 
 
-def frames(context: Context, settings: MethodSettings) -> Iterator[Framed]:
-    """Each deployment with its frame, one seed after the other. Covers have no chance in them, tours past them do."""
-    problem = context.problem
-    ways = [(turn, deploy) for turn in range(settings.frames) for deploy in settings.deployments]
-    for k, (turn, deploy) in enumerate(ways):
-        context.progress(0.9 * k / len(ways), f"deploying sensors ({deploy.method}) and finding a frame past them")
-        seed = context.seed + 1000 * turn
-        yield framed_sensors(problem.mission, problem.paths, deploy, settings, seed=seed)
+def part_of(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
+    """Progress told within one of so many turns, of which the last ends at 0.9."""
+    return lambda share, what: progress(0.9 * (turn + share) / turns, what)
 
 
 def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best: Settled | None) -> Settled:
@@ -68,6 +71,7 @@ def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best:
         stages = cut(context, framed, settings, min(len(stages.segments), robots_of(best) - 1))
     robots = len(stages.segments)
     while best is None or (stages.load <= settings.route.most_load and not context.should_stop()):
+        context.progress(0.5, f"leading {robots} robots round their segments")
         found = settled(context, stages, settings)
         if not is_better(found, best):
             return best if best is not None else found
@@ -86,7 +90,7 @@ def with_more(context: Context, framed: Framed, settings: MethodSettings, best: 
     for robots in range(first + 1, first + FURTHER + 1):
         if context.should_stop():
             return best
-        context.progress(0.9, f"trying {robots} robots")
+        context.progress(0.9, f"leading {robots} robots round their segments")
         found = settled(context, cut(context, framed, settings, robots), settings)
         best = found if is_better(found, best) else best
         if is_good(best):
