@@ -25,6 +25,7 @@ Panel = MapPanel | CurvePanel
 # inches
 WIDTH, MARGIN, GAP, Y_AXIS, X_AXIS, TITLE, NOTE, CURVE_HEIGHT = 6.1, 0.06, 0.16, 0.5, 0.4, 0.24, 0.17, 2.1
 CURVE_INSET = (0.2, 0.38)  # its numbers need more room: to the left, and with the last one's right half together
+LEGEND_BEYOND = 0.42  # by how much it may be wider than the axes
 TITLE_PT, NOTE_PT = 9.0, 7.5
 DPI = 132  # some 800 pixels wide: a page with all pictures of a study stays small
 ON_GROUND, ON_ZONES = (0.08, 0.16, 0.3, 0.5, 0.75, 1.0), (0.15, 0.4)  # shares of an ink in a blend
@@ -67,7 +68,7 @@ def _rows(panels: Sequence[Panel], columns: int, width: float) -> list[_Row]:
         wide = (width - 2 * MARGIN - (share - 1) * GAP) / share - Y_AXIS
         high = max([wide * _slope(one) for one in group if isinstance(one, MapPanel)], default=CURVE_HEIGHT)
         head = TITLE + (NOTE if any(panel.note for panel in group) else 0.0)
-        foot = X_AXIS + max(legend_height(panel.entries, wide + 0.3) for panel in group)
+        foot = X_AXIS + max(legend_height(panel.entries, wide + LEGEND_BEYOND) for panel in group)
         rows.append(_Row(panels=tuple(group), width=wide, high=high, head=head, foot=foot))
     return rows
 
@@ -87,7 +88,7 @@ def study_figure(panels: Sequence[Panel], *, columns: int = 2, width: float = WI
             title_at, note_at = ((y + row.high + 0.06 + up) / height for up in (row.head - TITLE, 0.0))
             fig.text(left / width, title_at, plain(panel.title, 90), fontsize=TITLE_PT, fontweight="bold", va="bottom")
             fig.text(left / width, note_at, plain(panel.note, 90), fontsize=NOTE_PT, color="#444444", va="bottom")
-            place_legend(fig, panel.entries, left - 0.1, y - X_AXIS, row.width + 0.3)
+            place_legend(fig, panel.entries, left - 0.1, y - X_AXIS, row.width + LEGEND_BEYOND)
         top -= row.height + GAP
     return fig
 

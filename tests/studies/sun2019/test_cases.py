@@ -75,7 +75,8 @@ def test_every_route_is_told_once_with_its_zone(case: Case) -> None:
     driven = sorted(time_s for row in rows for time_s in times(row[4]))
     loops_m = [np.hypot(*np.diff(np.vstack([s.route_m, s.route_m[:1]]), axis=0).T).sum() for s in segments]
     assert driven == pytest.approx(sorted(length_m / 20 for length_m in loops_m), abs=0.006)
-    assert [row[5] for row in rows] == [row[4] for row in rows]  # the plans are the same here
+    # the plan is the same here; what takes longer than its segment's period is told with a longer one
+    assert sorted(time_s for row in rows for time_s in times(row[5])) == driven
 
 
 def test_loops_belong_to_the_zone_whose_period_they_keep() -> None:
@@ -136,7 +137,7 @@ def test_figure_14_has_the_cases_of_table_6(
     assert "8 and 11 robots" in section.paper
     assert "but 4 of Case 6" in section.paper
     assert "the paper 19" in section.found
-    assert re.search(r"sun2019 \d+ with 0 of 2 cases met", section.found)
+    assert re.search(r"sun2019 \d+, with 0 of 2 cases met", section.found)
     assert [mission.name for mission in without_search] == [
         "sun2019-12-10-20", "sun2019-12-10-20", "sun2019-12-10-10", "sun2019-12-10-10",
     ]  # fmt: skip

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from shapely import LineString
+from shapely import LineString, Point
 
 from rota.check import Report
 from rota.compare import MethodOutcome
@@ -130,12 +130,13 @@ def routes_table(title: str, cases: Sequence[Case]) -> Table:
     rows: list[tuple[str, ...]] = []
     for case in cases:
         for k, (name, period_s) in enumerate(case.zones):
+            by_formula, driven = segment_times_s(case.printed, name)
             cells = (
                 zone_title(name),
                 f"{period_s:.2f}",
                 _listed([_paper_time(route) for route in case.paper.routes if _zone(route, case) == k]),
-                _listed([f"{time_s:.2f}" for time_s in sorted(segment_times_s(case.printed, name))]),
-                _listed(loop_times(case.printed.plan, name)),
+                _listed([f"{time_s:.2f}" for time_s in sorted(by_formula)]),
+                _listed([f"{time_s:.2f}" for time_s in sorted(driven)]),
                 _listed(loop_times(case.stages.plan, name)),
                 _listed(loop_times(case.tours.plan, name)),
             )
@@ -161,18 +162,25 @@ def _paper_time(route: PaperRoute) -> str:
     return f"{route.time_s:.2f}" + (" (late)" if route.late else "")
 
 
-def segment_times_s(printed: Printed, name: str) -> list[float]:
-    """Times by Eq. 26 of the segments that begin, in the order of deployment, with this sub-region's sensors."""
+def segment_times_s(printed: Printed, name: str) -> tuple[list[float], list[float]]:
+    """Seconds of the segments that must keep this sub-region's period: by Eq. 26, and as their routes are driven.
+
+    Of the sub-regions whose sensors a segment holds, that is the one deployed first.
+    """
     framed = printed.stages.framed
     names = [zone.name for zone in framed.deployment.zones]
-    found = []
+    by_formula: list[float] = []
+    driven: list[float] = []
+    routes = iter(printed.plan.trajectories)
     for part, partition in zip(framed.parts, printed.stages.partitions, strict=True):
         zone_of = framed.deployment.zone_of[part.sensors][part.frame.order]
         for k, time_s in enumerate(partition.times_s.tolist()):
+            route = next(routes)
             # zones were deployed from the smallest period up
-            first = int(zone_of[partition.places(k, len(zone_of))].min())
-            found += [time_s] if names[first] == name else []
-    return found
+            if names[int(zone_of[partition.places(k, len(zone_of))].min())] == name:
+                by_formula.append(time_s)
+                driven.append(route.loop_duration_s)
+    return by_formula, driven
 
 
 def loop_times(plan: Plan | None, name: str) -> list[str]:
@@ -191,16 +199,21 @@ def loop_times(plan: Plan | None, name: str) -> list[str]:
 
 
 def _kept_zone(plan: Plan, route: Route) -> str | None:
-    """Of the sub-regions that a loop serves, the one with the smallest period; None when it serves nothing."""
+    """Of the sub-regions that a loop serves, the one with the smallest period; None when it serves nothing.
+
+    Between equal periods, the one in which more of the loop lies.
+    """
     mission = plan.mission
     periods_s = {zone.name: zone.period_s or math.inf for zone in mission.zones} | {AREA: mission.period_s or math.inf}
+    line = LineString(route.loop_m) if len(route.loop_m) > 1 else Point(route.loop_m[0])
+    inside_m = {zone.name: float(line.intersection(zone.shape).length) for zone in mission.zones}
+    inside_m[AREA] = route.length_m - sum(inside_m.values())
     served = zones_served(plan, plan.trajectories[route.robots[0]])
     if len(route.robots) > 1:
-        line, every_s = LineString(route.loop_m), route.duration_s / len(route.robots)
-        reach_m = mission.fleet.sensor.reach_m
+        every_s, reach_m = route.duration_s / len(route.robots), mission.fleet.sensor.reach_m
         near = [zone.name for zone in mission.zones if line.distance(zone.shape) < reach_m]
         served = tuple(zone for zone in (*near, AREA) if every_s <= periods_s[zone])
-    return min(served, key=lambda zone: periods_s[zone], default=None)
+    return min(served, key=lambda zone: (periods_s[zone], -inside_m[zone]), default=None)
 
 
 def unseen_told(report: Report) -> str:

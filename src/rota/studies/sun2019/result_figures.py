@@ -234,7 +234,7 @@ def _cases_found(cases: Sequence[Case]) -> str:
     for way in ("sun2019", "tours"):
         outcomes = [case.outcomes[way] for case in cases]
         met, robots = sum(one.met for one in outcomes), sum(one.robots or 0 for one in outcomes)
-        sums.append(f"{way} {robots} with {met} of {len(cases)} cases met")
+        sums.append(f"{way} {robots}, with {met} of {len(cases)} cases met")
     bounds = [case.lower_bound for case in cases if case.lower_bound is not None]
     segments = sum(len(case.printed.stages.segments) for case in cases)
     worse = [
@@ -244,8 +244,8 @@ def _cases_found(cases: Sequence[Case]) -> str:
     ]
     unseen = [case.unseen_m2 for case in cases]
     return (
-        f"Robots of all {len(cases)} cases together: the paper {theirs}, its algorithms here by Eq. 26 {segments}, "
-        f"{', '.join(sums)}; proved: at least {sum(bounds)}. "
+        f"Robots of all {len(cases)} cases together: the paper {theirs}; its algorithms here {segments} by Eq. 26; "
+        f"{'; '.join(sums)}; proved: at least {sum(bounds)}. "
         + (
             f"sun2019 needs more than the paper prints in {joined(worse)}. "
             if worse
