@@ -18,7 +18,7 @@ Unseeable = Literal["exclude", "refuse"]
 Effort = Literal["quick", "normal", "high"]
 Method = Literal["tours", "parallel", "sequential", "decomposition", "sun2019"]
 METHODS: tuple[Method, ...] = get_args(Method)
-Deployment = Literal["best", "greedy", "exact", "ccpso2"]
+DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
 FrameTour = Literal["local_search", "genetic"]
 FramePartition = Literal["exact", "pso"]
 SegmentRoutes = Literal["shortened", "repaired", "printed"]
@@ -255,13 +255,18 @@ class Sun2019:
     long; "printed": cut to the free space and no more, which mostly leaves ground unseen.
     """
 
-    deployment: Deployment = "best"
+    deployment: DeploymentMethod = "best"
     tour: FrameTour = "local_search"
     partition: FramePartition = "exact"
     routes: SegmentRoutes = "shortened"
 
     def __post_init__(self) -> None:
-        choices = {"deployment": Deployment, "tour": FrameTour, "partition": FramePartition, "routes": SegmentRoutes}
+        choices = {
+            "deployment": DeploymentMethod,
+            "tour": FrameTour,
+            "partition": FramePartition,
+            "routes": SegmentRoutes,
+        }
         for name, known in choices.items():
             _require(getattr(self, name) in get_args(known), f"patrol.sun2019.{name}", getattr(self, name),
                      ", ".join(get_args(known)))  # fmt: skip

@@ -20,7 +20,7 @@ from pydantic import (
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from rota.files.rings import ring_fault
-from rota.mission import METHODS, Deployment, FramePartition, FrameTour, Method, SegmentRoutes
+from rota.mission import METHODS, DeploymentMethod, FramePartition, FrameTour, Method, SegmentRoutes
 
 PLANNERS = ("patrol",)
 MOST_ROBOTS = 10_000
@@ -310,7 +310,7 @@ class FleetBlock(Block):
 class Sun2019Block(Block):
     """How the stages of the method sun2019 are done: ours by default, or the paper's."""
 
-    deployment: Deployment = Field("best", description="of virtual sensors; ccpso2 is the paper's")
+    deployment: DeploymentMethod = Field("best", description="of virtual sensors; ccpso2 is the paper's")
     tour: FrameTour = Field("local_search", description="past all sensors; genetic is the paper's")
     partition: FramePartition = Field("exact", description="of the tour among the robots; pso is the paper's")
     routes: SegmentRoutes = Field("shortened", description="printed, or repaired until all is seen, or shortened too")

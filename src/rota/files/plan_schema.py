@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 from rota.mission import (
     Blocks,
     Demand,
-    Deployment,
+    DeploymentMethod,
     Effort,
     FramePartition,
     FrameTour,
@@ -124,7 +124,7 @@ class OriginFields(_Strict):
 class Sun2019Fields(_Strict):
     """The stages of the method sun2019."""
 
-    deployment: Deployment = "best"
+    deployment: DeploymentMethod = "best"
     tour: FrameTour = "local_search"
     partition: FramePartition = "exact"
     routes: SegmentRoutes = "shortened"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -134,8 +135,27 @@ def test_swarms_may_cut_the_frame() -> None:
 def test_names_of_the_papers_stages_stand_for_its_tables() -> None:
     asked = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="printed")
     settings = settings_for(replace(QUICK, sun2019=asked))
-    assert settings == replace(AS_PRINTED, route=replace(AS_PRINTED.route, repairs=12), frames=1)
-    assert (settings.deployments, settings.tour, settings.partition) == ((TABLE_2,), TABLE_3, TABLE_4)
+    assert settings.deployments == (replace(TABLE_2, sensors_max=None),)
+    assert (settings.tour, settings.partition) == (TABLE_3, TABLE_4)
+    assert replace(settings, deployments=(TABLE_2,)) == AS_PRINTED
+
+
+def test_stages_are_read_from_mission_files_and_kept_in_plan_files(tmp_path: Path) -> None:
+    text = """\
+rota: 1
+name: yard
+area: [[0, 0], [12, 0], [12, 12], [0, 12]]
+period_s: 60
+fleet: {speed_m_s: 2, sensor: {shape: disc, radius_m: 5}}
+patrol: {effort: quick, method: sun2019, sun2019: {deployment: exact, routes: repaired}}
+"""
+    (tmp_path / "yard.yaml").write_text(text)
+    mission = rota.read_mission(tmp_path / "yard.yaml").mission
+    assert mission.planning.sun2019 == Sun2019(deployment="exact", routes="repaired")
+    assert (mission.planning.sun2019.tour, mission.planning.sun2019.partition) == ("local_search", "exact")
+    plan = planned(mission)
+    rota.write_plan(plan, tmp_path / "yard.rota.json")
+    assert rota.read_plan(tmp_path / "yard.rota.json") == plan
 
 
 def test_routes_as_printed_leave_pockets_and_say_so() -> None:

@@ -45,6 +45,8 @@ def test_round_one_waypoint_it_is_a_circle() -> None:
     route = route_round(np.array([[3.0, 4.0]]), OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
     assert length_m(route) == pytest.approx(2 * math.pi * R, rel=1e-4)
     assert np.hypot(*(route - [3, 4]).T) == pytest.approx(R)
+    twice = route_round(np.array([[3.0, 4.0], [3, 4]]), OPEN, radius_m=R, settings=RouteSettings(arc_corners=64))
+    assert twice.tolist() == route.tolist()
 
 
 def test_a_right_angle_saves_its_inner_side_and_leaves_a_pocket() -> None:

@@ -55,7 +55,8 @@ def route_round(
     if here < 0:
         raise PlanError(f"the segment at {line_m[0].tolist()} lies outside the space where robots can be")
     space = MultiPolygon([paths.parts[here]])
-    line = LineString(line_m) if len(line_m) > 1 else Point(line_m[0])
+    stays = bool((line_m == line_m[0]).all())
+    line = Point(line_m[0]) if stays else LineString(line_m)
     widened = shapely.intersection(line.buffer(radius_m, quad_segs=settings.arc_corners), space)
     parts = [part for part in shapely.get_parts(widened) if isinstance(part, Polygon) and part.distance(line) < TOUCH_M]
     parts = sorted(parts, key=lambda part: -float(part.area))

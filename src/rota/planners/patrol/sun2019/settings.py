@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from rota.errors import MissionError
-from rota.mission import Deployment, Effort, PatrolSettings
+from rota.mission import DeploymentMethod, Effort, PatrolSettings
 from rota.planners.patrol.sun2019.deploy_settings import TABLE_2, TABLE_7, DeploySettings
 from rota.planners.patrol.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
 from rota.planners.patrol.sun2019.route_settings import RouteSettings
@@ -55,8 +55,11 @@ REPAIRS: dict[Effort, int] = {"quick": 12, "normal": 20, "high": 30}
 
 
 def settings_for(planning: PatrolSettings) -> MethodSettings:
-    """The settings that a mission asks for, with as much work as its effort allows; stages named after the paper's
-    are done as its tables say."""
+    """The settings that a mission asks for, with as much work as its effort allows.
+
+    Stages named after the paper's are done as its tables say, but that S_MAX fits the ground: Table 2's 160 sensors
+    are for its own map.
+    """
     asked, effort = planning.sun2019, planning.effort
     return MethodSettings(
         deployments=_deployments(asked.deployment, effort),
@@ -67,7 +70,7 @@ def settings_for(planning: PatrolSettings) -> MethodSettings:
     )
 
 
-def _deployments(asked: Deployment, effort: Effort) -> tuple[DeploySettings, ...]:
+def _deployments(asked: DeploymentMethod, effort: Effort) -> tuple[DeploySettings, ...]:
     if asked == "best":
         return BEST[effort]
-    return (TABLE_2,) if asked == "ccpso2" else (DeploySettings(method=asked),)
+    return (replace(TABLE_2, sensors_max=None),) if asked == "ccpso2" else (DeploySettings(method=asked),)
