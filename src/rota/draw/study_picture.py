@@ -25,7 +25,7 @@ Panel = MapPanel | CurvePanel
 # inches
 WIDTH, MARGIN, GAP, Y_AXIS, X_AXIS, TITLE, NOTE, CURVE_HEIGHT = 6.1, 0.06, 0.16, 0.5, 0.4, 0.24, 0.17, 2.1
 CURVE_INSET = (0.2, 0.38)  # its numbers need more room: to the left, and with the last one's right half together
-LEGEND_BEYOND = 0.42  # by how much it may be wider than the axes
+LEGEND_BEYOND = 0.5  # by how much it may be wider than the axes
 TITLE_PT, NOTE_PT = 9.0, 7.5
 DPI = 132  # some 800 pixels wide: a page with all pictures of a study stays small
 ON_GROUND, ON_ZONES = (0.08, 0.16, 0.3, 0.5, 0.75, 1.0), (0.15, 0.4)  # shares of an ink in a blend
