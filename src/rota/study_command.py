@@ -56,6 +56,53 @@ def patrol_progress(
     raise typer.Exit(INTERRUPTED if stop.raised else DONE if found.reason is None else NO_PLAN)
 
 
+@app.command("sun2019", short_help="The figures and tables of Sun 2019, ours beside the paper's.")
+def sun2019(
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FOLDER",
+            help="Write the page (sun2019.md) and its pictures there; default: only print the tables.",
+        ),
+    ] = None,
+    figures: Annotated[
+        str | None, typer.Option(metavar="NUMBER,...", help="6,8,12,13,14,15,16: make only some; default all.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page.")] = 0,
+    effort: Annotated[
+        Literal["quick", "normal", "high"],
+        typer.Option(metavar="EFFORT", help="quick, normal or high, of sun2019 and tours."),
+    ] = "quick",
+) -> None:
+    """Sun et al. 2019, figure by figure: the paper's numbers beside those of its method and of ours.
+
+    Takes some minutes; Figures 14 and 16 take most of them. Table 5 comes with Figure 13, Table 6 with 14, Table 8 with
+    16. Ctrl-C writes nothing.
+    """
+    from rota.interrupt import stop_on_interrupt
+    from rota.studies.sun2019.runs import StudySettings, StudyStopped
+    from rota.studies.sun2019.study import named_figures, require_study_folder, sun2019_study, write_study
+
+    asked = named_figures(figures)
+    if output is not None:
+        require_study_folder(output)
+    mention_compiling("planners/patrol/annealing", "geometry", "check")
+    with progress_bar() as bar, stop_on_interrupt(lambda: bar.announce_stop("with nothing written")) as stop:
+        try:
+            study = sun2019_study(
+                asked, settings=StudySettings(effort=effort), seed=seed, progress=bar.show, should_stop=stop
+            )
+        except StudyStopped:
+            raise typer.Exit(INTERRUPTED) from None
+        # within the block, so that Ctrl-C does not leave half of the files
+        written = () if output is None else write_study(study, output)
+    typer.echo(study.tables_text)
+    for path in written:
+        typer.echo(path)
+
+
 def _mission(path: Path | None) -> Mission:
     if path is None:
         from rota.studies.sun2019 import figure_13

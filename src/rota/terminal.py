@@ -27,11 +27,11 @@ class Bar:
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=fraction, description=doing)
 
-    def announce_stop(self) -> None:
-        """What the first Ctrl-C calls."""
+    def announce_stop(self, outcome: str = "with the best plan so far") -> None:
+        """What the first Ctrl-C calls; ``outcome``: what there will be of the work."""
         if self._progress is not None:
             self._progress.stop()  # gives the terminal its cursor back before a second Ctrl-C could
-        say("stopping with the best plan so far; Ctrl-C again ends at once")
+        say(f"stopping {outcome}; Ctrl-C again ends at once")
 
 
 @contextmanager

@@ -124,6 +124,14 @@ def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> PathPatch:
     return ground
 
 
+def zone_legend(mission: Mission) -> list[Patch]:
+    """Legend entries for the zones, by their tints, with what they ask; for maps on which labels would hide much."""
+    return [
+        Patch(facecolor=tint, edgecolor=ZONE_EDGE, label=f"{plain(zone.name, 28)}, {asked(zone.period_s, zone.demand)}")
+        for zone, tint in zip(mission.zones, _zone_tints(mission), strict=True)
+    ]
+
+
 def mission_legend(mission: Mission) -> list[Patch]:
     """Legend entries for the kinds of obstacles that are there."""
     kinds = {obstacle.blocks for obstacle in mission.obstacles}

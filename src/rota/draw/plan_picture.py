@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -15,6 +13,7 @@ from matplotlib.image import AxesImage
 
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.house_style import house_style
+from rota.draw.legends import LEGEND_PT, axes_at, legend_height, place_legend
 from rota.draw.mission_picture import draw_mission, mission_legend, period_text, plain
 from rota.draw.route_lines import draw_route_lines, route_legend
 from rota.draw.routes import routes_of
@@ -30,8 +29,7 @@ UNDATED: dict[str, dict[str, None]] = {".svg": {"Date": None}, ".pdf": {"Creatio
 
 # inches
 MARGIN, GAP, HEADER, PANEL_TITLE, AXIS, BAR = 0.12, 0.35, 0.55, 0.24, 0.42, 0.13
-Y_AXIS, LEGEND_ROW, BAR_TEXT = 0.55, 0.175, 0.42
-LEGEND_PT = 7.5
+Y_AXIS, BAR_TEXT = 0.55, 0.42
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,42 +66,9 @@ def _header(plan: Plan) -> str:
     return " · ".join(words)
 
 
-def _columns(entries: Sequence[Artist], width: float) -> int:
-    """How many legend columns of the longest entry fit in ``width`` inches."""
-    longest = max((len(str(entry.get_label())) for entry in entries), default=0)
-    return max(1, int(width / (0.45 + 0.0575 * longest * LEGEND_PT / 7.5)))
-
-
-def _legend_height(entries: Sequence[Artist], width: float) -> float:
-    return -(-len(entries) // _columns(entries, width)) * LEGEND_ROW + 0.06 if entries else 0.0
-
-
-def _legend(fig: Figure, entries: Sequence[Artist], x: float, y: float, width: float) -> None:
-    """A legend whose upper left corner is at x, y inches."""
-    if entries:
-        fig.legend(
-            handles=list(entries),
-            loc="upper left",
-            bbox_to_anchor=(x / fig.get_figwidth(), y / fig.get_figheight()),
-            ncols=_columns(entries, width),
-            fontsize=LEGEND_PT,
-            frameon=False,
-            borderpad=0,
-            borderaxespad=0,
-            labelspacing=0.45,
-            handlelength=2.4,
-            handletextpad=0.6,
-            columnspacing=1.4,
-        )
-
-
-def _axes(fig: Figure, x: float, y: float, width: float, height: float) -> Axes:
-    wide, high = fig.get_size_inches()
-    return fig.add_axes((x / wide, y / high, width / wide, height / high))
-
-
 def _colour_bar(fig: Figure, image: AxesImage, x: float, y: float, width: float) -> None:
-    bar = fig.colorbar(image, cax=_axes(fig, x, y, width, BAR), orientation="horizontal", extend="max", extendfrac=0.06)
+    cax = axes_at(fig, x, y, width, BAR)
+    bar = fig.colorbar(image, cax=cax, orientation="horizontal", extend="max", extendfrac=0.06)
     bar.set_ticks([0, 0.25, 0.5, 0.75, 1.0], labels=["0", "0.25", "0.5", "0.75", "1.0 = limit"])
     bar.ax.tick_params(labelsize=LEGEND_PT, length=2.5, pad=2)
     bar.set_label("worst gap / period", fontsize=LEGEND_PT, labelpad=1.5)
@@ -132,8 +97,8 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     gaps = gap_map(plan, cells)
     routes = [*route_legend(plan), *mission_legend(plan.mission)]
     notes = gap_legend(gaps)
-    below_routes = AXIS + _legend_height(routes, layout.column)
-    below_gaps = AXIS + BAR + BAR_TEXT + _legend_height(notes, layout.column)
+    below_routes = AXIS + legend_height(routes, layout.column)
+    below_gaps = AXIS + BAR + BAR_TEXT + legend_height(notes, layout.column)
     block = PANEL_TITLE + layout.map_height
     if layout.stacked:
         height = HEADER + 2 * block + below_routes + below_gaps + 2 * MARGIN
@@ -149,20 +114,20 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     fig.text(x / width, (top - 0.27) / height, _header(plan), fontsize=9, va="top", color="#333333")
 
     y = top - HEADER - block
-    left_ax = _axes(fig, x, y, layout.map_width, layout.map_height)
+    left_ax = axes_at(fig, x, y, layout.map_width, layout.map_height)
     draw_routes(plan, left_ax)
     left_ax.set_title("Routes, numbered where each robot's loop starts", fontsize=9, loc="left", pad=4)
-    _legend(fig, routes, x, y - AXIS, layout.column)
+    place_legend(fig, routes, x, y - AXIS, layout.column)
 
     if layout.stacked:
         y -= below_routes + block
     else:
         x += layout.column + GAP + Y_AXIS
-    right_ax = _axes(fig, x, y, layout.map_width, layout.map_height)
+    right_ax = axes_at(fig, x, y, layout.map_width, layout.map_height)
     image = draw_gaps(plan, right_ax, gaps)
     right_ax.set_title("Longest time unseen, in periods of the place", fontsize=9, loc="left", pad=4)
     _colour_bar(fig, image, x, y - AXIS - BAR, min(layout.column, 4.9))
-    _legend(fig, notes, x, y - AXIS - BAR - BAR_TEXT, layout.column)
+    place_legend(fig, notes, x, y - AXIS - BAR - BAR_TEXT, layout.column)
     return fig
 
 

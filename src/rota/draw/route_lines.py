@@ -154,15 +154,25 @@ def draw_route_lines(plan: Plan, ax: Axes) -> None:
     _draw_marks(ax, plan, colours)
 
 
-def route_legend(plan: Plan) -> list[Line2D]:
-    """Legend entries, one per loop: its line with a mark, robots, length and time; then what is left out, and ways."""
+def brief_label(route: Route) -> str:
+    """A loop's line in a narrow legend: numbers of its robots as on their marks, whole metres, and seconds."""
+    return f"{_numbers(route.robots)}: " + (
+        f"{route.length_m:,.0f} m, {rounded(route.duration_s)} s" if route.duration_s else "stays"
+    )
+
+
+def route_legend(plan: Plan, *, brief: bool = False) -> list[Line2D]:
+    """Legend entries, one per loop: its line with a mark, robots, length and time; then what is left out, and ways.
+
+    brief: robots by their numbers alone.
+    """
     routes = routes_of(plan)
     entries = []
     for k, route in enumerate(routes[:LISTED_ROUTES]):
         colour, style = route_style(k)
         line = Line2D([], [], color=colour, linestyle=style, linewidth=1.5, marker="o", markersize=5)
         line.set_markeredgecolor("white")
-        line.set_label(route_label(plan, route))
+        line.set_label(brief_label(route) if brief else route_label(plan, route))
         entries.append(line)
     if len(routes) > LISTED_ROUTES:
         entries.append(Line2D([], [], linestyle="none", label=f"… and {len(routes) - LISTED_ROUTES} more loops"))

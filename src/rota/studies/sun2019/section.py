@@ -1,0 +1,42 @@
+"""One figure of the study: its pictures, its caption, what the paper says and what we find, and its tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rota.studies.sun2019.tables import Table
+
+RECONSTRUCTED = "The map is a reconstruction: the paper prints no coordinates."
+
+
+class Picture(NamedTuple):
+    """A PNG file by its name, what it shows in words, and its bytes."""
+
+    file: str
+    shows: str
+    png: bytes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """One figure of the paper beside ours. The texts are Markdown; ``caption`` stands below the pictures.
+
+    paper: what the paper says. found: what we find; it takes its numbers from the run.
+    """
+
+    figure: int
+    heading: str
+    pictures: tuple[Picture, ...]
+    caption: str
+    paper: str
+    found: str
+    tables: tuple[Table, ...] = ()
+
+    @property
+    def markdown(self) -> str:
+        """The section under a heading of the second level."""
+        parts = [f"## Figure {self.figure}: {self.heading}"]
+        parts += [f"![{picture.shows}]({picture.file})" for picture in self.pictures]
+        parts += [f"*{self.caption}*", f"**The paper.** {self.paper}", f"**Here.** {self.found}"]
+        return "\n\n".join([*parts, *(table.markdown for table in self.tables)])

@@ -1,0 +1,69 @@
+"""Settings small enough for tests, and plans that take no search."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from rota.compare import MethodOutcome
+from rota.mission import Mission
+from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota.planners.patrol.sun2019.route_settings import RouteSettings
+from rota.planners.patrol.sun2019.settings import MethodSettings
+from rota.studies.sun2019 import runs as runs_module
+from rota.studies.sun2019.runs import Printed, Runs, StudySettings
+
+SMALL = MethodSettings(
+    deployments=(DeploySettings(iterations=3, swarms=4, particles=4, cell_m=4.0),),
+    tour=TourSettings(method="genetic", generations=300, population=40),
+    partition=PartitionSettings(method="pso", joining_legs=True, margin_s=0.5, iterations=4, swarms=4, particles=20),
+    route=RouteSettings(routes="printed"),
+)
+
+
+@pytest.fixture(scope="session")
+def settings() -> StudySettings:
+    return StudySettings(figure_13=SMALL, figure_16=SMALL)
+
+
+@pytest.fixture
+def make_runs(settings: StudySettings) -> Callable[..., Runs]:
+    def make(seed: int = 0, should_stop: Callable[[], bool] = lambda: False) -> Runs:
+        return Runs(settings, seed=seed, tell=lambda _: None, should_stop=should_stop)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def printed_by_name() -> dict[str, Printed]:
+    """The printed routes of a map under the small settings, seed 0, each run once in all tests."""
+    return {}
+
+
+@pytest.fixture
+def without_search(printed_by_name: dict[str, Printed], monkeypatch: pytest.MonkeyPatch) -> list[Mission]:
+    """Methods answer at once with the printed routes of the method's small settings; the missions asked for so far."""
+    asked: list[Mission] = []
+    run_it = Runs.printed
+
+    def printed(runs: Runs, mission: Mission, settings: MethodSettings) -> Printed:
+        assert (runs.seed, settings) == (0, SMALL)
+        if mission.name not in printed_by_name:
+            printed_by_name[mission.name] = run_it(runs, mission, settings)
+        return printed_by_name[mission.name]
+
+    def answer(mission: Mission, **_: Any) -> MethodOutcome:
+        asked.append(mission)
+        known = printed_by_name[mission.name]
+        return MethodOutcome(
+            method=mission.planning.method, plan=known.plan, report=known.report, planning_s=0.0, reason="late"
+        )
+
+    monkeypatch.setattr(Runs, "printed", printed)
+
+    monkeypatch.setattr(runs_module, "outcome_of", answer)
+    monkeypatch.setattr(runs_module, "load_compiled_loops", lambda: None)
+    return asked

@@ -1,0 +1,143 @@
+"""Tables 5, 6 and 8: the paper's routes beside those of the runs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely import box
+
+from rota.check import check_plan
+from rota.mission import DiscSensor, Fleet, Mission, Zone
+from rota.plan import Plan, Trajectory
+from rota.studies.sun2019 import paper
+from rota.studies.sun2019.cases import Case, gaps_table, loop_times, robots_table, routes_table
+from rota.studies.sun2019.result_figures import case_of, figure_13_section, figure_14_section
+from rota.studies.sun2019.runs import Runs
+
+
+@pytest.fixture
+def case(make_runs: Callable[..., Runs], without_search: list[Mission]) -> Case:
+    runs = make_runs()
+    return case_of(runs, paper.TABLE_5, runs.map_13, runs.settings.figure_13)
+
+
+def times(cell: str) -> list[float]:
+    found = []
+    for told in [] if cell == "–" else cell.split(", "):
+        found.append(float(told.partition(" / ")[0]))
+    return found
+
+
+def test_robots_are_counted_for_each_way(case: Case) -> None:
+    (row,) = robots_table("robots", [case]).rows
+    segments = sum(len(partition.first) for partition in case.printed.stages.partitions)
+    robots = len(case.tours.plan.trajectories)
+    assert row[:4] == ("Section 5.1", "8, 20, 40", "5", str(segments))
+    assert row[4:] == (*[f"{robots}, not met"] * 3, "–")
+
+
+def test_several_cases_are_added_up(case: Case) -> None:
+    proved = replace(case, tours=replace(case.tours, plan=replace(case.tours.plan, lower_bound_robots=3), reason=None))
+    none = replace(case, paper=paper.TABLE_6[5], tours=replace(case.tours, plan=None, report=None))
+    *rows, total = robots_table("robots", [proved, proved, none]).rows
+    segments, robots = len(case.printed.stages.segments), len(case.tours.plan.trajectories)
+    assert [row[6:] for row in rows] == [(str(robots), "3"), (str(robots), "3"), ("no plan", "–")]
+    assert rows[2][2] == "11, 4 late"
+    assert total == ("together", "", "21", str(3 * segments), str(3 * robots), str(3 * robots), "–", "–")
+
+
+def test_worst_shares_and_what_is_unseen(case: Case) -> None:
+    (row,) = gaps_table("gaps", [case]).rows
+    assert row[1] == "0.940"  # 18.81 of 20 s
+    shares = [t / p for one in case.printed.stages.partitions for t, p in zip(one.times_s, one.periods_s, strict=True)]
+    assert row[2] == f"{max(shares):.3f}"
+    unseen_m2 = sum(demand.unseen_area_m2 for demand in check_plan(case.printed.plan).demands)
+    assert float(row[3].replace(",", "")) == pytest.approx(unseen_m2, abs=0.5)
+    assert row[4:] == ("never",) * 3 if unseen_m2 > 0 else ("met",)
+
+
+def test_every_route_is_told_once_with_its_zone(case: Case) -> None:
+    rows = routes_table("routes", [case]).rows
+    assert [row[:3] for row in rows] == [
+        ("zone 1", "8.00", "6.75, 7.19"), ("zone 2", "20.00", "18.81"), ("rest", "40.00", "36.37, 37.29"),
+    ]  # fmt: skip
+    by_formula = sorted(time_s for row in rows for time_s in times(row[3]))
+    segments = case.printed.stages.segments
+    assert by_formula == pytest.approx(sorted(segment.time_s for segment in segments), abs=0.006)
+    # Eq. 26: every segment's route lies below its zone's row
+    for row, period_s in zip(rows, (8, 20, 40), strict=True):
+        told = sorted(times(row[3]))
+        assert told == pytest.approx(sorted(s.time_s for s in segments if s.period_s == period_s), abs=0.006)
+    driven = sorted(time_s for row in rows for time_s in times(row[4]))
+    loops_m = [np.hypot(*np.diff(np.vstack([s.route_m, s.route_m[:1]]), axis=0).T).sum() for s in segments]
+    assert driven == pytest.approx(sorted(length_m / 20 for length_m in loops_m), abs=0.006)
+    # the plan is the same here; what takes longer than its segment's period is told with a longer one
+    assert sorted(time_s for row in rows for time_s in times(row[5])) == driven
+
+
+def test_loops_belong_to_the_zone_whose_period_they_keep() -> None:
+    fleet = Fleet(speed_m_s=10, sensor=DiscSensor(radius_m=5))
+    gate = Zone(name="gate", shape=box(0, 0, 30, 30), period_s=8)
+    mission = Mission(name="yard", area=box(0, 0, 100, 30), zones=(gate,), period_s=40, fleet=fleet)
+
+    def loop(robot: str, left_m: float, right_m: float, begin: int = 0) -> Trajectory:
+        ring = np.array([(left_m, 5), (right_m, 5), (right_m, 25), (left_m, 25)], dtype=float)
+        ring = np.roll(ring, -begin, axis=0)[[0, 1, 2, 3, 0]]
+        times_s = np.append(0, np.cumsum(np.hypot(*np.diff(ring, axis=0).T))) / 10
+        return Trajectory(robot=robot, times_s=times_s, positions_m=ring)
+
+    def times_of(*trajectories: Trajectory) -> tuple[list[str], list[str]]:
+        plan = Plan(mission=mission, trajectories=trajectories)
+        return loop_times(plan, "gate"), loop_times(plan, "area")
+
+    # 2 x (20 + 10) m in 6 s; two on 2 x (20 + 25) m in 9 s, every 4.5 s; 2 x (20 + 60) m in 16 s, too long for the gate
+    alone, first, second = loop("a", 10, 20), loop("b", 5, 30), loop("c", 5, 30, begin=2)
+    assert times_of(alone, loop("d", 36, 96)) == (["6.00"], ["16.00"])
+    assert times_of(first, second, loop("d", 36, 96)) == (["9.00 / 2"], ["16.00"])
+    # two on 2 x (20 + 65) m in 17 s come by every 8.5 s: too seldom for the gate that they pass
+    assert times_of(loop("e", 20, 85), loop("f", 20, 85, begin=2)) == ([], ["17.00 / 2"])
+    assert loop_times(None, "gate") == []
+
+
+def test_the_papers_odd_route_is_told_with_sub_region_3(make_runs, without_search: list[Mission]) -> None:
+    runs = make_runs()
+    odd = case_of(runs, paper.TABLE_6[3], runs.maps_14[3], runs.settings.figure_13)
+    rows = routes_table("routes", [odd, odd]).rows
+    assert [row[3] for row in rows[:3]] == ["10.95", "9.33, 8.74, 6.35", "18.48, 18.83, 18.92, 18.65"]
+    assert [row[0] for row in rows] == ["Case 4", "", "", "Case 4", "", ""]
+    assert odd.mended is not None
+
+
+def test_the_texts_tell_the_numbers_of_the_run(make_runs, without_search: list[Mission], case: Case) -> None:
+    section = figure_13_section(make_runs())
+    frame = case.printed.stages.framed.parts[0].frame
+    assert f"{frame.tour_length:,.2f} long, {frame.length_m:,.2f} of it way" in section.found
+    assert f"{len(case.printed.stages.framed.deployment.positions_m)} sensors (" in section.found
+    assert f"{case.unseen_m2:,.0f} m²" in section.found
+    assert "61,025.99 is 6 crossings and 1,025.99 of way, where its text has 1,027.40" in section.found
+    assert [picture.file for picture in section.pictures] == ["figure-13.png", "figure-13-plans.png"]
+
+
+def test_figure_14_has_the_cases_of_table_6(
+    make_runs: Callable[..., Runs], without_search: list[Mission], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(paper, "TABLE_6", (paper.TABLE_6[3], paper.TABLE_6[5]))
+    section = figure_14_section(make_runs())
+    robots, gaps, routes = section.tables
+    assert robots.head == ("case", "periods s", "paper", "Eq. 26", "sun2019", "tours", "lower bound")
+    assert [row[:3] for row in robots.rows] == [
+        ("Case 4", "12, 10, 20", "8"), ("Case 6", "12, 10, 10", "11, 4 late"), ("together", "", "19"),
+    ]  # fmt: skip
+    assert len(gaps.rows) == 2
+    assert len(routes.rows) == 6
+    assert "8 and 11 robots" in section.paper
+    assert "but 4 of Case 6" in section.paper
+    assert "the paper 19" in section.found
+    assert re.search(r"sun2019 \d+, with 0 of 2 cases met", section.found)
+    assert [mission.name for mission in without_search] == [
+        "sun2019-12-10-20", "sun2019-12-10-20", "sun2019-12-10-10", "sun2019-12-10-10",
+    ]  # fmt: skip
