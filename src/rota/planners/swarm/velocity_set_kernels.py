@@ -1,0 +1,177 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled sets of velocities: a convex polygon, cut by half-planes, within a disc round the origin; its centroid."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from rota.planners.swarm.kernels import Floats, compiled
+
+MOST_CORNERS = 64
+SLIVER = 1e-12  # an area below this share of the disc's square has no centroid that rounding leaves
+
+
+class Outline(NamedTuple):
+    """Room for the corners of a polygon, counter-clockwise: (MOST_CORNERS,) each."""
+
+    x: Floats
+    y: Floats
+
+
+@compiled
+def square_round(half: float, outline: Any) -> int:
+    """Make the outline the square with sides 2 half round the origin; returns its number of corners."""
+    outline.x[0], outline.y[0] = -half, -half
+    outline.x[1], outline.y[1] = half, -half
+    outline.x[2], outline.y[2] = half, half
+    outline.x[3], outline.y[3] = -half, half
+    return 4
+
+
+@compiled
+def is_cut(outline: Any, corners: int, ex: float, ey: float, bound: float) -> bool:
+    """Whether any corner lies beyond the half-plane v . e <= bound."""
+    for k in range(corners):  # noqa: SIM110 (a compiled loop)
+        if outline.x[k] * ex + outline.y[k] * ey > bound:
+            return True
+    return False
+
+
+@compiled
+def cut(outline: Any, corners: int, ex: float, ey: float, bound: float, result: Any) -> int:
+    """The part of a convex polygon with v . e <= bound, into ``result``; returns its corners, 0 when nothing is left.
+
+    A polygon may have one or two corners: a place or a segment. One that has no room for a corner more stays as it is.
+    """
+    if corners + 1 > result.x.shape[0]:
+        for k in range(corners):
+            result.x[k], result.y[k] = outline.x[k], outline.y[k]
+        return corners
+    m = 0
+    px, py = outline.x[corners - 1], outline.y[corners - 1]
+    before = px * ex + py * ey - bound
+    for k in range(corners):
+        qx, qy = outline.x[k], outline.y[k]
+        here = qx * ex + qy * ey - bound
+        if (before < 0.0 and here > 0.0) or (before > 0.0 and here < 0.0):
+            t = before / (before - here)
+            result.x[m], result.y[m] = px + t * (qx - px), py + t * (qy - py)
+            m += 1
+        if here <= 0.0:
+            result.x[m], result.y[m] = qx, qy
+            m += 1
+        px, py, before = qx, qy, here
+    return m
+
+
+@compiled
+def polygon_centroid(outline: Any, corners: int, least_area: float) -> tuple[float, float]:
+    """Centroid of a convex polygon; of one with less than the least area, the mean of its corners."""
+    x0, y0 = outline.x[0], outline.y[0]
+    twice, mx, my = 0.0, 0.0, 0.0
+    for k in range(1, corners - 1):  # triangles from the first corner, so that a small set far out loses no digits
+        ax, ay = outline.x[k] - x0, outline.y[k] - y0
+        bx, by = outline.x[k + 1] - x0, outline.y[k + 1] - y0
+        cross = ax * by - ay * bx
+        twice += cross
+        mx += cross * (ax + bx)
+        my += cross * (ay + by)
+    if twice > least_area:
+        return x0 + mx / (3.0 * twice), y0 + my / (3.0 * twice)
+    mx, my = 0.0, 0.0
+    for k in range(corners):
+        mx += outline.x[k]
+        my += outline.y[k]
+    return mx / corners, my / corners
+
+
+@compiled
+def arc_angle(px: float, py: float, qx: float, qy: float, whole: bool) -> float:
+    """Angle from p counter-clockwise to q, 0..2 pi; a full turn rather than none where rounding leaves both open."""
+    angle = math.atan2(px * qy - py * qx, px * qx + py * qy)
+    if angle >= 0.0:
+        return angle
+    return 0.0 if angle > -1e-9 and not whole else angle + 2.0 * math.pi
+
+
+@compiled
+def centroid_in_disc(outline: Any, corners: int, radius: float) -> tuple[bool, float, float]:
+    """Centroid of (convex polygon within the disc of a radius round the origin), in closed form; False: it is empty.
+
+    The border of the set runs along chords, the parts of the polygon's sides in the disc, and along arcs between one
+    chord's end and the next one's beginning. A chord (u, w) gives the triangle 0 u w, an arc the sector over it.
+    """
+    r2 = radius * radius
+    inside = True
+    for k in range(corners):
+        if outline.x[k] * outline.x[k] + outline.y[k] * outline.y[k] > r2:
+            inside = False
+            break
+    if inside:
+        x, y = polygon_centroid(outline, corners, SLIVER * r2)
+        return corners > 0, x, y
+    area, mx, my = 0.0, 0.0, 0.0  # twice the area, thrice the first moment
+    sx, sy, chords, holds_origin = 0.0, 0.0, 0, True
+    fx, fy, lx, ly, first_enters, left, alone = 0.0, 0.0, 0.0, 0.0, False, False, False
+    px, py = outline.x[corners - 1], outline.y[corners - 1]
+    for k in range(corners):
+        qx, qy = outline.x[k], outline.y[k]
+        dx, dy = qx - px, qy - py
+        side = px * qy - py * qx
+        holds_origin = holds_origin and side >= 0.0
+        a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - r2
+        root = b * b - a * c
+        if a > 0.0 and root > 0.0:
+            root = math.sqrt(root)
+            t0, t1 = (-b - root) / a, (-b + root) / a
+            if t1 > 0.0 and t0 < 1.0:
+                enters, leaves = t0 > 0.0, t1 < 1.0
+                ux, uy = (px + t0 * dx, py + t0 * dy) if enters else (px, py)
+                wx, wy = (px + t1 * dx, py + t1 * dy) if leaves else (qx, qy)
+                if chords == 0:
+                    fx, fy, first_enters, alone = ux, uy, enters, side >= 0.0
+                elif left or enters or lx != ux or ly != uy:  # else both meet at a corner in the disc
+                    angle = arc_angle(lx, ly, ux, uy, False)
+                    area += r2 * angle
+                    mx += r2 * (uy - ly)
+                    my -= r2 * (ux - lx)
+                cross = ux * wy - uy * wx
+                area += cross
+                mx += 0.5 * cross * (ux + wx)
+                my += 0.5 * cross * (uy + wy)
+                sx += ux + wx
+                sy += uy + wy
+                chords += 1
+                lx, ly, left = wx, wy, leaves
+        px, py = qx, qy
+    if chords == 0:  # the disc lies in the polygon, or outside
+        return holds_origin and corners > 2, 0.0, 0.0
+    if left or first_enters or lx != fx or ly != fy:
+        angle = arc_angle(lx, ly, fx, fy, chords == 1 and alone)
+        area += r2 * angle
+        mx += r2 * (fy - ly)
+        my -= r2 * (fx - lx)
+    if area > SLIVER * r2:
+        return True, 2.0 * mx / (3.0 * area), 2.0 * my / (3.0 * area)
+    return True, sx / (2 * chords), sy / (2 * chords)
+
+
+@compiled
+def nearest_in(outline: Any, corners: int, x: float, y: float) -> tuple[float, float]:
+    """The point on a polygon's border that is nearest to (x, y), which must not lie inside."""
+    best2, bx, by = math.inf, 0.0, 0.0
+    px, py = outline.x[corners - 1], outline.y[corners - 1]
+    for k in range(corners):
+        qx, qy = outline.x[k], outline.y[k]
+        dx, dy = qx - px, qy - py
+        length2 = dx * dx + dy * dy
+        t = 0.0
+        if length2 > 0.0:
+            t = min(max(((x - px) * dx + (y - py) * dy) / length2, 0.0), 1.0)
+        cx, cy = px + t * dx, py + t * dy
+        distance2 = (cx - x) * (cx - x) + (cy - y) * (cy - y)
+        if distance2 < best2:
+            best2, bx, by = distance2, cx, cy
+        px, py = qx, qy
+    return bx, by

@@ -1,0 +1,116 @@
+"""Where a swarm moves: walls, what robots are like, and the grid that both are sorted into."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+from shapely import MultiPolygon
+
+from rota.errors import MissionError
+from rota.planners.swarm.kernels import Grid, Kinds, Moving, walls_of_cells
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+CELLS_PER_ROBOT = 4  # no more cells than that, so that a huge area costs no memory
+FEWEST_CELLS = 1024
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MovingDisc:
+    """A disc that moves along timed points and does not give way; before the first and after the last it stands still.
+
+    times_s: (m,) increasing; positions_m: (m, 2).
+    """
+
+    radius_m: float
+    times_s: Floats
+    positions_m: Floats
+
+    def at(self, time_s: float) -> tuple[float, float]:
+        """Where it is."""
+        x, y = (float(np.interp(time_s, self.times_s, self.positions_m[:, axis])) for axis in (0, 1))
+        return x, y
+
+
+def moving_at(discs: tuple[MovingDisc, ...], time_s: float, time_step_s: float) -> Moving:
+    """Places of all discs at a time, and the velocities that bring them to their places one step later."""
+    here = np.array([disc.at(time_s) for disc in discs]).reshape(-1, 2)
+    there = np.array([disc.at(time_s + time_step_s) for disc in discs]).reshape(-1, 2)
+    vx, vy = (there - here).T / time_step_s
+    radius = np.array([disc.radius_m for disc in discs])
+    return Moving(*(np.ascontiguousarray(values) for values in (*here.T, vx, vy, radius)))
+
+
+def walls_of(ground: MultiPolygon) -> Floats:
+    """The border of a ground as segments (m, 4), x0, y0, x1, y1; none of them a point."""
+    rings = shapely.get_rings(shapely.get_parts(ground))
+    pieces = [np.hstack([points[:-1], points[1:]]) for points in map(shapely.get_coordinates, rings)]
+    walls = np.vstack([np.empty((0, 4)), *pieces])
+    kept = (walls[:, :2] != walls[:, 2:]).any(axis=1)
+    return np.ascontiguousarray(walls[kept])
+
+
+def kinds_of(
+    count: int,
+    *,
+    body_m: ArrayLike,
+    sensor_m: ArrayLike,
+    speed_m_s: ArrayLike,
+    neighbour_range_m: ArrayLike,
+    wall_range_m: ArrayLike,
+) -> tuple[Kinds, Ints]:
+    """The different rows of values, each a number or (count,), and which of them each robot has."""
+    values = (body_m, sensor_m, speed_m_s, neighbour_range_m, wall_range_m)
+    rows = np.stack([np.broadcast_to(np.asarray(value, float), (count,)) for value in values], axis=1)
+    if not np.isfinite(rows).all() or (rows < 0).any():
+        k = int(np.flatnonzero(~np.isfinite(rows).all(axis=1) | (rows < 0).any(axis=1))[0])
+        raise MissionError(f"robot {k}: {rows[k].tolist()} is not allowed; radii, speed and ranges are finite, >= 0")
+    if (rows == rows[0]).all():
+        kinds, kind = rows[:1], np.zeros(count, np.int64)
+    else:
+        kinds, kind = np.unique(rows, axis=0, return_inverse=True)
+    return Kinds(*(np.ascontiguousarray(column) for column in kinds.T)), kind.ravel().astype(np.int64)
+
+
+def widest_m(kinds: Kinds, time_step_s: float) -> float:
+    """The largest body plus the longest step of any robot."""
+    return float(kinds.body_m.max() + kinds.speed_m_s.max() * time_step_s)
+
+
+def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float) -> Grid:
+    """A grid over all walls in which everything that concerns a robot stands in its cell or in those next to it.
+
+    walls: (m, 4), of which there is at least one. Cells are as wide as the farthest that any robot looks, and wider
+    where there would be more than a few for each robot.
+    """
+    low = np.minimum(walls[:, :2], walls[:, 2:]).min(axis=0)
+    size = np.maximum(walls[:, :2], walls[:, 2:]).max(axis=0) - low
+    step_reach = 2 * widest_m(kinds, time_step_s)
+    cell = max(float(kinds.neighbour_range_m.max()), 2 * float(kinds.sensor_m.max()), step_reach)
+    most = max(CELLS_PER_ROBOT * robots, FEWEST_CELLS)
+    cell = max(cell, math.sqrt(float(size[0] * size[1]) / most), float(size.max()) / most)
+    columns, rows = (int(extent // cell) + 1 for extent in size)
+    cells = (columns + 2) * (rows + 2)
+    grid = Grid(
+        x0=float(low[0]),
+        y0=float(low[1]),
+        cell_m=cell,
+        columns=columns,
+        rows=rows,
+        start=np.zeros(cells + 1, np.int64),
+        wall_start=np.zeros(cells + 1, np.int64),
+        wall_item=np.empty(0, np.int64),
+        walls=walls,
+    )
+    within = max(float(kinds.wall_range_m.max()), float(kinds.sensor_m.max()), widest_m(kinds, time_step_s))
+    total = walls_of_cells(grid, within, False)
+    np.cumsum(grid.wall_start, out=grid.wall_start)
+    grid = grid._replace(wall_item=np.empty(total, np.int64))
+    walls_of_cells(grid, within, True)
+    grid.wall_start[1:] = grid.wall_start[:-1]
+    grid.wall_start[0] = 0
+    return grid
