@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from pyproj import Geod
 from scipy.ndimage import label
-from shapely import Point, union_all
+from shapely import Point, box, union_all
 
 from rota.cli import run
 from rota.files.mission_file import read_mission
@@ -82,7 +82,7 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    assert named == {*MISSIONS, "building_map"}
+    assert named == {*MISSIONS, "building_map", "swarm-square"}
 
 
 @pytest.mark.parametrize("name", MISSIONS)
@@ -140,6 +140,17 @@ def test_sun_2019_figure_16_is_the_published_reconstruction() -> None:
     assert (mission.fleet.speed_m_s, mission.fleet.sensor) == (10, DiscSensor(radius_m=5))
 
 
+def test_the_swarm_s_square_is_the_small_case_of_chen_2018() -> None:
+    mission = example("swarm-square")
+    robots = mission.fleet.robots or ()
+    # Table 2: a square of 250 m, 25 robots of 0.5 m, 25 m and 2 m/s, steps of 0.25 s; discs cover 78.54 % at most
+    assert mission.area.equals(box(0, 0, 250, 250))
+    assert {(r.body_radius_m, r.sensor, r.speed_m_s) for r in robots} == {(0.5, DiscSensor(radius_m=25), 2)}
+    assert len(robots) * math.pi * 25**2 / mission.area.area == pytest.approx(0.7854, abs=1e-4)
+    assert mission.swarm is not None
+    assert (mission.swarm.time_step_s, mission.swarm.stop_m, mission.swarm.neighbours) == (0.25, 1e-5, 4)
+
+
 @needs_real_inputs
 def test_a_dutch_parcel_reads_and_needs_three_robots(tmp_path: Path) -> None:
     read = read_mission(real_mission(PARCEL_NL, tmp_path))
@@ -186,6 +197,18 @@ def test_an_example_is_planned_and_the_plan_passes(
     assert bound == least_robots
     assert bound <= robots <= 2 * bound + 1
     assert trajectories == robots
+
+
+def test_the_swarm_s_square_is_planned_and_nothing_is_wrong_with_the_plan(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan_file = tmp_path / "plan.json"
+    assert run(["plan", str(EXAMPLES / "swarm-square.yaml"), "-o", str(plan_file)]) == 0
+    told = capsys.readouterr().out
+    assert "25 robots hold" in told
+    assert "discs without overlap would have 78.5%" in told
+    assert "Check: no violations." in told
+    assert run(["check", str(plan_file)]) == 0
 
 
 # bounds: A / (2 r V T + pi r^2) is 35,955 / (15,360 + 201) = 2.3 and 966 / (720 + 13) = 1.3

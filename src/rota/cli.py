@@ -108,8 +108,10 @@ def plan(
     for warning in read.warnings:
         say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
-    mention_compiling("planners/patrol/annealing", "geometry", "check")
-    with nullcontext() if is_compiled("planners/patrol/annealing", "check") else compiled_by_two():
+    swarm = asked.swarm is not None
+    mention_compiling(*(("planners/swarm",) if swarm else ("planners/patrol/annealing", "geometry")), "check")
+    by_two = not swarm and not is_compiled("planners/patrol/annealing", "check")
+    with compiled_by_two() if by_two else nullcontext():
         code = _plan_and_write(asked, target, seed, time_limit, best)
     raise typer.Exit(code)
 
@@ -163,21 +165,17 @@ def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
 
 def _show_outcome(answer: Plan, report: Report, target: str) -> None:
     from rota.check import report_table
-    from rota.plan_table import approach_sentence, bound_sentence, ratio_sentence, robots_sentence, robots_table
+    from rota.plan_table import robots_table, sentences_of
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
-    console.print(robots_table(answer), markup=False, soft_wrap=True)
-    sentences = (
-        robots_sentence(answer),
-        bound_sentence(answer),
-        ratio_sentence(answer, report),
-        approach_sentence(answer),
-    )
+    if answer.mission.swarm is None:
+        console.print(robots_table(answer), markup=False, soft_wrap=True)
+    sentences = sentences_of(answer, report)
     for sentence in sentences:
         if sentence is not None:
             console.print(sentence, markup=False, soft_wrap=True)
     if report.verdict == "met":
-        console.print("Check: met, every demand, for ever.")
+        console.print("Check: met, every demand, for ever." if report.demands else "Check: no violations.")
     else:
         console.print(f"Check: {report.verdict}. The plan does not meet its demand.\n")
         console.print(report_table(report), markup=False, soft_wrap=True)

@@ -81,13 +81,13 @@ def search_plan(
 
 def _planner(mission: Mission) -> Callable[..., Plan]:
     # planners compile and load much: only the one that is asked for is imported
-    from rota.mission import PatrolSettings
+    if mission.swarm is not None:
+        from rota.planners.swarm import plan_swarm
 
-    if isinstance(mission.planning, PatrolSettings):
-        from rota.planners.patrol import plan_patrol
+        return plan_swarm
+    from rota.planners.patrol import plan_patrol
 
-        return plan_patrol
-    raise MissionError(f"planner: there is none for {type(mission.planning).__name__}; patrol is known")
+    return plan_patrol
 
 
 class _Judge:

@@ -2,27 +2,63 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 import shapely
 from shapely import MultiPolygon, Point, Polygon, box, union_all
 
 from rota.errors import MissionError
+from rota.planner_settings import (
+    METHODS as METHODS,
+)
+from rota.planner_settings import (
+    Controller as Controller,
+)
+from rota.planner_settings import (
+    DeploymentMethod as DeploymentMethod,
+)
+from rota.planner_settings import (
+    Effort as Effort,
+)
+from rota.planner_settings import (
+    FramePartition as FramePartition,
+)
+from rota.planner_settings import (
+    FrameTour as FrameTour,
+)
+from rota.planner_settings import (
+    Method as Method,
+)
+from rota.planner_settings import (
+    PatrolSettings as PatrolSettings,
+)
+from rota.planner_settings import (
+    SegmentRoutes as SegmentRoutes,
+)
+from rota.planner_settings import (
+    SetBoundary as SetBoundary,
+)
+from rota.planner_settings import (
+    Sun2019 as Sun2019,
+)
+from rota.planner_settings import (
+    SwarmSettings as SwarmSettings,
+)
+from rota.planner_settings import (
+    VelocityChoice as VelocityChoice,
+)
+from rota.planner_settings import (
+    require,
+    require_positive,
+)
 
 Blocks = Literal["both", "motion", "sight"]
 Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
-Effort = Literal["quick", "normal", "high"]
-Method = Literal["tours", "parallel", "sequential", "decomposition", "sun2019"]
-METHODS: tuple[Method, ...] = get_args(Method)
-DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
-FrameTour = Literal["local_search", "genetic"]
-FramePartition = Literal["exact", "pso"]
-SegmentRoutes = Literal["shortened", "repaired", "printed"]
-
 Place = tuple[float, float]
 
 TOUCH_M = 1e-6  # by which a body may overlap what it touches
@@ -30,21 +66,12 @@ AREA = "area"  # the name of the ground outside zones, wherever zones are told
 AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another name"
 
 
-def _require(ok: bool, where: str, value: object, allowed: str) -> None:
-    if not ok:
-        raise MissionError(f"{where}: {value!r} is not allowed; {allowed}")
-
-
-def _require_positive(where: str, value: float) -> None:
-    _require(math.isfinite(value) and value > 0, where, value, "must be a finite number greater than 0")
-
-
 def _as_multipolygon(where: str, shape: Polygon | MultiPolygon) -> MultiPolygon:
     if isinstance(shape, Polygon):
         shape = MultiPolygon([shape] if not shape.is_empty else [])
-    _require(isinstance(shape, MultiPolygon), where, type(shape).__name__, "must be a polygon or a multipolygon")
-    _require(not shape.is_empty, where, "an empty shape", "must have an area")
-    _require(shape.is_valid, where, "an invalid shape", "rings may not cross themselves or each other")
+    require(isinstance(shape, MultiPolygon), where, type(shape).__name__, "must be a polygon or a multipolygon")
+    require(not shape.is_empty, where, "an empty shape", "must have an area")
+    require(shape.is_valid, where, "an invalid shape", "rings may not cross themselves or each other")
     # a shape on a grid would round all that is made from it to that grid
     return shape if shapely.get_precision(shape) == 0 else shapely.set_precision(shape, 0.0)
 
@@ -57,8 +84,8 @@ class GeoPoint:
     lon: float
 
     def __post_init__(self) -> None:
-        _require(-90 <= self.lat <= 90, "lat", self.lat, "must lie in -90..90 degrees")
-        _require(-180 <= self.lon <= 180, "lon", self.lon, "must lie in -180..180 degrees")
+        require(-90 <= self.lat <= 90, "lat", self.lat, "must lie in -90..90 degrees")
+        require(-180 <= self.lon <= 180, "lon", self.lon, "must lie in -180..180 degrees")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +95,7 @@ class DiscSensor:
     radius_m: float
 
     def __post_init__(self) -> None:
-        _require_positive("sensor.radius_m", self.radius_m)
+        require_positive("sensor.radius_m", self.radius_m)
 
     @property
     def reach_m(self) -> float:
@@ -83,7 +110,7 @@ class SquareSensor:
     side_m: float
 
     def __post_init__(self) -> None:
-        _require_positive("sensor.side_m", self.side_m)
+        require_positive("sensor.side_m", self.side_m)
 
     @property
     def reach_m(self) -> float:
@@ -111,12 +138,12 @@ class Robot:
     start: Place | None = None
 
     def __post_init__(self) -> None:
-        _require(bool(self.name), "robot.name", self.name, "must not be empty")
-        _require_positive(f"robot {self.name}: speed_m_s", self.speed_m_s)
+        require(bool(self.name), "robot.name", self.name, "must not be empty")
+        require_positive(f"robot {self.name}: speed_m_s", self.speed_m_s)
         ok = math.isfinite(self.body_radius_m) and self.body_radius_m >= 0
-        _require(ok, f"robot {self.name}: body_radius_m", self.body_radius_m, "must be a finite number, 0 or more")
+        require(ok, f"robot {self.name}: body_radius_m", self.body_radius_m, "must be a finite number, 0 or more")
         if self.turn_rate_rad_s is not None:
-            _require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
+            require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +156,7 @@ class StartBox:
     def __post_init__(self) -> None:
         ends = (self.low_m, self.high_m)
         ok = all(math.isfinite(value) for end in ends for value in end)
-        _require(ok, "fleet.start.box", ends, "coordinates must be finite")
+        require(ok, "fleet.start.box", ends, "coordinates must be finite")
         (x0, y0), (x1, y1) = ends
         object.__setattr__(self, "low_m", (float(min(x0, x1)), float(min(y0, y1))))
         object.__setattr__(self, "high_m", (float(max(x0, x1)), float(max(y0, y1))))
@@ -142,10 +169,10 @@ class StartPoints:
     points_m: tuple[Place, ...]
 
     def __post_init__(self) -> None:
-        _require(len(self.points_m) > 0, "fleet.start.points", self.points_m, "must be at least one point")
+        require(len(self.points_m) > 0, "fleet.start.points", self.points_m, "must be at least one point")
         for k, point in enumerate(self.points_m):
             ok = all(math.isfinite(value) for value in point)
-            _require(ok, f"fleet.start.points[{k}]", point, "coordinates must be finite")
+            require(ok, f"fleet.start.points[{k}]", point, "coordinates must be finite")
         object.__setattr__(self, "points_m", tuple((float(x), float(y)) for x, y in self.points_m))
 
 
@@ -168,15 +195,15 @@ class Fleet:
     def __post_init__(self) -> None:
         self.equal_robot("robot-1")  # checks the common values
         ok = self.robots is None or not isinstance(self.start, StartPoints)
-        _require(
+        require(
             ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
         )
-        _require_positive("fleet.altitude_m", self.altitude_m)
+        require_positive("fleet.altitude_m", self.altitude_m)
         if self.robots is not None:
-            _require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
+            require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
             names = [robot.name for robot in self.robots]
             for name in names:
-                _require(names.count(name) == 1, "fleet.robots", name, "names must be unique")
+                require(names.count(name) == 1, "fleet.robots", name, "names must be unique")
 
     def equal_robot(self, name: str) -> Robot:
         """A robot of this name with the fleet's common values."""
@@ -209,7 +236,7 @@ class Obstacle:
     blocks: Blocks = "both"
 
     def __post_init__(self) -> None:
-        _require(self.blocks in ("both", "motion", "sight"), "blocks", self.blocks, "both, motion or sight")
+        require(self.blocks in ("both", "motion", "sight"), "blocks", self.blocks, "both, motion or sight")
         object.__setattr__(self, "shape", _as_multipolygon("obstacle", self.shape))
 
     @property
@@ -236,70 +263,45 @@ class Zone:
     demand: Demand = "every_point"
 
     def __post_init__(self) -> None:
-        _require(bool(self.name), "zone.name", self.name, "must not be empty")
+        require(bool(self.name), "zone.name", self.name, "must not be empty")
         ok = self.demand in ("every_point", "visit")
-        _require(ok, f"zone {self.name}: demand", self.demand, "every_point or visit")
+        require(ok, f"zone {self.name}: demand", self.demand, "every_point or visit")
         if self.period_s is not None:
-            _require_positive(f"zone {self.name}: period_s", self.period_s)
+            require_positive(f"zone {self.name}: period_s", self.period_s)
         object.__setattr__(self, "shape", _as_multipolygon(f"zone {self.name}", self.shape))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sun2019:
-    """How the stages of the method ``sun2019`` are done; ours, which take fewest robots, unless the paper's are named.
+class MovingObstacle:
+    """A disc that moves along timed points, straight between them; before the first and after the last it stands."""
 
-    ``deployment`` of virtual sensors: "best" of set covers and swarms, as many as the effort allows; "greedy" or
-    "exact" set cover; "ccpso2", the paper's swarms. ``tour``, the frame past them: "local_search" or the paper's
-    "genetic" algorithm. ``partition`` of the frame: "exact", or the paper's particle swarms, "pso". ``routes`` round
-    the segments: "repaired" until all is seen, by robots as many as that takes; "shortened" besides where they are too
-    long; "printed": cut to the free space and no more, which mostly leaves ground unseen.
-    """
-
-    deployment: DeploymentMethod = "best"
-    tour: FrameTour = "local_search"
-    partition: FramePartition = "exact"
-    routes: SegmentRoutes = "shortened"
+    radius_m: float
+    times_s: tuple[float, ...]
+    positions_m: tuple[Place, ...]
 
     def __post_init__(self) -> None:
-        choices = {
-            "deployment": DeploymentMethod,
-            "tour": FrameTour,
-            "partition": FramePartition,
-            "routes": SegmentRoutes,
-        }
-        for name, known in choices.items():
-            _require(getattr(self, name) in get_args(known), f"patrol.sun2019.{name}", getattr(self, name),
-                     ", ".join(get_args(known)))  # fmt: skip
+        require_positive("moving obstacle: radius_m", self.radius_m)
+        object.__setattr__(self, "times_s", tuple(float(time) for time in self.times_s))
+        object.__setattr__(self, "positions_m", tuple((float(x), float(y)) for x, y in self.positions_m))
+        count = len(self.times_s)
+        ok = count > 0 and all(a < b for a, b in itertools.pairwise(self.times_s)) and math.isfinite(self.times_s[-1])
+        require(ok, "moving obstacle: times_s", self.times_s, "must be finite and rise")
+        ok = len(self.positions_m) == count and all(math.isfinite(value) for at in self.positions_m for value in at)
+        require(ok, "moving obstacle: positions_m", self.positions_m, "must be finite, one for each time")
 
-
-@dataclass(frozen=True, kw_only=True)
-class PatrolSettings:
-    """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
-
-    ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
-    "sequential" scanning, area "decomposition"; or the paper's own, "sun2019", whose stages ``sun2019`` chooses. A
-    reserve against wind and poor localisation: the plan keeps periods shorter by the share ``period_margin``, and with
-    sensors whose reach in every direction is shorter by ``range_margin_m``.
-    """
-
-    effort: Effort = "normal"
-    method: Method = "tours"
-    period_margin: float = 0.0
-    range_margin_m: float = 0.0
-    sun2019: Sun2019 = field(default_factory=Sun2019)
-
-    def __post_init__(self) -> None:
-        _require(self.effort in ("quick", "normal", "high"), "patrol.effort", self.effort, "quick, normal or high")
-        _require(self.method in METHODS, "patrol.method", self.method, ", ".join(METHODS))
-        ok = 0 <= self.period_margin < 1
-        _require(ok, "patrol.period_margin", self.period_margin, "must be a share, 0 or more and below 1")
-        ok = math.isfinite(self.range_margin_m) and self.range_margin_m >= 0
-        _require(ok, "patrol.range_margin_m", self.range_margin_m, "must be a finite number, 0 or more")
+    def at(self, time_s: float) -> Place:
+        """Where its centre is."""
+        x, y = (float(np.interp(time_s, self.times_s, [at[axis] for at in self.positions_m])) for axis in (0, 1))
+        return x, y
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mission:
     """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
+
+    ``swarm`` is given where the planner is the swarm, and ``planning`` then of no use; its fleet is a list of robots
+    with disc sensors, and it may leave out all periods: nothing is asked then but to spread. Only it heeds moving
+    obstacles.
 
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
     than ``AREA``, by which reports call that ground.
@@ -314,29 +316,44 @@ class Mission:
     origin: GeoPoint | None = None
     unseeable: Unseeable = "exclude"
     planning: PatrolSettings = field(default_factory=PatrolSettings)
+    swarm: SwarmSettings | None = None
+    moving_obstacles: tuple[MovingObstacle, ...] = ()
 
     def __post_init__(self) -> None:
-        _require(bool(self.name), "name", self.name, "must not be empty")
+        require(bool(self.name), "name", self.name, "must not be empty")
         object.__setattr__(self, "area", _as_multipolygon("area", self.area))
-        _require(bool(np.isfinite(self.area.bounds).all()), "area", self.area.bounds, "coordinates must be finite")
+        require(bool(np.isfinite(self.area.bounds).all()), "area", self.area.bounds, "coordinates must be finite")
         if self.period_s is not None:
-            _require_positive("period_s", self.period_s)
-        _require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
+            require_positive("period_s", self.period_s)
+        require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
         names = [zone.name for zone in self.zones]
         for zone in self.zones:
-            _require(zone.name != AREA, "zone.name", zone.name, AREA_IS_TAKEN)
-            _require(names.count(zone.name) == 1, "zones", zone.name, "names must be unique")
+            require(zone.name != AREA, "zone.name", zone.name, AREA_IS_TAKEN)
+            require(names.count(zone.name) == 1, "zones", zone.name, "names must be unique")
             outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
-            _require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
+            require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
         reach_m = min(inner_reach_m(r.sensor) for r in (self.fleet.equal_robot("r"), *(self.fleet.robots or ())))
         margin_m = self.planning.range_margin_m
         allowed = f"must be less than the {reach_m:.6g} m that every sensor reaches"
-        _require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
+        require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
         faults = start_faults(self.area, self.obstacles, self.fleet)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
+        if self.swarm is not None:
+            self._require_swarm()
+            return
+        require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
         asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
-        _require(asked, "period_s", None, "the area or at least one zone needs a period")
+        require(asked, "period_s", None, "the area or at least one zone needs a period")
+
+    def _require_swarm(self) -> None:
+        robots = self.fleet.robots
+        require(robots is not None, "fleet.robots", "fewest", "a swarm needs a number of robots, or a list of them")
+        for robot in robots or ():
+            ok = isinstance(robot.sensor, DiscSensor)
+            require(ok, f"robot {robot.name}: sensor", "square", "a swarm needs disc sensors")
+            ok = robot.turn_rate_rad_s is None
+            require(ok, f"robot {robot.name}: turn_rate_rad_s", robot.turn_rate_rad_s, "a swarm turns at once; null")
 
     @property
     def has_starts(self) -> bool:
@@ -345,10 +362,12 @@ class Mission:
 
     def with_effort(self, effort: Effort) -> Mission:
         """The same mission, planned with another effort."""
+        require(self.swarm is None, "effort", effort, "the swarm planner has none: leave it out")
         return replace(self, planning=replace(self.planning, effort=effort))
 
     def with_method(self, method: Method) -> Mission:
         """The same mission, planned by another method."""
+        require(self.swarm is None, "method", method, "the swarm planner has none; methods are of the patrol planner")
         return replace(self, planning=replace(self.planning, method=method))
 
 

@@ -150,6 +150,35 @@ def robots_sentence(plan: Plan) -> str:
     return f"{count}; no plan with fewer than {bound} exists, proved."
 
 
+def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
+    """What is said of a plan below its table; None in place of what there is nothing to say of."""
+    if plan.mission.swarm is not None:
+        return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
+    return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
+
+
+def holding_sentence(plan: Plan) -> str:
+    """When robots that spread come to hold, and how far they have gone by then."""
+    ways_m = [float(np.hypot(*np.diff(t.positions_m[:, :2], axis=0).T).sum()) for t in plan]
+    n, last_s = len(plan.trajectories), max((trajectory.loop_start_s for trajectory in plan), default=0.0)
+    robots = f"{n} robot" + ("s hold" if n != 1 else " holds")
+    gone = f"{rounded(min(ways_m))} to {rounded(max(ways_m))} m" if n > 1 else f"{rounded(ways_m[0])} m"
+    return f"{robots} {rounded(last_s)} s after setting out, having gone {gone}."
+
+
+def covered_sentence(plan: Plan) -> str:
+    """How much of the free space the holding robots have in range, and what discs that share nothing would have."""
+    mission = plan.mission
+    free = mission.area.difference(union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
+    discs, sum_m2 = [], 0.0
+    for trajectory in plan:
+        reach_m = mission.fleet.robot(trajectory.robot).sensor.reach_m
+        discs.append(Point(trajectory.positions_m[-1, :2]).buffer(reach_m, quad_segs=64))
+        sum_m2 += math.pi * reach_m**2
+    share, most = union_all(discs).intersection(free).area / free.area, min(1.0, sum_m2 / free.area)
+    return f"They then have {share:.1%} of the area in range; discs without overlap would have {most:.1%}."
+
+
 def approach_sentence(plan: Plan) -> str | None:
     """When the last robot that has a way to its loop begins it; None when all begin on their loops."""
     loops_s = max((trajectory.loop_start_s for trajectory in plan), default=0.0)

@@ -82,7 +82,7 @@ def test_schema_and_reader_agree_on_single_faults():
         {"period_s": "60"},
         {"colour": "red"},
         {"rota": 2},
-        {"planner": "swarm"},
+        {"planner": "bounce"},
         {"area": {"ring": ring, "geojson": "a.geojson"}},
         {"area": {"map": "a.yaml"}},
         {"zones": [{"name": "gate", "ring": ring}]},

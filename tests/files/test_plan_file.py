@@ -25,12 +25,14 @@ from rota.mission import (
     Fleet,
     GeoPoint,
     Mission,
+    MovingObstacle,
     Obstacle,
     PatrolSettings,
     Robot,
     SquareSensor,
     StartBox,
     StartPoints,
+    SwarmSettings,
     Zone,
 )
 from rota.plan import Plan, Trajectory
@@ -189,6 +191,8 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
         (fields.OriginFields, GeoPoint, {}),
         (fields.PatrolFields, PatrolSettings, {}),
         (fields.TrajectoryFields, Trajectory, {"robot": "name"}),
+        (fields.SwarmFields, SwarmSettings, {}),
+        (fields.MovingObstacleFields, MovingObstacle, {}),
         (fields.MissionFields, Mission, {"planning": "patrol"}),
     ],
 )

@@ -15,9 +15,10 @@ from shapely import MultiPolygon, unary_union
 from rota.errors import MissionError
 from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
-from rota.files.mission_schema import FleetBlock, MissionFile, PatrolBlock, RobotBlock, SensorBlock
-from rota.files.mission_starts import fleet_at_its_starts
+from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock
+from rota.files.mission_starts import fleet_at_its_starts, moving_obstacles
 from rota.files.schema_faults import Fault, positioned, schema_faults
+from rota.files.settings_schema import PatrolBlock, SwarmBlock
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.mission import (
     DiscSensor,
@@ -28,6 +29,7 @@ from rota.mission import (
     Sensor,
     SquareSensor,
     Sun2019,
+    SwarmSettings,
     inner_reach_m,
 )
 
@@ -106,7 +108,7 @@ def _overridden(document: Document, overrides: Mapping[str, Any]) -> Document:
 
 def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
     zones = ground.zones if ground is not None else ()
-    if file.period_s is not None or any(zone.period_s is not None for zone in zones):
+    if file.planner == "swarm" or file.period_s is not None or any(zone.period_s is not None for zone in zones):
         return []
     if ground is None or any(zone.period_s is not None for zone in file.zones):
         return []
@@ -189,6 +191,8 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         origin=ground.origin,
         unseeable=file.unseeable,
         planning=_planning(patrol) if patrol else PatrolSettings(),
+        swarm=_swarm(file.swarm) if file.planner == "swarm" else None,
+        moving_obstacles=moving_obstacles(file, ground),
     )
 
 
@@ -196,6 +200,10 @@ def _planning(block: PatrolBlock) -> PatrolSettings:
     values = block.model_dump(exclude={"sun2019"})
     stages = block.sun2019
     return PatrolSettings(**values, sun2019=Sun2019(**stages.model_dump()) if stages else Sun2019())
+
+
+def _swarm(block: SwarmBlock | None) -> SwarmSettings:
+    return SwarmSettings() if block is None else SwarmSettings(**block.model_dump())
 
 
 def _fleet(block: FleetBlock) -> Fleet:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
@@ -12,27 +11,21 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
-    ModelWrapValidatorHandler,
     Tag,
-    ValidationError,
-    model_validator,
 )
-from pydantic_core import InitErrorDetails, PydanticCustomError
+from pydantic_core import PydanticCustomError
 
 from rota.files.rings import ring_fault
-from rota.mission import METHODS, DeploymentMethod, FramePartition, FrameTour, Method, SegmentRoutes
+from rota.files.schema_block import Block, NotNegative, Positive, Where, given_of
+from rota.files.settings_schema import PatrolBlock, SwarmBlock
 
-PLANNERS = ("patrol",)
+PLANNERS = ("patrol", "swarm")
 MOST_ROBOTS = 10_000
 FARTHEST_M = 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-FARTHEST_M, le=FARTHEST_M)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 Point = tuple[Coordinate, Coordinate]
-Where = tuple[str | int, ...]
 
 
 def _checked_ring(points: list[Point]) -> list[Point]:
@@ -43,50 +36,6 @@ def _checked_ring(points: list[Point]) -> list[Point]:
 
 
 Ring = Annotated[list[Point], AfterValidator(_checked_ring)]
-
-
-class Block(BaseModel):
-    """A mapping with known keys; an unknown one is named together with the nearest known one."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _name_faults(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        lines = [_custom(place, text, data) for place, text in cls.faults(data)] if isinstance(data, dict) else []
-        try:
-            block = handler(data)
-        except ValidationError as error:
-            lines = [_reworded(cls, dict(line)) for line in error.errors(include_url=False)] + lines
-        if lines:
-            raise ValidationError.from_exception_data(cls.__name__, lines)
-        return block
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Contradictions between the raw values of a block, each as the field at fault and what is wrong with it."""
-        yield from ()
-
-
-def _given(data: dict[str, Any], *fields: str) -> list[str]:
-    return [field for field in fields if data.get(field) is not None]
-
-
-def _custom(place: tuple[str | int, ...], message: str, value: Any) -> InitErrorDetails:
-    return InitErrorDetails(
-        type=PydanticCustomError("fault", "{message}", {"message": message}), loc=place, input=value
-    )
-
-
-def _reworded(block: type[Block], line: dict[str, Any]) -> InitErrorDetails:
-    if line["type"] == "extra_forbidden" and len(line["loc"]) == 1:
-        key, known = str(line["loc"][0]), list(block.model_fields)
-        error = PydanticCustomError("unknown_key", "{message}", {"message": f"unknown key; {nearest_key(key, known)}"})
-        return InitErrorDetails(type=error, loc=line["loc"], input=line["input"])
-    if line["type"] in ("unknown_key", "fault", "ring") or line["type"].startswith("wrong_"):
-        error = PydanticCustomError(line["type"], "{message}", {"message": line["msg"]})
-        return InitErrorDetails(type=error, loc=line["loc"], input=line["input"])
-    return InitErrorDetails(type=line["type"], loc=line["loc"], input=line["input"], ctx=line.get("ctx", {}))
 
 
 def _one_of(*keys: str, **more: Any) -> dict[str, Any]:
@@ -120,7 +69,7 @@ class Holed(Block):
     """A polygon with holes."""
 
     outer: Ring
-    holes: list[Ring] = []
+    holes: list[Ring] = Field(default=[])
 
 
 _RING_ALLOWED = "a ring [[x, y], [x, y], [x, y], ...] or {outer: ring, holes: [ring, ...]}"
@@ -144,7 +93,7 @@ class Shape(Block):
 
 
 def _source_faults(data: dict[str, Any], *sources: str) -> Iterator[tuple[Where, str]]:
-    given = _given(data, *sources)
+    given = given_of(data, *sources)
     listed = f"{', '.join(sources[:-1])} or {sources[-1]}"
     if not given:
         yield (), f"has no shape; give one of {listed}"
@@ -171,7 +120,7 @@ class AreaBlock(Shape):
         yield from _source_faults(data, "ring", "outer", "circle", "geojson", "map")
         if data.get("map") is not None and data.get("inside") is None:
             yield ("inside",), "is missing; a map needs a point [x, y] in the free part that is meant"
-        for field in _given(data, "inside", "unknown"):
+        for field in given_of(data, "inside", "unknown"):
             if data.get("map") is None:
                 yield (field,), "belongs to a map; remove it, or give map"
 
@@ -212,12 +161,24 @@ class ZoneBlock(Shape):
                 yield ("period_s",), "is missing; give seconds, or null to ask nothing in this zone"
 
 
-class MovingObstacle(Block):
+class MovingObstacleBlock(Block):
     """A disc that moves along timed points."""
 
     radius_m: Positive
     times_s: list[NotNegative] = Field(min_length=1)
     positions_m: list[Point] = Field(min_length=1)
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Times that do not rise, and positions that are not as many."""
+        times, positions = data.get("times_s"), data.get("positions_m")
+        if not (isinstance(times, list) and all(isinstance(time, int | float) for time in times)):
+            return
+        for k in range(1, len(times)):
+            if times[k] <= times[k - 1]:
+                yield ("times_s", k), f"{times[k]} does not come after {times[k - 1]}; times must rise"
+        if isinstance(positions, list) and len(positions) != len(times):
+            yield ("positions_m",), f"{len(positions)} positions for {len(times)} times; one for each is needed"
 
 
 class SensorBlock(Block):
@@ -260,7 +221,7 @@ class Start(Block):
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         """Exactly one of box and points."""
-        if len(_given(data, "box", "points")) != 1:
+        if len(given_of(data, "box", "points")) != 1:
             yield (), "give exactly one of box and points"
 
 
@@ -307,34 +268,6 @@ class FleetBlock(Block):
     start: Start | None = None
 
 
-class Sun2019Block(Block):
-    """How the stages of the method sun2019 are done: ours by default, or the paper's."""
-
-    deployment: DeploymentMethod = Field("best", description="of virtual sensors; ccpso2 is the paper's")
-    tour: FrameTour = Field("local_search", description="past all sensors; genetic is the paper's")
-    partition: FramePartition = Field("exact", description="of the tour among the robots; pso is the paper's")
-    routes: SegmentRoutes = Field("shortened", description="printed, or repaired until all is seen, or shortened too")
-
-
-class PatrolBlock(Block):
-    """Settings of the patrol planner."""
-
-    effort: Literal["quick", "normal", "high"] = "normal"
-    method: Method = Field("tours", description="tours, or to compare with: a traditional method or the paper's own")
-    period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
-        0.0, description="reserve: plan with periods shorter by this share"
-    )
-    range_margin_m: NotNegative = Field(0.0, description="reserve: plan with sensors that reach so much less far")
-    sun2019: Sun2019Block | None = None
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Settings of another method."""
-        method = data.get("method", "tours")
-        if data.get("sun2019") is not None and method in METHODS and method != "sun2019":
-            yield ("sun2019",), f"settings of another method; method is {method}: remove this block"
-
-
 class OriginBlock(Block):
     """Where on the globe the local (0, 0) lies, WGS84 degrees."""
 
@@ -358,14 +291,15 @@ class MissionFile(Block):
     coordinates: Literal["metres", "wgs84"] = "metres"
     origin: OriginBlock | None = None
     area: Area
-    obstacles: list[ObstacleEntry] = []
-    moving_obstacles: list[MovingObstacle] = []
+    obstacles: list[ObstacleEntry] = Field(default=[])
+    moving_obstacles: list[MovingObstacleBlock] = Field(default=[])
     period_s: Positive | None = Field(None, description="for the area outside zones; null: nothing is asked there")
     unseeable: Literal["exclude", "refuse"] = "exclude"
-    zones: list[ZoneBlock] = []
+    zones: list[ZoneBlock] = Field(default=[])
     fleet: FleetBlock
-    planner: Literal["patrol"] = "patrol"
+    planner: Literal["patrol", "swarm"] = "patrol"
     patrol: PatrolBlock | None = None
+    swarm: SwarmBlock | None = None
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -376,6 +310,8 @@ class MissionFile(Block):
                 yield (other,), f"settings of another planner; planner is {planner}: remove this block"
         if planner == "patrol":
             yield from _unused_by_patrol(data)
+        if planner == "swarm":
+            yield from _unused_by_swarm(data)
         if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
             yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
 
@@ -387,13 +323,22 @@ def _unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         yield ("fleet", "sensor", "shape"), "square is not allowed: patrol.method sun2019 is made for discs; give disc"
 
 
+def _unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    fleet = data.get("fleet") if isinstance(data.get("fleet"), dict) else {}
+    assert isinstance(fleet, dict)
+    if fleet.get("robots", "fewest") == "fewest":
+        yield ("fleet", "robots"), "fewest is not allowed: a swarm needs a number of robots, or a list of them"
+    listed = fleet.get("robots") if isinstance(fleet.get("robots"), list) else []
+    places: list[tuple[Where, Any]] = [(("fleet",), fleet)]
+    places += [(("fleet", "robots", k), robot) for k, robot in enumerate(listed or [])]
+    for where, block in places:
+        if _inner(block, "sensor", "shape") == "square":
+            yield (*where, "sensor", "shape"), "square is not allowed: the swarm planner is made for discs; give disc"
+        if _inner(block, "turn_rate_rad_s") is not None:
+            yield (*where, "turn_rate_rad_s"), "robots of a swarm turn at once: remove it"
+
+
 def _inner(data: Any, *keys: str) -> Any:
     for key in keys:
         data = data.get(key) if isinstance(data, dict) else None
     return data
-
-
-def nearest_key(key: str, known: list[str]) -> str:
-    """A hint for an unknown key: the nearest known one, or all that are known."""
-    near = difflib.get_close_matches(key, known, n=1)
-    return f"did you mean {near[0]!r}?" if near else f"known here: {', '.join(known)}"

@@ -1,4 +1,4 @@
-"""Where a mission's robots start: points and boxes of a mission file to places in local metres, dealt to the robots."""
+"""Where robots start and moving obstacles go: places of a mission file to local metres, starts dealt to the robots."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rota.files.mission_ground import Ground
 from rota.files.mission_schema import FleetBlock, MissionFile
 from rota.files.schema_faults import Fault
 from rota.files.yaml_text import Place
-from rota.mission import Fleet, StartBox, StartPoints, start_faults
+from rota.mission import Fleet, MovingObstacle, StartBox, StartPoints, start_faults
 
 START: Place = ("fleet", "start")
 
@@ -42,6 +42,20 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
     if found:
         return fleet, [Fault(where[field], message) for field, message in found]
     return placed, []
+
+
+def moving_obstacles(file: MissionFile, ground: Ground) -> tuple[MovingObstacle, ...]:
+    """The mission's moving obstacles in local metres. Raises MissionError for a place that no projection holds."""
+    to_metres = _Metres(ground, in_degrees=file.coordinates == "wgs84")
+    found = []
+    for k, block in enumerate(file.moving_obstacles):
+        written = [_Written(("moving_obstacles", k, "positions_m", j), at) for j, at in enumerate(block.positions_m)]
+        try:
+            positions = tuple(map(to_metres, written))
+        except _Misplaced as error:
+            raise MissionError(*(f"moving_obstacles[{k}]: {fault.message}" for fault in error.faults)) from None
+        found.append(MovingObstacle(radius_m=block.radius_m, times_s=tuple(block.times_s), positions_m=positions))
+    return tuple(found)
 
 
 class _Misplaced(Exception):  # noqa: N818 (the reader of the starts catches it)

@@ -24,6 +24,7 @@ from rota.files.plan_schema import (
     DiscSensorFields,
     FleetFields,
     MissionFields,
+    MovingObstacleFields,
     PatrolFields,
     PlanFields,
     SquareSensorFields,
@@ -35,6 +36,7 @@ from rota.mission import (
     Fleet,
     GeoPoint,
     Mission,
+    MovingObstacle,
     Obstacle,
     PatrolSettings,
     Robot,
@@ -43,6 +45,7 @@ from rota.mission import (
     StartBox,
     StartPoints,
     Sun2019,
+    SwarmSettings,
     Zone,
 )
 from rota.plan import Plan, Trajectory
@@ -111,9 +114,18 @@ def _mission_to_json(mission: Mission) -> Json:
         "unseeable": mission.unseeable,
         "origin": None if origin is None else {"lat": float(origin.lat), "lon": float(origin.lon)},
         "fleet": _fleet_to_json(mission.fleet),
-        "planner": "patrol",
-        "patrol": asdict(mission.planning),
+        **_planner_to_json(mission),
     }
+
+
+def _planner_to_json(mission: Mission) -> Json:
+    if mission.swarm is None:
+        return {"planner": "patrol", "patrol": asdict(mission.planning)}
+    moving = [
+        {"radius_m": float(m.radius_m), "times_s": list(m.times_s), "positions_m": [list(at) for at in m.positions_m]}
+        for m in mission.moving_obstacles
+    ]
+    return {"moving_obstacles": moving, "planner": "swarm", "swarm": asdict(mission.swarm)}
 
 
 def _fleet_to_json(fleet: Fleet) -> Json:
@@ -300,13 +312,20 @@ def _mission(fields: MissionFields) -> Mission:
             fleet=fleet,
             origin=None if fields.origin is None else GeoPoint(lat=fields.origin.lat, lon=fields.origin.lon),
             unseeable=fields.unseeable,
-            planning=_planning(fields.patrol),
+            planning=PatrolSettings() if fields.patrol is None else _planning(fields.patrol),
+            swarm=None if fields.swarm is None else SwarmSettings(**fields.swarm.model_dump()),
+            moving_obstacles=tuple(_moving_obstacle(moving) for moving in fields.moving_obstacles),
         )
 
 
 def _planning(fields: PatrolFields) -> PatrolSettings:
     values = fields.model_dump(exclude={"sun2019"})
     return PatrolSettings(**values, sun2019=Sun2019(**fields.sun2019.model_dump()))
+
+
+def _moving_obstacle(fields: MovingObstacleFields) -> MovingObstacle:
+    positions = tuple((at[0], at[1]) for at in fields.positions_m)
+    return MovingObstacle(radius_m=fields.radius_m, times_s=tuple(fields.times_s), positions_m=positions)
 
 
 def _fleet(fields: FleetFields) -> Fleet:

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 
 from rota.mission import (
     Blocks,
+    Controller,
     Demand,
     DeploymentMethod,
     Effort,
@@ -15,7 +16,9 @@ from rota.mission import (
     FrameTour,
     Method,
     SegmentRoutes,
+    SetBoundary,
     Unseeable,
+    VelocityChoice,
 )
 
 PLAN_VERSION = 1
@@ -140,6 +143,33 @@ class PatrolFields(_Strict):
     sun2019: Sun2019Fields = Sun2019Fields()
 
 
+class SwarmFields(_Strict):
+    """Settings of the swarm planner."""
+
+    controller: Controller
+    velocity: VelocityChoice
+    samples: Annotated[int, Field(ge=1)]
+    boundary: SetBoundary
+    horizon_s: Positive
+    neighbours: Annotated[int, Field(ge=0)]
+    neighbour_range_m: Positive | None
+    wall_range_m: Positive | None
+    alpha: Annotated[float, Field(ge=1)]
+    filter: bool
+    time_step_s: Positive
+    stop_m: Positive
+    most_steps: Annotated[int, Field(ge=1)]
+    thinning_m: NotNegative
+
+
+class MovingObstacleFields(_Strict):
+    """A disc that moves along timed points."""
+
+    radius_m: Positive
+    times_s: Annotated[list[float], Field(min_length=1)]
+    positions_m: Annotated[list[Point], Field(min_length=1)]
+
+
 class MissionFields(_Strict):
     """The mission, all defaults filled in and all shapes resolved to rings in local metres."""
 
@@ -151,8 +181,16 @@ class MissionFields(_Strict):
     unseeable: Unseeable
     origin: OriginFields | None
     fleet: FleetFields
-    planner: Literal["patrol"]
-    patrol: PatrolFields
+    moving_obstacles: list[MovingObstacleFields] = []
+    planner: Literal["patrol", "swarm"]
+    patrol: PatrolFields | None = None
+    swarm: SwarmFields | None = None
+
+    @model_validator(mode="after")
+    def _settings_of_its_planner(self) -> Self:
+        if (self.patrol is None) == (self.planner == "patrol") or (self.swarm is None) == (self.planner == "swarm"):
+            raise ValueError(f"planner is {self.planner}; its settings and no others are needed")
+        return self
 
 
 class TrajectoryFields(_Strict):

@@ -83,6 +83,8 @@ def _message(kind: str, value: Any, ctx: dict[str, Any], otherwise: str) -> str:
         return f"{shown(value)} is not allowed; it must not be empty"
     if kind == "too_long":
         return f"has {ctx['actual_length']} entries; at most {ctx['max_length']} are allowed"
+    if kind == "bool_type":
+        return f"{shown(value)} is not allowed; true or false is needed"
     if kind == "wrong_kind":
         return f"{shown(value)} is not allowed; {otherwise}"
     return otherwise

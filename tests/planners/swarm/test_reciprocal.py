@@ -9,9 +9,9 @@ import pytest
 import shapely
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
+from rota.mission import MovingObstacle
 from rota.planners.swarm.reciprocal_kernels import half_plane
 from rota.planners.swarm.rollout import Swarm
-from rota.planners.swarm.world import MovingDisc
 
 HALF_DISC = 4 * 2 / (3 * math.pi)  # how far from the centre that of half a disc of radius 2 lies
 CIRCLE = PAPER._replace(circle=True)
@@ -61,7 +61,7 @@ def test_the_end_of_a_wall_counts_by_its_nearest_point() -> None:
 @pytest.mark.parametrize(("alpha", "bound"), [(1.0, -1.0), (1.5, -1.5)])
 def test_what_moves_and_does_not_give_way_is_left_the_whole_change(alpha: float, bound: float) -> None:
     # it comes from the right at 1 m/s: the robot, at rest, must go left as fast, or alpha times as fast
-    disc = MovingDisc(radius_m=1, times_s=np.array([0, 100.0]), positions_m=np.array([[135, 100], [35, 100.0]]))
+    disc = MovingObstacle(radius_m=1, times_s=(0, 100), positions_m=((135, 100), (35, 100)))
     swarm = in_box([[120, 100]], rule=PAPER._replace(alpha=alpha), moving=(disc,))
     allowed = shapely.Point(0, 0).buffer(2, quad_segs=4096).intersection(shapely.box(-3, -3, bound, 3))
     assert first_velocities(swarm)[0] == pytest.approx([allowed.centroid.x, 0], abs=1e-6)

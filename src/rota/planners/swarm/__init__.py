@@ -1,1 +1,29 @@
 """Robots that sense their neighbours, spread and hold (Chen, Xu, Li, Sensors 18(6):1864, 2018, and better)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rota.mission import Mission
+    from rota.plan import Plan
+
+
+def plan_swarm(
+    mission: Mission,
+    *,
+    seed: int,
+    judge: object,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool],
+    watch: object = None,
+) -> Plan:
+    """A plan in which the mission's robots spread and then hold; see ``asked.run_mission``, which tells more.
+
+    The robots know nothing of demands, so ``judge`` is not asked here: whether what they cover meets one, the check
+    finds out afterwards.
+    """
+    from rota.planners.swarm.asked import run_mission  # loads the compiled loops only when they are needed
+
+    return run_mission(mission, seed=seed, progress=progress, should_stop=should_stop).plan

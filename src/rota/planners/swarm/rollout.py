@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.kernels import Grid, Kinds, Memory, Near, Robots, Rule, move_and_sort, rearrange
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
-from rota.planners.swarm.world import MovingDisc, make_grid, moving_at, widest_m
+from rota.planners.swarm.world import make_grid, moving_at, widest_m
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -48,7 +49,7 @@ class Swarm:
         decide: Callable[..., None],
         rule: Rule,
         safe: bool = True,
-        moving: tuple[MovingDisc, ...] = (),
+        moving: tuple[MovingObstacle, ...] = (),
         velocities_m_s: Floats | None = None,
         remembers: bool = False,
         threads: int = 1,

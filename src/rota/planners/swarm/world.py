@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPolygon
 
 from rota.errors import MissionError
+from rota.mission import MovingObstacle
 from rota.planners.swarm.kernels import Grid, Kinds, Moving, walls_of_cells
 
 Floats = NDArray[np.float64]
@@ -19,24 +19,7 @@ CELLS_PER_ROBOT = 4  # no more cells than that, so that a huge area costs no mem
 FEWEST_CELLS = 1024
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MovingDisc:
-    """A disc that moves along timed points and does not give way; before the first and after the last it stands still.
-
-    times_s: (m,) increasing; positions_m: (m, 2).
-    """
-
-    radius_m: float
-    times_s: Floats
-    positions_m: Floats
-
-    def at(self, time_s: float) -> tuple[float, float]:
-        """Where it is."""
-        x, y = (float(np.interp(time_s, self.times_s, self.positions_m[:, axis])) for axis in (0, 1))
-        return x, y
-
-
-def moving_at(discs: tuple[MovingDisc, ...], time_s: float, time_step_s: float) -> Moving:
+def moving_at(discs: tuple[MovingObstacle, ...], time_s: float, time_step_s: float) -> Moving:
     """Places of all discs at a time, and the velocities that bring them to their places one step later."""
     here = np.array([disc.at(time_s) for disc in discs]).reshape(-1, 2)
     there = np.array([disc.at(time_s + time_step_s) for disc in discs]).reshape(-1, 2)

@@ -1,0 +1,70 @@
+"""The settings of the planners in a mission file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from rota.files.schema_block import Block, NotNegative, Positive, Where
+from rota.mission import (
+    METHODS,
+    Controller,
+    DeploymentMethod,
+    FramePartition,
+    FrameTour,
+    Method,
+    SegmentRoutes,
+    SetBoundary,
+    VelocityChoice,
+)
+
+
+class Sun2019Block(Block):
+    """How the stages of the method sun2019 are done: ours by default, or the paper's."""
+
+    deployment: DeploymentMethod = Field("best", description="of virtual sensors; ccpso2 is the paper's")
+    tour: FrameTour = Field("local_search", description="past all sensors; genetic is the paper's")
+    partition: FramePartition = Field("exact", description="of the tour among the robots; pso is the paper's")
+    routes: SegmentRoutes = Field("shortened", description="printed, or repaired until all is seen, or shortened too")
+
+
+class PatrolBlock(Block):
+    """Settings of the patrol planner."""
+
+    effort: Literal["quick", "normal", "high"] = "normal"
+    method: Method = Field("tours", description="tours, or to compare with: a traditional method or the paper's own")
+    period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
+        0.0, description="reserve: plan with periods shorter by this share"
+    )
+    range_margin_m: NotNegative = Field(0.0, description="reserve: plan with sensors that reach so much less far")
+    sun2019: Sun2019Block | None = None
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Settings of another method."""
+        method = data.get("method", "tours")
+        if data.get("sun2019") is not None and method in METHODS and method != "sun2019":
+            yield ("sun2019",), f"settings of another method; method is {method}: remove this block"
+
+
+class SwarmBlock(Block):
+    """Settings of the swarm planner; defaults as in Chen et al. 2018."""
+
+    controller: Controller = Field("reciprocal", description="the paper's own, or what it compares with")
+    velocity: VelocityChoice = Field("centroid", description="of the set: exact, or the mean of random samples")
+    samples: Annotated[int, Field(strict=True, ge=1)] = 1000
+    boundary: SetBoundary = Field("tangent", description="of the set: the circle at horizon_s, or its tangent")
+    horizon_s: Positive = 1.0
+    neighbours: Annotated[int, Field(strict=True, ge=0)] = Field(4, description="the nearest that count")
+    neighbour_range_m: Positive | None = Field(None, description="null: 2.04 times the largest sensor radius")
+    wall_range_m: Positive | None = Field(None, description="null: the robot's sensor radius")
+    alpha: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1)] = Field(
+        1.0, description="how much to make way for moving obstacles (Eq. 15)"
+    )
+    filter: Annotated[bool, Field(strict=True)] = Field(True, description="no step may make bodies touch")
+    time_step_s: Positive = 0.25
+    stop_m: Positive = Field(1e-5, description="stop when no robot moves farther in a step")
+    most_steps: Annotated[int, Field(strict=True, ge=1)] = 4000
+    thinning_m: NotNegative = Field(0.01, description="by which trajectories may be simplified")

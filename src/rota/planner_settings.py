@@ -1,0 +1,132 @@
+"""Settings of the planners, one frozen dataclass each, and the values that they take."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from rota.errors import MissionError
+
+Effort = Literal["quick", "normal", "high"]
+Method = Literal["tours", "parallel", "sequential", "decomposition", "sun2019"]
+METHODS: tuple[Method, ...] = get_args(Method)
+DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
+FrameTour = Literal["local_search", "genetic"]
+FramePartition = Literal["exact", "pso"]
+SegmentRoutes = Literal["shortened", "repaired", "printed"]
+Controller = Literal["reciprocal", "voronoi", "virtual_force"]
+VelocityChoice = Literal["centroid", "sampled"]
+SetBoundary = Literal["tangent", "circle"]
+
+
+def require(ok: bool, where: str, value: object, allowed: str) -> None:
+    """Raise MissionError that names the place, the value and what is allowed, unless all is well."""
+    if not ok:
+        raise MissionError(f"{where}: {value!r} is not allowed; {allowed}")
+
+
+def require_positive(where: str, value: float) -> None:
+    """Raise MissionError for what is not a finite number greater than 0."""
+    require(math.isfinite(value) and value > 0, where, value, "must be a finite number greater than 0")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sun2019:
+    """How the stages of the method ``sun2019`` are done; ours, which take fewest robots, unless the paper's are named.
+
+    ``deployment`` of virtual sensors: "best" of set covers and swarms, as many as the effort allows; "greedy" or
+    "exact" set cover; "ccpso2", the paper's swarms. ``tour``, the frame past them: "local_search" or the paper's
+    "genetic" algorithm. ``partition`` of the frame: "exact", or the paper's particle swarms, "pso". ``routes`` round
+    the segments: "repaired" until all is seen, by robots as many as that takes; "shortened" besides where they are too
+    long; "printed": cut to the free space and no more, which mostly leaves ground unseen.
+    """
+
+    deployment: DeploymentMethod = "best"
+    tour: FrameTour = "local_search"
+    partition: FramePartition = "exact"
+    routes: SegmentRoutes = "shortened"
+
+    def __post_init__(self) -> None:
+        choices = {
+            "deployment": DeploymentMethod,
+            "tour": FrameTour,
+            "partition": FramePartition,
+            "routes": SegmentRoutes,
+        }
+        for name, known in choices.items():
+            require(getattr(self, name) in get_args(known), f"patrol.sun2019.{name}", getattr(self, name),
+                     ", ".join(get_args(known)))  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class PatrolSettings:
+    """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
+
+    ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
+    "sequential" scanning, area "decomposition"; or the paper's own, "sun2019", whose stages ``sun2019`` chooses. A
+    reserve against wind and poor localisation: the plan keeps periods shorter by the share ``period_margin``, and with
+    sensors whose reach in every direction is shorter by ``range_margin_m``.
+    """
+
+    effort: Effort = "normal"
+    method: Method = "tours"
+    period_margin: float = 0.0
+    range_margin_m: float = 0.0
+    sun2019: Sun2019 = field(default_factory=Sun2019)
+
+    def __post_init__(self) -> None:
+        require(self.effort in ("quick", "normal", "high"), "patrol.effort", self.effort, "quick, normal or high")
+        require(self.method in METHODS, "patrol.method", self.method, ", ".join(METHODS))
+        ok = 0 <= self.period_margin < 1
+        require(ok, "patrol.period_margin", self.period_margin, "must be a share, 0 or more and below 1")
+        ok = math.isfinite(self.range_margin_m) and self.range_margin_m >= 0
+        require(ok, "patrol.range_margin_m", self.range_margin_m, "must be a finite number, 0 or more")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SwarmSettings:
+    """Settings of the ``swarm`` planner; defaults are those of Chen et al. 2018, Table 2, where it has any.
+
+    ``controller``: "reciprocal", the paper's own, or what it compares with: range-limited "voronoi" cells,
+    "virtual_force". Of "reciprocal": ``velocity``, the set's exact centroid or the mean of ``samples`` random ones
+    (Algorithm 1); ``boundary`` of the set, the tangent or the circle at ``horizon_s``; the ``neighbours`` nearest count
+    that are within ``neighbour_range_m`` (None: 2.04 times the largest sensor radius, as in the paper); ``alpha`` of
+    Eq. 15, how much a robot makes way for what moves and does not. ``wall_range_m``: walls farther off do not count
+    (None: the robot's sensor radius). ``filter``: no step may make bodies touch, or touch a wall. Steps take
+    ``time_step_s``, until no robot moves by more than ``stop_m`` in one, or for ``most_steps``. Thinning moves
+    trajectories by no more than ``thinning_m`` at any time.
+    """
+
+    controller: Controller = "reciprocal"
+    velocity: VelocityChoice = "centroid"
+    samples: int = 1000
+    boundary: SetBoundary = "tangent"
+    horizon_s: float = 1.0
+    neighbours: int = 4
+    neighbour_range_m: float | None = None
+    wall_range_m: float | None = None
+    alpha: float = 1.0
+    filter: bool = True
+    time_step_s: float = 0.25
+    stop_m: float = 1e-5
+    most_steps: int = 4000
+    thinning_m: float = 0.01
+
+    def __post_init__(self) -> None:
+        choices = {"controller": Controller, "velocity": VelocityChoice, "boundary": SetBoundary}
+        for name, known in choices.items():
+            value = getattr(self, name)
+            require(value in get_args(known), f"swarm.{name}", value, ", ".join(get_args(known)))
+        for name in ("horizon_s", "time_step_s", "stop_m"):
+            require_positive(f"swarm.{name}", getattr(self, name))
+        for name in ("neighbour_range_m", "wall_range_m"):
+            if getattr(self, name) is not None:
+                require_positive(f"swarm.{name}", getattr(self, name))
+        require(self.samples >= 1, "swarm.samples", self.samples, "must be at least 1")
+        require(self.neighbours >= 0, "swarm.neighbours", self.neighbours, "must be 0 or more")
+        require(self.most_steps >= 1, "swarm.most_steps", self.most_steps, "must be at least 1")
+        ok = math.isfinite(self.alpha) and self.alpha >= 1
+        require(ok, "swarm.alpha", self.alpha, "must be a finite number, 1 or more")
+        ok = math.isfinite(self.thinning_m) and self.thinning_m >= 0
+        require(ok, "swarm.thinning_m", self.thinning_m, "must be a finite number, 0 or more")

@@ -1,0 +1,202 @@
+"""From a mission to a plan: robots at their starts, a run of the swarm, and its trajectories thinned."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from shapely import MultiPolygon
+
+from rota.errors import MissionError
+from rota.mission import DiscSensor, Mission, SwarmSettings
+from rota.plan import Plan, Trajectory
+from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
+from rota.planners.swarm.kernels import Rule
+from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
+from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.starts import place_starts
+from rota.planners.swarm.thinning_kernels import thin
+from rota.planners.swarm.world import kinds_of, walls_of
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+DECIDE: dict[str, Callable[..., None]] = {
+    "reciprocal": decide_reciprocal,
+    "voronoi": decide_voronoi,
+    "virtual_force": decide_virtual_force,
+}
+ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
+RANGE_PER_SENSOR = 2.04  # Table 2: 51 m for sensors of 25 m
+BLOCK = 256  # steps thinned at a time, so that a long run takes little memory
+
+
+@dataclass(frozen=True, kw_only=True)
+class SwarmRun:
+    """A plan, and how it came about. ``at_rest``: the stop rule ended the run, after so many ``steps``."""
+
+    plan: Plan
+    steps: int
+    at_rest: bool
+
+
+def run_mission(
+    mission: Mission,
+    *,
+    seed: int,
+    progress: Callable[[float, str], None] = lambda _fraction, _doing: None,
+    should_stop: Callable[[], bool] = lambda: False,
+    threads: int = 1,
+) -> SwarmRun:
+    """Let the mission's robots spread until they rest, or for as many steps as it allows; then they hold.
+
+    Bodies are kept so much wider while they move that thinning the trajectories, which errs by no more than
+    ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
+    is promised. Raises MissionError for starts without room and for a time step that jumps through walls.
+    """
+    settings = mission.swarm
+    assert settings is not None
+    ground = free_ground(mission)
+    _require_short_steps(mission, settings)
+    wish_m = settings.thinning_m if settings.filter else 0.0
+    starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
+    reserve_m = min(wish_m, _spare_room(mission, ground, starts, wish_m))
+    swarm = make_swarm(mission, ground, starts, seed=seed, reserve_m=reserve_m, threads=threads)
+    thinned_m = reserve_m if settings.filter else settings.thinning_m
+    log, at_rest = _Log(starts, thinned_m), False
+    while swarm.steps < settings.most_steps and not at_rest and not should_stop():
+        at_rest = swarm.step() <= settings.stop_m
+        log.add(swarm.places_m)
+        if swarm.steps % 50 == 0:
+            progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
+    names = [robot.name for robot in mission.fleet.robots or ()]
+    plan = Plan(mission=mission, trajectories=log.trajectories(names, settings.time_step_s), seed=seed)
+    return SwarmRun(plan=plan, steps=swarm.steps, at_rest=at_rest)
+
+
+def free_ground(mission: Mission) -> MultiPolygon:
+    """The area without what blocks motion."""
+    blocking = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_motion])
+    ground = mission.area.difference(blocking)
+    parts = [part for part in shapely.get_parts(ground) if part.geom_type == "Polygon" and part.area > 0]
+    return MultiPolygon(parts)
+
+
+def make_swarm(
+    mission: Mission, ground: MultiPolygon, starts_m: Floats, *, seed: int, reserve_m: float = 0.0, threads: int = 1
+) -> Swarm:
+    """The mission's robots at their starts (n, 2), their bodies wider by ``reserve_m``."""
+    settings = mission.swarm
+    assert settings is not None
+    robots = mission.fleet.robots or ()
+    sensors = _sensors(mission)
+    reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
+    reciprocal = settings.controller == "reciprocal"
+    kinds, kind = kinds_of(
+        len(robots),
+        body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
+        sensor_m=sensors,
+        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
+        neighbour_range_m=reach_m if reciprocal else sensors + sensors.max(),
+        wall_range_m=settings.wall_range_m or sensors,
+    )
+    return Swarm(
+        starts_m,
+        kinds=kinds,
+        kind=kind,
+        walls=walls_of(ground),
+        decide=DECIDE[settings.controller],
+        rule=rule_of(settings, seed),
+        safe=settings.filter,
+        moving=mission.moving_obstacles,
+        threads=threads,
+    )
+
+
+def rule_of(settings: SwarmSettings, seed: int) -> Rule:
+    """What the compiled controllers read of the settings."""
+    return Rule(
+        neighbours=settings.neighbours if settings.controller == "reciprocal" else ALL_NEIGHBOURS,
+        circle=settings.boundary == "circle",
+        horizon_s=settings.horizon_s,
+        alpha=settings.alpha,
+        samples=settings.samples if settings.velocity == "sampled" else 0,
+        seed=seed,
+        time_step_s=settings.time_step_s,
+    )
+
+
+def _sensors(mission: Mission) -> Floats:
+    return np.array([r.sensor.radius_m for r in mission.fleet.robots or () if isinstance(r.sensor, DiscSensor)])
+
+
+def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:
+    """Without the filter a robot beyond the range in which walls count must not reach one in a single step."""
+    if settings.filter:
+        return
+    for robot, sensor_m in zip(mission.fleet.robots or (), _sensors(mission), strict=True):
+        step_m, range_m = robot.speed_m_s * settings.time_step_s, settings.wall_range_m or sensor_m
+        if step_m + robot.body_radius_m > range_m:
+            raise MissionError(
+                f"swarm.time_step_s: {settings.time_step_s:.6g} is not allowed without the filter: robot {robot.name}"
+                f" goes {step_m:.6g} m in a step and heeds walls within {range_m:.6g} m only, so it may jump through"
+                " one; a shorter step or filter: true is needed"
+            )
+
+
+def _spare_room(mission: Mission, ground: MultiPolygon, starts_m: Floats, wish_m: float) -> float:
+    """By how much all bodies may be wider at their starts without touching anything; no more than wish_m matters."""
+    bodies = np.array([robot.body_radius_m for robot in mission.fleet.robots or ()])
+    pairs = cKDTree(starts_m).query_pairs(2 * (bodies.max() + wish_m), output_type="ndarray")
+    a, b = pairs.T
+    gaps = np.hypot(*(starts_m[a] - starts_m[b]).T) - bodies[a] - bodies[b]
+    walls = shapely.distance(ground.boundary, shapely.points(starts_m)) - bodies
+    return float(max(0.0, min(gaps.min(initial=np.inf) / 2, walls.min())))
+
+
+class _Log:
+    """Trajectories as they come about, thinned block by block."""
+
+    def __init__(self, starts_m: Floats, allowed_m: float) -> None:
+        self._block = [starts_m]
+        self._begin = 0  # the step of the block's first places
+        self._allowed_m = allowed_m
+        self._kept: list[tuple[Ints, Ints, Floats]] = []
+
+    def add(self, places_m: Floats) -> None:
+        """Places (n, 2) after one step more."""
+        self._block.append(places_m)
+        if len(self._block) > BLOCK:
+            self._flush()
+            self._begin += len(self._block) - 1
+            self._block = self._block[-1:]
+
+    def _flush(self) -> None:
+        places = np.ascontiguousarray(self._block)
+        kept: Any = np.zeros(places.shape[:2], np.int8)
+        thin(places, self._allowed_m, kept)
+        if self._begin > 0:
+            kept[0] = 0  # it is the last one of the block before
+        step, robot = np.nonzero(kept)
+        self._kept.append((step + self._begin, robot, places[step, robot]))
+
+    def trajectories(self, names: list[str], time_step_s: float) -> tuple[Trajectory, ...]:
+        """One for each robot; at the end it holds."""
+        if len(self._block) > 1 or not self._kept:
+            self._flush()
+        step, robot = (np.concatenate([block[k] for block in self._kept]) for k in (0, 1))
+        places = np.vstack([block[2] for block in self._kept])
+        order = np.lexsort((step, robot))
+        ends = np.cumsum(np.bincount(robot, minlength=len(names)))[:-1]
+        parts = zip(np.split(step[order], ends), np.split(places[order], ends), strict=True)
+        return tuple(
+            Trajectory(
+                robot=name, times_s=steps * time_step_s, positions_m=at, loop_start_s=float(steps[-1] * time_step_s)
+            )
+            for name, (steps, at) in zip(names, parts, strict=True)
+        )

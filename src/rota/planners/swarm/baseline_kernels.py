@@ -1,0 +1,95 @@
+"""Compiled decisions of the methods that Chen et al. 2018 compare with: range-limited Voronoi cells, virtual forces."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
+from rota.planners.swarm.velocity_set_kernels import centroid_in_disc, cut, is_cut, square_round
+
+SAME_PLACE_M2 = 1e-24
+STIFFNESS = 0.25  # of the overlap taken away in a step: with four neighbours half of it from either side, no more
+STIFFEST = 4.0
+
+
+@compiled
+def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, float]:
+    """The velocity that leads by (dx, dy) in a time, or as far as the speed allows."""
+    length = math.sqrt(dx * dx + dy * dy)
+    scale = 1.0 / time_s if length <= speed * time_s else speed / length
+    return dx * scale, dy * scale
+
+
+@compiled
+def decide_voronoi(
+    begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
+    memory: Any, new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
+) -> None:  # fmt: skip
+    """Lloyd's step: each robot goes to the centroid of its Voronoi cell within its sensor's disc.
+
+    Cells are bounded by the ``rule.neighbours`` nearest robots, and by the nearest points of walls in sensor range.
+    Where sensors differ they are those of the power diagram: the border runs where both discs have the same power.
+    """
+    for i in range(begin, end):
+        kind = robots.kind[i]
+        x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
+        found, nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], near)
+        corners = square_round(sensor, outline)
+        for k in range(found):
+            if corners == 0 or near.distance2[k] < SAME_PLACE_M2:
+                continue
+            j = near.robot[k]
+            distance, other = math.sqrt(near.distance2[k]), kinds.sensor_m[robots.kind[j]]
+            ex, ey = (robots.x[j] - x) / distance, (robots.y[j] - y) / distance
+            bound = 0.5 * (distance + (sensor * sensor - other * other) / distance)
+            if is_cut(outline, corners, ex, ey, bound):
+                corners = cut(outline, corners, ex, ey, bound, spare)
+                outline, spare = spare, outline
+        c = cell_of(x, y, grid)
+        for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
+            dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
+            distance = math.sqrt(dx * dx + dy * dy)
+            if corners == 0 or distance <= 1e-12 or distance >= sensor:
+                continue
+            if is_cut(outline, corners, dx / distance, dy / distance, distance):
+                corners = cut(outline, corners, dx / distance, dy / distance, distance, spare)
+                outline, spare = spare, outline
+        new_vx[i], new_vy[i] = 0.0, 0.0
+        if corners > 0:
+            _, cx, cy = centroid_in_disc(outline, corners, sensor)
+            new_vx[i], new_vy[i] = towards(cx, cy, kinds.speed_m_s[kind], rule.time_step_s)
+
+
+@compiled
+def decide_virtual_force(
+    begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
+    memory: Any, new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
+) -> None:  # fmt: skip
+    """Virtual forces: robots whose sensors overlap push each other, walls in sensor range push, each by the overlap.
+
+    The share of the overlaps that a step takes away shrinks with the number that push, so that it never overshoots.
+    """
+    for i in range(begin, end):
+        kind = robots.kind[i]
+        x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
+        found, nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], near)
+        fx, fy, pushes = 0.0, 0.0, 0.0
+        for k in range(found):
+            j = near.robot[k]
+            distance = math.sqrt(near.distance2[k])
+            overlap = sensor + kinds.sensor_m[robots.kind[j]] - distance
+            if overlap > 0.0 and distance > 0.0:
+                fx -= overlap * (robots.x[j] - x) / distance
+                fy -= overlap * (robots.y[j] - y) / distance
+                pushes += 1.0
+        c = cell_of(x, y, grid)
+        for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
+            dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
+            distance = math.sqrt(dx * dx + dy * dy)
+            if distance < sensor and distance > 0.0:
+                fx -= 2.0 * (sensor - distance) * dx / distance  # a wall does not give way itself
+                fy -= 2.0 * (sensor - distance) * dy / distance
+                pushes += 2.0
+        gain = STIFFNESS * STIFFEST / max(STIFFEST, pushes)
+        new_vx[i], new_vy[i] = towards(gain * fx, gain * fy, kinds.speed_m_s[kind], rule.time_step_s)

@@ -1,0 +1,106 @@
+"""Where robots begin: at the mission's starts, or at random places where their bodies have room."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.errors import MissionError
+from rota.mission import TOUCH_M, Mission, Robot, StartBox
+
+Floats = NDArray[np.float64]
+TRIES = 2000  # random places for one robot
+DENSEST = math.pi / math.sqrt(12)  # share of the plane that equal discs can fill
+BATCH = 64
+
+
+class _Placed:
+    """Robots placed so far, in cells as wide as the most that two of them need between them."""
+
+    def __init__(self, widest_m: float) -> None:
+        self._cell_m = max(2 * widest_m, 1e-3)
+        self._cells: dict[tuple[int, int], list[tuple[float, float, float]]] = defaultdict(list)
+
+    def has_room(self, x: float, y: float, radius_m: float) -> bool:
+        i, j = self._cell(x, y)
+        beside = (other for a in (i - 1, i, i + 1) for b in (j - 1, j, j + 1) for other in self._cells.get((a, b), ()))
+        return all(math.hypot(x - ox, y - oy) >= max(radius_m + other_m, TOUCH_M) for ox, oy, other_m in beside)
+
+    def add(self, x: float, y: float, radius_m: float) -> None:
+        self._cells[self._cell(x, y)].append((x, y, radius_m))
+
+    def _cell(self, x: float, y: float) -> tuple[int, int]:
+        return int(x // self._cell_m), int(y // self._cell_m)
+
+
+def place_starts(mission: Mission, ground: MultiPolygon, *, seed: int, reserve_m: float) -> Floats:
+    """Starts (n, 2) of the mission's robots, in their order.
+
+    Robots without a start of their own begin at random places of the fleet's box, or of the area, where a body that is
+    wider by ``reserve_m`` touches nothing. Raises MissionError when no such place is found for a robot.
+    """
+    robots = mission.fleet.robots or ()
+    rng = np.random.default_rng(seed)
+    placed = _Placed(max(robot.body_radius_m for robot in robots) + reserve_m)
+    starts = np.full((len(robots), 2), np.nan)
+    for k, robot in enumerate(robots):
+        if robot.start is not None:
+            starts[k] = robot.start
+            placed.add(robot.start[0], robot.start[1], robot.body_radius_m)
+    rooms: dict[float, MultiPolygon] = {}
+    for k, robot in enumerate(robots):
+        if robot.start is None:
+            radius_m = robot.body_radius_m + reserve_m
+            if radius_m not in rooms:
+                rooms[radius_m] = _room(mission, ground, radius_m)
+                shapely.prepare(rooms[radius_m])
+                _require_to_fit(mission, rooms[radius_m], robot)
+            starts[k] = _free_place(mission, rooms[radius_m], placed, radius_m, rng, robot)
+            placed.add(float(starts[k, 0]), float(starts[k, 1]), radius_m)
+    return starts
+
+
+def _room(mission: Mission, ground: MultiPolygon, radius_m: float) -> MultiPolygon:
+    room = ground.buffer(-radius_m) if radius_m > 0 else ground
+    start = mission.fleet.start
+    return room.intersection(shapely.box(*start.low_m, *start.high_m)) if isinstance(start, StartBox) else room
+
+
+def _where(mission: Mission) -> tuple[str, str]:
+    if isinstance(mission.fleet.start, StartBox):
+        return "fleet.start.box", "a larger box"
+    return "fleet.robots", "a larger area"
+
+
+def _require_to_fit(mission: Mission, room: MultiPolygon, robot: Robot) -> None:
+    where, larger = _where(mission)
+    if room.is_empty:
+        raise MissionError(f"{where}: robot {robot.name} with its body of {robot.body_radius_m:.6g} m fits nowhere")
+    waiting = [other.body_radius_m for other in mission.fleet.robots or () if other.start is None]
+    bodies_m2 = math.pi * sum(body**2 for body in waiting)
+    room_m2 = room.buffer(max(waiting)).area
+    if bodies_m2 > room_m2 or (len(set(waiting)) == 1 and bodies_m2 > DENSEST * room_m2):
+        raise MissionError(
+            f"{where}: {len(waiting)} bodies of {bodies_m2:.6g} m2 do not fit in {room_m2:.6g} m2; fewer robots or"
+            f" {larger} needed"
+        )
+
+
+def _free_place(
+    mission: Mission, room: MultiPolygon, placed: _Placed, radius_m: float, rng: np.random.Generator, robot: Robot
+) -> tuple[float, float]:
+    low, high = np.array(room.bounds[:2]), np.array(room.bounds[2:])
+    for _ in range(TRIES // BATCH):
+        points = rng.uniform(low, high, (BATCH, 2))
+        for x, y in points[shapely.intersects_xy(room, *points.T)]:
+            if placed.has_room(x, y, radius_m):
+                return float(x), float(y)
+    where, larger = _where(mission)
+    raise MissionError(
+        f"{where}: no room was found for robot {robot.name} in {TRIES} tries; fewer robots or {larger} needed"
+    )

@@ -1,0 +1,57 @@
+"""Bodies and moving obstacles: closest approaches worked by hand."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from shapely import MultiPolygon, box
+
+from rota.check import check_plan
+from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot, SwarmSettings
+from rota.plan import Plan, Trajectory
+
+SENSOR = DiscSensor(radius_m=5)
+
+
+def found(trajectory: dict[str, Any], times_s: tuple[float, ...], positions_m: Any, radius_m: float = 1.0) -> list[Any]:
+    robot = Robot(name="a", speed_m_s=2, sensor=SENSOR, body_radius_m=0.5)
+    mission = Mission(
+        name="crossing", area=MultiPolygon([box(-50, -50, 50, 50)]), swarm=SwarmSettings(),
+        fleet=Fleet(speed_m_s=2, sensor=SENSOR, robots=(robot,)),
+        moving_obstacles=(MovingObstacle(radius_m=radius_m, times_s=times_s, positions_m=positions_m),),
+    )  # fmt: skip
+    return list(check_plan(Plan(mission=mission, trajectories=(Trajectory(robot="a", **trajectory),))).violations)
+
+
+WALK = {"times_s": [0, 10], "positions_m": [[-10, 0], [10, 0]], "loop_start_s": 10}
+
+
+def test_two_that_cross_at_right_angles_are_closest_between() -> None:
+    # relative motion (-2, 2) from (10, -12): the line's distance from the origin is 2 / sqrt(2), at time 5.5
+    (violation,) = found(WALK, (0, 10), ((0, -12), (0, 8)))
+    assert violation.kind == "moving obstacle 1"
+    assert (violation.value, violation.limit) == pytest.approx((math.sqrt(2), 1.5))
+    assert violation.time_s == pytest.approx(5.5)
+    assert violation.place_m == pytest.approx((1, 0))
+    assert found(WALK, (0, 10), ((0, -12.5), (0, 7.5))) == []  # 2.5 / sqrt(2) > 1.5
+
+
+def test_the_obstacle_stands_before_it_moves_and_after() -> None:
+    assert found(WALK, (100, 110), ((0, 1.4), (0, 40)))[0].time_s == pytest.approx(5)
+    assert found(WALK, (0, 1), ((0, 40), (0, 1.4)))[0].value == pytest.approx(1.4)
+
+
+def test_a_robot_that_holds_is_run_down_later() -> None:
+    (violation,) = found(WALK, (50, 60), ((10, 40), (10, 1.45)))
+    assert (violation.value, violation.time_s) == pytest.approx((1.45, 60))
+    assert found(WALK, (50, 60), ((10, 40), (10, 1.5))) == []
+
+
+def test_a_loop_is_followed_until_the_obstacle_stands_and_round_once_more() -> None:
+    square = {"times_s": [0, 5, 10, 15, 20], "positions_m": [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]}
+    # it comes to a stand on the path at 97 s, when the robot is elsewhere
+    (violation,) = found(square, (90, 97), ((40, 5), (10, 5)))
+    assert violation.value == pytest.approx(0)
+    assert violation.time_s == pytest.approx(107.5)

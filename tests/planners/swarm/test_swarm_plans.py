@@ -1,0 +1,215 @@
+"""Missions planned by the swarm: the plan, its thinning, its starts, and the check's verdict."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from shapely import MultiPolygon, Point, box
+
+from rota.check import check_plan
+from rota.errors import MissionError, NoPlanFound
+from rota.files.plan_file import plan_from_text, plan_text
+from rota.make_plan import search_plan
+from rota.mission import (
+    DiscSensor,
+    Fleet,
+    Mission,
+    MovingObstacle,
+    Obstacle,
+    Robot,
+    SquareSensor,
+    StartBox,
+    SwarmSettings,
+    Zone,
+)
+from rota.planners.swarm.asked import free_ground, make_swarm, run_mission
+from rota.planners.swarm.starts import place_starts
+from rota.planners.swarm.thinning_kernels import thin
+
+
+def mission(robots: int = 12, side_m: float = 150, body_m: float = 0.5, **changed: Any) -> Mission:
+    sensor = DiscSensor(radius_m=25)
+    fleet = Fleet(speed_m_s=2, sensor=sensor, body_radius_m=body_m, start=StartBox(low_m=(1, 1), high_m=(40, 40)))
+    listed = tuple(fleet.equal_robot(f"robot-{k + 1}") for k in range(robots))
+    fields: dict[str, Any] = {
+        "name": "square",
+        "area": MultiPolygon([box(0, 0, side_m, side_m)]),
+        "fleet": dataclasses.replace(fleet, robots=listed),
+        "swarm": SwarmSettings(),
+    }
+    return Mission(**fields | changed)
+
+
+def with_robots(*robots: Robot, **changed: Any) -> Mission:
+    return mission(fleet=Fleet(speed_m_s=2, sensor=robots[0].sensor, robots=robots), **changed)
+
+
+def robot(name: str, start: tuple[float, float] | None, body_m: float = 0.5, sensor_m: float = 25) -> Robot:
+    return Robot(name=name, speed_m_s=2, sensor=DiscSensor(radius_m=sensor_m), body_radius_m=body_m, start=start)
+
+
+@pytest.mark.parametrize("controller", ["reciprocal", "voronoi", "virtual_force"])
+def test_a_plan_holds_at_the_end_and_passes_the_check(controller: Any) -> None:
+    settings = SwarmSettings(controller=controller, most_steps=600)
+    obstacle = Obstacle(shape=MultiPolygon([box(60, 60, 75, 70)]))
+    found = search_plan(mission(swarm=settings, obstacles=(obstacle,)), seed=3)
+    assert found.report.violations == ()
+    assert found.report.verdict == "met"
+    for trajectory in found.plan:
+        assert trajectory.loop_duration_s == 0
+        assert Point(trajectory.positions_m[0]).within(box(1, 1, 40, 40))
+    assert plan_from_text(plan_text(found.plan), "plan") == found.plan
+
+
+def test_a_zone_that_the_holding_robots_see_is_met_and_one_beyond_them_is_not() -> None:
+    still = robot("a", (50, 50))
+    near = Zone(name="near", shape=MultiPolygon([box(45, 45, 55, 55)]), period_s=10)
+    far = Zone(name="far", shape=MultiPolygon([box(95, 95, 105, 105)]), period_s=10)
+    assert search_plan(with_robots(still, zones=(near,))).report.verdict == "met"
+    with pytest.raises(NoPlanFound, match="violated"):
+        search_plan(with_robots(still, zones=(near, far)))
+
+
+def test_the_same_seed_gives_the_same_plan_on_any_number_of_threads() -> None:
+    asked = mission(robots=600, side_m=1300, swarm=SwarmSettings(most_steps=30), fleet=mission().fleet)
+    fleet = asked.fleet
+    many = tuple(fleet.equal_robot(f"r{k}") for k in range(600))
+    asked = dataclasses.replace(asked, fleet=dataclasses.replace(fleet, robots=many, start=None))
+    one, two = (run_mission(asked, seed=1, threads=threads).plan for threads in (1, 2))
+    assert one == two
+    assert run_mission(asked, seed=2).plan != one
+
+
+def test_thinned_trajectories_stay_as_near_as_stated_to_every_step() -> None:
+    asked = mission(swarm=SwarmSettings(thinning_m=0.05, most_steps=400))
+    plan = run_mission(asked, seed=5).plan
+    ground = free_ground(asked)
+    starts = place_starts(asked, ground, seed=5, reserve_m=0.05)
+    swarm = make_swarm(asked, ground, starts, seed=5, reserve_m=0.05)
+    steps = [starts]
+    while len(steps) <= 400 and swarm.step() > 1e-5:
+        steps.append(swarm.places_m)
+    places = np.array(steps)
+    times = 0.25 * np.arange(len(places))
+    worst, points = 0.0, 0
+    for k, trajectory in enumerate(plan):
+        line = [np.interp(times, trajectory.times_s, trajectory.positions_m[:, axis]) for axis in (0, 1)]
+        worst = max(worst, float(np.hypot(*(np.array(line).T - places[:, k]).T).max()))
+        points += len(trajectory.times_s)
+    assert 0.005 < worst <= 0.05
+    assert points < len(places) * 12 / 5
+
+
+def test_thinning_by_nothing_keeps_corners_and_drops_straight_steps() -> None:
+    path = np.array([[0, 0], [1, 0], [2, 0], [3, 0], [3, 1], [3, 2], [3, 2], [3, 2]], float)
+    kept = np.zeros((8, 1), np.int8)
+    thin(path[:, None].copy(), 0.0, kept)
+    assert np.flatnonzero(kept[:, 0]).tolist() == [0, 3, 5, 7]
+
+
+def test_robots_that_begin_closer_than_thinning_needs_are_thinned_less() -> None:
+    pair = (robot("a", (50, 50)), robot("b", (51.004, 50)), robot("c", (90, 90)))
+    plan = run_mission(with_robots(*pair, swarm=SwarmSettings(most_steps=200, thinning_m=0.1)), seed=0).plan
+    assert check_plan(plan).violations == ()
+
+
+def test_moving_obstacles_are_made_way_for() -> None:
+    obstacle = MovingObstacle(radius_m=2, times_s=(0, 100), positions_m=((0, 51), (100, 51)))
+    robots = (robot("a", (50, 50)), robot("b", (70, 52)))
+    moving = with_robots(*robots, moving_obstacles=(obstacle,), swarm=SwarmSettings(most_steps=500, stop_m=1e-12))
+    plan = run_mission(moving, seed=0).plan
+    assert check_plan(plan).violations == ()
+    assert math.dist(plan.trajectories[0].positions_m[0], plan.trajectories[0].positions_m[-1]) > 1
+    still = dataclasses.replace(plan, trajectories=tuple(hold(t) for t in plan))
+    assert {v.kind for v in check_plan(still).violations} == {"moving obstacle 1"}
+
+
+def hold(trajectory: Any) -> Any:
+    return dataclasses.replace(trajectory, times_s=[0.0], positions_m=trajectory.positions_m[:1], loop_start_s=0.0)
+
+
+def test_every_kind_of_robot_has_its_own_sizes() -> None:
+    robots = (robot("a", (40, 40), 0.5, 25), robot("b", (44, 40), 3.0, 12), robot("c", (40, 46), 1.0, 18))
+    plan = run_mission(with_robots(*robots, swarm=SwarmSettings(most_steps=300)), seed=0).plan
+    assert check_plan(plan).violations == ()
+
+
+# ---------------------------------------------------------------- refused
+
+
+@pytest.mark.parametrize(
+    ("starts", "words"),
+    [
+        ([(10, 10), (10.5, 10)], "is 0.5 m from"),
+        ([(-1, 10)], "1 m outside the area"),
+        ([(62, 62)], "lies in an obstacle"),
+        ([(math.nan, 3)], "must be finite"),
+    ],
+)
+def test_starts_that_cannot_be_are_refused(starts: list[tuple[float, float]], words: str) -> None:
+    robots = [robot(f"r{k}", start) for k, start in enumerate(starts)]
+    with pytest.raises(MissionError, match=words):
+        with_robots(*robots, obstacles=(Obstacle(shape=MultiPolygon([box(60, 60, 75, 70)])),))
+
+
+def test_more_robots_than_fit_are_refused() -> None:
+    # 39 m x 39 m for the centres holds 40 x 40 m of bodies of 5 m: at most 18 by area
+    with pytest.raises(
+        MissionError, match=r"fleet.start.box: 30 bodies of 2356.19 m2 do not fit in 2\d\d\d.*larger box"
+    ):
+        run_mission(mission(robots=30, body_m=5), seed=0)
+    with pytest.raises(MissionError, match="no room was found for robot robot-"):
+        run_mission(mission(robots=22, body_m=5), seed=0)
+    with pytest.raises(MissionError, match="fits nowhere"):
+        run_mission(mission(robots=1, side_m=40, body_m=21), seed=0)
+
+
+def test_a_step_that_jumps_through_walls_is_refused_without_the_filter() -> None:
+    settings = SwarmSettings(filter=False, time_step_s=13)
+    with pytest.raises(
+        MissionError, match=r"time_step_s: 13 is not allowed.*26 m in a step and heeds walls within 25 m"
+    ):
+        run_mission(mission(swarm=settings), seed=0)
+    plan = run_mission(mission(swarm=SwarmSettings(time_step_s=13, most_steps=30)), seed=0).plan
+    assert check_plan(plan).violations == ()
+
+
+def test_a_fleet_that_no_swarm_can_be_is_refused() -> None:
+    with pytest.raises(MissionError, match=r"fleet.robots: 'fewest'"):
+        mission(fleet=Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=25)))
+    square = dataclasses.replace(robot("a", None), sensor=SquareSensor(side_m=9))
+    with pytest.raises(MissionError, match="disc sensors"):
+        with_robots(square)
+    with pytest.raises(MissionError, match="turns at once"):
+        with_robots(dataclasses.replace(robot("a", None), turn_rate_rad_s=1.0))
+    moving = MovingObstacle(radius_m=1, times_s=(0,), positions_m=((1, 1),))
+    with pytest.raises(MissionError, match="only a swarm heeds them"):
+        mission(swarm=None, period_s=9, moving_obstacles=(moving,))
+    with pytest.raises(MissionError, match="effort"):
+        mission().with_effort("quick")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"controller": "boids"}, "swarm.controller: 'boids'"),
+        ({"time_step_s": math.nan}, "swarm.time_step_s: nan"),
+        ({"alpha": 0.9}, "swarm.alpha"),
+        ({"neighbours": -1}, "swarm.neighbours"),
+        ({"neighbour_range_m": 0.0}, "swarm.neighbour_range_m"),
+        ({"thinning_m": math.inf}, "swarm.thinning_m"),
+        ({"most_steps": 0}, "swarm.most_steps"),
+    ],
+)
+def test_settings_out_of_range_are_refused(wrong: dict[str, Any], words: str) -> None:
+    with pytest.raises(MissionError, match=words):
+        SwarmSettings(**wrong)
+
+
+def test_no_neighbours_at_all_leave_a_robot_where_walls_let_it_be() -> None:
+    plan = run_mission(with_robots(robot("a", (75, 75)), swarm=SwarmSettings(neighbours=0)), seed=0).plan
+    assert plan.trajectories[0].positions_m[-1].tolist() == [75, 75]
