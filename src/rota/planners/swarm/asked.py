@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,7 @@ from rota.mission import DiscSensor, Mission, SwarmSettings
 from rota.plan import Plan, Trajectory
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.kernels import Rule
+from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.starts import place_starts
@@ -38,11 +40,15 @@ BLOCK = 256  # steps thinned at a time, so that a long run takes little memory
 
 @dataclass(frozen=True, kw_only=True)
 class SwarmRun:
-    """A plan, and how it came about. ``at_rest``: the stop rule ended the run, after so many ``steps``."""
+    """A plan, and how it came about. ``at_rest``: the stop rule ended the run, after so many ``steps``.
+
+    ``history`` None: nobody asked for it.
+    """
 
     plan: Plan
     steps: int
     at_rest: bool
+    history: History | None
 
 
 def run_mission(
@@ -52,12 +58,13 @@ def run_mission(
     progress: Callable[[float, str], None] = lambda _fraction, _doing: None,
     should_stop: Callable[[], bool] = lambda: False,
     threads: int = 1,
+    observed: bool = False,
 ) -> SwarmRun:
     """Let the mission's robots spread until they rest, or for as many steps as it allows; then they hold.
 
     Bodies are kept so much wider while they move that thinning the trajectories, which errs by no more than
     ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
-    is promised. Raises MissionError for starts without room and for a time step that jumps through walls.
+    is promised. ``observed``: measure every step. Raises MissionError for starts without room and for a time step that jumps through walls.
     """
     settings = mission.swarm
     assert settings is not None
@@ -69,14 +76,19 @@ def run_mission(
     swarm = make_swarm(mission, ground, starts, seed=seed, reserve_m=reserve_m, threads=threads)
     thinned_m = reserve_m if settings.filter else settings.thinning_m
     log, at_rest = _Log(starts, thinned_m), False
+    observer = Observer(swarm, ground, settings.stop_m) if observed else None
     while swarm.steps < settings.most_steps and not at_rest and not should_stop():
+        began_s = time.perf_counter()
         at_rest = swarm.step() <= settings.stop_m
+        if observer is not None:
+            observer.note(time.perf_counter() - began_s)
         log.add(swarm.places_m)
         if swarm.steps % 50 == 0:
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
     names = [robot.name for robot in mission.fleet.robots or ()]
     plan = Plan(mission=mission, trajectories=log.trajectories(names, settings.time_step_s), seed=seed)
-    return SwarmRun(plan=plan, steps=swarm.steps, at_rest=at_rest)
+    history = None if observer is None else observer.history()
+    return SwarmRun(plan=plan, steps=swarm.steps, at_rest=at_rest, history=history)
 
 
 def free_ground(mission: Mission) -> MultiPolygon:

@@ -82,6 +82,16 @@ class Swarm:
         return len(self._cell)
 
     @property
+    def robots(self) -> Robots:
+        """The state in the order of the grid; only to look at, and only until the next step."""
+        return self._robots
+
+    @property
+    def sensor_square_sum_m2(self) -> float:
+        """Sum over all robots of the sensor's radius squared."""
+        return float((self.kinds.sensor_m[self._robots.kind] ** 2).sum())
+
+    @property
     def places_m(self) -> Floats:
         """(n, 2) in the order of the fleet."""
         return self._in_order(self._robots.x, self._robots.y)

@@ -1,0 +1,77 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled measures of a swarm in one step: what is in range of anybody, and how near bodies and walls come."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rota.planners.swarm.kernels import cell_of, compiled, to_wall
+
+
+@compiled
+def newly_marked(
+    robots: Any, kinds: Any, free: Any, marks: Any, mark: int, x0: float, y0: float, pixel_m: float
+) -> int:
+    """Mark the free pixels whose centres are in range of any robot; returns how many there are.
+
+    free: (rows, columns) of 0 and 1; marks: the same shape, where ``mark`` means marked. (x0, y0): the centre of the
+    first pixel.
+    """
+    rows, columns = free.shape
+    count = 0
+    for k in range(robots.x.shape[0]):
+        x, y, sensor = robots.x[k], robots.y[k], kinds.sensor_m[robots.kind[k]]
+        low = max(math.ceil((y - sensor - y0) / pixel_m), 0)
+        high = min(math.floor((y + sensor - y0) / pixel_m), rows - 1)
+        for j in range(low, high + 1):
+            dy = y0 + j * pixel_m - y
+            half = math.sqrt(max(sensor * sensor - dy * dy, 0.0))
+            left = max(math.ceil((x - half - x0) / pixel_m), 0)
+            right = min(math.floor((x + half - x0) / pixel_m), columns - 1)
+            for i in range(left, right + 1):
+                if marks[j, i] != mark and free[j, i] != 0:
+                    marks[j, i] = mark
+                    count += 1
+    return count
+
+
+@compiled
+def least_gaps(robots: Any, kinds: Any, grid: Any) -> tuple[float, float]:
+    """Least distance between the rims of two bodies and of a body and a wall, as far as cells beside each other show.
+
+    Below 0 for what overlaps; inf where nothing is near.
+    """
+    between, beside = math.inf, math.inf
+    stride = grid.columns + 2
+    for i in range(robots.x.shape[0]):
+        x, y, body = robots.x[i], robots.y[i], kinds.body_m[robots.kind[i]]
+        c = cell_of(x, y, grid)
+        for row in range(3):
+            first = c + (row - 1) * stride
+            for j in range(grid.start[first - 1], grid.start[first + 2]):
+                if j > i:
+                    dx, dy = robots.x[j] - x, robots.y[j] - y
+                    gap = math.sqrt(dx * dx + dy * dy) - body - kinds.body_m[robots.kind[j]]
+                    between = min(between, gap)
+        for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
+            dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
+            beside = min(beside, math.sqrt(dx * dx + dy * dy) - body)
+    return between, beside
+
+
+@compiled
+def turned_back(robots: Any, before_vx: Any, before_vy: Any, least_m_s: float) -> int:
+    """How many robots move against their velocity of the step before; before_vx, before_vy: (n,) by number, renewed.
+
+    Slower than least_m_s, before or now, is rest.
+    """
+    count = 0
+    for k in range(robots.x.shape[0]):
+        vx, vy, name = robots.vx[k], robots.vy[k], robots.name[k]
+        ux, uy = before_vx[name], before_vy[name]
+        moves = min(vx * vx + vy * vy, ux * ux + uy * uy) > least_m_s * least_m_s
+        if moves and vx * ux + vy * uy < 0.0:
+            count += 1
+        before_vx[name], before_vy[name] = vx, vy
+    return count

@@ -1,0 +1,98 @@
+"""What a run of the swarm comes to, step by step: coverage, contact, ways, oscillation and the time of a decision."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.planners.swarm.metric_kernels import least_gaps, newly_marked, turned_back
+from rota.planners.swarm.rollout import Swarm
+
+Floats = NDArray[np.float64]
+
+PIXELS_PER_SENSOR = 50  # of the smallest sensor's radius
+MOST_PIXELS = 4_000_000
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class History:
+    """One value for each step, (steps + 1,), the start first.
+
+    coverage: share of the region in range of anybody, by pixels. deadweight_loss: the share of all discs' area that
+    covers nothing new of the region, 1 - covered / sum of the discs. body_gap_m, wall_gap_m: least distance between rims
+    of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far. reversals:
+    share of the robots that turned back by more than a right angle. decision_s: wall time of the step for one robot.
+    """
+
+    coverage: Floats
+    deadweight_loss: Floats
+    body_gap_m: Floats
+    wall_gap_m: Floats
+    way_m: Floats
+    reversals: Floats
+    decision_s: Floats
+
+    @property
+    def steps(self) -> int:
+        """Steps of the run: the convergence step, where the stop rule ended it."""
+        return len(self.coverage) - 1
+
+
+class Observer:
+    """Measures a swarm after every step; ``history`` gives what it saw.
+
+    region: what is to be covered. rest_m: a robot that goes no farther in a step rests, and does not turn back.
+    """
+
+    def __init__(self, swarm: Swarm, region: MultiPolygon, rest_m: float) -> None:
+        self._swarm = swarm
+        self._rest_m_s = rest_m / swarm.rule.time_step_s
+        x0, y0, x1, y1 = region.bounds
+        sensors = swarm.kinds.sensor_m
+        pixel = max(float(sensors.min()) / PIXELS_PER_SENSOR, math.sqrt((x1 - x0) * (y1 - y0) / MOST_PIXELS))
+        columns, rows = max(int((x1 - x0) / pixel), 1), max(int((y1 - y0) / pixel), 1)
+        self._lattice = (x0 + pixel / 2, y0 + pixel / 2, pixel)
+        x, y = np.meshgrid(self._lattice[0] + pixel * np.arange(columns), self._lattice[1] + pixel * np.arange(rows))
+        shapely.prepare(region)
+        self._free = shapely.contains_xy(region, x, y).astype(np.uint8)
+        self._marks = np.full(self._free.shape, -1, np.int32)
+        self._pixels = max(int(self._free.sum()), 1)
+        self._region_m2, self._discs_m2 = region.area, math.pi * swarm.sensor_square_sum_m2
+        self._before = np.zeros((2, len(swarm)))
+        self._way_m = 0.0
+        self._rows: list[tuple[float, ...]] = []
+        self.note(0.0)
+
+    def note(self, elapsed_s: float) -> None:
+        """Measure the swarm as it is now; elapsed_s: what the step took."""
+        swarm = self._swarm
+        n, robots = len(swarm), swarm.robots
+        seen = newly_marked(robots, swarm.kinds, self._free, self._marks, swarm.steps, *self._lattice) / self._pixels
+        between, beside = least_gaps(robots, swarm.kinds, swarm.grid)
+        turned = turned_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
+        self._way_m += float(np.sqrt(robots.vx**2 + robots.vy**2).mean()) * swarm.rule.time_step_s if self._rows else 0
+        loss = 1 - seen * self._region_m2 / self._discs_m2
+        self._rows.append((seen, loss, between, beside, self._way_m, turned, elapsed_s / n))
+
+    def history(self) -> History:
+        """All that was measured."""
+        return History(**{name: values for name, values in zip(_NAMES, np.array(self._rows).T, strict=True)})
+
+
+_NAMES = ("coverage", "deadweight_loss", "body_gap_m", "wall_gap_m", "way_m", "reversals", "decision_s")
+
+
+def covered_share(places_m: Floats, sensors_m: Floats, region: MultiPolygon) -> float:
+    """Exact share of a region in range of robots at places (n, 2) with sensors (n,).
+
+    Circles are polygons of 512 corners with the circle's area.
+    """
+    corners = 4 * 128
+    as_large = math.sqrt(2 * math.pi / (corners * math.sin(2 * math.pi / corners)))
+    discs = shapely.buffer(shapely.points(places_m), sensors_m * as_large, quad_segs=128)
+    return float(shapely.union_all(discs).intersection(region).area / region.area)
