@@ -48,12 +48,16 @@ def plan_and_check(
     folder: Path,
     environment: Mapping[str, str] | None = None,
     *,
-    effort: str = "quick",
+    effort: str | None = "quick",
     patience_s: float = PATIENCE_S,
 ) -> Planned:
-    """Plan ``mission`` and check the plan, which is left in ``folder``; neither for longer than ``patience_s``."""
+    """Plan ``mission`` and check the plan, which is left in ``folder``; neither for longer than ``patience_s``.
+
+    ``effort`` None: for a planner that has none.
+    """
     plan_file = plan_file_of(mission, folder)
-    plan = rota("plan", mission, "--effort", effort, "-o", plan_file, environment=environment, patience_s=patience_s)
+    asked = () if effort is None else ("--effort", effort)
+    plan = rota("plan", mission, *asked, "-o", plan_file, environment=environment, patience_s=patience_s)
     if plan.code != 0:
         return Planned(plan=plan, check=None, report=None)
     check = rota("check", plan_file, "--json", environment=environment, patience_s=patience_s)
@@ -66,9 +70,9 @@ def plan_file_of(mission: Path, folder: Path) -> Path:
 
 
 @functools.cache
-def planned_warm(mission: Path, folder: Path) -> tuple[Planned, ...]:
+def planned_warm(mission: Path, folder: Path, effort: str | None = "quick") -> tuple[Planned, ...]:
     """The same with a warm cache, repeated while short; measured once, although two figures may ask for it."""
-    return tuple(measured_warm(lambda: plan_and_check(mission, folder), lambda planned: planned.wall_s))
+    return tuple(measured_warm(lambda: plan_and_check(mission, folder, effort=effort), lambda planned: planned.wall_s))
 
 
 def met_with(runs: Sequence[Planned]) -> int | None:

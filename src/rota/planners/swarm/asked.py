@@ -64,7 +64,8 @@ def run_mission(
 
     Bodies are kept so much wider while they move that thinning the trajectories, which errs by no more than
     ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
-    is promised. ``observed``: measure every step. Raises MissionError for starts without room and for a time step that jumps through walls.
+    is promised. ``observed``: measure every step. Raises MissionError for starts without room and for a time step that
+    jumps through walls.
     """
     settings = mission.swarm
     assert settings is not None

@@ -24,9 +24,9 @@ class History:
     """One value for each step, (steps + 1,), the start first.
 
     coverage: share of the region in range of anybody, by pixels. deadweight_loss: the share of all discs' area that
-    covers nothing new of the region, 1 - covered / sum of the discs. body_gap_m, wall_gap_m: least distance between rims
-    of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far. reversals:
-    share of the robots that turned back by more than a right angle. decision_s: wall time of the step for one robot.
+    covers nothing new of the region, 1 - covered / sum of the discs. body_gap_m, wall_gap_m: least distance between the
+    rims of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far.
+    reversals: share of the robots that turned back by more than a right angle. decision_s: wall time for one robot.
     """
 
     coverage: Floats
