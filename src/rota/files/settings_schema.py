@@ -52,7 +52,7 @@ class PatrolBlock(Block):
 class SwarmBlock(Block):
     """Settings of the swarm planner; defaults as in Chen et al. 2018."""
 
-    controller: Controller = Field("reciprocal", description="the paper's own, or what it compares with")
+    controller: Controller = Field("settle", description="reciprocal is the paper's own")
     velocity: VelocityChoice = Field("centroid", description="of the set: exact, or the mean of random samples")
     samples: Annotated[int, Field(strict=True, ge=1)] = 1000
     boundary: SetBoundary = Field("tangent", description="of the set: the circle at horizon_s, or its tangent")

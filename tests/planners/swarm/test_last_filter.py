@@ -15,9 +15,9 @@ from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 def wishing(velocities_m_s: np.ndarray):
     """A controller that wishes for given velocities, by the number in the fleet."""
 
-    def decide(begin, end, step, robots, kinds, grid, moving, rule, memory, new_vx, new_vy, nearest2, *room) -> None:
+    def decide(begin, end, step, robots, kinds, grid, moving, rule, new_vx, new_vy, nearest2, *room) -> None:
         decide_reciprocal(
-            begin, end, step, robots, kinds, grid, moving, rule, memory, new_vx, new_vy, nearest2, *room
+            begin, end, step, robots, kinds, grid, moving, rule, new_vx, new_vy, nearest2, *room
         )  # for nearest2
         new_vx[begin:end], new_vy[begin:end] = velocities_m_s[robots.name[begin:end]].T
 

@@ -52,7 +52,7 @@ def robot(name: str, start: tuple[float, float] | None, body_m: float = 0.5, sen
     return Robot(name=name, speed_m_s=2, sensor=DiscSensor(radius_m=sensor_m), body_radius_m=body_m, start=start)
 
 
-@pytest.mark.parametrize("controller", ["reciprocal", "voronoi", "virtual_force"])
+@pytest.mark.parametrize("controller", ["settle", "reciprocal", "voronoi", "virtual_force"])
 def test_a_plan_holds_at_the_end_and_passes_the_check(controller: Any) -> None:
     settings = SwarmSettings(controller=controller, most_steps=600)
     obstacle = Obstacle(shape=MultiPolygon([box(60, 60, 75, 70)]))
@@ -101,7 +101,7 @@ def test_thinned_trajectories_stay_as_near_as_stated_to_every_step() -> None:
         worst = max(worst, float(np.hypot(*(np.array(line).T - places[:, k]).T).max()))
         points += len(trajectory.times_s)
     assert 0.005 < worst <= 0.05
-    assert points < len(places) * 12 / 5
+    assert points < len(places) * 12 / 4
 
 
 def test_thinning_by_nothing_keeps_corners_and_drops_straight_steps() -> None:

@@ -21,6 +21,7 @@ from rota.planners.swarm.kernels import Rule
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
 from rota.planners.swarm.world import kinds_of, walls_of
@@ -32,6 +33,7 @@ DECIDE: dict[str, Callable[..., None]] = {
     "reciprocal": decide_reciprocal,
     "voronoi": decide_voronoi,
     "virtual_force": decide_virtual_force,
+    "settle": decide_settle,
 }
 ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
 RANGE_PER_SENSOR = 2.04  # Table 2: 51 m for sensors of 25 m

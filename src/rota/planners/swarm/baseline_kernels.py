@@ -10,7 +10,7 @@ from rota.planners.swarm.velocity_set_kernels import centroid_in_disc, cut, is_c
 
 SAME_PLACE_M2 = 1e-24
 STIFFNESS = 0.25  # of the overlap taken away in a step: with four neighbours half of it from either side, no more
-STIFFEST = 4.0
+MANY_CAUSES = 4.0
 
 
 @compiled
@@ -24,7 +24,7 @@ def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, f
 @compiled
 def decide_voronoi(
     begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
-    memory: Any, new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
+    new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
 ) -> None:  # fmt: skip
     """Lloyd's step: each robot goes to the centroid of its Voronoi cell within its sensor's disc.
 
@@ -62,34 +62,47 @@ def decide_voronoi(
 
 
 @compiled
+def sum_of_overlaps(
+    i: int, robots: Any, kinds: Any, grid: Any, most: int, nearest2: Any, near: Any
+) -> tuple[float, float, float]:
+    """How far the sensor of robot i overlaps others and walls: the sum of overlaps, each away from its cause.
+
+    A wall in sensor range counts twice, since it does not give way itself. The third value is the number of causes.
+    """
+    kind = robots.kind[i]
+    x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
+    found, nearest2[i] = find_neighbours(i, most, robots, grid, kinds.neighbour_range_m[kind], near)
+    fx, fy, causes = 0.0, 0.0, 0.0
+    for k in range(found):
+        j = near.robot[k]
+        distance = math.sqrt(near.distance2[k])
+        overlap = sensor + kinds.sensor_m[robots.kind[j]] - distance
+        if overlap > 0.0 and distance > 0.0:
+            fx -= overlap * (robots.x[j] - x) / distance
+            fy -= overlap * (robots.y[j] - y) / distance
+            causes += 1.0
+    c = cell_of(x, y, grid)
+    for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
+        dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
+        distance = math.sqrt(dx * dx + dy * dy)
+        if distance < sensor and distance > 0.0:
+            fx -= 2.0 * (sensor - distance) * dx / distance
+            fy -= 2.0 * (sensor - distance) * dy / distance
+            causes += 2.0
+    return fx, fy, causes
+
+
+@compiled
 def decide_virtual_force(
     begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
-    memory: Any, new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
+    new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
 ) -> None:  # fmt: skip
     """Virtual forces: robots whose sensors overlap push each other, walls in sensor range push, each by the overlap.
 
     The share of the overlaps that a step takes away shrinks with the number that push, so that it never overshoots.
     """
     for i in range(begin, end):
-        kind = robots.kind[i]
-        x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
-        found, nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], near)
-        fx, fy, pushes = 0.0, 0.0, 0.0
-        for k in range(found):
-            j = near.robot[k]
-            distance = math.sqrt(near.distance2[k])
-            overlap = sensor + kinds.sensor_m[robots.kind[j]] - distance
-            if overlap > 0.0 and distance > 0.0:
-                fx -= overlap * (robots.x[j] - x) / distance
-                fy -= overlap * (robots.y[j] - y) / distance
-                pushes += 1.0
-        c = cell_of(x, y, grid)
-        for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
-            dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
-            distance = math.sqrt(dx * dx + dy * dy)
-            if distance < sensor and distance > 0.0:
-                fx -= 2.0 * (sensor - distance) * dx / distance  # a wall does not give way itself
-                fy -= 2.0 * (sensor - distance) * dy / distance
-                pushes += 2.0
-        gain = STIFFNESS * STIFFEST / max(STIFFEST, pushes)
-        new_vx[i], new_vy[i] = towards(gain * fx, gain * fy, kinds.speed_m_s[kind], rule.time_step_s)
+        fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
+        gain = STIFFNESS * MANY_CAUSES / max(MANY_CAUSES, causes)
+        speed = kinds.speed_m_s[robots.kind[i]]
+        new_vx[i], new_vy[i] = towards(gain * fx, gain * fy, speed, rule.time_step_s)

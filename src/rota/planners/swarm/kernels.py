@@ -91,14 +91,6 @@ class Rule(NamedTuple):
     time_step_s: float
 
 
-class Memory(NamedTuple):
-    """What the controller ``settle`` remembers of each robot, (n,) each; of length 0 for all others."""
-
-    step_m: Floats
-    gradient_x: Floats
-    gradient_y: Floats
-
-
 class Near(NamedTuple):
     """Room of one thread for the neighbours found and their squared distances, nearest first."""
 
@@ -120,8 +112,8 @@ def cell_of(x: float, y: float, grid: Any) -> int:
 def move_and_sort(robots: Any, moved: Any, grid: Any, cell: Any, time_step_s: float) -> float:
     """Move each robot for one time step, and write all in the order of their new cells.
 
-    robots: the state before; moved: the state afterwards. cell: (n,) room; afterwards the place in ``moved`` of each
-    robot. grid.start is filled anew. Returns the longest way of any robot, squared.
+    robots: the state before; moved: the state afterwards. cell: (n,) room. grid.start is
+    filled anew. Returns the longest way of any robot, squared.
     """
     n, start = robots.x.shape[0], grid.start
     for c in range(start.shape[0]):
@@ -144,18 +136,10 @@ def move_and_sort(robots: Any, moved: Any, grid: Any, cell: Any, time_step_s: fl
         moved.vy[place] = robots.vy[k]
         moved.kind[place] = robots.kind[k]
         moved.name[place] = robots.name[k]
-        cell[k] = place
     for c in range(start.shape[0] - 1, 0, -1):  # each start has gone on to its cell's end
         start[c] = start[c - 1]
     start[0] = 0
     return farthest2
-
-
-@compiled
-def rearrange(values: Any, place: Any, moved: Any) -> None:
-    """Write values (n,) to the places that ``move_and_sort`` gave their robots."""
-    for k in range(place.shape[0]):
-        moved[place[k]] = values[k]
 
 
 @compiled

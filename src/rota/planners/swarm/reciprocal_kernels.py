@@ -90,7 +90,7 @@ def half_plane(
 @compiled
 def decide_reciprocal(
     begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
-    memory: Any, new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
+    new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
 ) -> None:  # fmt: skip
     """New velocities of the robots begin..end - 1 from one snapshot of all (Eqs. 9 and 10).
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rota.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.kernels import Grid, Kinds, Memory, Near, Robots, Rule, move_and_sort, rearrange
+from rota.planners.swarm.kernels import Grid, Kinds, Near, Robots, Rule, move_and_sort
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
 from rota.planners.swarm.world import make_grid, moving_at, widest_m
 
@@ -20,7 +20,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 CHUNKS_PER_THREAD = 4  # so that a thread with an easy share takes another one
 FEWEST_PER_CHUNK = 256
-MOST_ARCS = 256
 
 
 class _Room(NamedTuple):
@@ -36,7 +35,7 @@ class Swarm:
 
     places_m: (n, 2) starts. kinds, kind: what robots are like, and which of it each robot is, (n,). walls: (m, 4)
     segments, at least one. decide: the controller's kernel; rule: what it reads. safe: whether the last filter is
-    applied. first_step_m: (n,), for controllers that remember the length of each robot's step.
+    applied. moving: discs that do not give way. velocities_m_s: (n, 2) before the first step; None: at rest.
     """
 
     def __init__(
@@ -51,7 +50,6 @@ class Swarm:
         safe: bool = True,
         moving: tuple[MovingObstacle, ...] = (),
         velocities_m_s: Floats | None = None,
-        remembers: bool = False,
         threads: int = 1,
     ) -> None:
         n = len(places_m)
@@ -66,15 +64,11 @@ class Swarm:
         self._spare = _room_for(n)
         self._cell = np.empty(n, np.int64)
         self._nearest2 = np.empty(n)
-        m = n if remembers else 0
-        self._memory = Memory(rule.time_step_s * kinds.speed_m_s[self._robots.kind[:m]], np.zeros(m), np.zeros(m))
-        self._spare_memory = Memory(np.empty(m), np.empty(m), np.empty(m))
         self._widest_m = widest_m(kinds, rule.time_step_s)
         self._threads = threads
         chunks = min(CHUNKS_PER_THREAD * threads, n // FEWEST_PER_CHUNK) if threads > 1 else 1
         self._cuts = [n * k // max(chunks, 1) for k in range(max(chunks, 1) + 1)]
-        room = max(rule.neighbours, MOST_ARCS if remembers else 1)
-        self._rooms = [_room(room) for _ in self._cuts[1:]]
+        self._rooms = [_room(max(rule.neighbours, 1)) for _ in self._cuts[1:]]
         self._pool = ThreadPoolExecutor(threads) if len(self._cuts) > 2 else None
         self._sort(0.0)
 
@@ -123,7 +117,7 @@ class Swarm:
     def _decide_for(self, begin: int, end: int, room: _Room, moving: Any) -> None:
         new = self._spare
         self._decide(
-            begin, end, self.steps, self._robots, self.kinds, self.grid, moving, self.rule, self._memory,
+            begin, end, self.steps, self._robots, self.kinds, self.grid, moving, self.rule,
             new.vx, new.vy, self._nearest2, room.near, room.outline, room.spare,
         )  # fmt: skip
         if self.safe:
@@ -135,10 +129,6 @@ class Swarm:
     def _sort(self, time_step_s: float) -> float:
         farthest2 = move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
         self._robots, self._spare = self._spare, self._robots
-        if len(self._memory.step_m):
-            for values, moved in zip(self._memory, self._spare_memory, strict=True):
-                rearrange(values, self._cell, moved)
-            self._memory, self._spare_memory = self._spare_memory, self._memory
         return float(np.sqrt(farthest2))
 
     def _in_order(self, x: Floats, y: Floats) -> Floats:
