@@ -85,7 +85,7 @@ def test_the_same_seed_gives_the_same_plan_on_any_number_of_threads() -> None:
 
 
 def test_thinned_trajectories_stay_as_near_as_stated_to_every_step() -> None:
-    asked = mission(swarm=SwarmSettings(thinning_m=0.05, most_steps=400))
+    asked = mission(swarm=SwarmSettings(controller="reciprocal", thinning_m=0.05, most_steps=400))
     plan = run_mission(asked, seed=5).plan
     ground = free_ground(asked)
     starts = place_starts(asked, ground, seed=5, reserve_m=0.05)
