@@ -32,8 +32,8 @@ def test_a_step_is_a_share_of_the_overlap_and_of_the_step_before() -> None:
         velocities_m_s=np.array([[2.0, 4.0], [0.0, 0.0]]),
     )  # fmt: skip
     swarm.step()
-    # 20 m of overlap: 5 m each; and 0.92 of 0.25 s at (2, 4) m/s
-    assert swarm.places_m == pytest.approx(np.array([[110 - 5 + 0.46, 100.92], [145, 100]]))
+    # 20 m of overlap: 6 m each; and 0.92 of 0.25 s at (2, 4) m/s
+    assert swarm.places_m == pytest.approx(np.array([[110 - 6 + 0.46, 100.92], [146, 100]]))
 
 
 @pytest.mark.parametrize(("low", "most_steps"), [(100.0, 1000), (1.0, 1600)], ids=["centre", "corner"])

@@ -7,7 +7,7 @@ from typing import Any
 from rota.planners.swarm.baseline_kernels import MANY_CAUSES, sum_of_overlaps, towards
 from rota.planners.swarm.kernels import compiled
 
-STIFFNESS = 0.25  # share of each overlap that a robot takes away in a step; measured: with more, swarms tremble
+STIFFNESS = 0.3  # share of each overlap that a robot takes away in a step; measured: with more, swarms tremble
 MOMENTUM = 0.92  # share of the last step that is made again
 
 
