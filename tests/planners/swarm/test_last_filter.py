@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist, squareform
 from tests.planners.swarm.conftest import PAPER, in_box
 
+from rota.planners.swarm.asked import DECIDE
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 
 
@@ -72,18 +73,23 @@ def test_bodies_never_touch_and_nobody_leaves(seed: int, count: int, speed: floa
             assert (between <= side - bodies[:, None] + 1e-12).all()
 
 
+@pytest.mark.parametrize("controller", DECIDE)
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(2, 25), neighbours=st.integers(0, 6))
-def test_the_published_controller_with_the_filter_never_touches(seed: int, count: int, neighbours: int) -> None:
+def test_no_controller_with_the_filter_lets_bodies_touch(
+    controller: str, seed: int, count: int, neighbours: int
+) -> None:
+    """Packed, with random velocities in the first snapshot: states that no controller would have come to."""
     rng = np.random.default_rng(seed)
     places, bodies = packed(rng, count, 20.0, 0.8)
     speeds = rng.uniform(-2, 2, (len(places), 2))
     like = {"body_m": bodies, "sensor_m": 5, "neighbour_range_m": 10, "wall_range_m": 5}
     rule = PAPER._replace(neighbours=neighbours)
-    swarm = in_box(places, (20, 20), rule=rule, velocities_m_s=speeds, **like)
+    swarm = in_box(places, (20, 20), rule=rule, velocities_m_s=speeds, decide=DECIDE[controller], **like)
     for _ in range(30):
         swarm.step()
         assert len(bodies) < 2 or apart(swarm.places_m, bodies) > -1e-12
+        assert (np.minimum(swarm.places_m, 20 - swarm.places_m) >= bodies[:, None] - 1e-12).all()
 
 
 def test_without_the_filter_the_same_robots_do_touch() -> None:
