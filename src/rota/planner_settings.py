@@ -95,8 +95,8 @@ class SwarmSettings:
     sensor radius, as in the paper); ``alpha`` of Eq. 15, how much a robot makes way for what moves and does not.
 
     ``wall_range_m``: walls farther off do not count (None: the robot's sensor radius). ``filter``: no step may make
-    bodies touch, or touch a wall. Steps take ``time_step_s``, until no robot moves by more than ``stop_m`` in one, or
-    for ``most_steps``. Thinning moves trajectories by no more than ``thinning_m`` at any time.
+    bodies touch, or touch a wall. Steps take ``time_step_s``, until no robot moves by more than ``stop_m`` in one
+    ("settle": in two), or for ``most_steps``. Thinning moves trajectories by no more than ``thinning_m`` at any time.
     """
 
     controller: Controller = "settle"

@@ -84,6 +84,25 @@ def test_the_same_seed_gives_the_same_plan_on_any_number_of_threads() -> None:
     assert run_mission(asked, seed=2).plan != one
 
 
+def test_a_run_with_momentum_does_not_end_where_a_robot_turns() -> None:
+    corridor = with_robots(robot("a", (15, 75)), area=MultiPolygon([box(0, 0, 40, 150)]))
+    swarm = make_swarm(corridor, free_ground(corridor), np.array([[15.0, 75.0]]), seed=0, reserve_m=0.01)
+    moved = [swarm.step() for _ in range(40)]
+    turn = next(k for k in range(1, 39) if moved[k - 1] > moved[k] < moved[k + 1])
+    settings = SwarmSettings(stop_m=moved[turn])
+    run = run_mission(dataclasses.replace(corridor, swarm=settings), seed=0)
+    assert run.at_rest
+    assert run.steps > turn + 1
+    assert abs(run.plan.trajectories[0].positions_m[-1, 0] - 20) < abs(15 - 20) / 4
+
+
+def test_a_seed_of_any_size_will_do() -> None:
+    settings = SwarmSettings(controller="reciprocal", velocity="sampled", samples=50, most_steps=3)
+    plans = [run_mission(mission(swarm=settings), seed=seed).plan for seed in (2**70, 2**70, 2**70 + 1)]
+    assert plans[0] == plans[1]
+    assert plans[0].trajectories != plans[2].trajectories
+
+
 def test_thinned_trajectories_stay_as_near_as_stated_to_every_step() -> None:
     asked = mission(swarm=SwarmSettings(controller="reciprocal", thinning_m=0.05, most_steps=400))
     plan = run_mission(asked, seed=5).plan

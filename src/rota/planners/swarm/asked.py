@@ -35,7 +35,10 @@ DECIDE: dict[str, Callable[..., None]] = {
     "virtual_force": decide_virtual_force,
     "settle": decide_settle,
 }
+# momentum carries robots through places where they stand still for a moment and are not at rest
+STEPS_AT_REST = {"reciprocal": 1, "voronoi": 1, "virtual_force": 1, "settle": 2}
 ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
+LARGEST_SEED = 2**63  # that compiled code can hold
 RANGE_PER_SENSOR = 2.04  # Table 2: 51 m for sensors of 25 m
 BLOCK = 256  # steps thinned at a time, so that a long run takes little memory
 
@@ -78,11 +81,12 @@ def run_mission(
     reserve_m = min(wish_m, _spare_room(mission, ground, starts, wish_m))
     swarm = make_swarm(mission, ground, starts, seed=seed, reserve_m=reserve_m, threads=threads)
     thinned_m = reserve_m if settings.filter else settings.thinning_m
-    log, at_rest = _Log(starts, thinned_m), False
+    log, still = _Log(starts, thinned_m), 0
+    needed = STEPS_AT_REST[settings.controller]
     observer = Observer(swarm, ground, settings.stop_m) if observed else None
-    while swarm.steps < settings.most_steps and not at_rest and not should_stop():
+    while swarm.steps < settings.most_steps and still < needed and not should_stop():
         began_s = time.perf_counter()
-        at_rest = swarm.step() <= settings.stop_m
+        still = still + 1 if swarm.step() <= settings.stop_m else 0
         if observer is not None:
             observer.note(time.perf_counter() - began_s)
         log.add(swarm.places_m)
@@ -91,7 +95,7 @@ def run_mission(
     names = [robot.name for robot in mission.fleet.robots or ()]
     plan = Plan(mission=mission, trajectories=log.trajectories(names, settings.time_step_s), seed=seed)
     history = None if observer is None else observer.history()
-    return SwarmRun(plan=plan, steps=swarm.steps, at_rest=at_rest, history=history)
+    return SwarmRun(plan=plan, steps=swarm.steps, at_rest=still >= needed, history=history)
 
 
 def free_ground(mission: Mission) -> MultiPolygon:
@@ -141,7 +145,7 @@ def rule_of(settings: SwarmSettings, seed: int) -> Rule:
         horizon_s=settings.horizon_s,
         alpha=settings.alpha,
         samples=settings.samples if settings.velocity == "sampled" else 0,
-        seed=seed,
+        seed=seed % LARGEST_SEED,
         time_step_s=settings.time_step_s,
     )
 
