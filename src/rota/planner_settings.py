@@ -112,7 +112,7 @@ class SwarmSettings:
     time_step_s: float = 0.25
     stop_m: float = 1e-5
     most_steps: int = 4000
-    thinning_m: float = 0.01
+    thinning_m: float = 0.05
 
     def __post_init__(self) -> None:
         choices = {"controller": Controller, "velocity": VelocityChoice, "boundary": SetBoundary}

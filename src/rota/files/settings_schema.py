@@ -67,4 +67,4 @@ class SwarmBlock(Block):
     time_step_s: Positive = 0.25
     stop_m: Positive = Field(1e-5, description="stop when no robot moves farther in a step")
     most_steps: Annotated[int, Field(strict=True, ge=1)] = 4000
-    thinning_m: NotNegative = Field(0.01, description="by which trajectories may be simplified")
+    thinning_m: NotNegative = Field(0.05, description="by which trajectories may be simplified")

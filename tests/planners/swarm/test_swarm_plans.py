@@ -86,7 +86,7 @@ def test_the_same_seed_gives_the_same_plan_on_any_number_of_threads() -> None:
 
 def test_a_run_with_momentum_does_not_end_where_a_robot_turns() -> None:
     corridor = with_robots(robot("a", (15, 75)), area=MultiPolygon([box(0, 0, 40, 150)]))
-    swarm = make_swarm(corridor, free_ground(corridor), np.array([[15.0, 75.0]]), seed=0, reserve_m=0.01)
+    swarm = make_swarm(corridor, free_ground(corridor), np.array([[15.0, 75.0]]), seed=0, reserve_m=0.05)
     moved = [swarm.step() for _ in range(40)]
     turn = next(k for k in range(1, 39) if moved[k - 1] > moved[k] < moved[k + 1])
     settings = SwarmSettings(stop_m=moved[turn])
@@ -176,9 +176,9 @@ def test_starts_that_cannot_be_are_refused(starts: list[tuple[float, float]], wo
 
 
 def test_more_robots_than_fit_are_refused() -> None:
-    # 39 m x 39 m for the centres holds 40 x 40 m of bodies of 5 m: at most 18 by area
+    # centres in 34.95 m x 34.95 m, bodies up to 5 m beyond: 34.95^2 + 4 x 34.95 x 5 + pi 5^2 = 1999 m2
     with pytest.raises(
-        MissionError, match=r"fleet.start.box: 30 bodies of 2356.19 m2 do not fit in 2\d\d\d.*larger box"
+        MissionError, match=r"fleet.start.box: 30 bodies of 2356.19 m2 do not fit in 1998.92 m2; .*larger box"
     ):
         run_mission(mission(robots=30, body_m=5), seed=0)
     with pytest.raises(MissionError, match="no room was found for robot robot-"):

@@ -86,8 +86,8 @@ def _require_to_fit(mission: Mission, room: MultiPolygon, robot: Robot) -> None:
     room_m2 = room.buffer(max(waiting)).area
     if bodies_m2 > room_m2 or (len(set(waiting)) == 1 and bodies_m2 > DENSEST * room_m2):
         raise MissionError(
-            f"{where}: {len(waiting)} bodies of {bodies_m2:.6g} m2 do not fit in {room_m2:.6g} m2; fewer robots or"
-            f" {larger} needed"
+            f"{where}: {len(waiting)} bodies of {bodies_m2:.6g} m2 do not fit in {room_m2:.6g} m2; give fewer"
+            f" robots or {larger}"
         )
 
 
@@ -102,5 +102,5 @@ def _free_place(
                 return float(x), float(y)
     where, larger = _where(mission)
     raise MissionError(
-        f"{where}: no room was found for robot {robot.name} in {TRIES} tries; fewer robots or {larger} needed"
+        f"{where}: no room was found for robot {robot.name} in {TRIES} tries; give fewer robots or {larger}"
     )
