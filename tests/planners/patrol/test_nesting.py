@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -21,10 +22,11 @@ from rota.planners.patrol.annealing.tour import (
     room_m,
     tour_length_m,
 )
-from rota.planners.patrol.nesting import nested, spare_m
+from rota.planners.patrol.nesting import nested, petals_of, spare_m
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, plan_of, prepared_with
 from rota.planners.patrol.splits import nest_bases, starts
+from rota.planners.patrol.timetable import paced_timetable
 
 
 @pytest.fixture(scope="module")
@@ -113,9 +115,35 @@ def test_spare_metres_by_hand(problem: Problem) -> None:
     hub = nest(problem)[0]
     # three rounds of 40 m less 1.15 x 20 m, four fifths of which are spent on the ground
     assert spare_m(hub, 20.0, 60.0) == pytest.approx(0.8 * 3 * (40 - 23), rel=1e-4)
-    assert spare_m(hub, 20.0, 39.0) == 0  # one round only
-    assert spare_m(replace(hub, robots=2), 20.0, 60.0) == 0
+    # one round only: a longer tour, and no excursion
+    assert petals_of(hub, 39.0) == 0
+    assert spare_m(hub, 20.0, 39.0) == pytest.approx(0.8 * (40 - 23), rel=1e-4)
+    # two robots have 80 m for each of their rounds, and still begin one every 20 s
+    assert spare_m(replace(hub, robots=2), 20.0, 60.0) == pytest.approx(0.8 * 3 * (80 - 23), rel=1e-4)
     assert spare_m(hub, 60.0, 60.0) == 0
+
+
+@pytest.mark.parametrize("robots", [2, 3, 4])
+def test_robots_of_one_hub_begin_its_rounds_in_turn(problem: Problem, robots: int) -> None:
+    hub, *petals, _ = nest(problem)
+    loops = driven([replace(hub, robots=robots), *petals])
+    assert [loop.robots for loop in loops] == [1] * robots
+    # a round takes as long as the longest: 24 + 16 m; three petals come round after three rounds of the whole hub
+    starts_s: list[float] = []
+    far_s: list[float] = []
+    rounds = 3 // math.gcd(3, robots)
+    for loop in loops:
+        assert loop.pace is not None
+        times, places = paced_timetable(loop.vertices_m, problem.robot, loop.pace)
+        assert times[-1] == pytest.approx(rounds * 20, rel=1e-5)
+        assert (np.hypot(*np.diff(places, axis=0).T) <= 2 * np.diff(times) * (1 + 1e-9)).all()
+        starts_s += times[:-1][(places[:-1] == [3, 9]).all(axis=1)].tolist()  # once a round of the hub
+        far_s += times[:-1][(places[:-1] == [17, 3]).all(axis=1)].tolist()  # the end of one petal
+    whole_s = rounds * 20 * (1 + 1e-6)
+    assert len(starts_s) == robots * rounds
+    assert np.diff(np.sort([*starts_s, min(starts_s) + whole_s])) == pytest.approx(20 / robots, abs=1e-3)
+    assert len(far_s) == robots * rounds // 3
+    assert np.diff(np.sort([*far_s, min(far_s) + whole_s])) == pytest.approx(3 * 20 / robots, abs=1e-3)
 
 
 def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> None:
@@ -135,16 +163,17 @@ def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> 
     assert nearest < slow.vertices_m[:, 0].max()
 
 
-def test_quick_ground_with_two_robots_gives_two_hubs(problem: Problem) -> None:
+def test_quick_ground_with_two_robots_gives_one_hub_or_two(problem: Problem) -> None:
     way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
     quick_m = replace(way.tours[0], robots=1).budget_m
     # the gate takes a robot and a half, which three robots would share with the rest as their loads are: one and two
     way = replace(way, ideal_m=[1.2 * quick_m, 2.1 * replace(way.tours[1], robots=1).budget_m])
-    first, second = nest_bases(problem, way, [1, 2], 3)
+    first, second, third = nest_bases(problem, way, [1, 2], 3)
     assert [tour.robots for tour in first.tours] == [1, 2]
-    assert [(tour.serves, tour.robots) for tour in second.tours] == [(0, 1), (0, 1), (1, 1)]
-    assert second.ideal_m[0] + second.ideal_m[1] == pytest.approx(1.2 * quick_m)
-    assert second.ideal_m[2] == way.ideal_m[1]
+    assert [(tour.serves, tour.robots) for tour in second.tours] == [(0, 2), (1, 1)]
+    assert [(tour.serves, tour.robots) for tour in third.tours] == [(0, 1), (0, 1), (1, 1)]
+    assert third.ideal_m[0] + third.ideal_m[1] == pytest.approx(1.2 * quick_m)
+    assert third.ideal_m[2] == way.ideal_m[1]
     # with two robots nothing would be left for the rest
     assert len(nest_bases(problem, way, [1, 1], 2)) == 1
 

@@ -140,7 +140,7 @@ WORK: dict[Effort, Work] = {
     "quick": Work(
         moves=300_000,
         most_moves=2_000_000,
-        screened=4,
+        screened=6,
         tries=2,
         coolings=4,
         repairs=12,
@@ -153,9 +153,9 @@ WORK: dict[Effort, Work] = {
     "normal": Work(
         moves=1_200_000,
         most_moves=10_000_000,
-        screened=6,
-        tries=3,
-        coolings=8,
+        screened=8,
+        tries=2,
+        coolings=4,
         repairs=20,
         groupings=8,
         least_squeeze=1.1,

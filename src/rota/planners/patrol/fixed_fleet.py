@@ -145,4 +145,4 @@ def joined_tour(problem: Problem, a: Tour, b: Tour) -> Tour:
     second = np.vstack([np.roll(b.vertices_m, -j, axis=0), b.vertices_m[j : j + 1]])
     way = problem.paths.paths_along(np.vstack([first, second, first[:1]]))[:-1]
     quick = a if a.serves <= b.serves else b
-    return replace(quick, vertices_m=way, robots=1)
+    return replace(quick, vertices_m=way, robots=1, pace=None)

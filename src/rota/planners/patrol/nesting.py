@@ -1,4 +1,4 @@
-"""Loops within loops: a robot of an urgent zone that makes an excursion into slower ground before each round."""
+"""Loops within loops: robots of an urgent zone that make excursions into slower ground between their rounds."""
 
 from __future__ import annotations
 
@@ -25,10 +25,15 @@ def can_nest(problem: Problem) -> bool:
     return robot.body_radius_m == 0 and robot.turn_rate_rad_s is None and not len(problem.rim_places_m)
 
 
+def petals_of(tour: Tour, slow_s: float) -> int:
+    """The excursions that fit into the slow period, one after each round of the hub; 0 when there is but one."""
+    petals = min(MOST_PETALS, math.floor(slow_s / tour.period_s + 1e-9))
+    return petals if petals > 1 else 0
+
+
 def spare_m(tour: Tour, ideal_m: float, slow_s: float) -> float:
-    """Metres per slow period that a tour of one robot can spend on excursions; 0 when it makes less than two rounds."""
-    rounds = min(MOST_PETALS, math.floor(slow_s / tour.period_s + 1e-9))
-    return TRAVEL * rounds * max(0.0, tour.budget_m - WINDING * ideal_m) if rounds >= 2 and tour.robots == 1 else 0.0
+    """Metres per slow period that the robots of a tour can spend on slow ground, by excursions or by a longer tour."""
+    return TRAVEL * max(1, petals_of(tour, slow_s)) * max(0.0, tour.budget_m - WINDING * ideal_m)
 
 
 def nested(
@@ -48,8 +53,10 @@ def nested(
         spare_m(tour, ideal, slow_s) if tour.part == part and tour.serves < tours[slow].serves else 0.0
         for tour, ideal in zip(tours, ideal_m, strict=True)
     ]
-    spare = [s if s > 2 * problem.swath_m else 0.0 for s in spare]
     room = (tours[slow].budget_m + sum(spare)) / ideal_m[slow]
+    spare = [
+        s if s > 2 * problem.swath_m and petals_of(tour, slow_s) else 0.0 for s, tour in zip(spare, tours, strict=True)
+    ]
     if not any(spare) or room < least_squeeze:
         return None
     left = grounds[slow].places
@@ -66,8 +73,7 @@ def nested(
             found.append(tours[k])
             continue
         taken, left = np.split(near, [count])
-        rounds = min(MOST_PETALS, math.floor(slow_s / tours[k].period_s + 1e-9))
-        found += nest_of(problem, tours[k], tours[slow], taken, rounds, len(found))
+        found += nest_of(problem, tours[k], tours[slow], taken, len(found))
     if all(tour.nest < 0 for tour in found):
         return None
     rest = tour_past(problem, problem.places_m[left], tours[slow].serves, part)
@@ -85,8 +91,9 @@ def nearest_first(problem: Problem, tour: Tour, places: Ints) -> Ints:
     return places[np.argsort(np.hypot(*apart.transpose(2, 0, 1)).min(axis=1), kind="stable")]
 
 
-def nest_of(problem: Problem, hub: Tour, slow: Tour, places: Ints, rounds: int, number: int) -> list[Tour]:
+def nest_of(problem: Problem, hub: Tour, slow: Tour, places: Ints, number: int) -> list[Tour]:
     """The hub and a petal for each of its rounds, all from the hub's vertex that is nearest to the places."""
+    rounds = petals_of(hub, slow.period_s)
     here_m = problem.places_m[places]
     start = int(np.argmin(np.hypot(*(hub.vertices_m - here_m.mean(axis=0)).T)))
     anchor_m = hub.vertices_m[start : start + 1]

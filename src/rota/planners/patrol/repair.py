@@ -18,6 +18,7 @@ from rota.planners.patrol.bodies.reroutes import rerouted
 from rota.planners.patrol.bodies.timing import timed_rounds
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.polish.search import Polish, can_polish
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rims import along_the_rim, with_reach_for
 from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare
@@ -35,6 +36,10 @@ DEAR = 20.0  # times what a sample is worth, while tours are tightened
 TIGHTER = 0.01  # share of the budgets to which they are tightened below them
 MOST_NEW_POINTS = 1_500
 MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
+BEND, ROOMY_BEND = 0.005, 0.02  # of the reach: how much farther than to what is missed tours are bent
+TIGHT = 0.02  # share of the budgets: tours that leave less of theirs are tight
+POLISHING = 25  # steps of linear programs in one round
+ROUNDING = 1e-6  # share of the budgets that sums of many legs may be off
 ON_ROUTE_M = 1e-7  # a place so near a route is on it
 MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
 MOST_REROUTES = 3  # for the sake of bodies
@@ -98,29 +103,42 @@ def plan_of(problem: Problem, tours: Sequence[Tour], seed: int, names: Sequence[
     )
 
 
-def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add: bool, rounds: int) -> Settled:
+def settle(
+    context: Context,
+    tours: list[Tour],
+    extra: SamplePoints,
+    *,
+    may_add: bool,
+    rounds: int,
+    annealed: bool = False,
+) -> Settled:
     """Mend the tours until the judge passes their plan, they outgrow their budgets, or ``rounds`` are over.
 
-    With ``may_add`` a tour that outgrows its budget gets another robot. Returns the last state.
+    With ``may_add`` a tour that outgrows its budget gets another robot. annealed: the tours see nearly everything and
+    are about as short as they can be, so that linear programs find the rest. Returns the last state.
     """
     problem = context.problem
+    polishes = annealed and can_polish(problem)
     turn, stuck, reroutes = 0, 0, 0
     complaints = -1
     while True:
         points, samples = prepared_with(problem, extra)
-        tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
+        if polishes:
+            tours = bent(context, tours, points, samples, seed=context.seed + turn)
+        else:
+            tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
         tours = along_the_rim(
             tours, problem.rim_places_m, problem.space, problem.paths,
             near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
         )  # fmt: skip
         if may_add:
             tours = [with_robots(tour) for tour in tours]
-        elif over_budget_share(tours) > 0:
+        elif not polishes and over_budget_share(tours) > 0:
             tours = tightened(context, tours, samples, seed=context.seed + turn)
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
         turn += 1
-        found = new_points(problem, tours, verdict, turn)
+        found = new_points(problem, tours, verdict, turn, further_m=bend_m(problem, tours) if polishes else 0.0)
         settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
         stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
         complaints = len(verdict.unmet_points_m)
@@ -142,6 +160,19 @@ def settle(context: Context, tours: list[Tour], extra: SamplePoints, *, may_add:
                 place = nearby_place(problem, found.xy_m[i], float(found.visit_m[i]), stuck)
                 if place is not None:
                     tours = led_past(problem, tours, place, int(found.period[i]))
+
+
+def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
+    """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
+    problem = context.problem
+    search = Polish(problem, tours, samples, reserve=ROUNDING)
+    search.run(POLISHING, should_stop=context.should_stop)
+    if not search.some_far:
+        return search.tours
+    longer = see_the_rest(context, search.tours, points, samples, seed=seed)
+    search = Polish(problem, longer, samples, reserve=ROUNDING)
+    search.run(POLISHING, should_stop=context.should_stop)
+    return search.tours
 
 
 def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bool) -> list[Tour] | None:
@@ -170,11 +201,24 @@ def with_robots(tour: Tour) -> Tour:
     return replace(tour, robots=max(tour.robots, needed))
 
 
-def new_points(problem: Problem, tours: Sequence[Tour], verdict: Verdict, turn: int) -> SamplePoints:
-    """The places that the judge found unmet, as samples; of a crowd of them a few, more and nearer in every round."""
+def bend_m(problem: Problem, tours: Sequence[Tour]) -> float:
+    """How much farther than to what is missed tours are bent, the less the tighter they are.
+
+    One bend then closes all of a sliver, not just the part of it round the point that was found.
+    """
+    return (ROOMY_BEND if over_budget_share(tours, TIGHT) == 0 else BEND) * problem.reach_m
+
+
+def new_points(
+    problem: Problem, tours: Sequence[Tour], verdict: Verdict, turn: int, *, further_m: float
+) -> SamplePoints:
+    """The places that the judge found unmet, as samples; of a crowd of them a few, more and nearer in every round.
+
+    further_m: by how much less than they reach sensors are taken to reach for them.
+    """
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
     grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
-    shrink_m = turn * 0.25 * problem.range_margin_m
+    shrink_m = further_m + turn * 0.25 * problem.range_margin_m
     found = [no_points()]
     for k, demand in enumerate(verdict.demands):
         xy = verdict.unmet_points_m[verdict.unmet_demand == k]

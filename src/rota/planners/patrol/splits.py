@@ -14,7 +14,6 @@ from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
 from rota.planners.patrol.start.standing import robots_stand
 
-THERE_AND_BACK = 1.1  # loops within loops over one tour of the same ground
 NEST_BELOW = 1.4  # budgets over ideal lengths, below which loops within loops are tried
 MOST_APART = 64  # robots, beyond which each on a tour of its own is not tried
 
@@ -107,19 +106,35 @@ def squeezes(start: Start, counts: list[int]) -> Iterator[tuple[int, float]]:
 
 
 def nest_bases(problem: Problem, start: Start, counts: list[int], robots: int) -> list[Start]:
-    """What loops within loops may be built on: the robots as their loads are, or as few on slow ground as can be.
+    """What loops within loops may be built on: the robots as their loads are, or as few on quick ground as can be.
 
-    In the second every quick ground has as many robots as it needs, each a hub of its own, and the slowest the rest.
+    In the second every quick ground has as many robots as it needs, that take turns on one hub, and the slowest the
+    rest; in the third each of these robots has a hub of its own.
     """
-    shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
-    bases = [replace(start, tours=shared)]
+    bases = [with_counts(start, counts)]
     one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
     load = [m / b for m, b in zip(start.ideal_m, one_m, strict=True)]
     slow = slowest(start.tours, load)
     needed = [1 if k == slow else max(1, math.ceil(WINDING * x)) for k, x in enumerate(load)]
     needed[slow] += robots - sum(needed)
-    if needed[slow] < 1 or (needed == counts and max((n for k, n in enumerate(needed) if k != slow), default=1) == 1):
+    if needed[slow] < 1:
         return bases
+    if needed != counts:
+        bases.append(with_counts(start, needed))
+    if max((n for k, n in enumerate(needed) if k != slow), default=1) > 1:
+        alone = hubs_apart(problem, start, needed, slow)
+        if sum(tour.robots for tour in alone.tours) == robots:
+            bases.append(alone)
+    return bases
+
+
+def with_counts(start: Start, counts: list[int]) -> Start:
+    """The start with so many robots on each of its tours."""
+    return replace(start, tours=[replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)])
+
+
+def hubs_apart(problem: Problem, start: Start, needed: list[int], slow: int) -> Start:
+    """The start with so many robots, each of them on a tour of its own but for those of the slowest tour."""
     hubs: list[tuple[Ground, Tour, float]] = []
     for k, (ground, tour, ideal_m) in enumerate(zip(start.grounds, start.tours, start.ideal_m, strict=True)):
         apart = tours_apart(problem, ground, needed[k]) if k != slow and needed[k] > 1 else [tour]
@@ -127,11 +142,7 @@ def nest_bases(problem: Problem, start: Start, counts: list[int], robots: int) -
         for one in apart:
             share = tour_length_m(one) / whole_m if whole_m > 0 else 1 / len(apart)
             hubs.append((ground, replace(one, robots=needed[k] if k == slow else 1), share * ideal_m))
-    if sum(tour.robots for _, tour, _ in hubs) == robots:
-        bases.append(
-            Start(grounds=[g for g, _, _ in hubs], tours=[t for _, t, _ in hubs], ideal_m=[m for *_, m in hubs])
-        )
-    return bases
+    return Start(grounds=[g for g, _, _ in hubs], tours=[t for _, t, _ in hubs], ideal_m=[m for *_, m in hubs])
 
 
 def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iterator[Split]:
@@ -140,7 +151,7 @@ def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iter
     The way to every piece of slow ground and back makes them longer than a tour of it all.
     """
     for base in bases:
-        nest = nested(problem, base.grounds, base.tours, base.ideal_m, THERE_AND_BACK * least_squeeze)
+        nest = nested(problem, base.grounds, base.tours, base.ideal_m, least_squeeze)
         latest = max(tour.serves for tour in base.tours)
         hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < latest]
         if nest is not None and min(hubs, default=math.inf) >= least_squeeze:
@@ -169,7 +180,7 @@ def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: floa
         if counts is None:
             continue
         room = squeeze(start, counts)
-        shared = [replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)]
+        shared = with_counts(start, counts).tours
         if can_nest(problem) and room < NEST_BELOW:
             nests += nests_on(problem, nest_bases(problem, start, counts, robots), least_squeeze)
         if room < least_squeeze:

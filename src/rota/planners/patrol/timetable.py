@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from rota.mission import Robot
 from rota.plan import Trajectory
-from rota.planners.patrol.annealing.tour import turns_rad, without_repeats
+from rota.planners.patrol.annealing.tour import Pace, turns_rad, without_repeats
 
 Floats = NDArray[np.float64]
 
 SLOWER = 1 - 1e-6  # below full speed, so that rounding of times never shows as speeding
+LEAST_WAIT_S = 1e-6
 SHORTEST_LEG_M = 1e-5  # shorter legs would be timed to fewer digits than the check asks
 
 
@@ -54,8 +55,29 @@ def stretched(times_s: Floats, places_m: Floats, duration_s: float) -> tuple[Flo
     return later_s, places_m
 
 
-def thinned(vertices_m: Floats) -> Floats:
-    """The closed polyline without repeats, without legs too short to be timed, and without vertices along straights."""
+def paced_timetable(vertices_m: Floats, robot: Robot, pace: Pace) -> tuple[Floats, Floats]:
+    """Times (k,) and places (k, 2) of all rounds of a robot that keeps step with others: it waits where one ends early.
+
+    Turning takes no time. Begins its lead into the first round.
+    """
+    speed_m_s = robot.speed_m_s * SLOWER
+    round_s = pace.round_m / speed_m_s
+    times_s, places = [np.zeros(1)], [vertices_m[:1]]
+    for k, one in enumerate(np.split(vertices_m, pace.first[1:])):
+        ring = timeable(one)
+        ends = np.roll(ring, -1, axis=0)
+        here_s = np.cumsum(np.hypot(*(ends - ring).T)) / speed_m_s
+        if round_s - here_s[-1] > LEAST_WAIT_S:
+            here_s, ends = np.append(here_s, round_s), np.vstack([ends, ends[-1:]])
+        here_s[-1] = round_s
+        keep = here_s > 0
+        times_s.append(k * round_s + here_s[keep])
+        places.append(ends[keep])
+    return started_at(np.concatenate(times_s), np.vstack(places), pace.lead_m / speed_m_s)
+
+
+def timeable(vertices_m: Floats) -> Floats:
+    """The closed polyline without repeats and without legs too short to be timed; the first vertex stays."""
     vertices_m = without_repeats(vertices_m)
     keep = [0]
     for i in range(1, len(vertices_m)):
@@ -63,7 +85,12 @@ def thinned(vertices_m: Floats) -> Floats:
             keep.append(i)
     while len(keep) > 1 and np.hypot(*(vertices_m[keep[-1]] - vertices_m[0])) < SHORTEST_LEG_M:
         keep.pop()
-    vertices_m = vertices_m[keep]
+    return vertices_m[keep]
+
+
+def thinned(vertices_m: Floats) -> Floats:
+    """The closed polyline as it can be timed, without vertices along straights."""
+    vertices_m = timeable(vertices_m)
     bends = turns_rad(vertices_m) > 1e-12
     return vertices_m[bends] if bends.sum() >= 2 else vertices_m
 

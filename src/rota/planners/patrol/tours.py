@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from itertools import zip_longest
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +22,12 @@ from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
 from rota.planners.patrol.districts.search import fewest_on_large, is_large
 from rota.planners.patrol.fixed_fleet import counted, worst_reached
+from rota.planners.patrol.polish.search import Polish, can_polish
 from rota.planners.patrol.problem import Problem, bounded_as_asked, set_up_problem
 from rota.planners.patrol.proved_bound import ProvedBound
-from rota.planners.patrol.repair import Settled, no_points, prepared_with, settle
+from rota.planners.patrol.repair import TIGHT, Settled, no_points, prepared_with, settle
 from rota.planners.patrol.samples import SamplePoints
-from rota.planners.patrol.splits import Start, robots_each, splits, squeeze, starts, winding
+from rota.planners.patrol.splits import Split, Start, robots_each, splits, squeeze, starts, winding
 from rota.planners.patrol.start.standing import over_prices
 from rota.planners.patrol.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.watching import searched
@@ -36,15 +38,32 @@ Floats = NDArray[np.float64]
 EFFORTS: tuple[Effort, ...] = ("quick", "normal", "high")
 # of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
-RESERVE, DEAR_RESERVE = 0.03, 0.015  # shares of the budgets left for the mending, the second when all must be seen
+RESERVE = 0.03  # share of the budgets left for the mending while most of the tour's shape is found
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
 HOPELESS = 0.045  # share of the ground unseen after a quarter of the moves: all of them bring down a fifth of it
 NEST_HOPELESS = 0.09  # the same for loops within loops, of which they bring down four fifths
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
 COOLEST = 1 / 32  # of the reach: heat of the last annealings
 OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
-COOL, DEAR = 1 / 8, 6.0  # heat at which everything must be seen, and how many times more than usual that is worth then
-SCREENED = 0.25  # share of the moves that all splits get before the best of them get all
+COOL, DEAR, LAST_RESERVE = 1 / 8, 6.0, 0.0075  # of annealings that begin from mended tours
+GAINING = 0.8  # of what tours are over budget after the last mending: more, and they will not come within it
+SHORTENING = 40  # steps of linear programs before the first mending
+SCREENING = 50_000  # moves that all splits get before the best of them get all
+NEST_GAIN = 0.8  # what loops within loops lack then, over what others lack that come as far in the end
+
+
+class Stage(NamedTuple):
+    """Of an annealing: its heat, of the reach; how many times more than usual it is worth to see anything; the reserve.
+
+    The heat is that of its beginning.
+    """
+
+    heat: float
+    dear: float
+    reserve: float
+
+
+LAST_STAGES = (Stage(1 / 4, 3.0, 0.01), Stage(1 / 16, 12.0, 0.005))  # before the first mending
 
 
 def plan_patrol(
@@ -206,30 +225,43 @@ def surely_enough(ways: list[Start]) -> int:
 def with_so_many(context: Context, ways: list[Start], robots: int, *, least_squeeze: float) -> Settled | None:
     """A plan with so many robots that the judge passes, or None.
 
-    All splits are annealed a little; then the most promising ones in full, one after the other. Loops within loops
-    take longer to find their shape, and are tried by the room that they have, in turn with the others.
+    All splits are annealed a little; then the most promising ones in full, as many at a time as there are cores. Of
+    those that pass, the most promising one is taken, whichever was ready first.
     """
-    begun = splits(context.problem, ways, robots, least_squeeze)[: context.work.screened]
-    if len(begun) > 1:
-        share = int(SCREENED * context.work.moves)
-        tours = [split.tours for split in begun]
-        searches = annealed_all(context, tours, moves=share, seed=context.seed + 1000 * robots)
-        hopeless = [(NEST_HOPELESS if split.nests else HOPELESS) for split in begun]
-        some = [i for i in range(len(begun)) if searches[i].unseen_share <= hopeless[i]]
-        plain = sorted((i for i in some if not begun[i].nests), key=lambda i: (searches[i].shortfall_m, i))
-        nests = [i for i in some if begun[i].nests]
-        roomy = max((split.room for split in begun if not split.nests), default=0.0)
-        if nests and begun[nests[0]].room > roomy:
-            plain, nests = nests, plain
-        order = [i for pair in zip_longest(plain, nests) for i in pair if i is not None]
-        begun = [replace(begun[i], tours=searches[i].tours) for i in order]
-    for turn, split in enumerate(begun[: context.work.tries]):
-        if context.should_stop():
-            break
-        found = anneal_and_settle(context, split.tours, seed=context.seed + 1000 * robots + 100 * turn)
-        if found is not None:
-            return found
+    begun = promising(context, splits(context.problem, ways, robots, least_squeeze), seed=context.seed + 1000 * robots)
+    passed = [False] * context.work.tries
+
+    def settled(turn: int) -> Settled | None:
+        here = replace(context, should_stop=lambda: context.should_stop() or any(passed[:turn]))
+        found = anneal_and_settle(here, begun[turn], seed=context.seed + 1000 * robots + 100 * turn)
+        passed[turn] = found is not None
+        return found
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for found in pool.map(settled, range(min(len(begun), context.work.tries))):
+            if found is not None:
+                return found
     return None
+
+
+def promising(context: Context, begun: list[Split], *, seed: int) -> list[list[Tour]]:
+    """The tours of the splits after a little annealing, the least shortfall first; none of those without hope.
+
+    Loops within loops take longer to find their shape.
+    """
+    if len(begun) < 2:
+        return [split.tours for split in begun]
+    some = (context.work.screened + 1) // 2
+    begun = [
+        *[split for split in begun if not split.nests][:some],
+        *[split for split in begun if split.nests][:some],
+    ]
+    searches = annealed_all(context, [split.tours for split in begun], moves=SCREENING, seed=seed)
+    ranked = []
+    for split, search in zip(begun, searches, strict=True):
+        if search.unseen_share <= (NEST_HOPELESS if split.nests else HOPELESS):
+            ranked.append(((NEST_GAIN if split.nests else 1.0) * search.shortfall_m, search.tours))
+    return [tours for _, tours in sorted(ranked, key=lambda one: one[0])]
 
 
 def annealed_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: int) -> list[Annealing]:
@@ -246,27 +278,48 @@ def annealed_all(context: Context, begun: list[list[Tour]], *, moves: int, seed:
 def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Settled | None:
     """Anneal, then mend; while that fails narrowly, anneal again from there, cooler, knowing what the judge missed.
 
-    The settled plan if the judge passed it within the budgets.
+    The settled plan if the judge passed it within the budgets. What is unseen becomes dearer and the reserve smaller as
+    it cools: mending takes many times the metres that a little more annealing does.
     """
     extra = no_points()
-    reach_m, work = context.problem.reach_m, context.work
+    problem, work = context.problem, context.work
+    reach_m = problem.reach_m
     search = annealed(context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed)
-    for turn in range(work.coolings):
+    least_over = math.inf
+    stages = [*LAST_STAGES, *(Stage(COOL / 2**turn, DEAR, LAST_RESERVE / 2**turn) for turn in range(1, work.coolings))]
+    for turn, stage in enumerate(stages):
         if search.unseen_share > UNSEEN or search.over_budget_share > OVER:
             break
-        heat_m = max(COOL / 2**turn, COOLEST) * reach_m
         search = annealed(
-            context, search.tours, extra, heat_m=heat_m, moves=work.moves // 2, seed=seed + 1 + turn, dear=DEAR
-        )
-        found = settle(context, search.tours, extra, may_add=False, rounds=work.repairs)
+            context, search.tours, extra,
+            heat_m=max(stage.heat, COOLEST) * reach_m, moves=work.moves // 2, seed=seed + 1 + turn, stage=stage,
+        )  # fmt: skip
+        if turn + 1 < len(LAST_STAGES):
+            continue
+        tours = shortened(context, search.tours, extra)
+        found = settle(context, tours, extra, may_add=False, rounds=work.repairs, annealed=True)
         if found.met and found.fits:
             return found
         if context.should_stop() or over_budget_share(found.tours) > OVER:
             break
         if found.fits and not len(found.verdict.unmet_points_m):
             break  # everything is seen in time, but bodies meet: they would on any tour much like this
-        extra = found.extra
+        over = over_budget_share(found.tours)
+        if over > GAINING * least_over:
+            break
+        least_over, extra = over, found.extra
     return None
+
+
+def shortened(context: Context, tours: list[Tour], extra: SamplePoints) -> list[Tour]:
+    """The tours as short as they can be bent while they see as much, so that mending has most to spend."""
+    problem = context.problem
+    if not can_polish(problem) or over_budget_share(tours, TIGHT) == 0:
+        return tours
+    _, samples = prepared_with(problem, extra)
+    search = Polish(problem, tours, samples, length_price=PRICE)
+    search.run(SHORTENING, should_stop=context.should_stop)
+    return search.tours
 
 
 def annealed(
@@ -277,14 +330,14 @@ def annealed(
     heat_m: float,
     moves: int,
     seed: int,
-    dear: float | None = None,
+    stage: Stage | None = None,
 ) -> Annealing:
     """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
 
-    dear: how many times more than usual it is worth to see anything (None: as the context says); corners are not worth
-    their detours otherwise.
+    stage: how many times more than usual it is worth to see anything, for corners are not worth their detours
+    otherwise, and the reserve (None: as the context says, and ``RESERVE``).
     """
-    dear = context.dear if dear is None else dear
+    dear = context.dear if stage is None else max(context.dear, stage.dear)
     problem = context.problem
     points, samples = prepared_with(problem, extra)
     search = Annealing(
@@ -295,7 +348,7 @@ def annealed(
         over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
         range_margin_m=problem.range_margin_m,
-        reserve=RESERVE if dear < DEAR else DEAR_RESERVE,
+        reserve=RESERVE if stage is None else stage.reserve,
     )
     corners = sum(len(tour.vertices_m) for tour in tours)
     moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))

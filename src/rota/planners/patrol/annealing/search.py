@@ -55,7 +55,7 @@ class Annealing:
         reserve: float = 0.0,
     ) -> None:
         """price, over_price: (k,) cost per metre of each tour, and above its budget less the reserve (a share)."""
-        self._tours = [replace(t, vertices_m=without_repeats(t.vertices_m)) for t in tours]
+        self._tours = [replace(t, vertices_m=without_repeats(t.vertices_m), pace=None) for t in tours]
         self._samples = samples
         self._space = space
         self._price, self._over_price = price, over_price
@@ -164,7 +164,12 @@ class Annealing:
     @property
     def unseen_share(self) -> float:
         """Weight of the samples that no tour sees, as a share of all."""
-        return float(self._samples.weight[self.unseen_samples].sum() / self._samples.weight.sum())
+        return self.unseen_m / float(self._samples.weight.sum())
+
+    @property
+    def unseen_m(self) -> float:
+        """Weight of the samples that no tour sees: the metres that it is worth to see them."""
+        return float(self._samples.weight[self.unseen_samples].sum())
 
     @property
     def over_budget_share(self) -> float:

@@ -16,14 +16,28 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
+class Pace:
+    """How a robot keeps step with others that go round the same hub.
+
+    first: the vertices at which its rounds begin. round_m: metres that it could travel in the time of each round; it
+    waits where a round is shorter. lead_m: by how much, in such metres, it is past the beginning of the first.
+    """
+
+    first: tuple[int, ...]
+    round_m: float
+    lead_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Tour:
     """A closed polyline served by one or more equally spaced robots.
 
     vertices_m: (n, 2), n >= 1; the last leg leads back to the first vertex. serves: the shortest period class whose
     points it may count as seen; ``period_s`` is that class's period; part: the part of the standing space it lies in.
-    nest: tours of one number (not -1), which follow each other, are one robot's: it goes round the first, the hub, once
-    in each period, and before each round makes one of the others, its petals, in turn. All begin at the same vertex;
-    petals have no robots of their own.
+    nest: tours of one number (not -1), which follow each other, belong together: in each period the first, the hub, is
+    gone round once, and after each round one of the others, its petals, in turn. All begin at the same vertex; petals
+    have no robots of their own. Several robots of a hub begin its rounds in turn.
+    pace: only of a tour as it is driven, by one robot, in step with others.
     """
 
     vertices_m: Floats
@@ -33,6 +47,7 @@ class Tour:
     robot: Robot
     part: int = 0
     nest: int = -1
+    pace: Pace | None = None
 
     @property
     def budget_m(self) -> float:
@@ -103,9 +118,9 @@ def hubs_and_petals(tours: Sequence[Tour]) -> tuple[Ints, Ints]:
 
 
 def whole_budget_m(tours: Sequence[Tour], hub: int, petals: Ints) -> float:
-    """Metres in which a robot may drive all rounds of a nest: the shortest period of a petal; inf without petals."""
-    one = replace(tours[hub], robots=1).budget_m / tours[hub].period_s
-    return min((one * tours[k].period_s for k in range(petals[0], petals[1])), default=math.inf)
+    """Metres in which all rounds of a nest may be driven: the shortest period of a petal; inf without petals."""
+    per_s = tours[hub].budget_m / tours[hub].period_s
+    return min((per_s * tours[k].period_s for k in range(petals[0], petals[1])), default=math.inf)
 
 
 def excesses(tours: Sequence[Tour]) -> list[tuple[float, float]]:
@@ -123,9 +138,9 @@ def excesses(tours: Sequence[Tour]) -> list[tuple[float, float]]:
     return found
 
 
-def over_budget_share(tours: Sequence[Tour]) -> float:
-    """The greatest excess over a budget, as a share of the budget; 0 when all are kept."""
-    return max(0.0, *(excess / budget for excess, budget in excesses(tours)))
+def over_budget_share(tours: Sequence[Tour], reserve: float = 0.0) -> float:
+    """The greatest excess over a budget less a reserve (a share of it), as a share of the budget; 0: all are kept."""
+    return max(0.0, *(excess / budget + reserve for excess, budget in excesses(tours)))
 
 
 def room_m(tours: Sequence[Tour], k: int) -> float:
@@ -141,9 +156,9 @@ def room_m(tours: Sequence[Tour], k: int) -> float:
 
 
 def driven(tours: Sequence[Tour]) -> list[Tour]:
-    """The tours as robots drive them: of each nest one long tour, hub and petals in turn, at the slow period.
+    """The tours as robots drive them: of each nest one long tour a robot, hub and petals in turn, at the slow period.
 
-    Rounds whose petal is empty are left out: what they see is seen again sooner.
+    Rounds of a robot alone whose petal is empty are left out: what they see is seen again sooner.
     """
     found = []
     for hub, *all_petals in nests(tours):
@@ -151,8 +166,33 @@ def driven(tours: Sequence[Tour]) -> list[Tour]:
         if not petals:
             found.append(replace(tours[hub], nest=-1))
             continue
+        if tours[hub].robots > 1:
+            found += in_step(tours, hub, all_petals)
+            continue
         ring = tours[hub].vertices_m
         vertices_m = np.vstack([part for k in petals for part in (ring, tours[k].vertices_m)])
         slow_s = min(tours[k].period_s for k in petals)
         found.append(replace(tours[hub], vertices_m=without_repeats(vertices_m), period_s=slow_s, nest=-1))
     return found
+
+
+def in_step(tours: Sequence[Tour], hub: int, petals: Sequence[int]) -> Iterator[Tour]:
+    """The tour of each robot of one hub: they begin rounds of equal time in turn, and each round has the next petal.
+
+    With as many petals as is no multiple of the robots, every robot comes to make them all.
+    """
+    robots, ring = tours[hub].robots, tours[hub].vertices_m
+    round_m = tour_length_m(tours[hub]) + max(tour_length_m(tours[k]) for k in petals)
+    each = len(petals) // math.gcd(len(petals), robots)
+    for i in range(robots):
+        own = [petals[(i + k * robots) % len(petals)] for k in range(each)]
+        rounds = [np.vstack([ring, tours[k].vertices_m]) for k in own]
+        first = np.cumsum([0, *(len(way) for way in rounds[:-1])])
+        yield replace(
+            tours[hub],
+            vertices_m=np.vstack(rounds),
+            robots=1,
+            period_s=min(tours[k].period_s for k in petals),
+            nest=-1,
+            pace=Pace(first=tuple(int(v) for v in first), round_m=round_m, lead_m=-i * round_m / robots),
+        )

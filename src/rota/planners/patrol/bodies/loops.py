@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rota.planners.patrol.annealing.tour import Tour
-from rota.planners.patrol.timetable import loop_timetable
+from rota.planners.patrol.timetable import loop_timetable, paced_timetable
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -79,8 +79,11 @@ class Grid(NamedTuple):
 
 
 def loop_of(tour: Tour) -> Loop:
-    """The tour's round at full speed."""
-    times_s, places_m = loop_timetable(tour.vertices_m, tour.robot)
+    """The tour's round at full speed, or in step with others."""
+    if tour.pace is None:
+        times_s, places_m = loop_timetable(tour.vertices_m, tour.robot)
+    else:
+        times_s, places_m = paced_timetable(tour.vertices_m, tour.robot, tour.pace)
     return Loop(
         times_s=times_s,
         places_m=places_m,
