@@ -14,44 +14,18 @@ from shapely import MultiPolygon, Point, Polygon, box, union_all
 from rota.errors import MissionError
 from rota.planner_settings import (
     METHODS as METHODS,
-)
-from rota.planner_settings import (
     Controller as Controller,
-)
-from rota.planner_settings import (
     DeploymentMethod as DeploymentMethod,
-)
-from rota.planner_settings import (
     Effort as Effort,
-)
-from rota.planner_settings import (
     FramePartition as FramePartition,
-)
-from rota.planner_settings import (
     FrameTour as FrameTour,
-)
-from rota.planner_settings import (
     Method as Method,
-)
-from rota.planner_settings import (
     PatrolSettings as PatrolSettings,
-)
-from rota.planner_settings import (
     SegmentRoutes as SegmentRoutes,
-)
-from rota.planner_settings import (
     SetBoundary as SetBoundary,
-)
-from rota.planner_settings import (
     Sun2019 as Sun2019,
-)
-from rota.planner_settings import (
     SwarmSettings as SwarmSettings,
-)
-from rota.planner_settings import (
     VelocityChoice as VelocityChoice,
-)
-from rota.planner_settings import (
     require,
     require_positive,
 )

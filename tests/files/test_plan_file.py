@@ -13,8 +13,7 @@ import jsonschema
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from shapely import MultiPolygon, Polygon, box
 
 from rota.errors import PlanError, RotaError

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, seed, settings
-from hypothesis import strategies as st
+from hypothesis import given, seed, settings, strategies as st
 from shapely import MultiPolygon, Point, Polygon, affinity, box
 
 from rota.errors import MissionError

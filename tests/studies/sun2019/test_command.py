@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from rota.cli import run
-from rota.studies.sun2019 import runs as runs_module
-from rota.studies.sun2019 import study as study_module
+from rota.studies.sun2019 import runs as runs_module, study as study_module
 from rota.studies.sun2019.runs import Runs, StudySettings
 from rota.studies.sun2019.section import Section
 

@@ -26,8 +26,8 @@ from rota.planners.patrol.fixed_fleet import (
     parts_started_in,
     plan_for_fixed_fleet,
     touching,
+    with_so_many as joined_or_helped,
 )
-from rota.planners.patrol.fixed_fleet import with_so_many as joined_or_helped
 from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m2_s
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rate_bound import swept_robots

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, seed, settings
-from hypothesis import strategies as st
+from hypothesis import given, seed, settings, strategies as st
 
 from rota.planners.patrol.sun2019.frame_settings import PartitionSettings
 from rota.planners.patrol.sun2019.partition import partition_frame
