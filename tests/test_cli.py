@@ -110,7 +110,7 @@ def test_seed_effort_and_time_limit_reach_the_planner(yard: Path, use: Use) -> N
     asked: list[tuple[int, str]] = []
 
     def planner(mission: Mission, *, seed: int, should_stop: Callable[[], bool], **_: Any) -> Plan:
-        asked.append((seed, mission.planning.effort))
+        asked.append((seed, mission.patrol.effort))
         while len(asked) == 2 and not should_stop():
             pass
         return answer(mission)

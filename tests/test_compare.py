@@ -45,9 +45,9 @@ def stand_in(mission: Mission, **_: Any) -> Plan:
     plan = Plan(
         mission=mission, trajectories=(loop("robot-1", square), loop("robot-2", square, 4.5)), lower_bound_robots=1
     )
-    if mission.planning.method == "parallel":
+    if mission.patrol.method == "parallel":
         raise NoPlanFound("nobody can stand anywhere")
-    if mission.planning.method == "decomposition":
+    if mission.patrol.method == "decomposition":
         stays = Trajectory(robot="robot-1", times_s=[0.0], positions_m=[(-50.0, 0.0)])
         raise NoPlanFound("too far away", best=Plan(mission=mission, trajectories=(stays,), lower_bound_robots=1))
     return plan

@@ -16,7 +16,7 @@ from shapely import Point, box, union_all
 from rota.cli import run
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan
-from rota.mission import DiscSensor, Mission
+from rota.mission import DiscSensor, Mission, SwarmSettings
 from rota.planners.patrol.lower_bound import area_rate_bound
 
 PROJECT = Path(__file__).parents[1]
@@ -147,7 +147,7 @@ def test_the_swarm_s_square_is_the_small_case_of_chen_2018() -> None:
     assert mission.area.equals(box(0, 0, 250, 250))
     assert {(r.body_radius_m, r.sensor, r.speed_m_s) for r in robots} == {(0.5, DiscSensor(radius_m=25), 2)}
     assert len(robots) * math.pi * 25**2 / mission.area.area == pytest.approx(0.7854, abs=1e-4)
-    assert mission.swarm is not None
+    assert isinstance(mission.planning, SwarmSettings)
     assert (mission.swarm.time_step_s, mission.swarm.stop_m, mission.swarm.neighbours) == (0.25, 1e-5, 4)
 
 

@@ -36,7 +36,7 @@ def test_a_seed_is_a_mission(missions: list[Mission]) -> None:
     assert [random_mission(seed) for seed in (3, 0, 41)] == [missions[seed] for seed in (3, 0, 41)]
     assert len({mission.area.wkb for mission in missions}) == len(missions)
     assert [mission.name for mission in missions] == [f"random-{seed}" for seed in range(200)]
-    assert {mission.planning.effort for mission in missions} == {"quick"}
+    assert {mission.patrol.effort for mission in missions} == {"quick"}
     # in whole centimetres, but free of any grid, which everything made of a shape would inherit
     for shape in (shape for mission in missions for shape in (mission.area, *(o.shape for o in mission.obstacles))):
         corners_cm = 100 * shapely.get_coordinates(shape)

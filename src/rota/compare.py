@@ -128,7 +128,7 @@ def outcome_of(
     """Plan the mission by the method of its settings; a search that fails is an outcome too."""
     from rota.check import check_plan
 
-    method = mission.planning.method
+    method = mission.patrol.method
     started_s = time.perf_counter()
     try:
         search = search_plan(mission, seed=seed, progress=progress, should_stop=should_stop)
@@ -215,7 +215,7 @@ def comparison_to_json(mission: Mission, outcomes: Sequence[MethodOutcome], seed
     return {
         "rota_comparison": 1,
         "mission": mission.name,
-        "effort": mission.planning.effort,
+        "effort": mission.patrol.effort,
         "seed": seed,
         "methods": [
             {

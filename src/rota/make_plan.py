@@ -81,7 +81,7 @@ def search_plan(
 
 def _planner(mission: Mission) -> Callable[..., Plan]:
     # planners compile and load much: only the one that is asked for is imported
-    if mission.swarm is not None:
+    if mission.planning.planner == "swarm":
         from rota.planners.swarm import plan_swarm
 
         return plan_swarm

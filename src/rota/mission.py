@@ -273,9 +273,8 @@ class MovingObstacle:
 class Mission:
     """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
 
-    ``swarm`` is given where the planner is the swarm, and ``planning`` then of no use; its fleet is a list of robots
-    with disc sensors, and it may leave out all periods: nothing is asked then but to spread. Only it heeds moving
-    obstacles.
+    ``planning`` chooses the planner by its type. A swarm's fleet is a list of robots with disc sensors, and it may
+    leave out all periods: nothing is asked then but to spread. Only it heeds moving obstacles.
 
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
     than ``AREA``, by which reports call that ground.
@@ -289,8 +288,7 @@ class Mission:
     period_s: float | None = None
     origin: GeoPoint | None = None
     unseeable: Unseeable = "exclude"
-    planning: PatrolSettings = field(default_factory=PatrolSettings)
-    swarm: SwarmSettings | None = None
+    planning: PatrolSettings | SwarmSettings = field(default_factory=PatrolSettings)
     moving_obstacles: tuple[MovingObstacle, ...] = ()
 
     def __post_init__(self) -> None:
@@ -306,16 +304,19 @@ class Mission:
             require(names.count(zone.name) == 1, "zones", zone.name, "names must be unique")
             outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
             require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
-        reach_m = min(inner_reach_m(r.sensor) for r in (self.fleet.equal_robot("r"), *(self.fleet.robots or ())))
-        margin_m = self.planning.range_margin_m
-        allowed = f"must be less than the {reach_m:.6g} m that every sensor reaches"
-        require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
         faults = start_faults(self.area, self.obstacles, self.fleet)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
-        if self.swarm is not None:
+        if isinstance(self.planning, SwarmSettings):
             self._require_swarm()
-            return
+        else:
+            self._require_patrol(self.planning)
+
+    def _require_patrol(self, settings: PatrolSettings) -> None:
+        reach_m = min(inner_reach_m(r.sensor) for r in (self.fleet.equal_robot("r"), *(self.fleet.robots or ())))
+        margin_m = settings.range_margin_m
+        allowed = f"must be less than the {reach_m:.6g} m that every sensor reaches"
+        require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
         require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
         asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
         require(asked, "period_s", None, "the area or at least one zone needs a period")
@@ -330,19 +331,35 @@ class Mission:
             require(ok, f"robot {robot.name}: turn_rate_rad_s", robot.turn_rate_rad_s, "a swarm turns at once; null")
 
     @property
+    def patrol(self) -> PatrolSettings:
+        """The settings of the planner ``patrol``; TypeError for a mission of another one."""
+        if not isinstance(self.planning, PatrolSettings):
+            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by patrol")
+        return self.planning
+
+    @property
+    def swarm(self) -> SwarmSettings:
+        """The settings of the planner ``swarm``; TypeError for a mission of another one."""
+        if not isinstance(self.planning, SwarmSettings):
+            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by swarm")
+        return self.planning
+
+    @property
     def has_starts(self) -> bool:
         """Whether any robot must begin at a given place."""
         return self.fleet.start is not None or any(robot.start is not None for robot in self.fleet.robots or ())
 
     def with_effort(self, effort: Effort) -> Mission:
         """The same mission, planned with another effort."""
-        require(self.swarm is None, "effort", effort, "the swarm planner has none: leave it out")
-        return replace(self, planning=replace(self.planning, effort=effort))
+        ok = isinstance(self.planning, PatrolSettings)
+        require(ok, "effort", effort, f"the {self.planning.planner} planner has none: leave it out")
+        return replace(self, planning=replace(self.patrol, effort=effort))
 
     def with_method(self, method: Method) -> Mission:
         """The same mission, planned by another method."""
-        require(self.swarm is None, "method", method, "the swarm planner has none; methods are of the patrol planner")
-        return replace(self, planning=replace(self.planning, method=method))
+        ok = isinstance(self.planning, PatrolSettings)
+        require(ok, "method", method, f"the {self.planning.planner} planner has none; methods are the patrol planner's")
+        return replace(self, planning=replace(self.patrol, method=method))
 
 
 def start_faults(area: MultiPolygon, obstacles: tuple[Obstacle, ...], fleet: Fleet) -> list[tuple[str, str]]:

@@ -152,7 +152,7 @@ def robots_sentence(plan: Plan) -> str:
 
 def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
     """What is said of a plan below its table; None in place of what there is nothing to say of."""
-    if plan.mission.swarm is not None:
+    if plan.mission.planning.planner == "swarm":
         return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 

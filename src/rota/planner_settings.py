@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 from rota.errors import MissionError
 
@@ -69,6 +69,7 @@ class PatrolSettings:
     sensors whose reach in every direction is shorter by ``range_margin_m``.
     """
 
+    planner: ClassVar[str] = "patrol"
     effort: Effort = "normal"
     method: Method = "tours"
     period_margin: float = 0.0
@@ -99,6 +100,7 @@ class SwarmSettings:
     ("settle": in two), or for ``most_steps``. Thinning moves trajectories by no more than ``thinning_m`` at any time.
     """
 
+    planner: ClassVar[str] = "swarm"
     controller: Controller = "settle"
     velocity: VelocityChoice = "centroid"
     samples: int = 1000

@@ -191,7 +191,7 @@ def test_an_obstacle_outside_the_area_is_told(tmp_path):
 def test_overrides_replace_values_and_are_named_when_at_fault(tmp_path):
     mission = read(tmp_path, BASE, overrides={"patrol.effort": "quick", "fleet.robots": 2, "period_s": 30}).mission
     assert mission.fleet.robots is not None
-    assert (mission.planning.effort, len(mission.fleet.robots), mission.period_s) == ("quick", 2, 30)
+    assert (mission.patrol.effort, len(mission.fleet.robots), mission.period_s) == ("quick", 2, 30)
     with pytest.raises(MissionError) as caught:
         read(tmp_path, BASE, overrides={"patrol.effort": "wild", "fleet.robot": 2})
     assert sorted(caught.value.faults) == [

@@ -192,12 +192,12 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
         (fields.TrajectoryFields, Trajectory, {"robot": "name"}),
         (fields.SwarmFields, SwarmSettings, {}),
         (fields.MovingObstacleFields, MovingObstacle, {}),
-        (fields.MissionFields, Mission, {"planning": "patrol"}),
+        (fields.MissionFields, Mission, {"planning": "planner"}),
     ],
 )
 def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict[str, str]) -> None:
     expected = {renamed.get(f.name, f.name) for f in dataclasses.fields(type_)}
-    assert set(model.model_fields) - {"planner"} == expected
+    assert set(model.model_fields) - {"patrol", "swarm"} == expected
 
 
 def test_points_to_start_from_travel_with_the_plan_and_plans_of_before_have_no_starts() -> None:
@@ -215,7 +215,7 @@ def test_points_to_start_from_travel_with_the_plan_and_plans_of_before_have_no_s
     del document["mission"]["patrol"]["range_margin_m"]
     old = plan_from_json(document).mission
     assert old.fleet.start is None
-    assert (old.planning.period_margin, old.planning.range_margin_m) == (0, 0)
+    assert (old.patrol.period_margin, old.patrol.range_margin_m) == (0, 0)
 
 
 def test_the_reason_of_the_bound_travels_with_the_plan_and_may_be_absent() -> None:

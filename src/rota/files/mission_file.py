@@ -180,7 +180,6 @@ def _rounded_up(value: float) -> float:
 
 
 def _mission(file: MissionFile, ground: Ground) -> Mission:
-    patrol = file.patrol
     return Mission(
         name=file.name,
         area=ground.area,
@@ -190,13 +189,14 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         fleet=fleet_at_its_starts(_fleet(file.fleet), file, ground)[0],
         origin=ground.origin,
         unseeable=file.unseeable,
-        planning=_planning(patrol) if patrol else PatrolSettings(),
-        swarm=_swarm(file.swarm) if file.planner == "swarm" else None,
+        planning=_swarm(file.swarm) if file.planner == "swarm" else _patrol(file.patrol),
         moving_obstacles=moving_obstacles(file, ground),
     )
 
 
-def _planning(block: PatrolBlock) -> PatrolSettings:
+def _patrol(block: PatrolBlock | None) -> PatrolSettings:
+    if block is None:
+        return PatrolSettings()
     values = block.model_dump(exclude={"sun2019"})
     stages = block.sun2019
     return PatrolSettings(**values, sun2019=Sun2019(**stages.model_dump()) if stages else Sun2019())

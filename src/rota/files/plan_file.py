@@ -25,7 +25,6 @@ from rota.files.plan_schema import (
     FleetFields,
     MissionFields,
     MovingObstacleFields,
-    PatrolFields,
     PlanFields,
     SquareSensorFields,
     StartFields,
@@ -119,13 +118,14 @@ def _mission_to_json(mission: Mission) -> Json:
 
 
 def _planner_to_json(mission: Mission) -> Json:
-    if mission.swarm is None:
-        return {"planner": "patrol", "patrol": asdict(mission.planning)}
+    settings = {"planner": mission.planning.planner, mission.planning.planner: asdict(mission.planning)}
+    if isinstance(mission.planning, PatrolSettings):
+        return settings
     moving = [
         {"radius_m": float(m.radius_m), "times_s": list(m.times_s), "positions_m": [list(at) for at in m.positions_m]}
         for m in mission.moving_obstacles
     ]
-    return {"moving_obstacles": moving, "planner": "swarm", "swarm": asdict(mission.swarm)}
+    return {"moving_obstacles": moving, **settings}
 
 
 def _fleet_to_json(fleet: Fleet) -> Json:
@@ -312,15 +312,18 @@ def _mission(fields: MissionFields) -> Mission:
             fleet=fleet,
             origin=None if fields.origin is None else GeoPoint(lat=fields.origin.lat, lon=fields.origin.lon),
             unseeable=fields.unseeable,
-            planning=PatrolSettings() if fields.patrol is None else _planning(fields.patrol),
-            swarm=None if fields.swarm is None else SwarmSettings(**fields.swarm.model_dump()),
+            planning=_planning(fields),
             moving_obstacles=tuple(_moving_obstacle(moving) for moving in fields.moving_obstacles),
         )
 
 
-def _planning(fields: PatrolFields) -> PatrolSettings:
-    values = fields.model_dump(exclude={"sun2019"})
-    return PatrolSettings(**values, sun2019=Sun2019(**fields.sun2019.model_dump()))
+def _planning(fields: MissionFields) -> PatrolSettings | SwarmSettings:
+    if fields.swarm is not None:
+        return SwarmSettings(**fields.swarm.model_dump())
+    if fields.patrol is None:
+        return PatrolSettings()
+    values = fields.patrol.model_dump(exclude={"sun2019"})
+    return PatrolSettings(**values, sun2019=Sun2019(**fields.patrol.sun2019.model_dump()))
 
 
 def _moving_obstacle(fields: MovingObstacleFields) -> MovingObstacle:

@@ -129,7 +129,7 @@ def progress_to_json(found: PatrolProgress) -> dict[str, Any]:
     return {
         "rota_patrol_progress": 1,
         "mission": found.mission.name,
-        "effort": found.mission.planning.effort,
+        "effort": found.mission.patrol.effort,
         "seed": found.seed,
         "lower_bound_robots": found.lower_bound_robots,
         "met": found.reason is None,
@@ -171,5 +171,5 @@ def write_progress(found: PatrolProgress, path: str | Path) -> None:
     else:
         from rota.draw import draw_progress
 
-        title = f"{found.mission.name}, effort {found.mission.planning.effort}, seed {found.seed}"
+        title = f"{found.mission.name}, effort {found.mission.patrol.effort}, seed {found.seed}"
         draw_progress(found.points, path, title=title, bound=found.lower_bound_robots, search_s=found.search_s)

@@ -88,7 +88,7 @@ def test_traditional_methods_keep_the_reserve_and_begin_at_the_starts(method: st
         planning=PatrolSettings(effort="quick"),
     )
     assert check_plan(replace(found.plan, mission=tight)).verdict == "met"
-    assert found.plan.mission.planning.method == method
+    assert found.plan.mission.patrol.method == method
     assert all(max(trajectory.positions_m[0]) <= 2 for trajectory in found.plan)
     begins_s = found.plan.trajectories[0].loop_start_s
     assert approach_sentence(found.plan) == f"All robots are on their loops {begins_s:.1f} s after they set out."

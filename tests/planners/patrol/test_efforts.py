@@ -41,7 +41,7 @@ def test_more_effort_is_spent_only_while_fewer_robots_may_do(monkeypatch: pytest
     spent = []
 
     def recorded(here: Context, best: Settled | None) -> Settled:
-        spent.append((here.problem.mission.planning.effort, best))
+        spent.append((here.problem.mission.patrol.effort, best))
         return with_fewer(here, best)
 
     with_fewer = tours.with_fewer

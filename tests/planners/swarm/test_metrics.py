@@ -65,7 +65,7 @@ def test_gaps_ways_and_reversals_of_robots_on_a_line() -> None:
 def test_the_small_case_of_the_paper_converges_as_measured() -> None:
     """Our readings, from the centre: 75.5 % in 289 steps on average of ten seeds; two of them here."""
     mission = read_mission(Path(__file__).parents[3] / "examples" / "swarm-square.yaml").mission
-    mission = replace(mission, swarm=SwarmSettings(controller="reciprocal"))
+    mission = replace(mission, planning=SwarmSettings(controller="reciprocal"))
     for seed in (1, 2):
         run = run_mission(mission, seed=seed, observed=True)
         history = run.history

@@ -20,6 +20,7 @@ from rota.mission import (
     Mission,
     MovingObstacle,
     Obstacle,
+    PatrolSettings,
     Robot,
     SquareSensor,
     StartBox,
@@ -39,7 +40,7 @@ def mission(robots: int = 12, side_m: float = 150, body_m: float = 0.5, **change
         "name": "square",
         "area": MultiPolygon([box(0, 0, side_m, side_m)]),
         "fleet": dataclasses.replace(fleet, robots=listed),
-        "swarm": SwarmSettings(),
+        "planning": SwarmSettings(),
     }
     return Mission(**fields | changed)
 
@@ -56,7 +57,7 @@ def robot(name: str, start: tuple[float, float] | None, body_m: float = 0.5, sen
 def test_a_plan_holds_at_the_end_and_passes_the_check(controller: Any) -> None:
     settings = SwarmSettings(controller=controller, most_steps=600)
     obstacle = Obstacle(shape=MultiPolygon([box(60, 60, 75, 70)]))
-    found = search_plan(mission(swarm=settings, obstacles=(obstacle,)), seed=3)
+    found = search_plan(mission(planning=settings, obstacles=(obstacle,)), seed=3)
     assert found.report.violations == ()
     assert found.report.verdict == "met"
     for trajectory in found.plan:
@@ -75,7 +76,7 @@ def test_a_zone_that_the_holding_robots_see_is_met_and_one_beyond_them_is_not() 
 
 
 def test_the_same_seed_gives_the_same_plan_on_any_number_of_threads() -> None:
-    asked = mission(robots=600, side_m=1300, swarm=SwarmSettings(most_steps=30), fleet=mission().fleet)
+    asked = mission(robots=600, side_m=1300, planning=SwarmSettings(most_steps=30), fleet=mission().fleet)
     fleet = asked.fleet
     many = tuple(fleet.equal_robot(f"r{k}") for k in range(600))
     asked = dataclasses.replace(asked, fleet=dataclasses.replace(fleet, robots=many, start=None))
@@ -90,7 +91,7 @@ def test_a_run_with_momentum_does_not_end_where_a_robot_turns() -> None:
     moved = [swarm.step() for _ in range(40)]
     turn = next(k for k in range(1, 39) if moved[k - 1] > moved[k] < moved[k + 1])
     settings = SwarmSettings(stop_m=moved[turn])
-    run = run_mission(dataclasses.replace(corridor, swarm=settings), seed=0)
+    run = run_mission(dataclasses.replace(corridor, planning=settings), seed=0)
     assert run.at_rest
     assert run.steps > turn + 1
     assert abs(run.plan.trajectories[0].positions_m[-1, 0] - 20) < abs(15 - 20) / 4
@@ -98,13 +99,13 @@ def test_a_run_with_momentum_does_not_end_where_a_robot_turns() -> None:
 
 def test_a_seed_of_any_size_will_do() -> None:
     settings = SwarmSettings(controller="reciprocal", velocity="sampled", samples=50, most_steps=3)
-    plans = [run_mission(mission(swarm=settings), seed=seed).plan for seed in (2**70, 2**70, 2**70 + 1)]
+    plans = [run_mission(mission(planning=settings), seed=seed).plan for seed in (2**70, 2**70, 2**70 + 1)]
     assert plans[0] == plans[1]
     assert plans[0].trajectories != plans[2].trajectories
 
 
 def test_thinned_trajectories_stay_as_near_as_stated_to_every_step() -> None:
-    asked = mission(swarm=SwarmSettings(controller="reciprocal", thinning_m=0.05, most_steps=400))
+    asked = mission(planning=SwarmSettings(controller="reciprocal", thinning_m=0.05, most_steps=400))
     plan = run_mission(asked, seed=5).plan
     ground = free_ground(asked)
     starts = place_starts(asked, ground, seed=5, reserve_m=0.05)
@@ -132,14 +133,14 @@ def test_thinning_by_nothing_keeps_corners_and_drops_straight_steps() -> None:
 
 def test_robots_that_begin_closer_than_thinning_needs_are_thinned_less() -> None:
     pair = (robot("a", (50, 50)), robot("b", (51.004, 50)), robot("c", (90, 90)))
-    plan = run_mission(with_robots(*pair, swarm=SwarmSettings(most_steps=200, thinning_m=0.1)), seed=0).plan
+    plan = run_mission(with_robots(*pair, planning=SwarmSettings(most_steps=200, thinning_m=0.1)), seed=0).plan
     assert check_plan(plan).violations == ()
 
 
 def test_moving_obstacles_are_made_way_for() -> None:
     obstacle = MovingObstacle(radius_m=2, times_s=(0, 100), positions_m=((0, 51), (100, 51)))
     robots = (robot("a", (50, 50)), robot("b", (70, 52)))
-    moving = with_robots(*robots, moving_obstacles=(obstacle,), swarm=SwarmSettings(most_steps=500, stop_m=1e-12))
+    moving = with_robots(*robots, moving_obstacles=(obstacle,), planning=SwarmSettings(most_steps=500, stop_m=1e-12))
     plan = run_mission(moving, seed=0).plan
     assert check_plan(plan).violations == ()
     assert math.dist(plan.trajectories[0].positions_m[0], plan.trajectories[0].positions_m[-1]) > 1
@@ -153,7 +154,7 @@ def hold(trajectory: Any) -> Any:
 
 def test_every_kind_of_robot_has_its_own_sizes() -> None:
     robots = (robot("a", (40, 40), 0.5, 25), robot("b", (44, 40), 3.0, 12), robot("c", (40, 46), 1.0, 18))
-    plan = run_mission(with_robots(*robots, swarm=SwarmSettings(most_steps=300)), seed=0).plan
+    plan = run_mission(with_robots(*robots, planning=SwarmSettings(most_steps=300)), seed=0).plan
     assert check_plan(plan).violations == ()
 
 
@@ -192,8 +193,8 @@ def test_a_step_that_jumps_through_walls_is_refused_without_the_filter() -> None
     with pytest.raises(
         MissionError, match=r"time_step_s: 13 is not allowed.*26 m in a step and heeds walls within 25 m"
     ):
-        run_mission(mission(swarm=settings), seed=0)
-    plan = run_mission(mission(swarm=SwarmSettings(time_step_s=13, most_steps=30)), seed=0).plan
+        run_mission(mission(planning=settings), seed=0)
+    plan = run_mission(mission(planning=SwarmSettings(time_step_s=13, most_steps=30)), seed=0).plan
     assert check_plan(plan).violations == ()
 
 
@@ -207,7 +208,7 @@ def test_a_fleet_that_no_swarm_can_be_is_refused() -> None:
         with_robots(dataclasses.replace(robot("a", None), turn_rate_rad_s=1.0))
     moving = MovingObstacle(radius_m=1, times_s=(0,), positions_m=((1, 1),))
     with pytest.raises(MissionError, match="only a swarm heeds them"):
-        mission(swarm=None, period_s=9, moving_obstacles=(moving,))
+        mission(planning=PatrolSettings(), period_s=9, moving_obstacles=(moving,))
     with pytest.raises(MissionError, match="effort"):
         mission().with_effort("quick")
 
@@ -230,5 +231,5 @@ def test_settings_out_of_range_are_refused(wrong: dict[str, Any], words: str) ->
 
 
 def test_no_neighbours_at_all_leave_a_robot_where_walls_let_it_be() -> None:
-    plan = run_mission(with_robots(robot("a", (75, 75)), swarm=SwarmSettings(neighbours=0)), seed=0).plan
+    plan = run_mission(with_robots(robot("a", (75, 75)), planning=SwarmSettings(neighbours=0)), seed=0).plan
     assert plan.trajectories[0].positions_m[-1].tolist() == [75, 75]

@@ -59,7 +59,7 @@ def without_search(printed_by_name: dict[str, Printed], monkeypatch: pytest.Monk
         asked.append(mission)
         known = printed_by_name[mission.name]
         return MethodOutcome(
-            method=mission.planning.method, plan=known.plan, report=known.report, planning_s=0.0, reason="late"
+            method=mission.patrol.method, plan=known.plan, report=known.report, planning_s=0.0, reason="late"
         )
 
     monkeypatch.setattr(Runs, "printed", printed)

@@ -145,6 +145,6 @@ def test_methods_are_asked_once(make_runs: Callable[..., Runs], without_search: 
         runs.by_tours(runs.map_13)
         runs.by_stages(runs.map_13)
         runs.by_stages(runs.map_13, AS_THE_PAPER)
-    methods = [(mission.planning.method, mission.planning.sun2019.deployment) for mission in without_search]
+    methods = [(mission.patrol.method, mission.patrol.sun2019.deployment) for mission in without_search]
     assert methods == [("tours", "best"), ("sun2019", "best"), ("sun2019", "ccpso2")]
-    assert {mission.planning.effort for mission in without_search} == {"quick"}
+    assert {mission.patrol.effort for mission in without_search} == {"quick"}

@@ -46,9 +46,9 @@ def plan_patrol(
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=as_asked(failure.best, mission)) from failure
     final = plan if plan.mission is mission else replace(plan, mission=mission)  # the judge knows the plan judged last
-    if mission.planning.range_margin_m > 0 and (verdict := judge(final)).verdict != "met":
+    if mission.patrol.range_margin_m > 0 and (verdict := judge(final)).verdict != "met":
         raise NoPlanFound(
-            f"patrol.range_margin_m: {mission.planning.range_margin_m:.6g} hides ground that only sensors of full reach"
+            f"patrol.range_margin_m: {mission.patrol.range_margin_m:.6g} hides ground that only sensors of full reach"
             f" see, and the plan misses it: {worst_reached(verdict)}; give less",
             best=final,
         )
@@ -81,7 +81,7 @@ def without_starts(mission: Mission) -> Mission:
 
 def with_reserve(mission: Mission) -> Mission:
     """The mission with periods shorter by ``period_margin`` and sensors by ``range_margin_m``; itself without both."""
-    share, margin_m = 1 - mission.planning.period_margin, mission.planning.range_margin_m
+    share, margin_m = 1 - mission.patrol.period_margin, mission.patrol.range_margin_m
     if share == 1 and margin_m == 0:
         return mission
 
@@ -98,7 +98,7 @@ def with_reserve(mission: Mission) -> Mission:
         period_s=shorter(mission.period_s),
         zones=tuple(replace(zone, period_s=shorter(zone.period_s)) for zone in mission.zones),
         fleet=replace(fleet, robots=robots, sensor=shorter_sensor(fleet.sensor, margin_m)),
-        planning=replace(mission.planning, period_margin=0.0, range_margin_m=0.0),
+        planning=replace(mission.patrol, period_margin=0.0, range_margin_m=0.0),
     )
 
 

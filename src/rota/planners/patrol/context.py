@@ -198,4 +198,4 @@ class Context:
     @property
     def work(self) -> Work:
         """The bounds that the mission's effort sets."""
-        return WORK[self.problem.mission.planning.effort]
+        return WORK[self.problem.mission.patrol.effort]

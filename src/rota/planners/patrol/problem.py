@@ -125,10 +125,10 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
     space, rim = space_and_rim(mission, regions, robot, margin_m)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
     spacing_m = min(float(np.sqrt(asked_m2 / MOST_SAMPLES)), COARSEST * reach_m)
-    spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.planning.effort], spacing_m)
+    spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.patrol.effort], spacing_m)
     walls = sight_walls(mission)
     # on large areas rounds of mending cost more than a little overlap
-    shrink = SHRINK[mission.planning.effort] if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
+    shrink = SHRINK[mission.patrol.effort] if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
     parts = [
         region_points(
             region, i, region_class[i], space, spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m

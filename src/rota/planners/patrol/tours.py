@@ -98,7 +98,7 @@ def plan_patrol(
 
 def fewest_by_method(context: Context) -> Settled:
     """The best settled plan that the method of the mission's settings finds."""
-    method = context.problem.mission.planning.method
+    method = context.problem.mission.patrol.method
     if method == "sun2019":
         return fewest_robots_by_stages(context)
     if method != "tours":
@@ -121,10 +121,10 @@ def fewest_robots(context: Context) -> Settled:
     Every effort begins with what the lesser ones find and looks for fewer: more effort never takes more robots.
     """
     asked = context.problem.mission
-    efforts = EFFORTS[: EFFORTS.index(asked.planning.effort) + 1]
+    efforts = EFFORTS[: EFFORTS.index(asked.patrol.effort) + 1]
     best = None
     for turn, effort in enumerate(efforts):
-        here = context if effort == asked.planning.effort else with_less_effort(context, effort)
+        here = context if effort == asked.patrol.effort else with_less_effort(context, effort)
         best = with_fewer(replace(here, progress=part_of(context.progress, turn, len(efforts))), best)
         if context.should_stop() or (best.met and robots_of(best) <= context.problem.enough_robots):
             break

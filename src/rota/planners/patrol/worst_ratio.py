@@ -69,13 +69,13 @@ def plan_with_least_ratio(context: Context, asked: Mission) -> Plan:
     # who starts in a part of the ground stays in it: only helping others there is left to choose
     if len({tour.part for tour in ways[0].tours}) > robots or len(starting) > 1:
         return plan_for_fixed_fleet(context, fewest_by_method(anyone), asked)
-    reserve = asked.planning.period_margin > 0 or asked.planning.range_margin_m > 0
+    reserve = asked.patrol.period_margin > 0 or asked.patrol.range_margin_m > 0
     proved = 0.0 if reserve else max(proved_ratio(problem, robots), 1.0 if problem.lower_bound > robots else 0.0)
     best = least_ratio(anyone, robots, proved, starting)
     plan = None if best is None else as_asked(context, best)
     if plan is not None and context.judge(plan).verdict == "met":
         return plan
-    if problem.mission.planning.method != "tours":
+    if problem.mission.patrol.method != "tours":
         if best is None:
             return plan_for_fixed_fleet(context, fewest_by_method(anyone), asked)
     elif best is None or problem.robot.body_radius_m > 0:
@@ -223,7 +223,7 @@ def least_ratio(context: Context, robots: int, proved: float, starting: Counter[
             break
         else:
             stretch = passed**TOWARDS_MET * least ** (1 - TOWARDS_MET)
-    if best is None and context.problem.mission.planning.method == "tours":
+    if best is None and context.problem.mission.patrol.method == "tours":
         return surely(context, robots, guess.sure)
     return best
 
@@ -275,7 +275,7 @@ def tried(
     """
     problem = stretched(context.problem, stretch)
     here = replace(context, problem=problem)
-    if problem.mission.planning.method != "tours":
+    if problem.mission.patrol.method != "tours":
         found = with_all_of(here, fewest_by_method(here), robots, starting)
         return reached(found, stretch) if found is not None else None
     if best is not None:

@@ -73,7 +73,6 @@ def run_mission(
     jumps through walls.
     """
     settings = mission.swarm
-    assert settings is not None
     ground = free_ground(mission)
     _require_short_steps(mission, settings)
     wish_m = settings.thinning_m if settings.filter else 0.0
@@ -111,7 +110,6 @@ def make_swarm(
 ) -> Swarm:
     """The mission's robots at their starts (n, 2), their bodies wider by ``reserve_m``."""
     settings = mission.swarm
-    assert settings is not None
     robots = mission.fleet.robots or ()
     sensors = _sensors(mission)
     reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()

@@ -37,7 +37,7 @@ def planned(mission: Mission, method: Method) -> rota.Plan:
     assert (report.verdict, report.violations) == ("met", ())
     assert plan.lower_bound_robots is not None
     assert plan.lower_bound_robots <= len(plan.trajectories)
-    assert plan.mission.planning.method == method
+    assert plan.mission.patrol.method == method
     return plan
 
 

@@ -151,8 +151,8 @@ patrol: {effort: quick, method: sun2019, sun2019: {deployment: exact, routes: re
 """
     (tmp_path / "yard.yaml").write_text(text)
     mission = rota.read_mission(tmp_path / "yard.yaml").mission
-    assert mission.planning.sun2019 == Sun2019(deployment="exact", routes="repaired")
-    assert (mission.planning.sun2019.tour, mission.planning.sun2019.partition) == ("local_search", "exact")
+    assert mission.patrol.sun2019 == Sun2019(deployment="exact", routes="repaired")
+    assert (mission.patrol.sun2019.tour, mission.patrol.sun2019.partition) == ("local_search", "exact")
     plan = planned(mission)
     rota.write_plan(plan, tmp_path / "yard.rota.json")
     assert rota.read_plan(tmp_path / "yard.rota.json") == plan

@@ -123,7 +123,7 @@ def promising_angles(problem: Problem, shape: MultiPolygon) -> list[float]:
     if shape.is_empty:
         return []
     tried = sorted(angles(problem, shape), key=lambda angle: guess_m(shape, sensing(problem, angle)))
-    return tried[: ANGLES[problem.mission.planning.effort]]
+    return tried[: ANGLES[problem.mission.patrol.effort]]
 
 
 def lane_cost_m(lanes: list[Floats], swath: Swath) -> float:

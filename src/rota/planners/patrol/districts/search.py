@@ -45,7 +45,7 @@ def fewest_on_large(context: Context, search: Search) -> Settled:
     is searched by itself as small ground is (``search``), at once, and the tours of all are mended together.
     """
     problem = context.problem
-    few = NEAR_BOUND[problem.mission.planning.effort] * problem.enough_robots
+    few = NEAR_BOUND[problem.mission.patrol.effort] * problem.enough_robots
     lanes = in_lanes(context)
     if lanes is not None and (context.should_stop() or (lanes.met and len(lanes.plan.trajectories) <= few)):
         return lanes

@@ -37,7 +37,7 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
             f"fleet.sensor: a square of side {sensor.side_m:.6g} m cannot be used with patrol.method sun2019, which is"
             " made for discs; give shape: disc and a radius_m, or another method"
         )
-    settings = settings or settings_for(context.problem.mission.planning)
+    settings = settings or settings_for(context.problem.mission.patrol)
     problem = context.problem
     best: Settled | None = None
     first: Framed | None = None
