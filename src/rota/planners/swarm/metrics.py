@@ -16,7 +16,7 @@ from rota.planners.swarm.rollout import Swarm
 Floats = NDArray[np.float64]
 
 PIXELS_PER_SENSOR = 50  # of the smallest sensor's radius
-MOST_PIXELS = 4_000_000
+MOST_PIXELS = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

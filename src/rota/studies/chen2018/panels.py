@@ -11,6 +11,8 @@ from rota.draw.curve_panel import Curve, CurvePanel, Level
 from rota.draw.map_panel import Dots, MapPanel, Strokes
 from rota.draw.palette import COVERED, OVER_PERIOD, ROUTE_COLOURS
 from rota.mission import Mission
+from rota.planners.swarm.asked import free_ground
+from rota.planners.swarm.metrics import covered_share
 from rota.studies.chen2018 import paper
 from rota.studies.chen2018.runs import EXACT, FILTERED, FORCES, SAMPLED, SETTLE, VORONOI, Controller, Outcome
 
@@ -31,8 +33,9 @@ SHADE = 0.3
 def coverage_panel(title: str, mission: Mission, outcome: Outcome, step: int) -> MapPanel:
     """Robots and what they have in range at a step, or in the end."""
     step = min(step, outcome.steps)
-    share = float(outcome.history.coverage[step])
-    dots = Dots("robot", outcome.places_at(step), COVERED, size_pt=_size(outcome), shade=SHADE)
+    places = outcome.places_at(step)
+    share = covered_share(places, np.full(len(places), paper.SENSOR_M), free_ground(mission))
+    dots = Dots("robot", places, COVERED, size_pt=_size(outcome), shade=SHADE)
     dots = dots._replace(reach_m=paper.SENSOR_M)
     return MapPanel(title=title, note=f"k = {step:,}: {share:.1%} covered", mission=mission, dots=(dots,))
 

@@ -123,13 +123,13 @@ def figure_9_section(runs: Runs) -> Section:
         pictures=(
             Picture("chen2018-figure-9.png", "The error falls with the root of their number", study_picture([panel])),
         ),
-        caption="Figure 9. The shapes are those of Figure 8, in our sizes, 400 tries each. *In a run*: decisions of "
+        caption="Figure 9. The shapes are those of Figure 8, in our sizes, 400 tries each. “In a run”: decisions of "
         "the run of Figure 12, each made once more by random velocities.",
         paper="The error decreases with the number of random points and is “very close to zero with a large number” "
         "(Section 4.4.1); no values are told.",
         found=f"Holds: the error falls with the root of the number, to at most {shaped:.3f} m/s at "
         f"{paper.SAMPLES:,} for the shapes and {rows[IN_A_RUN][k]:.3f} m/s in a run. It is not small enough to come to "
-        f"rest: {rows[IN_A_RUN][k] * paper.STEP_S:.4f} m a step, where the stop rule asks for {paper.STOP_M:g} m.",
+        f"rest: {rows[IN_A_RUN][k] * paper.STEP_S:.4f} m a step, where the stop rule asks for {paper.STOP_M:.5f} m.",
         tables=(_table("Mean distance to the centroid, m/s", rows, lambda value: f"{value:.4f}"),),
     )
 

@@ -78,7 +78,7 @@ def figure_12_section(runs: Runs) -> Section:
             rows.append((start, reading.name, *rest_cells(found), coverage_cell(found), str(left)))
     table = Table(
         title=f"Readings of the published controller: steps to rest and coverage, {len(found)} seeds",
-        head=("start box", "reading", "at rest", "steps", "least to most", "covered %", "runs with robots gone"),
+        head=("start box", "reading", "at rest", "steps", "least to most", "covered %", "runs that lose robots"),
         rows=(("not printed", "**the paper**", "1 of 1", f"{paper.STEPS_FIGURE_12}", "", "not printed", ""), *rows),
         words=(0, 1),
     )
@@ -91,21 +91,22 @@ def figure_12_section(runs: Runs) -> Section:
         pictures=(
             Picture(
                 "chen2018-figure-12.png",
-                "25 robots in a corner box, their ways, and their discs over the square in the end",
+                "25 robots in a box, their ways, and their discs over the square in the end",
                 study_picture(_three(mission, shown), columns=3),
             ),
         ),
-        caption="Figure 12, by RD with the exact centroid from the box *between* centre and corner, 50 m to 100 m "
+        caption="Figure 12, by RD with the exact centroid from the box “between” centre and corner, 50 m to 100 m "
         "along "
         "both sides. Darker ground is covered by several robots.",
         paper=f"The algorithm is convergent at k = {paper.STEPS_FIGURE_12} (one run). Where the start box is, τ, and "
         "whether the set ends at the tangent or the circle are not told.",
         found=f"From the box between centre and corner RD {rests(steps[SHOWN])}, and "
         f"covers {covered:.1%} of at most 78.5 %. The paper's {paper.STEPS_FIGURE_12} is "
-        f"{_within(within)}. Which start box was used explains the number: the nearer to the corner, the longer. By "
-        "1,000 random velocities, as printed, no run comes to rest under the stop rule: their noise (Figure 9) moves "
-        "robots by a hundred times what it allows; the centroid must have been found otherwise, or the "
-        "same random numbers used in every step. The circle lets robots through the walls from a corner.",
+        f"{_within(within)}. The place of the start box explains the number: the nearer to the corner, the longer. By "
+        "1,000 random velocities, as printed, runs hardly ever come to rest: their noise (Figure 9) moves robots by "
+        "more "
+        "than a thousand times what the stop rule allows, so that the paper must have found the centre, or the end, in "
+        "another way. Without a filter the circle of t = τ lets robots through the walls of a corner.",
         tables=(_parameters(), table),
     )
 
@@ -131,14 +132,14 @@ def _parameters() -> Table:
         head=("parameter", "paper", "here"),
         rows=(
             ("step", f"{paper.STEP_S:g} s", "the same"),
-            ("stop rule ζ", f"{paper.STOP_M:g}", "no robot moves by more than 0.00001 m in a step"),
+            ("stop rule ζ", f"{paper.STOP_M:.5f}", "no robot moves by more than 0.00001 m in a step"),
             ("area, start box", f"{paper.SIDE_M:g} m, {paper.START_SIDE_M:g} m", "the same; three places of the box"),
             ("robots", f"{paper.ROBOTS} and {paper.ROBOTS_LARGE:,}", "the same"),
             ("speed", f"{paper.SPEED_M_S:g} m/s", "the same"),
             ("body, sensor", f"{paper.BODY_M:g} m, {paper.SENSOR_M:g} m", "the same"),
             ("communication", f"{paper.COMMUNICATION_M:g} m", "not used by any equation"),
             ("neighbours of RD", f"{paper.NEIGHBOURS} within {paper.NEIGHBOUR_RANGE_M:g} m", "the same"),
-            ("neighbours of V-based, VFA", "“the same parameters”", "all within 50 m: with 4 they would be worse"),
+            ("neighbours of V-based, VFA", "“the same parameters”", "all within 50 m; 4 in Figure 17"),
             ("τ", "1 and 2 s in Figure 2", "drops out (tangent); 1 and 5 s (circle)"),
             ("runs", "one", "seeds one after another, mean ± standard deviation"),
         ),
@@ -149,7 +150,7 @@ def _parameters() -> Table:
 def figure_13_section(runs: Runs) -> Section:
     """Figure 13: the least distance between bodies, and the claim that they never touch."""
     shown = runs(maps.small(SHOWN), EXACT)
-    rows, dense = [], {}
+    rows, dense, touched = [], {}, {}
     for reading in READINGS:
         found = [run for start in maps.STARTS for run in runs.seeds(maps.small(start), reading)]
         touching = sum(float(run.history.body_gap_m.min()) < 0 for run in found)
@@ -157,6 +158,7 @@ def figure_13_section(runs: Runs) -> Section:
         runs.stop_if_asked()
         dense[reading.name] = dense_contacts(reading.settings, seed=runs.seed)
         contacts, smallest = dense[reading.name]
+        touched[reading.name] = touching
         rows.append((reading.name, f"{touching} of {len(found)}", f"{least:.3f}", f"{contacts:,}", f"{smallest:.3f}"))
     table = Table(
         title="Contact: runs of Figure 12 from all three starts, and single steps from dense states in motion",
@@ -177,14 +179,24 @@ def figure_13_section(runs: Runs) -> Section:
         paper="Robots avoid collisions; Corollary 1 is said to prove it.",
         found="Holds for runs that start at rest with the tangent, without any filter: no contact in any run. It does "
         f"not hold in general: from dense states in motion bodies touch in {dense[EXACT.name][0]:,} of {TRIED:,} "
-        "single "
-        f"steps, since an empty set, or a fifth neighbour, is not heeded, and with the circle at τ = 5 s "
-        f"({CIRCLE_5.name}) they touch in runs as well. With the last filter "
-        f"there are {dense[FILTERED.name][0]} contacts, and not a step of the runs of Figure 12 differs. The text "
-        "below "
-        "Figure 14 has the condition the wrong way round: contact is a distance *smaller* than the sum of the radii.",
+        "single steps, since a fifth neighbour, and a robot whose own set is empty, are not reckoned with; and with "
+        "the "
+        f"circle at τ = 5 s they touch in {touched[CIRCLE_5.name]} runs as well. With the last filter there are "
+        f"{dense[FILTERED.name][0]} contacts, and {_unchanged(runs)}. The text below Figure 14 has the condition the "
+        "wrong way round: contact is a distance *smaller* than the sum of the radii.",
         tables=(table,),
     )
+
+
+def _unchanged(runs: Runs) -> str:
+    """Whether the filter changes any run of Figure 12, in words."""
+    pairs = [
+        pair
+        for start in maps.STARTS
+        for pair in zip(runs.seeds(maps.small(start), EXACT), runs.seeds(maps.small(start), FILTERED), strict=True)
+    ]
+    changed = sum(not np.array_equal(free.places_m, safe.places_m) for free, safe in pairs)
+    return f"it changes {changed} of the {len(pairs)} runs of Figure 12" if changed else "no run of Figure 12 changes"
 
 
 AROUND: tuple[Controller, ...] = (SAMPLED, EXACT, FILTERED, VORONOI, FORCES, SETTLE)
@@ -209,7 +221,7 @@ def figure_14_section(runs: Runs) -> Section:
         pictures=(
             Picture(
                 "chen2018-figure-14.png",
-                "25 robots in a corner box, their ways round a square obstacle, and their discs in the end",
+                "25 robots in a box, their ways round a square obstacle, and their discs in the end",
                 study_picture(_three(mission, shown), columns=3),
             ),
         ),
@@ -276,7 +288,9 @@ def figure_16_section(runs: Runs) -> Section:
         caption="Figure 16, for the run of Figure 14: from a robot's middle to the obstacle, while that is in range.",
         paper=f"Only robots {told} have the obstacle in range, and none touches it.",
         found=f"None touches it: {distances.min():.2f} m is the least. {len(near)} robots have it in range at some "
-        f"time: more than in the paper, whose obstacle must stand more to the side.",
+        f"time, in the paper {len(paper.ROBOTS_AT_OBSTACLE)}. They keep near the border of their range: as soon as "
+        "a wall "
+        "is in it, all velocities towards it are ruled out.",
     )
 
 
