@@ -18,7 +18,7 @@ CONTROLLERS = (
     "at the circle of t = τ. *RD + filter*: RD with Rota's last filter, by which no step can make bodies touch.",
     "*V-based*: `voronoi`, range-limited Voronoi cells (Lloyd's step, over-relaxed). *VFA*: `virtual_force`, "
     "overlapping "
-    "discs push each other. Both with the last filter: without it they leave the area from a corner.",
+    "discs push each other. Both with the last filter: without it VFA leaves the area from a corner.",
     "*settle*: Rota's default, forces with momentum, with the last filter.",
     "*at rest*: no robot moves by more than 0.00001 m in a step (settle: in two).",
 )
