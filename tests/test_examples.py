@@ -82,7 +82,7 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    assert named == {*MISSIONS, "building_map", "swarm-square"}
+    assert named == {*MISSIONS, "building_map", "swarm-port", "swarm-square"}
 
 
 @pytest.mark.parametrize("name", MISSIONS)
@@ -209,6 +209,20 @@ def test_the_swarm_s_square_is_planned_and_nothing_is_wrong_with_the_plan(
     assert "discs without overlap would have 78.5%" in told
     assert "Check: no violations." in told
     assert run(["check", str(plan_file)]) == 0
+
+
+def test_the_port_s_robots_spread_round_its_buildings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan_file = tmp_path / "plan.json"
+    assert run(["plan", str(EXAMPLES / "swarm-port.yaml"), "-o", str(plan_file)]) == 0
+    assert "Check: no violations." in capsys.readouterr().out
+    plan = read_plan(plan_file)
+    ends = [trajectory.positions_m[-1] for trajectory in plan]
+    assert len(ends) == 60
+    free = plan.mission.area.difference(union_all([obstacle.shape for obstacle in plan.mission.obstacles]))
+    share = union_all([Point(end).buffer(25) for end in ends]).intersection(free).area / free.area
+    assert share > 0.8
+    assert max(x for x, _ in ends) > 430
+    assert max(y for _, y in ends) > 260
 
 
 # bounds: A / (2 r V T + pi r^2) is 35,955 / (15,360 + 201) = 2.3 and 966 / (720 + 13) = 1.3

@@ -8,13 +8,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from shapely import LineString, MultiPolygon, Point, union_all
+from numpy.typing import NDArray
+from shapely import LineString, MultiPolygon, Point, Polygon, union_all
+from shapely.geometry.base import BaseGeometry
 
-from rota.mission import AREA, Mission, Sensor, Zone
+from rota.mission import AREA, DiscSensor, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
 
 if TYPE_CHECKING:
     from rota.check import Report
+
+Floats = NDArray[np.float64]
+
+# a regular 256-gon with a circle's area has a radius so much larger
+AS_LARGE = math.sqrt(2 * math.pi / (256 * math.sin(2 * math.pi / 256)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,16 +173,32 @@ def holding_sentence(plan: Plan) -> str:
     return f"{robots} {rounded(last_s)} s after setting out, having gone {gone}."
 
 
-def covered_sentence(plan: Plan) -> str:
-    """How much of the free space the holding robots have in range, and what discs that share nothing would have."""
+def range_from(sensor: Sensor, place_m: Floats) -> Polygon:
+    """What a sensor at a place (2,) or (3,) metres has in range, obstacles aside; a disc as a 256-gon of its area."""
+    place = Point(place_m[:2])
+    if isinstance(sensor, DiscSensor):
+        return place.buffer(sensor.radius_m * AS_LARGE, quad_segs=64)
+    return place.buffer(sensor.side_m / 2, cap_style="square")
+
+
+def range_at_the_end(plan: Plan) -> tuple[BaseGeometry, BaseGeometry, float]:
+    """What the robots have in range at their last places, the ground without what cuts sight, both as shapes.
+
+    The third is the area in square metres that all their footprints have together.
+    """
     mission = plan.mission
     free = mission.area.difference(union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
-    discs, sum_m2 = [], 0.0
+    footprints, sum_m2 = [], 0.0
     for trajectory in plan:
-        reach_m = mission.fleet.robot(trajectory.robot).sensor.reach_m
-        discs.append(Point(trajectory.positions_m[-1, :2]).buffer(reach_m, quad_segs=64))
-        sum_m2 += math.pi * reach_m**2
-    share, most = union_all(discs).intersection(free).area / free.area, min(1.0, sum_m2 / free.area)
+        footprints.append(range_from(mission.fleet.robot(trajectory.robot).sensor, trajectory.positions_m[-1]))
+        sum_m2 += footprints[-1].area
+    return union_all(footprints).intersection(free), free, sum_m2
+
+
+def covered_sentence(plan: Plan) -> str:
+    """How much of the free space the holding robots have in range, and what footprints that share nothing would."""
+    seen, free, sum_m2 = range_at_the_end(plan)
+    share, most = seen.area / free.area, min(1.0, sum_m2 / free.area)
     return f"They then have {share:.1%} of the area in range; discs without overlap would have {most:.1%}."
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,6 +13,7 @@ from rota.terminal import mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
     from rota.mission import Mission
+    from rota.studies.study import Study
 
 app = typer.Typer(help="Run a study of how the planners do.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -81,19 +83,61 @@ def sun2019(
     Takes some minutes; Figures 14 and 16 take most of them. Table 5 comes with Figure 13, Table 6 with 14, Table 8 with
     16. Ctrl-C writes nothing.
     """
-    from rota.interrupt import stop_on_interrupt
-    from rota.studies.sun2019.runs import StudySettings, StudyStopped
-    from rota.studies.sun2019.study import named_figures, require_study_folder, sun2019_study, write_study
+    from rota.studies.study import listed_figures, require_study_folder
+    from rota.studies.sun2019.runs import StudySettings
+    from rota.studies.sun2019.study import FIGURES, PAGE, PICTURES, sun2019_study
 
-    asked = named_figures(figures)
+    asked = listed_figures(figures, FIGURES)
     if output is not None:
-        require_study_folder(output)
+        require_study_folder(output, PAGE, PICTURES)
     mention_compiling("planners/patrol/annealing", "geometry", "check")
+    settings = StudySettings(effort=effort)
+    _tell_study(
+        lambda tell, stop: sun2019_study(asked, settings=settings, seed=seed, progress=tell, should_stop=stop), output
+    )
+
+
+@app.command("chen2018", short_help="The figures and tables of Chen 2018, ours beside the paper's.")
+def chen2018(
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FOLDER",
+            help="Write the page (chen2018.md) and its pictures there; default: only print the tables.",
+        ),
+    ] = None,
+    figures: Annotated[
+        str | None, typer.Option(metavar="NUMBER,...", help="9,11,12,...,21: make only some; default all.")
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page but for measured times.")
+    ] = 0,
+) -> None:
+    """Chen et al. 2018, figure by figure: what the paper says beside its controller, its baselines and ours.
+
+    Takes some minutes; Figures 20 and 21 take most of them. Table 2 comes with Figure 12, Table 3 with 20. Ctrl-C
+    writes nothing.
+    """
+    from rota.studies.chen2018.study import FIGURES, PAGE, PICTURES, chen2018_study
+    from rota.studies.study import listed_figures, require_study_folder
+
+    asked = listed_figures(figures, FIGURES)
+    if output is not None:
+        require_study_folder(output, PAGE, PICTURES)
+    mention_compiling("planners/swarm")
+    _tell_study(lambda tell, stop: chen2018_study(asked, seed=seed, progress=tell, should_stop=stop), output)
+
+
+def _tell_study(make: Callable[[Callable[[float, str], None], Callable[[], bool]], Study], output: Path | None) -> None:
+    """Make a study, given what to tell of its progress and what says when to stop; print its tables and write it."""
+    from rota.interrupt import stop_on_interrupt
+    from rota.studies.study import StudyStopped, write_study
+
     with progress_bar() as bar, stop_on_interrupt(lambda: bar.announce_stop("with nothing written")) as stop:
         try:
-            study = sun2019_study(
-                asked, settings=StudySettings(effort=effort), seed=seed, progress=bar.show, should_stop=stop
-            )
+            study = make(bar.show, stop)
         except StudyStopped:
             raise typer.Exit(INTERRUPTED) from None
         # within the block, so that Ctrl-C does not leave half of the files

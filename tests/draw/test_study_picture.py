@@ -61,6 +61,24 @@ def test_curves_hold_the_values(costs: CurvePanel) -> None:
     assert ax.get_xlim() == (0, 2)
 
 
+def test_curves_at_places_of_their_own_with_a_band() -> None:
+    at, band = np.array([10.0, 100.0, 1000.0]), np.array([[1.0, 2, 3], [5, 6, 7]])
+    curve = Curve("errors", np.array([3.0, 4.0, 5.0]), BLUE, at=at, band=band)
+    panel = CurvePanel(title="Errors", curves=(curve,), across="samples", up="m", logarithmic_across=True)
+    ax = study_figure([panel]).axes[0]
+    assert ax.get_xscale() == "log"
+    assert ax.lines[0].get_xdata().tolist() == [10, 100, 1000]
+    assert ax.lines[0].get_marker() == "."
+    corners = ax.collections[0].get_paths()[0].vertices
+    assert {(10, 1), (10, 5), (1000, 3), (1000, 7)} <= {tuple(corner) for corner in corners.tolist()}
+
+
+def test_discs_are_as_dark_as_they_are_told(sensors: MapPanel) -> None:
+    dark = MapPanel(title="Dark", mission=sensors.mission, dots=(sensors.dots[0]._replace(shade=0.4),))
+    (discs,) = [one for one in study_figure([dark]).axes[0].collections if "Ellipse" in type(one).__name__]
+    assert discs.get_facecolor()[0, 3] == pytest.approx(0.4)
+
+
 def test_legends_tell_what_is_drawn(sensors: MapPanel, costs: CurvePanel) -> None:
     labels = [[text.get_text() for text in legend.get_texts()] for legend in study_figure([sensors, costs]).legends]
     assert labels == [["frame", "gate: 2", "seen, 12 m", "obstacle"], ["with", "without", "bound"]]

@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from rota.draw.house_style import house_style
 from rota.draw.mission_picture import draw_mission, mission_legend, plain
 from rota.draw.palette import OVER_PERIOD
-from rota.draw.plan_picture import DPI, FORMATS, UNDATED, draw_routes
+from rota.draw.plan_picture import FORMATS, UNDATED, draw_routes
+from rota.draw.two_maps import DPI
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.mission import Mission

@@ -21,12 +21,25 @@ FAINT = "#D9D9D9"
 
 
 class Curve(NamedTuple):
-    """Values (n,) at 0, 1, 2, ... of what the panel's horizontal axis counts."""
+    """Values (n,) at 0, 1, 2, ... of what the panel's horizontal axis counts, or at ``at`` (n,), increasing.
+
+    band: (2, n), lowest and highest values round it, shaded. marked: whether values at places have marks. Values that
+    are not finite are left out.
+    """
 
     label: str
     values: Floats
     colour: str
     style: LineStyle = "solid"
+    at: Floats | None = None
+    band: Floats | None = None
+    width_pt: float = 1.3
+    marked: bool = True
+
+    @property
+    def places(self) -> Floats:
+        """(n,): where on the horizontal axis the values are."""
+        return np.arange(len(self.values), dtype=np.float64) if self.at is None else self.at
 
 
 class Level(NamedTuple):
@@ -41,7 +54,7 @@ class Level(NamedTuple):
 class CurvePanel:
     """Curves under a title, each ending in its last value. ``logarithmic``: the vertical axis. ``note``: see MapPanel.
 
-    wide: it takes the whole row.
+    logarithmic_across: the horizontal one, for curves whose places are given and above 0. wide: it takes the whole row.
     """
 
     title: str
@@ -51,6 +64,7 @@ class CurvePanel:
     note: str = ""
     levels: tuple[Level, ...] = ()
     logarithmic: bool = False
+    logarithmic_across: bool = False
     wide: bool = False
 
     @property
@@ -67,8 +81,15 @@ class CurvePanel:
     def draw(self, ax: Axes) -> None:
         """Draw it on ``ax``."""
         for curve in self.curves:
-            ax.plot(curve.values, color=curve.colour, linestyle=curve.style, linewidth=1.3, drawstyle="steps-post")
-            ax.plot(len(curve.values) - 1, curve.values[-1], ".", color=curve.colour, markersize=5, clip_on=False)
+            counted = curve.at is None
+            if curve.band is not None:
+                ax.fill_between(curve.places, *curve.band, color=curve.colour, alpha=0.16, linewidth=0)
+            ax.plot(
+                curve.places, curve.values, color=curve.colour, linestyle=curve.style, linewidth=curve.width_pt,
+                drawstyle="steps-post" if counted else "default", markersize=5,
+                marker="." if curve.marked and not counted else "",
+            )  # fmt: skip
+            ax.plot(curve.places[-1], curve.values[-1], ".", color=curve.colour, markersize=5, clip_on=False)
         for level in self.levels:
             ax.axhline(level.value, color=level.colour, linewidth=1.0, linestyle=DASHED)
         if self.logarithmic:
@@ -78,9 +99,14 @@ class CurvePanel:
         else:
             ax.yaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 2.5, 5, 10]))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.10g}"))
-        ax.xaxis.set_major_locator(MaxNLocator(nbins=5, integer=True, steps=[1, 2, 2.5, 5, 10]))
+        if self.logarithmic_across:
+            ax.set_xscale("log")
+            ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=16))
+            ax.xaxis.set_minor_locator(NullLocator())
+        else:
+            ax.xaxis.set_major_locator(MaxNLocator(nbins=5, integer=True, steps=[1, 2, 2.5, 5, 10]))
+            ax.set_xlim(0, max(1.0, max(float(curve.places[-1]) for curve in self.curves)))
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
-        ax.set_xlim(0, max(1, max(len(curve.values) for curve in self.curves) - 1))
         ax.set_xlabel(self.across, fontsize=FONT_PT, labelpad=1.5)
         ax.set_ylabel(self.up, fontsize=FONT_PT, labelpad=1.5)
         ax.tick_params(labelsize=FONT_PT, length=2.5, pad=2)

@@ -12,14 +12,12 @@ from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.colors import Normalize, to_rgb, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.path import Path
 from numpy.typing import NDArray
-from shapely import MultiPolygon, Polygon
-from shapely.geometry.base import BaseGeometry
 
 from rota.draw.gif_file import Frame
 from rota.draw.ground import ground_of, neighbours
-from rota.draw.mission_picture import draw_mission, outline, plain
+from rota.draw.held_maps import filled
+from rota.draw.mission_picture import draw_mission, plain
 from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
 from rota.draw.route_lines import robot_colours
 from rota.draw.routes import corner_times_s, positions_at, routes_of
@@ -36,6 +34,8 @@ LEVELS, CELLS = 6, 16_000
 TRAIL_FILM_S = 1.0
 NUMBERED_ROBOTS = 40
 
+LEGEND: dict[str, Any] = {"fontsize": 7.5, "frameon": False, "borderpad": 0, "borderaxespad": 0}
+
 # inches
 LEFT, RIGHT, TOP, BOTTOM = 0.62, 0.15, 0.62, 0.95
 
@@ -48,12 +48,6 @@ def _figure_size(mission: Mission) -> tuple[float, float]:
     width = min(5.0, 4.4 / slope) if slope > 0.4 else 7.5
     even = [2 * round(DPI * inches / 2) / DPI for inches in (max(width, 3.9), min(width * slope, 4.4))]
     return even[0] + 2 * round((LEFT + RIGHT) * DPI / 2) / DPI, even[1] + 2 * round((TOP + BOTTOM) * DPI / 2) / DPI
-
-
-def _path(shape: BaseGeometry) -> Path:
-    """A footprint as a path; lines and points that an intersection leaves behind are dropped."""
-    parts = [part for part in getattr(shape, "geoms", [shape]) if isinstance(part, Polygon) and not part.is_empty]
-    return outline(MultiPolygon(parts)) if parts else Path(np.empty((0, 2)))
 
 
 class FilmFrames:
@@ -119,6 +113,11 @@ class FilmFrames:
         x, name = LEFT / wide, plain(self._plan.mission.name)
         self._fig.text(x, 1 - 0.1 / high, name, fontsize=11, weight="bold", va="top")
         self._clock = self._fig.text(x, 1 - 0.34 / high, "", fontsize=9, va="top", color="#333333")
+        self._draw_scale(x)
+
+    def _draw_scale(self, x: float) -> None:
+        """What the colours of the ground mean, below the map from ``x`` (a share of the width) on."""
+        wide, high = self._fig.get_size_inches()
         bar_axes = self._fig.add_axes((x, 0.38 / high, 2.2 / wide, 0.12 / high))
         bar = self._fig.colorbar(self._image, cax=bar_axes, orientation="horizontal", extend="max", extendfrac=0.08)
         bar.set_ticks([0, 0.5, 1.0])
@@ -126,8 +125,7 @@ class FilmFrames:
         bar.set_label("time since last seen / period", fontsize=7.5, labelpad=1)
         yet = Patch(facecolor=NOT_SEEN_YET, label="not seen yet")
         corner = ((LEFT + 2.35) / wide, 0.52 / high)
-        style: dict[str, Any] = {"fontsize": 7.5, "frameon": False, "borderpad": 0, "borderaxespad": 0}
-        self._fig.legend(handles=[yet], loc="upper left", bbox_to_anchor=corner, **style)
+        self._fig.legend(handles=[yet], loc="upper left", bbox_to_anchor=corner, **LEGEND)
 
     def _trail(self, trajectory: Trajectory, time_s: float) -> Floats:
         """The robot's way until now, (n, 2) metres, n > 1; not more than once round its loop."""
@@ -139,9 +137,8 @@ class FilmFrames:
         return positions_at(trajectory, way_s)
 
     def _move(self, time_s: float, age: Floats) -> None:
-        # where it was not seen yet: below the scale, which has a colour of its own
-        self._image.set_data(np.ma.masked_invalid(np.where(np.isinf(age), -1.0, age).ravel()[self._shown]))
-        self._views.set_paths([_path(shape) for shape in self._sightings.footprints(time_s)])
+        self._show_ground(time_s, age)
+        self._clock.set_text(f"t = {time_s:.1f} s · {self._speedup:.3g} × real time")
         trails, places_m = [], []
         for trajectory in self._plan:
             trails.append(self._trail(trajectory, time_s))
@@ -151,7 +148,12 @@ class FilmFrames:
             self._marks.set_offsets(np.array(places_m))
             for number, place_m in zip(self._numbers, places_m, strict=False):
                 number.set_position(place_m)
-        self._clock.set_text(f"t = {time_s:.1f} s · {self._speedup:.3g} × real time")
+
+    def _show_ground(self, time_s: float, age: Floats) -> None:
+        """What is seen now, and the time since each cell was seen in periods (rows, columns)."""
+        # where it was not seen yet: below the scale, which has a colour of its own
+        self._image.set_data(np.ma.masked_invalid(np.where(np.isinf(age), -1.0, age).ravel()[self._shown]))
+        self._views.set_paths([filled(shape) for shape in self._sightings.footprints(time_s)])
 
     def _drawn(self) -> Frame:
         self._canvas.restore_region(self._background)  # type: ignore[no-untyped-call]
@@ -178,7 +180,11 @@ class FilmFrames:
         """One (height, width, 4) picture per time; ``times_s`` (n,) increases from 0 on."""
         before_s = 0.0
         for time_s in map(float, times_s):
-            self._sightings.advance(before_s, time_s)
+            self._move(time_s, self._ages(before_s, time_s))
             before_s = time_s
-            self._move(time_s, self._sightings.age_in_periods(time_s))
             yield self._drawn()
+
+    def _ages(self, before_s: float, time_s: float) -> Floats:
+        """Time since each cell was seen in periods (rows, columns), after seeing what is seen between two times."""
+        self._sightings.advance(before_s, time_s)
+        return self._sightings.age_in_periods(time_s)

@@ -26,7 +26,10 @@ Floats = NDArray[np.float64]
 
 
 class Dots(NamedTuple):
-    """Marks of one kind at places_m (n, 2) metres; with ``reach_m`` above 0 each in the disc that it sees."""
+    """Marks of one kind at places_m (n, 2) metres; with ``reach_m`` above 0 each in the disc that it sees.
+
+    shade: how strongly the disc is filled, 0..1.
+    """
 
     label: str
     places_m: Floats
@@ -35,6 +38,7 @@ class Dots(NamedTuple):
     size_pt: float = 3.0
     reach_m: float = 0.0
     filled: bool = True
+    shade: float = 0.07
 
 
 class Strokes(NamedTuple):
@@ -88,7 +92,7 @@ class MapPanel:
                 side_m = np.full(len(dots.places_m), 2 * dots.reach_m)
                 discs = EllipseCollection(
                     side_m, side_m, np.zeros(len(side_m)), units="xy", offsets=dots.places_m,
-                    offset_transform=ax.transData, facecolors=[(*_rgb(dots.colour), 0.07)],
+                    offset_transform=ax.transData, facecolors=[(*_rgb(dots.colour), dots.shade)],
                     edgecolors=[(*_rgb(dots.colour), 0.55)], linewidths=0.35, zorder=2.2,
                 )  # fmt: skip
                 ax.add_collection(discs, autolim=False)

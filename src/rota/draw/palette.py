@@ -29,6 +29,9 @@ NEVER_SEEN = "#FFB9C9"
 NOTHING_ASKED = "#FFFFFF"
 EXCLUDED = "#A8A8A8"
 NOT_SEEN_YET = "#B9B9B9"
+# what robots that hold have in range; it lets what lies beneath show
+COVERED = "#009E73"
+COVERED_EDGE = "#00664B"
 
 
 def route_style(index: int) -> tuple[str, LineStyle]:

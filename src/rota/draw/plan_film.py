@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from rota.draw.film_frames import FilmFrames
 from rota.draw.gif_file import Frame, palette_of, write_gif
+from rota.draw.held_frames import HeldFrames
+from rota.draw.held_maps import holds
 from rota.draw.house_style import house_style
 from rota.errors import RotaError
 from rota.files.atomic_write import replaced_file, require_suffix
@@ -57,7 +59,8 @@ def animate_plan(
     seconds: length of the film, at most 3600; default: one round of the longest loop, in about 12 s, at most 60 s.
     fps: frames per second, 1 to 60; default: 8 for a GIF, 20 for an MP4. speedup: seconds of the plan per second of
     film; default: what makes both fit, at least 1. Ground is coloured by the time since it was last seen, in periods of
-    the place, from a start at which nothing has been seen. Raises RotaError for another suffix, numbers out of range, a
+    the place, from a start at which nothing has been seen; where nothing is asked and robots hold in the end, the film
+    shows what is in range. Raises RotaError for another suffix, numbers out of range, a
     folder that cannot be written to, or an MP4 without the ffmpeg program or with one that fails.
     """
     path = Path(path)
@@ -70,7 +73,7 @@ def animate_plan(
     fps = FORMATS[suffix] if fps is None else fps
     times_s, speedup = film_times_s(plan, seconds, fps, speedup)
     with house_style(), replaced_file(path) as partial:
-        film = FilmFrames(plan, speedup)
+        film = HeldFrames(plan, speedup) if holds(plan) else FilmFrames(plan, speedup)
         if suffix == ".gif":
             write_gif(film.frames(times_s), len(times_s), palette_of(film.sample(), film.key_colours()), partial, fps)
         else:

@@ -15,7 +15,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from rota.draw.house_style import house_style
 from rota.draw.mission_picture import plain
 from rota.draw.palette import ROUTE_COLOURS
-from rota.draw.plan_picture import DPI, FORMATS, UNDATED
+from rota.draw.plan_picture import FORMATS, UNDATED
+from rota.draw.two_maps import DPI
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.search_progress import ProgressPoint
 from rota.search_state import SearchState

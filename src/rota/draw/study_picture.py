@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -84,13 +85,22 @@ def study_figure(panels: Sequence[Panel], *, columns: int = 2, width: float = WI
         for k, panel in enumerate(row.panels):
             left, y = MARGIN + Y_AXIS + k * (row.width + Y_AXIS + GAP), top - row.head - row.high
             inset, narrower = CURVE_INSET if isinstance(panel, CurvePanel) else (0.0, 0.0)
-            panel.draw(axes_at(fig, left + inset, y, row.width - narrower, row.high))
+            ax = axes_at(fig, left + inset, y, row.width - narrower, row.high)
+            panel.draw(ax)
+            _keep_labels_inside(fig, ax)
             title_at, note_at = ((y + row.high + 0.06 + up) / height for up in (row.head - TITLE, 0.0))
             fig.text(left / width, title_at, plain(panel.title, 90), fontsize=TITLE_PT, fontweight="bold", va="bottom")
             fig.text(left / width, note_at, plain(panel.note, 90), fontsize=NOTE_PT, color="#444444", va="bottom")
             place_legend(fig, panel.entries, left - 0.1, y - X_AXIS, row.width + LEGEND_BEYOND)
         top -= row.height + GAP
     return fig
+
+
+def _keep_labels_inside(fig: Figure, ax: Axes) -> None:
+    """Move numbers below the axes to the left that would stick out of the picture on the right."""
+    for label in ax.get_xticklabels():
+        if label.get_window_extent().x1 > fig.bbox.x1:
+            label.set_horizontalalignment("right")
 
 
 def study_picture(panels: Sequence[Panel], *, columns: int = 2, width: float = WIDTH) -> bytes:

@@ -62,6 +62,24 @@ def test_gaps_ways_and_reversals_of_robots_on_a_line() -> None:
     assert history.steps == 4
 
 
+def test_who_leaves_the_region_is_counted_and_coverage_settles() -> None:
+    wish = np.array([[-2.0, 0], [0.0, 0]])
+    swarm = in_box([[0.9, 125], [125, 125]], decide=wishing(wish), safe=False)
+    observer = Observer(swarm, SQUARE, 1e-5)
+    for step in range(60):
+        if step == 30:
+            wish[0] = 0.0
+        swarm.step()
+        observer.note(0.0)
+    history = observer.history()
+    # half a metre a step: 0.9, 0.4, -0.1
+    assert history.outside[:4].tolist() == [0, 0, 1, 1]
+    assert history.outside[-1] == 1
+    # a disc's chord of 2 r = 50 m leaves half a metre a step: 25 m2 of 62,500
+    assert history.settled_step(0.0005) == 30 - 1
+    assert history.settled_step(1.0) == 0
+
+
 def test_the_small_case_of_the_paper_converges_as_measured() -> None:
     """Our readings, from the centre: 75.5 % in 289 steps on average of ten seeds; two of them here."""
     mission = read_mission(Path(__file__).parents[3] / "examples" / "swarm-square.yaml").mission

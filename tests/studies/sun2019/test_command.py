@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from rota.cli import run
+from rota.studies.section import Section
 from rota.studies.sun2019 import runs as runs_module, study as study_module
 from rota.studies.sun2019.runs import Runs, StudySettings
-from rota.studies.sun2019.section import Section
 
 STAGED = ["study", "sun2019", "--figures", "8,15"]
 

@@ -106,9 +106,16 @@ def free_ground(mission: Mission) -> MultiPolygon:
 
 
 def make_swarm(
-    mission: Mission, ground: MultiPolygon, starts_m: Floats, *, seed: int, reserve_m: float = 0.0, threads: int = 1
+    mission: Mission,
+    ground: MultiPolygon,
+    starts_m: Floats,
+    *,
+    seed: int,
+    reserve_m: float = 0.0,
+    threads: int = 1,
+    velocities_m_s: Floats | None = None,
 ) -> Swarm:
-    """The mission's robots at their starts (n, 2), their bodies wider by ``reserve_m``."""
+    """The mission's robots at their starts (n, 2), their bodies wider by ``reserve_m``; at rest without velocities."""
     settings = mission.swarm
     robots = mission.fleet.robots or ()
     sensors = _sensors(mission)
@@ -131,6 +138,7 @@ def make_swarm(
         rule=rule_of(settings, seed),
         safe=settings.filter,
         moving=mission.moving_obstacles,
+        velocities_m_s=velocities_m_s,
         threads=threads,
     )
 

@@ -16,7 +16,7 @@ from rota.planners.swarm.rollout import Swarm
 Floats = NDArray[np.float64]
 
 PIXELS_PER_SENSOR = 50  # of the smallest sensor's radius
-MOST_PIXELS = 4_000_000
+MOST_PIXELS = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,7 +26,8 @@ class History:
     coverage: share of the region in range of anybody, by pixels. deadweight_loss: the share of all discs' area that
     covers nothing new of the region, 1 - covered / sum of the discs. body_gap_m, wall_gap_m: least distance between the
     rims of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far.
-    reversals: share of the robots that turned back by more than a right angle. decision_s: wall time for one robot.
+    reversals: share of the robots that turned back by more than a right angle. outside: robots that have left the
+    region. decision_s: wall time for one robot.
     """
 
     coverage: Floats
@@ -35,12 +36,18 @@ class History:
     wall_gap_m: Floats
     way_m: Floats
     reversals: Floats
+    outside: Floats
     decision_s: Floats
 
     @property
     def steps(self) -> int:
         """Steps of the run: the convergence step, where the stop rule ended it."""
         return len(self.coverage) - 1
+
+    def settled_step(self, within: float = 0.005) -> int:
+        """From which step on the coverage stays within a share of its last value: half a point, unless told."""
+        away = np.flatnonzero(np.abs(self.coverage - self.coverage[-1]) > within)
+        return int(away[-1]) + 1 if len(away) else 0
 
 
 class Observer:
@@ -59,6 +66,7 @@ class Observer:
         self._lattice = (x0 + pixel / 2, y0 + pixel / 2, pixel)
         x, y = np.meshgrid(self._lattice[0] + pixel * np.arange(columns), self._lattice[1] + pixel * np.arange(rows))
         shapely.prepare(region)
+        self._region = region
         self._free = shapely.contains_xy(region, x, y).astype(np.uint8)
         self._marks = np.full(self._free.shape, -1, np.int32)
         self._pixels = max(int(self._free.sum()), 1)
@@ -76,15 +84,16 @@ class Observer:
         between, beside = least_gaps(robots, swarm.kinds, swarm.grid)
         turned = turned_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
         self._way_m += float(np.sqrt(robots.vx**2 + robots.vy**2).mean()) * swarm.rule.time_step_s if self._rows else 0
+        outside = n - int(shapely.intersects_xy(self._region, robots.x, robots.y).sum())
         loss = 1 - seen * self._region_m2 / self._discs_m2
-        self._rows.append((seen, loss, between, beside, self._way_m, turned, elapsed_s / n))
+        self._rows.append((seen, loss, between, beside, self._way_m, turned, outside, elapsed_s / n))
 
     def history(self) -> History:
         """All that was measured."""
         return History(**{name: values for name, values in zip(_NAMES, np.array(self._rows).T, strict=True)})
 
 
-_NAMES = ("coverage", "deadweight_loss", "body_gap_m", "wall_gap_m", "way_m", "reversals", "decision_s")
+_NAMES = ("coverage", "deadweight_loss", "body_gap_m", "wall_gap_m", "way_m", "reversals", "outside", "decision_s")
 
 
 def covered_share(places_m: Floats, sensors_m: Floats, region: MultiPolygon) -> float:

@@ -17,7 +17,7 @@ from rota.plan_table import zones_served
 from rota.studies.sun2019.panels import zone_title
 from rota.studies.sun2019.paper import PaperCase, PaperRoute
 from rota.studies.sun2019.runs import Printed
-from rota.studies.sun2019.tables import NOTHING, Table, number
+from rota.studies.tables import NOTHING, Table, number
 
 
 @dataclass(frozen=True, kw_only=True)

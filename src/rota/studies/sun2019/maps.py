@@ -11,6 +11,8 @@ from shapely import MultiPolygon, Polygon
 from rota.files.rings import circle_ring
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 
+RECONSTRUCTED = "The map is a reconstruction: the paper prints no coordinates."
+
 
 def figure_13() -> Mission:
     """Figure 13's square with two obstacles, two zones and the periods of Section 5.1 (8, 20 and 40 s); metres.

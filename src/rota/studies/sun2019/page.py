@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rota.studies.section import Section
 from rota.studies.sun2019 import paper
-from rota.studies.sun2019.section import Section
-from rota.studies.sun2019.tables import joined
+from rota.studies.tables import joined
 
 HEADING = "# Sun et al. 2019, figure by figure"
 

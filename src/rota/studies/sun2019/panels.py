@@ -19,7 +19,7 @@ from rota.planners.patrol.sun2019.deploy import Deployment, ZoneDeployment
 from rota.planners.patrol.sun2019.graph import proximity_graph
 from rota.planners.patrol.sun2019.partition import Partition
 from rota.planners.patrol.sun2019.tour import Frame
-from rota.studies.sun2019.tables import counted
+from rota.studies.tables import counted
 
 Floats = NDArray[np.float64]
 

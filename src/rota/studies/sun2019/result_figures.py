@@ -11,8 +11,10 @@ from rota.draw.study_picture import study_picture
 from rota.mission import Mission, Sun2019
 from rota.planners.patrol.sun2019.settings import MethodSettings
 from rota.planners.patrol.sun2019.tour import Frame
+from rota.studies.section import Picture, Section
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.cases import Case, gaps_table, robots_table, routes_table, unseen_told
+from rota.studies.sun2019.maps import RECONSTRUCTED
 from rota.studies.sun2019.panels import (
     cost_panel,
     deployment_panel,
@@ -24,8 +26,7 @@ from rota.studies.sun2019.panels import (
     tour_panel,
 )
 from rota.studies.sun2019.runs import Printed, Runs
-from rota.studies.sun2019.section import RECONSTRUCTED, Picture, Section
-from rota.studies.sun2019.tables import Table, counted, joined
+from rota.studies.tables import Table, counted, joined
 
 AS_THE_PAPER = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="repaired")
 

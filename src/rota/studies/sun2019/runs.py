@@ -20,12 +20,9 @@ from rota.planners.patrol.sun2019.frame_settings import TourSettings
 from rota.planners.patrol.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
 from rota.planners.patrol.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors
 from rota.planners.patrol.sun2019.tour import Frame, find_frame
+from rota.studies.study import StudyStopped
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.maps import figure_8, figure_13, figure_15, with_periods
-
-
-class StudyStopped(Exception):  # noqa: N818 (no fault: somebody asked for it)
-    """The study was asked to stop before its end; nothing is written of it."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,9 @@ from rota.draw.study_picture import study_picture
 from rota.mission import Mission
 from rota.planners.patrol.sun2019.deploy import Deployment
 from rota.planners.patrol.sun2019.tour import Frame
+from rota.studies.section import Picture, Section
 from rota.studies.sun2019 import paper
+from rota.studies.sun2019.maps import RECONSTRUCTED
 from rota.studies.sun2019.panels import (
     cost_panel,
     deployment_panel,
@@ -24,8 +26,7 @@ from rota.studies.sun2019.panels import (
     zone_title,
 )
 from rota.studies.sun2019.runs import Runs
-from rota.studies.sun2019.section import RECONSTRUCTED, Picture, Section
-from rota.studies.sun2019.tables import Table, counted
+from rota.studies.tables import Table, counted
 
 ONE_MAP_WIDTH = 3.9  # inches
 

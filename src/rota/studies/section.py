@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from rota.studies.sun2019.tables import Table
-
-RECONSTRUCTED = "The map is a reconstruction: the paper prints no coordinates."
+from rota.studies.tables import Table
 
 
 class Picture(NamedTuple):

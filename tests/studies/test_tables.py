@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rota.studies.sun2019.tables import Table, counted, joined, number
+from rota.studies.tables import Table, counted, joined, number
 
 
 def test_markdown_has_a_title_a_rule_and_escaped_bars() -> None:

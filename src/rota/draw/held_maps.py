@@ -1,0 +1,135 @@
+"""Maps of robots that spread and then hold, where nothing is asked of the ground: their ways, and what they cover."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection, LineCollection, PathCollection
+from matplotlib.colors import to_rgba
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.path import Path
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from rota.draw.mission_picture import draw_mission, mission_legend, outline, points_per_metre
+from rota.draw.palette import COVERED, COVERED_EDGE, GROUND, ink_on
+from rota.draw.route_lines import robot_colours
+from rota.draw.two_maps import Half
+from rota.draw.zone_labels import draw_zone_labels
+from rota.plan import Plan
+from rota.plan_table import range_at_the_end, range_from
+
+Floats = NDArray[np.float64]
+
+COVERED_ALPHA = 0.3  # so that what two robots cover is darker
+NUMBERED_ROBOTS = 60  # with more, numbers would hide the map
+LEAST_BODY_PT = 2.2  # a body drawn smaller than that is not seen
+
+
+def holds(plan: Plan) -> bool:
+    """Whether nothing is asked of any ground and all robots stay in the end."""
+    mission = plan.mission
+    asked = mission.period_s is not None or any(zone.period_s is not None for zone in mission.zones)
+    return not asked and len(plan.trajectories) > 0 and all(not t.loop_duration_s for t in plan)
+
+
+def filled(shape: BaseGeometry) -> Path:
+    """A shape as a path; lines and points that an intersection leaves behind are dropped."""
+    parts = [part for part in getattr(shape, "geoms", [shape]) if isinstance(part, Polygon) and not part.is_empty]
+    return outline(MultiPolygon(parts)) if parts else Path(np.empty((0, 2)))
+
+
+def ends_m(plan: Plan) -> Floats:
+    """(n, 2) metres: where the robots hold."""
+    return np.array([trajectory.positions_m[-1, :2] for trajectory in plan])
+
+
+def ways_half(plan: Plan) -> Half:
+    """Every robot's way from its start to where it holds; few robots carry their numbers."""
+    numbered = len(plan.trajectories) <= NUMBERED_ROBOTS
+    entries: list[Artist] = [
+        Line2D([], [], color="#333333", linewidth=0.9, label="way"),
+        Line2D([], [], linestyle="", marker="s", markersize=3.5, color="#333333", markerfacecolor="white"),
+        Line2D([], [], linestyle="", marker="o", markersize=5, color="#333333", label="where it holds"),
+    ]
+    entries[1].set_label("start")
+    title = "Ways from the starts" + (", robots numbered where they hold" if numbered else "")
+    return Half(title=title, draw=lambda ax: draw_ways(plan, ax), legend=[*entries, *mission_legend(plan.mission)])
+
+
+def draw_ways(plan: Plan, ax: Axes) -> None:
+    """The mission and the ways on ``ax`` in metres."""
+    draw_mission(plan.mission, ax)
+    draw_zone_labels(plan.mission, ax, [])
+    colours, many = robot_colours(plan), len(plan.trajectories) > NUMBERED_ROBOTS
+    ways = [trajectory.positions_m[:, :2] for trajectory in plan]
+    lines = LineCollection(ways, colors=colours, linewidths=0.35 if many else 0.75, joinstyle="round", zorder=4)
+    ax.add_collection(lines, autolim=False)
+    edge, size = (0.3, 1.0) if many else (0.8, 9.0)
+    starts, ends = np.array([way[0] for way in ways]), ends_m(plan)
+    ax.scatter(
+        starts[:, 0], starts[:, 1], s=size, marker="s", c="white", edgecolors=colours, linewidths=edge, zorder=4.5
+    )
+    mark = 4.0 if many else 125.0
+    ax.scatter(ends[:, 0], ends[:, 1], s=mark, c=colours, edgecolors="white", linewidths=edge, zorder=7)
+    if many:
+        return
+    style: dict[str, Any] = {"fontsize": 7, "weight": "bold", "ha": "center", "va": "center_baseline", "zorder": 8}
+    for k, (x, y) in enumerate(ends.tolist()):
+        ax.text(x, y, str(k + 1), color=ink_on(colours[k]), **style)
+
+
+def range_half(plan: Plan) -> Half:
+    """What some robot has in range where they hold, in sum and disc by disc, and what nobody has."""
+    seen, free, sum_m2 = range_at_the_end(plan)
+    share = seen.area / free.area
+    wasted = 1 - seen.area / sum_m2
+    entries: list[Artist] = [
+        Patch(facecolor=covered_colour(1), edgecolor=COVERED_EDGE, label=f"in range: {share:.1%}"),
+        Patch(facecolor=covered_colour(2), edgecolor=COVERED_EDGE, label="in range of two or more"),
+        Patch(facecolor=GROUND, edgecolor="#888888", label=f"in nobody's range: {1 - share:.1%}"),
+        Line2D([], [], linestyle="", marker="o", markersize=4, color="#222222", label="robot"),
+        Line2D([], [], linestyle="", label=f"of all discs {wasted:.1%} overlap or lie outside"),
+    ]
+    title = f"In range of some robot in the end: {share:.1%} of the ground"
+    return Half(title=title, draw=lambda ax: draw_range(plan, ax), legend=[*entries, *mission_legend(plan.mission)])
+
+
+def covered_colour(times: int) -> tuple[float, float, float]:
+    """Ground that so many robots cover, as the discs that lie on each other show it."""
+    left = (1 - COVERED_ALPHA) ** times
+    ground, cover = to_rgba(GROUND), to_rgba(COVERED)
+    red, green, blue = (left * a + (1 - left) * b for a, b in zip(ground[:3], cover[:3], strict=True))
+    return red, green, blue
+
+
+def draw_range(plan: Plan, ax: Axes) -> None:
+    """The mission on ``ax`` in metres, and the footprints and bodies of all robots where they hold."""
+    ground = draw_mission(plan.mission, ax)
+    places, robots = ends_m(plan), [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
+    paths = [filled(range_from(robot.sensor, place)) for robot, place in zip(robots, places, strict=True)]
+    width = 0.3 if len(paths) > NUMBERED_ROBOTS else 0.7
+    discs = PathCollection(paths, facecolors=to_rgba(COVERED, COVERED_ALPHA), edgecolors="none", zorder=1.3)
+    line = to_rgba(COVERED_EDGE, 0.8)
+    edges = PathCollection(paths, facecolors="none", edgecolors=line, linewidths=width, zorder=1.4)
+    for collection in (discs, edges):
+        ax.add_collection(collection, autolim=False)
+        collection.set_clip_path(ground)
+    ax.add_collection(bodies(ax, places, [robot.body_radius_m for robot in robots]), autolim=False)
+    if len(paths) <= NUMBERED_ROBOTS:
+        draw_zone_labels(plan.mission, ax, [])
+
+
+def bodies(ax: Axes, places_m: Floats, radii_m: list[float]) -> EllipseCollection:
+    """Bodies (n,) at places (n, 2) in their size, or as large as is seen."""
+    least_m = LEAST_BODY_PT / points_per_metre(ax) / 2
+    wide_m = 2 * np.maximum(radii_m, least_m * (0.45 if len(places_m) > NUMBERED_ROBOTS else 1.0))
+    return EllipseCollection(
+        wide_m, wide_m, np.zeros(len(wide_m)), units="xy", offsets=places_m, offset_transform=ax.transData,
+        facecolors="#222222", edgecolors="white", linewidths=0.2, zorder=5,
+    )  # fmt: skip
