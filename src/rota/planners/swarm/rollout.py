@@ -36,6 +36,9 @@ class Swarm:
     places_m: (n, 2) starts. kinds, kind: what robots are like, and which of it each robot is, (n,). walls: (m, 4)
     segments, at least one. decide: the controller's kernel; rule: what it reads. safe: whether the last filter is
     applied. moving: discs that do not give way. velocities_m_s: (n, 2) before the first step; None: at rest.
+
+    To go on with a run that was stopped after so many ``steps``: names (n,), the numbers in the fleet of those at
+    places_m, in the order in which they stood in ``robots``.
     """
 
     def __init__(
@@ -50,17 +53,20 @@ class Swarm:
         safe: bool = True,
         moving: tuple[MovingObstacle, ...] = (),
         velocities_m_s: Floats | None = None,
+        names: Ints | None = None,
+        steps: int = 0,
         threads: int = 1,
     ) -> None:
         n = len(places_m)
         speeds = np.zeros((n, 2)) if velocities_m_s is None else velocities_m_s
-        self.steps = 0
+        names = np.arange(n, dtype=np.int64) if names is None else names.copy()
+        self.steps = steps
         self.moving = moving
         self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s)
         self.kinds, self.rule, self.safe = kinds, rule, safe
         self._decide = decide
         x, y, vx, vy = (np.array(values, np.float64) for values in (*places_m.T, *speeds.T))
-        self._robots = Robots(x, y, vx, vy, kind.astype(np.int64), np.arange(n, dtype=np.int64))
+        self._robots = Robots(x, y, vx, vy, kind[names].astype(np.int64), names)
         self._spare = _room_for(n)
         self._cell = np.empty(n, np.int64)
         self._nearest2 = np.empty(n)
