@@ -21,7 +21,8 @@ class SwarmState:
     names (n,): numbers in the fleet, in the order in which robots are computed, which rounding depends on; so are
     places_m and velocities_m_s (n, 2). thinned_m: by how much trajectories may err. Trajectories so far: kept_steps and
     kept_robots (k,) with kept_places_m (k, 2), and recent_m (r, n, 2), the places since, which are not thinned yet. The
-    last of these come in the order of the fleet, and so do past_m and past_m_s (h, n, 2): what others may still know.
+    last of these come in the order of the fleet, and so does past (h, 4, n): what messages may still tell, places and
+    velocities.
     """
 
     mission: Mission
@@ -36,14 +37,13 @@ class SwarmState:
     kept_robots: Ints
     kept_places_m: Floats
     recent_m: Floats
-    past_m: Floats
-    past_m_s: Floats
+    past: Floats
 
     def __post_init__(self) -> None:
         n = len(self.mission.fleet.robots or ())
         shapes = {"names": (n,), "places_m": (n, 2), "velocities_m_s": (n, 2)}
         shapes |= {"recent_m": (len(self.recent_m), n, 2), "kept_robots": self.kept_steps.shape}
-        shapes |= {"past_m": (len(self.past_m), n, 2), "past_m_s": self.past_m.shape}
+        shapes["past"] = (len(self.past), 4, n)
         shapes["kept_places_m"] = (len(self.kept_robots), 2)
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:

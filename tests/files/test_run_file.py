@@ -38,8 +38,7 @@ def run() -> SwarmState:
         kept_robots=np.array([0, 1, 2, 1]),
         kept_places_m=rng.uniform(0, 100, (4, 2)),
         recent_m=rng.uniform(0, 100, (4, 3, 2)),
-        past_m=np.empty((0, 3, 2)),
-        past_m_s=np.empty((0, 3, 2)),
+        past=rng.uniform(0, 100, (9, 4, 3)),
     )
 
 

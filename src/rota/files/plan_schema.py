@@ -160,6 +160,8 @@ class SwarmFields(_Strict):
     stop_m: Positive
     most_steps: Annotated[int, Field(ge=1)]
     thinning_m: NotNegative
+    delay_steps: Annotated[int, Field(ge=0, le=20)] = 0
+    messages_lost: Annotated[float, Field(ge=0, lt=1)] = 0.0
 
 
 class MovingObstacleFields(_Strict):

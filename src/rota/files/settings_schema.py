@@ -68,3 +68,5 @@ class SwarmBlock(Block):
     stop_m: Positive = Field(1e-5, description="stop when no robot moves farther in a step")
     most_steps: Annotated[int, Field(strict=True, ge=1)] = 4000
     thinning_m: NotNegative = Field(0.05, description="by which trajectories may be simplified")
+    delay_steps: Annotated[int, Field(strict=True, ge=0, le=20)] = Field(0, description="age of what robots hear")
+    messages_lost: Annotated[NotNegative, Field(lt=1)] = Field(0.0, description="share of messages that never arrive")

@@ -64,6 +64,19 @@ def test_sampled_velocities_go_on_where_they_were_on_any_number_of_threads(threa
     assert plan_text(run_mission(asked, seed=9, resume=state, threads=then).plan) == plan_text(whole.plan)
 
 
+@pytest.mark.parametrize("controller", ["settle", "reciprocal", "voronoi", "virtual_force"])
+def test_messages_that_are_under_way_arrive_after_a_stop(controller: Any, tmp_path: Path) -> None:
+    asked = mission(robots=30, most_steps=40, controller=controller, delay_steps=2, messages_lost=0.2)
+    whole = run_mission(asked, seed=2)
+    exact = run_mission(mission(robots=30, most_steps=40, controller=controller), seed=2)
+    assert whole.plan.trajectories != exact.plan.trajectories
+    write_run(run_mission(asked, seed=2, should_stop=stopped_after(17)).state, tmp_path / "half.rota-run")
+    state = read_run(tmp_path / "half.rota-run")
+    assert plan_text(run_mission(asked, seed=2, resume=state, threads=2).plan) == plan_text(whole.plan)
+    with pytest.raises(RunError, match="past: messages of 3 steps; 11 are needed"):
+        run_mission(asked, seed=2, resume=dataclasses.replace(state, past=state.past[:3]))
+
+
 def test_a_run_that_its_most_steps_ended_goes_on_with_more_of_them() -> None:
     few, many = (dataclasses.replace(mission(most_steps=most), moving_obstacles=()) for most in (50, 2000))
     found = search_plan(few, seed=1)

@@ -223,6 +223,9 @@ def test_a_fleet_that_no_swarm_can_be_is_refused() -> None:
         ({"neighbour_range_m": 0.0}, "swarm.neighbour_range_m"),
         ({"thinning_m": math.inf}, "swarm.thinning_m"),
         ({"most_steps": 0}, "swarm.most_steps"),
+        ({"delay_steps": 21}, "swarm.delay_steps"),
+        ({"messages_lost": 1.0}, "swarm.messages_lost"),
+        ({"messages_lost": math.nan}, "swarm.messages_lost"),
     ],
 )
 def test_settings_out_of_range_are_refused(wrong: dict[str, Any], words: str) -> None:

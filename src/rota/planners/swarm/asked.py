@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
-from rota.errors import MissionError
+from rota.errors import MissionError, RunError
 from rota.mission import DiscSensor, Mission, SwarmSettings
 from rota.plan import Plan
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
-from rota.planners.swarm.kernels import Rule
+from rota.planners.swarm.kernels import Hearing, Rule
+from rota.planners.swarm.messages import oldest_steps
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
@@ -80,6 +81,7 @@ def run_mission(
         resume = _beginning(mission, ground, seed)
     else:
         resume.require_same(mission, seed)
+        _require_past(resume)
     reserve_m = resume.thinned_m if settings.filter else 0.0
     swarm = make_swarm(mission, ground, resume.places_m, seed=seed, reserve_m=reserve_m, threads=threads, resume=resume)
     kept = (Kept(resume.kept_steps, resume.kept_robots, resume.kept_places_m),)
@@ -126,9 +128,15 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
         kept_robots=none,
         kept_places_m=np.empty((0, 2)),
         recent_m=starts[None],
-        past_m=np.empty((0, *starts.shape)),
-        past_m_s=np.empty((0, *starts.shape)),
+        past=np.empty((0, 4, len(starts))),
     )
+
+
+def _require_past(state: SwarmState) -> None:
+    hearing = hearing_of(state.mission.swarm)
+    needed = 0 if hearing is None else oldest_steps(hearing) + 1
+    if len(state.past) not in (needed, 0 if state.steps == 0 else needed):
+        raise RunError(f"past: messages of {len(state.past)} steps; {needed} are needed")
 
 
 def _state_of(before: SwarmState, mission: Mission, swarm: Swarm, log: TrajectoryLog, still: int) -> SwarmState:
@@ -145,6 +153,7 @@ def _state_of(before: SwarmState, mission: Mission, swarm: Swarm, log: Trajector
         kept_robots=kept.robots,
         kept_places_m=kept.places_m,
         recent_m=log.recent_m.copy(),
+        past=swarm.past,
     )
 
 
@@ -189,6 +198,7 @@ def make_swarm(
         rule=rule_of(settings, seed),
         safe=settings.filter,
         moving=mission.moving_obstacles,
+        hearing=hearing_of(settings),
         threads=threads,
         **_begun(resume),
     )
@@ -198,7 +208,8 @@ def _begun(state: SwarmState | None) -> dict[str, Any]:
     """Where a swarm begins that is not at its starts any more."""
     if state is None:
         return {}
-    return {"velocities_m_s": state.velocities_m_s, "names": state.names, "steps": state.steps}
+    begun = {"velocities_m_s": state.velocities_m_s, "names": state.names, "steps": state.steps}
+    return begun | ({"past": state.past} if len(state.past) else {})
 
 
 def rule_of(settings: SwarmSettings, seed: int) -> Rule:
@@ -212,6 +223,13 @@ def rule_of(settings: SwarmSettings, seed: int) -> Rule:
         seed=seed % LARGEST_SEED,
         time_step_s=settings.time_step_s,
     )
+
+
+def hearing_of(settings: SwarmSettings) -> Hearing | None:
+    """What robots learn of each other, where that is less than all."""
+    if settings.delay_steps == 0 and settings.messages_lost == 0:
+        return None
+    return Hearing(delay_steps=settings.delay_steps, lost=float(settings.messages_lost))
 
 
 def _sensors(mission: Mission) -> Floats:
