@@ -172,7 +172,10 @@ def covered_sentence(plan: Plan) -> str:
     free = mission.area.difference(union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
     discs, sum_m2 = [], 0.0
     for trajectory in plan:
-        reach_m = mission.fleet.robot(trajectory.robot).sensor.reach_m
+        robot = mission.fleet.robot(trajectory.robot)
+        if robot.leaves_s is not None:
+            continue
+        reach_m = robot.sensor.reach_m
         discs.append(Point(trajectory.positions_m[-1, :2]).buffer(reach_m, quad_segs=64))
         sum_m2 += math.pi * reach_m**2
     share, most = union_all(discs).intersection(free).area / free.area, min(1.0, sum_m2 / free.area)

@@ -232,6 +232,8 @@ def _robot(fleet: Fleet, block: RobotBlock) -> Robot:
         sensor=_sensor(block.sensor) if block.sensor is not None else fleet.sensor,
         body_radius_m=block.body_radius_m if block.body_radius_m is not None else fleet.body_radius_m,
         turn_rate_rad_s=turn_rate,
+        joins_s=block.joins_s,
+        leaves_s=block.leaves_s,
     )
 
 

@@ -64,6 +64,8 @@ class RobotFields(_Strict):
     body_radius_m: NotNegative
     turn_rate_rad_s: Positive | None
     start: Point | None
+    joins_s: NotNegative = 0.0
+    leaves_s: Positive | None = None
 
 
 RobotList = Annotated[list[RobotFields], Field(min_length=1)]

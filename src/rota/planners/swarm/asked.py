@@ -20,6 +20,7 @@ from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_vo
 from rota.planners.swarm.kernels import Hearing, Rule
 from rota.planners.swarm.messages import oldest_steps
 from rota.planners.swarm.metrics import History, Observer
+from rota.planners.swarm.presence import Presence, holding_from_joining
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
@@ -87,8 +88,16 @@ def run_mission(
     kept = (Kept(resume.kept_steps, resume.kept_robots, resume.kept_places_m),)
     log = TrajectoryLog(resume.recent_m, resume.thinned_m, begin=resume.recent_from, kept=kept)
     still, needed = resume.steps_at_rest, STEPS_AT_REST[settings.controller]
+    presence = Presence(mission)
+    presence.begin(swarm)
     observer = Observer(swarm, ground, settings.stop_m) if observed else None
-    while swarm.steps < settings.most_steps and still < needed and not should_stop():
+    while (
+        swarm.steps < settings.most_steps
+        and (still < needed or swarm.steps <= presence.last_change)
+        and not should_stop()
+    ):
+        if presence.update(swarm):
+            log.keep_last()
         began_s = time.perf_counter()
         still = still + 1 if swarm.step() <= settings.stop_m else 0
         if observer is not None:
@@ -97,7 +106,8 @@ def run_mission(
         if swarm.steps % 50 == 0:
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
     names = [robot.name for robot in mission.fleet.robots or ()]
-    plan = Plan(mission=mission, trajectories=log.trajectories(names, settings.time_step_s), seed=seed)
+    trajectories = holding_from_joining(log.trajectories(names, settings.time_step_s), mission)
+    plan = Plan(mission=mission, trajectories=trajectories, seed=seed)
     return SwarmRun(
         plan=plan,
         steps=swarm.steps,

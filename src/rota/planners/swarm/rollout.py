@@ -146,10 +146,13 @@ class Swarm:
             places = np.array(places_m, np.float64).reshape(len(chosen), 2)
         others = np.ones(len(self), np.bool_)
         others[chosen] = False
+        # a body that has been there all the time has its room
+        new = np.full(len(chosen), places_m is not None) | np.isinf(kinds.body_m[robots.kind[chosen]])
+        others[chosen[~new]] = True
         require_room(
-            names,
-            places,
-            kinds.body_m[self._present_kind[names]],
+            names[new],
+            places[new],
+            kinds.body_m[self._present_kind[names[new]]],
             np.stack([robots.x[others], robots.y[others]], axis=1),
             kinds.body_m[robots.kind[others]],
             self.grid.walls,

@@ -55,10 +55,16 @@ class TrajectoryLog:
         self._block[self._filled] = places_m
         self._filled += 1
         if self._filled == len(self._block):
-            self._kept.append(self._thinned())
-            self._begin += self._filled - 1
-            self._block[0] = places_m
-            self._filled = 1
+            self.keep_last()
+
+    def keep_last(self) -> None:
+        """Keep the last places as they are: thinning never strays across them."""
+        if self._filled == 1:
+            return
+        self._kept.append(self._thinned())
+        self._begin += self._filled - 1
+        self._block[0] = self._block[self._filled - 1]
+        self._filled = 1
 
     def _thinned(self) -> Kept:
         places = self.recent_m

@@ -11,6 +11,7 @@ from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.mission import MovingObstacle
+from rota.planners.swarm.filter_kernels import ROUNDING_M
 from rota.planners.swarm.kernels import Grid, Kinds, Moving, walls_of_cells
 
 Floats = NDArray[np.float64]
@@ -77,7 +78,7 @@ def require_room(
 ) -> None:
     """Raise MissionError unless bodies at places (k, 2) stand clear of each other, of others (m, 2) and of walls.
 
-    The walls are closed rings round the free space; a place outside it has no room. Touching is allowed.
+    The walls are closed rings round the free space; a place outside it has no room. Touching is allowed, by rounding.
     """
     lines = shapely.linestrings(walls.reshape(-1, 2, 2))
     free = shapely.build_area(shapely.node(shapely.multilinestrings(lines)))
@@ -88,12 +89,12 @@ def require_room(
             raise MissionError(f"{where}: coordinates must be finite")
         gaps = np.hypot(*(all_m - place).T) - all_bodies_m - body
         gaps[len(others_m) + k] = np.inf
-        if gaps.min() < 0:
+        if gaps.min() < -ROUNDING_M:
             raise MissionError(
                 f"{where}: there is no room to join; its body overlaps another one by {-gaps.min():.6g} m"
             )
         gap = shapely.distance(lines, shapely.Point(place)).min() - body
-        if gap < 0 or not shapely.intersects_xy(free, *place):
+        if gap < -ROUNDING_M or not shapely.intersects_xy(free, *place):
             raise MissionError(f"{where}: there is no room to join; it stands outside the free space or in a wall")
 
 
