@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -190,9 +192,9 @@ class Fleet:
         require_positive("fleet.altitude_m", self.altitude_m)
         if self.robots is not None:
             require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
-            names = [robot.name for robot in self.robots]
-            for name in names:
-                require(names.count(name) == 1, "fleet.robots", name, "names must be unique")
+            counted = Counter(robot.name for robot in self.robots)
+            for name, count in counted.items():
+                require(count == 1, "fleet.robots", name, "names must be unique")
 
     def equal_robot(self, name: str) -> Robot:
         """A robot of this name with the fleet's common values."""
@@ -211,10 +213,13 @@ class Fleet:
         """
         if self.robots is None:
             return self.equal_robot(name)
-        for robot in self.robots:
-            if robot.name == name:
-                return robot
+        if name in self._by_name:
+            return self._by_name[name]
         raise MissionError(f"robot {name!r} is not in the fleet: {', '.join(r.name for r in self.robots)}")
+
+    @cached_property
+    def _by_name(self) -> dict[str, Robot]:
+        return {robot.name: robot for robot in self.robots or ()}
 
 
 @dataclass(frozen=True, kw_only=True)

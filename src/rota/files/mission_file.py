@@ -117,10 +117,11 @@ def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
 
 def _robot_faults(fleet: FleetBlock) -> list[Fault]:
     names = [robot.name for robot in fleet.robots] if isinstance(fleet.robots, list) else []
+    first = {name: k for k, name in reversed(list(enumerate(names)))}
     return [
         Fault(("fleet", "robots", k, "name"), f"{name!r} is the name of another robot; names must be unique")
         for k, name in enumerate(names)
-        if name in names[:k]
+        if first[name] < k
     ]
 
 

@@ -20,7 +20,8 @@ from rota.files.schema_block import Block, NotNegative, Positive, Where, given_o
 from rota.files.settings_schema import PatrolBlock, SwarmBlock
 
 PLANNERS = ("patrol", "swarm")
-MOST_ROBOTS = 10_000
+# a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
+MOST_ROBOTS, MOST_PATROLLING = 100_000, 10_000
 FARTHEST_M = 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
 
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-FARTHEST_M, le=FARTHEST_M)]
@@ -329,6 +330,9 @@ def _unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     if data.get("moving_obstacles"):
         yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
     listed = _inner(data, "fleet", "robots")
+    count = len(listed) if isinstance(listed, list) else listed
+    if isinstance(count, int) and MOST_PATROLLING < count <= MOST_ROBOTS:
+        yield ("fleet", "robots"), f"{count} is not allowed; the patrol planner plans for at most {MOST_PATROLLING}"
     for k, robot in enumerate(listed if isinstance(listed, list) else []):
         for name in ("joins_s", "leaves_s"):
             if _inner(robot, name):
