@@ -18,6 +18,7 @@ from rota.planner_settings import (
     METHODS as METHODS,
     Controller as Controller,
     DeploymentMethod as DeploymentMethod,
+    Device as Device,
     Effort as Effort,
     FramePartition as FramePartition,
     FrameTour as FrameTour,

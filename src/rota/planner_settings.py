@@ -16,6 +16,7 @@ FrameTour = Literal["local_search", "genetic"]
 FramePartition = Literal["exact", "pso"]
 SegmentRoutes = Literal["shortened", "repaired", "printed"]
 Controller = Literal["settle", "reciprocal", "voronoi", "virtual_force"]
+Device = Literal["cpu", "cuda"]
 VelocityChoice = Literal["centroid", "sampled"]
 SetBoundary = Literal["tangent", "circle"]
 
@@ -104,6 +105,8 @@ class SwarmSettings:
 
     What robots know of each other: messages arrive ``delay_steps`` late, and ``messages_lost`` of them never do (at
     most 8 in a row), so that the last one that came counts.
+
+    ``device``: what decides, "cpu" or, with an NVIDIA GPU and the package numba-cuda, "cuda"; to within rounding.
     """
 
     planner: ClassVar[str] = "swarm"
@@ -123,9 +126,10 @@ class SwarmSettings:
     thinning_m: float = 0.05
     delay_steps: int = 0
     messages_lost: float = 0.0
+    device: Device = "cpu"
 
     def __post_init__(self) -> None:
-        choices = {"controller": Controller, "velocity": VelocityChoice, "boundary": SetBoundary}
+        choices = {"controller": Controller, "velocity": VelocityChoice, "boundary": SetBoundary, "device": Device}
         for name, known in choices.items():
             value = getattr(self, name)
             require(value in get_args(known), f"swarm.{name}", value, ", ".join(get_args(known)))

@@ -11,6 +11,7 @@ from rota.mission import (
     Controller,
     Demand,
     DeploymentMethod,
+    Device,
     Effort,
     FramePartition,
     FrameTour,
@@ -164,6 +165,7 @@ class SwarmFields(_Strict):
     thinning_m: NotNegative
     delay_steps: Annotated[int, Field(ge=0, le=20)] = 0
     messages_lost: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    device: Device = "cpu"
 
 
 class MovingObstacleFields(_Strict):

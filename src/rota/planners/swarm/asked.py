@@ -209,6 +209,7 @@ def make_swarm(
         safe=settings.filter,
         moving=mission.moving_obstacles,
         hearing=hearing_of(settings),
+        device=settings.device,
         threads=threads,
         **_begun(resume),
     )

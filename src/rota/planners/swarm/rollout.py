@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rota.errors import MissionError
-from rota.mission import MovingObstacle
+from rota.mission import Device, MovingObstacle
+from rota.planners.swarm.cuda_step import CudaStep
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard
 from rota.planners.swarm.kernels import Grid, Hearing, Kinds, Near, Robots, Rule, move_and_sort
@@ -41,7 +42,8 @@ class Swarm:
     segments, at least one. decide: the controller's kernel; rule: what it reads. safe: whether the last filter is
     applied. moving: discs that do not give way. velocities_m_s: (n, 2) before the first step; None: at rest.
 
-    hearing: what robots learn of each other; None: at every step where all others are.
+    hearing: what robots learn of each other; None: at every step where all others are. device: what decides, the
+    processor or, "cuda", an NVIDIA GPU, to within rounding.
 
     Robots may leave and join between two steps; those that have left are nobody's neighbours any more.
 
@@ -61,6 +63,7 @@ class Swarm:
         safe: bool = True,
         moving: tuple[MovingObstacle, ...] = (),
         hearing: Hearing | None = None,
+        device: Device = "cpu",
         velocities_m_s: Floats | None = None,
         names: Ints | None = None,
         steps: int = 0,
@@ -88,6 +91,9 @@ class Swarm:
         self._cuts = [n * k // max(chunks, 1) for k in range(max(chunks, 1) + 1)]
         self._rooms = [_room(max(rule.neighbours, 1)) for _ in self._cuts[1:]]
         self._pool = ThreadPoolExecutor(threads) if len(self._cuts) > 2 else None
+        self._device = None if device == "cpu" else CudaStep(decide, self.kinds, rule)
+        if self._device is not None and hearing is not None:
+            raise MissionError("swarm.device: cuda is for robots that know all at once; no delay_steps, messages_lost")
         self._messages = None
         if hearing is not None:
             step_m = kinds.speed_m_s[self._present_kind] * rule.time_step_s
@@ -188,6 +194,11 @@ class Swarm:
         moving = moving_at(self.moving, self.steps * self.rule.time_step_s, self.rule.time_step_s)
         if self._messages is not None:
             self._messages.tell(self.steps, self._robots, self.grid)
+        if self._device is not None:
+            filtered = self._widest_m if self.safe else None
+            new = self._spare
+            self._device.decide(self.steps, self._robots, self.grid, moving, filtered, new.vx, new.vy)
+            return self._take_decided()
         # decisions go to the spare state's velocities, which nobody reads meanwhile
         if self._pool is None:
             self._decide_for(0, len(self), 0, moving)
@@ -198,6 +209,10 @@ class Swarm:
             ]
             for job in jobs:
                 job.result()
+        return self._take_decided()
+
+    def _take_decided(self) -> float:
+        """Move as decided, sort, and count the step."""
         decided = self._robots._replace(vx=self._spare.vx, vy=self._spare.vy)
         self._spare = self._spare._replace(vx=self._robots.vx, vy=self._robots.vy)
         self._robots = decided
