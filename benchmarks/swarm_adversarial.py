@@ -17,7 +17,7 @@ from rota.planners.swarm.world import kinds_of
 
 Floats = NDArray[np.float64]
 
-STATES, ROBOTS, STEPS = 10_000, 8, 40
+STATES, ROBOTS, STEPS = 10_000, 8, 20
 GAPS_M = (0.0, 1e-9, 1e-3, 0.1)  # between a body and the one it was put beside
 ROOMS_M = (0.0, 1e-6, 0.3, 2.0)  # between the bodies and the walls
 TRIES = 60

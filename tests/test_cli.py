@@ -538,6 +538,22 @@ def test_a_swarm_that_is_stopped_goes_on_from_its_file(
     assert run(["plan", "few.yaml", "--seed", "3", "-o", "whole.rota.json"]) == 0
     assert run(["plan", "few.yaml", "--resume", "few.rota-run"]) == 0
     assert (tmp_path / "few.rota.json").read_bytes() == (tmp_path / "whole.rota.json").read_bytes()
+    assert run(["plan", "few.yaml", "--resume", "few.rota-run", "-o", "few.rota-run"]) == 2
+    assert "few.rota-run: is the input itself and is not overwritten" in capsys.readouterr().err
     (tmp_path / "few.rota-run").write_bytes(b"PK")
     assert run(["plan", "few.yaml", "--resume", "few.rota-run"]) == 2
     assert "few.rota-run: no run file, or not a whole one" in capsys.readouterr().err
+
+
+def test_a_run_that_misses_its_demand_is_kept_without_a_plan(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "9") + "period_s: 10\n")
+    assert run(["plan", "few.yaml"]) == 3
+    err = capsys.readouterr().err
+    assert "--resume few.rota-run" in err
+    assert "no plan: the best plan found is not shown to meet the demand" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["few.rota-run", "few.yaml"]
+    assert run(["plan", "few.yaml", "-o", "-"]) == 3
+    assert "a plan that goes to stdout leaves no run to go on with" in capsys.readouterr().err

@@ -112,6 +112,8 @@ def plan(
 
     target = output if output is not None else f"{mission.stem}.rota.json"
     _require_target(target, source=mission)
+    if resume is not None:
+        _require_target(target, source=resume)
     read = read_mission(mission)
     for warning in read.warnings:
         say(f"warning: {warning}")
@@ -150,7 +152,7 @@ def _plan_and_write(
             if not best or failure.best is None:
                 if run is not None:
                     keep_run(run, target, resume[0])
-                return _say_no_plan(failure, stop.raised)
+                return _say_no_plan(failure, stop.raised, "no plan" if run is not None else "nothing")
             answer = failure.best  # type: ignore[assignment]
             report = check_plan(answer)
     _write_plan(answer, target, meets_demand=reason is None)
@@ -167,9 +169,9 @@ def _plan_and_write(
     return INTERRUPTED if stop.raised else DONE if reason is None else NO_PLAN
 
 
-def _say_no_plan(failure: NoPlanFound, interrupted: bool) -> int:
+def _say_no_plan(failure: NoPlanFound, interrupted: bool, what: str) -> int:
     if interrupted:
-        say("interrupted before a plan passed the check; nothing is written")
+        say(f"interrupted before a plan passed the check; {what} is written")
     say(f"no plan: {failure}")
     if failure.best is not None:
         say("--best writes the best plan found, which does not meet its demand")
