@@ -41,7 +41,7 @@ def swarm_adversarial(options: Options) -> Iterator[Row]:
         for hearing, told in ((None, ""), (LATE_AND_LOSSY, ", a step late and 10 % lost")):
             bodies_m, walls_m, way_m = least_gaps(states, controller, STEPS, hearing)
             name = f"swarm, {STATES:,} dense states of {ROBOTS}, {controller}{told}: between bodies, and walls"
-            measured = f"{bodies_m:.2g} and {walls_m:.2g} m after {STEPS} steps; {way_m:.2f} m gone on average"
+            measured = f"{bodies_m:.2g} and {walls_m:.2g} m after {STEPS} steps; {way_m:.2g} m gone on average"
             yield Row(name, f"never below -{ROUNDING_M:.0e} m", measured, min(bodies_m, walls_m) >= -ROUNDING_M)
 
 
