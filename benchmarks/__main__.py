@@ -31,6 +31,7 @@ def main() -> None:
             first_seed=chosen.first_seed,
             tile_m=chosen.tile,
             processes=chosen.processes,
+            steps=chosen.steps,
         )
         for name in names:
             for row in FIGURES[name](options):
@@ -46,7 +47,7 @@ def line_of(row: Row) -> str:
 def arguments() -> argparse.ArgumentParser:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Print what planning and checking cost.")
-    known = f"{', '.join(FIGURES)}; default all but {' and '.join(LONG)}, which takes long"
+    known = f"{', '.join(FIGURES)}; default all but {' and '.join(LONG)}, which take long"
     parser.add_argument("names", nargs="*", type=figure_name, metavar="NAME", help=f"figures to measure: {known}")
     parser.add_argument("--all", action="store_true", help="measure those that take long, too")
     parser.add_argument(
@@ -62,6 +63,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--tile", type=metres, default=1000.0, metavar="M", help="side of a tile of plan-1-km2 and plan-10-km2, metres"
     )
+    parser.add_argument("--steps", type=count, default=1000, metavar="N", help="of swarm-million; default 1000")
     return parser
 
 

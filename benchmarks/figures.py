@@ -19,7 +19,11 @@ from benchmarks.sun_cases import sun_cases
 from benchmarks.sun_deploy import sun_deploy
 from benchmarks.sun_frame import sun_frame
 from benchmarks.sun_method import sun_method
-from benchmarks.swarm_step import swarm_step
+from benchmarks.swarm_adversarial import swarm_adversarial
+from benchmarks.swarm_coverage import swarm_coverage
+from benchmarks.swarm_million import swarm_million
+from benchmarks.swarm_peer import swarm_peer
+from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
@@ -118,10 +122,15 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "sun2019-deploy": sun_deploy,
     "sun2019-frame": sun_frame,
     "sun2019-method": sun_method,
+    "swarm-coverage": swarm_coverage,
+    "swarm-adversarial": swarm_adversarial,
     "swarm-step": swarm_step,
+    "swarm-threads": swarm_threads,
+    "swarm-peer": swarm_peer,
+    "swarm-million": swarm_million,
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,
     "random-missions": random_missions,
 }
-LONG = ("random-missions",)  # an hour and more: measured only when named, or with --all
+LONG = ("random-missions", "swarm-million")  # half an hour and more: measured only when named, or with --all

@@ -16,6 +16,18 @@ def peer_answer(folder: Path, requirement: str, program: str, problem: dict[str,
 
     requirement: what to install for it, as pip understands it. The environment is made once in a folder and used again.
     """
+    python = peer_python(folder, requirement, program)
+    if isinstance(python, str):
+        return python
+    file = folder / f"{Path(program).stem}-problem.json"
+    file.write_text(json.dumps(problem))
+    # -I: without the paths by which this project is found
+    answered = run([python, "-I", Path(__file__).with_name(program), file])
+    return json.loads(answered.out) if answered.code == 0 else answered.failure()
+
+
+def peer_python(folder: Path, requirement: str, program: str) -> Path | str:
+    """The interpreter of the environment for ``program``, made where there is none; or why it cannot be made."""
     environment = folder / Path(program).stem
     python = environment / ("Scripts" if sys.platform == "win32" else "bin") / "python"
     if not python.exists():
@@ -23,8 +35,4 @@ def peer_answer(folder: Path, requirement: str, program: str, problem: dict[str,
         installed = run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", requirement])
         if installed.code != 0:
             return f"{requirement} cannot be installed: {installed.failure()}"
-    file = folder / f"{Path(program).stem}-problem.json"
-    file.write_text(json.dumps(problem))
-    # -I: without the paths by which this project is found
-    answered = run([python, "-I", Path(__file__).with_name(program), file])
-    return json.loads(answered.out) if answered.code == 0 else answered.failure()
+    return python

@@ -16,7 +16,7 @@ class Row(NamedTuple):
 
 
 class Options(NamedTuple):
-    """Where to put files, and what the figures of the patrol planner take; see ``python -m benchmarks --help``."""
+    """Where to put files, and what the figures take; see ``python -m benchmarks --help``."""
 
     folder: Path
     effort: str = "quick"
@@ -24,3 +24,4 @@ class Options(NamedTuple):
     first_seed: int = 0
     tile_m: float = 1000.0
     processes: int | None = None
+    steps: int = 1000

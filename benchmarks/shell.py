@@ -82,6 +82,6 @@ def rota(*arguments: str | Path, environment: Mapping[str, str] | None = None, p
     return run([program, *arguments], environment=environment, patience_s=patience_s)
 
 
-def python(*arguments: str | Path) -> Run:
+def python(*arguments: str | Path, patience_s: float = PATIENCE_S) -> Run:
     """Run this Python interpreter."""
-    return run([sys.executable, *arguments])
+    return run([sys.executable, *arguments], patience_s=patience_s)

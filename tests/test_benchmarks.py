@@ -33,15 +33,19 @@ from benchmarks.random_runs import Outcome, fault, outcomes, summary
 from benchmarks.row import Options, Row
 from benchmarks.shell import Run
 from benchmarks.sun_cases import CASES, case_row, total_row, write_case
+from benchmarks.swarm_adversarial import dense_states
+from benchmarks.swarm_coverage import mission as swarm_mission, outcome as swarm_outcome
+from scipy.spatial.distance import pdist
 from shapely import MultiPolygon, box
 
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.mission import DiscSensor, Fleet, Mission, StartBox
 from rota.plan import Plan, Trajectory
+from rota.planners.swarm.starts import place_starts
 
 PROJECT = Path(__file__).parents[1]
 MODULES = sorted(path.stem for path in (PROJECT / "benchmarks").glob("*.py") if path.stem != "__main__")
-PEERS = {"peer_paths": "coverage_path_planner", "peer_tours": "fast_tsp"}
+PEERS = {"peer_paths": "coverage_path_planner", "peer_tours": "fast_tsp", "peer_crowd": "pyrvo"}
 
 
 def ran(wall_s: float, peak_bytes: int = 300_000_000, code: int = 0, err: str = "") -> Run:
@@ -283,3 +287,33 @@ def test_missions_are_planned_in_processes_until_ctrl_c(tmp_path: Path) -> None:
     assert [(one.seed, one.failure) for one in found] == [(EASY_SEED, None)]
     assert 0 < found[0].bound <= found[0].robots
     assert signal.getsignal(signal.SIGINT) is before
+
+
+# ---------------------------------------------------------------- swarms
+
+
+def test_dense_states_are_dense_and_nothing_overlaps_in_them() -> None:
+    states = dense_states(500, 6, np.random.default_rng(3))
+    gaps = np.array([_gaps(at, bodies) for at, bodies in zip(states.places_m, states.bodies_m, strict=True)])
+    assert gaps.min() > -1e-12
+    assert (gaps.min(axis=1) < 0.2).all()  # everywhere some touch or nearly do
+    low, high = states.boxes_m[:, None, :2], states.boxes_m[:, None, 2:]
+    beside = np.minimum(states.places_m - low, high - states.places_m).min(axis=2) - states.bodies_m
+    assert beside.min() > -1e-12
+    assert np.median(beside.min(axis=1)) < 1e-9  # most boxes touch a body
+
+
+def _gaps(places_m: np.ndarray, bodies_m: np.ndarray) -> np.ndarray:
+    first, second = np.triu_indices(len(bodies_m), 1)
+    return np.hypot(*(places_m[first] - places_m[second]).T) - bodies_m[first] - bodies_m[second]
+
+
+def test_a_small_run_is_measured_as_it_is() -> None:
+    asked = swarm_mission(3, (250, 250), StartBox(low_m=(100, 100), high_m=(150, 150)), 400)
+    run, starts = swarm_outcome(asked, seed=1), place_starts(asked, asked.area, seed=1, reserve_m=0.05)
+    assert run.at_rest
+    assert run.steps < 400
+    assert run.covered == pytest.approx(3 * np.pi * 25**2 / 250**2, abs=1e-4)  # three discs apart
+    assert run.so_far[-1] == pytest.approx(run.covered, abs=2e-3)
+    assert run.between_m == pytest.approx(pdist(starts).min() - 1)  # they only come apart
+    assert run.beside_m > 20

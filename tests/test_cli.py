@@ -508,3 +508,52 @@ def test_a_cold_cache_is_told(
     assert not is_compiled("check")
     assert run(["check", str(plan_path)]) == 0
     assert "rota: compiling, once: about a minute" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- runs of a swarm
+
+
+SWARM = """
+rota: 1
+name: few
+area: [[0, 0], [150, 0], [150, 150], [0, 150]]
+fleet: {robots: 6, speed_m_s: 2, sensor: {shape: disc, radius_m: 25}, start: {box: [[1, 1], [40, 40]]}}
+planner: swarm
+swarm: {controller: reciprocal, most_steps: MOST}
+"""
+
+
+def test_a_swarm_that_is_stopped_goes_on_from_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "20"))
+    assert run(["plan", "few.yaml", "--seed", "3"]) == 0
+    err = capsys.readouterr().err
+    assert "not at rest after 20 steps" in err
+    assert "--resume few.rota-run and swarm.most_steps of more than 20 goes on" in err
+    assert run(["plan", "few.yaml", "--resume", "few.rota-run", "--seed", "4"]) == 2
+    assert "seed: 4 is not allowed; the run has the seed 3" in capsys.readouterr().err
+    (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "90"))
+    assert run(["plan", "few.yaml", "--seed", "3", "-o", "whole.rota.json"]) == 0
+    assert run(["plan", "few.yaml", "--resume", "few.rota-run"]) == 0
+    assert (tmp_path / "few.rota.json").read_bytes() == (tmp_path / "whole.rota.json").read_bytes()
+    assert run(["plan", "few.yaml", "--resume", "few.rota-run", "-o", "few.rota-run"]) == 2
+    assert "few.rota-run: is the input itself and is not overwritten" in capsys.readouterr().err
+    (tmp_path / "few.rota-run").write_bytes(b"PK")
+    assert run(["plan", "few.yaml", "--resume", "few.rota-run"]) == 2
+    assert "few.rota-run: no run file, or not a whole one" in capsys.readouterr().err
+
+
+def test_a_run_that_misses_its_demand_is_kept_without_a_plan(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "9") + "period_s: 10\n")
+    assert run(["plan", "few.yaml"]) == 3
+    err = capsys.readouterr().err
+    assert "--resume few.rota-run" in err
+    assert "no plan: the best plan found is not shown to meet the demand" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["few.rota-run", "few.yaml"]
+    assert run(["plan", "few.yaml", "-o", "-"]) == 3
+    assert "a plan that goes to stdout leaves no run to go on with" in capsys.readouterr().err

@@ -11,11 +11,12 @@ from rota.make_plan import make_plan, search_plan
 if TYPE_CHECKING:
     from rota.check import check_plan
     from rota.draw import animate_plan, draw_plan
-    from rota.errors import MissionError, NoPlanFound, PlanError, RotaError
+    from rota.errors import MissionError, NoPlanFound, PlanError, RotaError, RunError
     from rota.files.geojson import write_geojson
     from rota.files.mission_file import read_mission
     from rota.files.plan_file import read_plan, write_plan
     from rota.files.qgroundcontrol import write_qgroundcontrol
+    from rota.files.run_file import read_run, write_run
     from rota.mission import (
         DiscSensor,
         Fleet,
@@ -47,6 +48,7 @@ __all__ = [
     "PlanError",
     "Robot",
     "RotaError",
+    "RunError",
     "SquareSensor",
     "StartBox",
     "StartPoints",
@@ -59,20 +61,23 @@ __all__ = [
     "make_plan",
     "read_mission",
     "read_plan",
+    "read_run",
     "search_plan",
     "write_geojson",
     "write_plan",
     "write_qgroundcontrol",
+    "write_run",
 ]
 
 _MODULES = {
     "rota.check": ["check_plan"],
     "rota.draw": ["animate_plan", "draw_plan"],
-    "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError"],
+    "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError", "RunError"],
     "rota.files.geojson": ["write_geojson"],
     "rota.files.mission_file": ["read_mission"],
     "rota.files.plan_file": ["read_plan", "write_plan"],
     "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
+    "rota.files.run_file": ["read_run", "write_run"],
     "rota.mission": [
         "DiscSensor",
         "Fleet",

@@ -16,6 +16,7 @@ from rich.console import Console
 
 from rota.errors import NoPlanFound, RotaError
 from rota.exit_codes import BAD_INPUT, DONE, INTERRUPTED, NO_PLAN, OUR_FAULT, VIOLATED
+from rota.stopped_run import keep_run
 from rota.study_command import app as study_app
 from rota.terminal import mention_compiling, progress_bar, say
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from rota.check import Report
     from rota.mission import Mission
     from rota.plan import Plan
+    from rota.swarm_state import SwarmState
 
 STANDARD_STREAM = "-"
 PICTURES = (".png", ".svg", ".pdf")
@@ -89,7 +91,9 @@ def plan(
             "-o", "--output", metavar="PLAN", help="The plan file; default MISSION's name with .rota.json; - stdout."
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same plan.")] = 0,
+    seed: Annotated[
+        int | None, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same plan; default 0.")
+    ] = None,
     effort: Annotated[
         EffortName | None, typer.Option(metavar="EFFORT", help="quick, normal or high; default as the mission says.")
     ] = None,
@@ -97,13 +101,19 @@ def plan(
         float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
     ] = None,
     best: Annotated[bool, typer.Option("--best", help="Write the best plan even if it misses its demand.")] = False,
+    resume: Annotated[
+        str | None, typer.Option(metavar="RUN", help="Go on with a swarm's run that was stopped: its .rota-run file.")
+    ] = None,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
     from rota.compiled_cache import compiled_by_two, is_compiled
     from rota.files.mission_file import read_mission
+    from rota.files.run_file import read_run
 
     target = output if output is not None else f"{mission.stem}.rota.json"
     _require_target(target, source=mission)
+    if resume is not None:
+        _require_target(target, source=resume)
     read = read_mission(mission)
     for warning in read.warnings:
         say(f"warning: {warning}")
@@ -111,12 +121,21 @@ def plan(
     swarm = asked.planning.planner == "swarm"
     mention_compiling(*(("planners/swarm",) if swarm else ("planners/patrol/annealing", "geometry")), "check")
     by_two = not swarm and not is_compiled("planners/patrol/annealing", "check")
+    run = None if resume is None else read_run(resume)
+    seed = seed if seed is not None else run.seed if run is not None else 0
     with compiled_by_two() if by_two else nullcontext():
-        code = _plan_and_write(asked, target, seed, time_limit, best)
+        code = _plan_and_write(asked, target, seed, time_limit, best, (resume, run))
     raise typer.Exit(code)
 
 
-def _plan_and_write(mission: Mission, target: str, seed: int, time_limit_s: float | None, best: bool) -> int:
+def _plan_and_write(
+    mission: Mission,
+    target: str,
+    seed: int,
+    time_limit_s: float | None,
+    best: bool,
+    resume: tuple[str | None, SwarmState | None],
+) -> int:
     from rota.check import check_plan
     from rota.interrupt import stop_on_interrupt
     from rota.make_plan import search_plan
@@ -124,16 +143,22 @@ def _plan_and_write(mission: Mission, target: str, seed: int, time_limit_s: floa
     reason = None
     with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
         try:
-            found = search_plan(mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop)
-            answer, report, early = found.plan, found.report, found.stopped_early
+            found = search_plan(
+                mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1]
+            )
+            answer, report, early, run = found.plan, found.report, found.stopped_early, found.run
         except NoPlanFound as failure:
-            reason, early = failure, False
+            reason, early, run = failure, False, failure.run  # type: ignore[assignment]
             if not best or failure.best is None:
-                return _say_no_plan(failure, stop.raised)
+                if run is not None:
+                    keep_run(run, target, resume[0])
+                return _say_no_plan(failure, stop.raised, "no plan" if run is not None else "nothing")
             answer = failure.best  # type: ignore[assignment]
             report = check_plan(answer)
     _write_plan(answer, target, meets_demand=reason is None)
     _show_outcome(answer, report, target)
+    if run is not None:
+        keep_run(run, target, resume[0])
     if stop.raised:
         say("interrupted: this is the best plan so far")
     elif early:
@@ -144,9 +169,9 @@ def _plan_and_write(mission: Mission, target: str, seed: int, time_limit_s: floa
     return INTERRUPTED if stop.raised else DONE if reason is None else NO_PLAN
 
 
-def _say_no_plan(failure: NoPlanFound, interrupted: bool) -> int:
+def _say_no_plan(failure: NoPlanFound, interrupted: bool, what: str) -> int:
     if interrupted:
-        say("interrupted before a plan passed the check; nothing is written")
+        say(f"interrupted before a plan passed the check; {what} is written")
     say(f"no plan: {failure}")
     if failure.best is not None:
         say("--best writes the best plan found, which does not meet its demand")

@@ -22,12 +22,18 @@ class PlanError(RotaError):
     """A plan (or plan file) that contradicts itself or its mission."""
 
 
+class RunError(RotaError):
+    """A stopped run (or run file) that contradicts itself, or belongs to another mission than the one given."""
+
+
 class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
     """No plan that meets the demand was found; the message gives the reason and the proved bound.
 
-    ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None.
+    ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None. ``run``: a swarm's run that
+    ended before it came to rest (a ``rota.swarm_state.SwarmState``), or None.
     """
 
-    def __init__(self, reason: str, best: object | None = None) -> None:
+    def __init__(self, reason: str, best: object | None = None, run: object | None = None) -> None:
         self.best = best
+        self.run = run
         super().__init__(reason)

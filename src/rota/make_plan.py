@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError, NoPlanFound
 from rota.search_state import SearchState, Watch
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rota.check.report import Report
     from rota.mission import Mission
     from rota.plan import Plan
+    from rota.swarm_state import SwarmState
 
 Progress = Callable[[float, str], None]
 ShouldStop = Callable[[], bool]
@@ -22,11 +23,15 @@ ShouldStop = Callable[[], bool]
 
 @dataclass(frozen=True, kw_only=True)
 class PlanSearch:
-    """What a search came to: a plan, the check's report on it, and whether the planner was stopped early."""
+    """What a search came to: a plan, the check's report on it, and whether the planner was stopped early.
+
+    ``run``: a swarm's run that ended before robots came to rest; None where it is no swarm, or they did.
+    """
 
     plan: Plan
     report: Report
     stopped_early: bool
+    run: SwarmState | None = None
 
 
 def make_plan(
@@ -36,9 +41,12 @@ def make_plan(
     time_limit_s: float | None = None,
     progress: Progress | None = None,
     should_stop: ShouldStop | None = None,
+    resume: SwarmState | None = None,
 ) -> Plan:
     """Plan ``mission`` and return a plan that the check passes; see ``search_plan``, which tells more."""
-    return search_plan(mission, seed=seed, time_limit_s=time_limit_s, progress=progress, should_stop=should_stop).plan
+    return search_plan(
+        mission, seed=seed, time_limit_s=time_limit_s, progress=progress, should_stop=should_stop, resume=resume
+    ).plan
 
 
 def search_plan(
@@ -49,24 +57,32 @@ def search_plan(
     progress: Progress | None = None,
     should_stop: ShouldStop | None = None,
     watch: Watch | None = None,
+    resume: SwarmState | None = None,
 ) -> PlanSearch:
     """Plan ``mission`` with the planner that its settings name, and check the outcome.
 
     seed: the same seed gives the same plan, unless the search is stopped early. time_limit_s: seconds after which the
     planner is asked to stop; it then gives the best plan so far. progress: called with a fraction 0..1 and what is
     being done. should_stop: asked now and then; True stops like the time limit. watch: called with every state that
-    the search comes to, from several threads; it changes nothing of what is found.
+    the search comes to, from several threads; it changes nothing of what is found. resume: a swarm's run to go on with;
+    the outcome is the plan of the same run without a stop, bit for bit.
 
     Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
-    is not greater than 0 or a mission that the planner cannot use.
+    is not greater than 0 or a mission that the planner cannot use; RunError for a run of another mission or seed.
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
     judge = _Judge(mission, watch)
     stop = _StopRule(time_limit_s, should_stop)
+    runs: list[SwarmState] = []
+    more: dict[str, Any] = {}
+    if mission.planning.planner == "swarm":
+        more = {"resume": resume, "keep": runs.append}
+    elif resume is not None:
+        raise MissionError(f"planner: {mission.planning.planner} makes no runs that can be gone on with; swarm does")
     try:
         plan = _planner(mission)(
-            mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch
+            mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch, **more
         )
     except NoPlanFound as failure:
         if stop.stopped:
@@ -75,8 +91,10 @@ def search_plan(
     report = judge(plan)
     if report.verdict != "met":
         reason = f"the best plan found is not shown to meet the demand: the check says {report.verdict!r}"
-        raise NoPlanFound(reason + (" (stopped early)" if stop.stopped else ""), best=plan)
-    return PlanSearch(plan=plan, report=report, stopped_early=stop.stopped)
+        raise NoPlanFound(
+            reason + (" (stopped early)" if stop.stopped else ""), best=plan, run=runs[0] if runs else None
+        )
+    return PlanSearch(plan=plan, report=report, stopped_early=stop.stopped, run=runs[0] if runs else None)
 
 
 def _planner(mission: Mission) -> Callable[..., Plan]:

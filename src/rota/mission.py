@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -16,6 +18,7 @@ from rota.planner_settings import (
     METHODS as METHODS,
     Controller as Controller,
     DeploymentMethod as DeploymentMethod,
+    Device as Device,
     Effort as Effort,
     FramePartition as FramePartition,
     FrameTour as FrameTour,
@@ -102,7 +105,11 @@ def inner_reach_m(sensor: Sensor) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere."""
+    """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere.
+
+    It takes part from ``joins_s`` on until ``leaves_s`` (None: for ever). Before, it stands at its start, and after
+    that where it is: it neither moves nor sees, but its body is there.
+    """
 
     name: str
     speed_m_s: float
@@ -110,6 +117,8 @@ class Robot:
     body_radius_m: float = 0.0
     turn_rate_rad_s: float | None = None
     start: Place | None = None
+    joins_s: float = 0.0
+    leaves_s: float | None = None
 
     def __post_init__(self) -> None:
         require(bool(self.name), "robot.name", self.name, "must not be empty")
@@ -118,6 +127,15 @@ class Robot:
         require(ok, f"robot {self.name}: body_radius_m", self.body_radius_m, "must be a finite number, 0 or more")
         if self.turn_rate_rad_s is not None:
             require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
+        ok = math.isfinite(self.joins_s) and self.joins_s >= 0
+        require(ok, f"robot {self.name}: joins_s", self.joins_s, "must be a finite number, 0 or more")
+        ok = self.leaves_s is None or (math.isfinite(self.leaves_s) and self.leaves_s > self.joins_s)
+        require(ok, f"robot {self.name}: leaves_s", self.leaves_s, f"must come after joins_s, {self.joins_s:.6g}")
+
+    @property
+    def stays(self) -> bool:
+        """Whether it takes part from the beginning and for ever."""
+        return self.joins_s == 0 and self.leaves_s is None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,9 +193,9 @@ class Fleet:
         require_positive("fleet.altitude_m", self.altitude_m)
         if self.robots is not None:
             require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
-            names = [robot.name for robot in self.robots]
-            for name in names:
-                require(names.count(name) == 1, "fleet.robots", name, "names must be unique")
+            counted = Counter(robot.name for robot in self.robots)
+            for name, count in counted.items():
+                require(count == 1, "fleet.robots", name, "names must be unique")
 
     def equal_robot(self, name: str) -> Robot:
         """A robot of this name with the fleet's common values."""
@@ -196,10 +214,13 @@ class Fleet:
         """
         if self.robots is None:
             return self.equal_robot(name)
-        for robot in self.robots:
-            if robot.name == name:
-                return robot
+        if name in self._by_name:
+            return self._by_name[name]
         raise MissionError(f"robot {name!r} is not in the fleet: {', '.join(r.name for r in self.robots)}")
+
+    @cached_property
+    def _by_name(self) -> dict[str, Robot]:
+        return {robot.name: robot for robot in self.robots or ()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -318,6 +339,8 @@ class Mission:
         allowed = f"must be less than the {reach_m:.6g} m that every sensor reaches"
         require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
         require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
+        coming = [robot.name for robot in self.fleet.robots or () if not robot.stays]
+        require(not coming, "fleet.robots", coming, "only robots of a swarm join or leave; leave out joins_s, leaves_s")
         asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
         require(asked, "period_s", None, "the area or at least one zone needs a period")
 

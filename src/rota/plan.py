@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -112,9 +113,9 @@ class Plan:
     lower_bound_reason: str | None = None
 
     def __post_init__(self) -> None:
-        names = [trajectory.robot for trajectory in self.trajectories]
-        for name in names:
-            if names.count(name) > 1:
+        counted = Counter(trajectory.robot for trajectory in self.trajectories)
+        for name, count in counted.items():
+            if count > 1:
                 raise PlanError(f"robot {name} has more than one trajectory")
             self.mission.fleet.robot(name)
 

@@ -190,7 +190,10 @@ def range_at_the_end(plan: Plan) -> tuple[BaseGeometry, BaseGeometry, float]:
     free = mission.area.difference(union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
     footprints, sum_m2 = [], 0.0
     for trajectory in plan:
-        footprints.append(range_from(mission.fleet.robot(trajectory.robot).sensor, trajectory.positions_m[-1]))
+        robot = mission.fleet.robot(trajectory.robot)
+        if robot.leaves_s is not None:
+            continue
+        footprints.append(range_from(robot.sensor, trajectory.positions_m[-1]))
         sum_m2 += footprints[-1].area
     return union_all(footprints).intersection(free), free, sum_m2
 

@@ -16,6 +16,7 @@ FrameTour = Literal["local_search", "genetic"]
 FramePartition = Literal["exact", "pso"]
 SegmentRoutes = Literal["shortened", "repaired", "printed"]
 Controller = Literal["settle", "reciprocal", "voronoi", "virtual_force"]
+Device = Literal["cpu", "cuda"]
 VelocityChoice = Literal["centroid", "sampled"]
 SetBoundary = Literal["tangent", "circle"]
 
@@ -85,6 +86,9 @@ class PatrolSettings:
         require(ok, "patrol.range_margin_m", self.range_margin_m, "must be a finite number, 0 or more")
 
 
+MOST_DELAY = 20  # steps; robots with older news of each other could only stand
+
+
 @dataclass(frozen=True, kw_only=True)
 class SwarmSettings:
     """Settings of the ``swarm`` planner; defaults are those of Chen et al. 2018, Table 2, where it has any.
@@ -98,6 +102,11 @@ class SwarmSettings:
     ``wall_range_m``: walls farther off do not count (None: the robot's sensor radius). ``filter``: no step may make
     bodies touch, or touch a wall. Steps take ``time_step_s``, until no robot moves by more than ``stop_m`` in one
     ("settle": in two), or for ``most_steps``. Thinning moves trajectories by no more than ``thinning_m`` at any time.
+
+    What robots know of each other: messages arrive ``delay_steps`` late, and ``messages_lost`` of them never do (at
+    most 8 in a row), so that the last one that came counts.
+
+    ``device``: what decides, "cpu" or, with an NVIDIA GPU and the package numba-cuda, "cuda"; to within rounding.
     """
 
     planner: ClassVar[str] = "swarm"
@@ -115,9 +124,12 @@ class SwarmSettings:
     stop_m: float = 1e-5
     most_steps: int = 4000
     thinning_m: float = 0.05
+    delay_steps: int = 0
+    messages_lost: float = 0.0
+    device: Device = "cpu"
 
     def __post_init__(self) -> None:
-        choices = {"controller": Controller, "velocity": VelocityChoice, "boundary": SetBoundary}
+        choices = {"controller": Controller, "velocity": VelocityChoice, "boundary": SetBoundary, "device": Device}
         for name, known in choices.items():
             value = getattr(self, name)
             require(value in get_args(known), f"swarm.{name}", value, ", ".join(get_args(known)))
@@ -133,3 +145,6 @@ class SwarmSettings:
         require(ok, "swarm.alpha", self.alpha, "must be a finite number, 1 or more")
         ok = math.isfinite(self.thinning_m) and self.thinning_m >= 0
         require(ok, "swarm.thinning_m", self.thinning_m, "must be a finite number, 0 or more")
+        require(0 <= self.delay_steps <= MOST_DELAY, "swarm.delay_steps", self.delay_steps, f"0 to {MOST_DELAY}")
+        ok = 0 <= self.messages_lost < 1
+        require(ok, "swarm.messages_lost", self.messages_lost, "must be a share from 0 on, less than 1")

@@ -15,6 +15,7 @@ from rota.check.demands import Asked, demands_of, open_ground, visits
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.pieces import Pieces, convex_pieces, joined
+from rota.check.presence import presence_violations
 from rota.check.refine import Found, refine
 from rota.check.report import DemandVerdict, Outcome, Report, Violation
 from rota.check.revisits import Sights, loop_gap, sights_of, slack_of
@@ -62,7 +63,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
             _judge_points(verdicts, k, demand, found[k], bool(excluded_violation))
     violations = verdicts.violations + excluded_violation
     violations += _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
-    violations += moving_violations(plan)
+    violations += moving_violations(plan) + presence_violations(plan)
     outcomes = {d.outcome for d in verdicts.demands}
     verdict: Outcome = "not proven" if "not proven" in outcomes else "met"
     if violations or "violated" in outcomes:

@@ -12,6 +12,7 @@ from shapely import contains_xy, prepare, union_all
 
 from rota.check import gap_kernels, kernels, tiling_kernels
 from rota.check.pieces import Pieces
+from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
 from rota.mission import Mission
 from rota.plan import Plan
@@ -64,7 +65,7 @@ def slack_of(mission: Mission) -> float:
 
 def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights:
     """Legs and walls of a plan in a grid over ``bounds_m`` (x0, y0, x1, y1 of all places that will be asked)."""
-    routes = routes_of(plan)
+    routes = seeing_routes(routes_of(plan), plan)
     reaches, squares = sensors_of(plan)
     reach = float((reaches * np.where(squares, math.sqrt(2), 1.0)).max(initial=0.0))
     x0, y0, x1, y1 = bounds_m

@@ -86,6 +86,10 @@ def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, 
     for head in range(n):
         if classes[head] >= 0:
             continue
+        if durations_s[head] == 0:
+            classes[head] = len(units)
+            units.append(1.0)
+            continue
         ratios = {head: Fraction(1)}
         reached = [head]
         for i in reached:

@@ -27,7 +27,7 @@ class HeldFrames(FilmFrames):
         super()._draw_robots()
         mission = self._plan.mission
         self._free = mission.area.difference(shapely.union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
-        self._sensors = [mission.fleet.robot(trajectory.robot).sensor for trajectory in self._plan]
+        self._robots = [mission.fleet.robot(trajectory.robot) for trajectory in self._plan]
         many = len(self._colours) > NUMBERED_ROBOTS
         self._views.set(
             facecolor=to_rgba(COVERED, COVERED_ALPHA),
@@ -60,7 +60,11 @@ class HeldFrames(FilmFrames):
     def _show_ground(self, time_s: float, age: Floats) -> None:
         times_s = np.array([time_s])
         places = [positions_at(trajectory, times_s)[0] for trajectory in self._plan]
-        discs = [range_from(sensor, place) for sensor, place in zip(self._sensors, places, strict=True)]
+        discs = [
+            range_from(robot.sensor, place)
+            for robot, place in zip(self._robots, places, strict=True)
+            if robot.joins_s <= time_s and (robot.leaves_s is None or time_s < robot.leaves_s)
+        ]
         self._views.set_paths([filled(disc) for disc in discs])
         self._share = shapely.union_all(discs).intersection(self._free).area / self._free.area
 

@@ -88,7 +88,7 @@ def range_half(plan: Plan) -> Half:
     """What some robot has in range where they hold, in sum and disc by disc, and what nobody has."""
     seen, free, sum_m2 = range_at_the_end(plan)
     share = seen.area / free.area
-    wasted = 1 - seen.area / sum_m2
+    wasted = 1 - seen.area / sum_m2 if sum_m2 > 0 else 0.0
     entries: list[Artist] = [
         Patch(facecolor=covered_colour(1), edgecolor=COVERED_EDGE, label=f"in range: {share:.1%}"),
         Patch(facecolor=covered_colour(2), edgecolor=COVERED_EDGE, label="in range of two or more"),
@@ -112,7 +112,8 @@ def draw_range(plan: Plan, ax: Axes) -> None:
     """The mission on ``ax`` in metres, and the footprints and bodies of all robots where they hold."""
     ground = draw_mission(plan.mission, ax)
     places, robots = ends_m(plan), [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
-    paths = [filled(range_from(robot.sensor, place)) for robot, place in zip(robots, places, strict=True)]
+    seeing = [(robot, place) for robot, place in zip(robots, places, strict=True) if robot.leaves_s is None]
+    paths = [filled(range_from(robot.sensor, place)) for robot, place in seeing]
     width = 0.3 if len(paths) > NUMBERED_ROBOTS else 0.7
     discs = PathCollection(paths, facecolors=to_rgba(COVERED, COVERED_ALPHA), edgecolors="none", zorder=1.3)
     line = to_rgba(COVERED_EDGE, 0.8)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
 from rota.draw.footprint import cut_footprint, open_footprint, walls_of
@@ -56,6 +57,8 @@ class Sightings:
     def advance(self, from_s: float, to_s: float) -> None:
         """See what the robots see from ``from_s`` to ``to_s``, both counted in, in looks a quarter of a reach apart."""
         for trajectory, robot in zip(self._plan, self._robots, strict=True):
+            if from_s < robot.joins_s or (robot.leaves_s is not None and to_s > robot.leaves_s):
+                continue
             step_s = robot.sensor.reach_m / LOOKS_PER_REACH / robot.speed_m_s
             even_s = np.linspace(from_s, to_s, max(1, math.ceil((to_s - from_s) / step_s)) + 1)
             times_s = np.union1d(even_s, corner_times_s(trajectory, from_s, to_s))
@@ -67,9 +70,12 @@ class Sightings:
                 self._look(robot.sensor, places_m[k : k + 2], float(times_s[k + 1]))
 
     def footprints(self, time_s: float) -> list[BaseGeometry]:
-        """What each robot sees at ``time_s``, in the order of the plan."""
+        """What each robot sees at ``time_s``, in the order of the plan; nothing while it takes no part."""
         shapes = []
         for trajectory, robot in zip(self._plan, self._robots, strict=True):
+            if time_s < robot.joins_s or (robot.leaves_s is not None and time_s > robot.leaves_s):
+                shapes.append(GeometryCollection())
+                continue
             place_m = positions_at(trajectory, np.array([time_s]))[0]
             cut = cut_footprint(self._walls, robot.sensor, place_m)
             shapes.append(open_footprint(robot.sensor, place_m) if cut is None else cut)

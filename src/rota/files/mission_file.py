@@ -117,10 +117,11 @@ def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
 
 def _robot_faults(fleet: FleetBlock) -> list[Fault]:
     names = [robot.name for robot in fleet.robots] if isinstance(fleet.robots, list) else []
+    first = {name: k for k, name in reversed(list(enumerate(names)))}
     return [
         Fault(("fleet", "robots", k, "name"), f"{name!r} is the name of another robot; names must be unique")
         for k, name in enumerate(names)
-        if name in names[:k]
+        if first[name] < k
     ]
 
 
@@ -232,6 +233,8 @@ def _robot(fleet: Fleet, block: RobotBlock) -> Robot:
         sensor=_sensor(block.sensor) if block.sensor is not None else fleet.sensor,
         body_radius_m=block.body_radius_m if block.body_radius_m is not None else fleet.body_radius_m,
         turn_rate_rad_s=turn_rate,
+        joins_s=block.joins_s,
+        leaves_s=block.leaves_s,
     )
 
 

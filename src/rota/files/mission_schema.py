@@ -20,7 +20,8 @@ from rota.files.schema_block import Block, NotNegative, Positive, Where, given_o
 from rota.files.settings_schema import PatrolBlock, SwarmBlock
 
 PLANNERS = ("patrol", "swarm")
-MOST_ROBOTS = 10_000
+# a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
+MOST_ROBOTS, MOST_PATROLLING = 100_000, 10_000
 FARTHEST_M = 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
 
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-FARTHEST_M, le=FARTHEST_M)]
@@ -234,6 +235,15 @@ class RobotBlock(Block):
     body_radius_m: NotNegative | None = None
     turn_rate_rad_s: Positive | None = None
     start: Point | None = None
+    joins_s: NotNegative = Field(0.0, description="of a swarm: it stands at its start until then, and sees nothing")
+    leaves_s: Positive | None = Field(None, description="of a swarm: it stays where it is then, and sees nothing more")
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """A robot that leaves before it joins."""
+        joins, leaves = data.get("joins_s", 0.0), data.get("leaves_s")
+        if all(isinstance(time, int | float) for time in (joins, leaves)) and leaves <= joins:
+            yield ("leaves_s",), f"{leaves} is not allowed; it must come after joins_s, {joins}"
 
 
 def _robots_kind(value: Any) -> str | None:
@@ -319,6 +329,14 @@ class MissionFile(Block):
 def _unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     if data.get("moving_obstacles"):
         yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
+    listed = _inner(data, "fleet", "robots")
+    count = len(listed) if isinstance(listed, list) else listed
+    if isinstance(count, int) and MOST_PATROLLING < count <= MOST_ROBOTS:
+        yield ("fleet", "robots"), f"{count} is not allowed; the patrol planner plans for at most {MOST_PATROLLING}"
+    for k, robot in enumerate(listed if isinstance(listed, list) else []):
+        for name in ("joins_s", "leaves_s"):
+            if _inner(robot, name):
+                yield ("fleet", "robots", k, name), "only robots of a swarm join or leave: remove it"
     if _inner(data, "patrol", "method") == "sun2019" and _inner(data, "fleet", "sensor", "shape") == "square":
         yield ("fleet", "sensor", "shape"), "square is not allowed: patrol.method sun2019 is made for discs; give disc"
 

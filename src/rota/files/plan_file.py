@@ -137,6 +137,7 @@ def _fleet_to_json(fleet: Fleet) -> Json:
             "body_radius_m": float(robot.body_radius_m),
             "turn_rate_rad_s": _number(robot.turn_rate_rad_s),
             "start": None if robot.start is None else [float(robot.start[0]), float(robot.start[1])],
+            **({} if robot.stays else {"joins_s": float(robot.joins_s), "leaves_s": _number(robot.leaves_s)}),
         }
 
     return {
@@ -342,6 +343,8 @@ def _fleet(fields: FleetFields) -> Fleet:
                 body_radius_m=robot.body_radius_m,
                 turn_rate_rad_s=robot.turn_rate_rad_s,
                 start=None if robot.start is None else (robot.start[0], robot.start[1]),
+                joins_s=robot.joins_s,
+                leaves_s=robot.leaves_s,
             )
             for robot in fields.robots
         )

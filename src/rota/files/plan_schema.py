@@ -11,6 +11,7 @@ from rota.mission import (
     Controller,
     Demand,
     DeploymentMethod,
+    Device,
     Effort,
     FramePartition,
     FrameTour,
@@ -64,6 +65,8 @@ class RobotFields(_Strict):
     body_radius_m: NotNegative
     turn_rate_rad_s: Positive | None
     start: Point | None
+    joins_s: NotNegative = 0.0
+    leaves_s: Positive | None = None
 
 
 RobotList = Annotated[list[RobotFields], Field(min_length=1)]
@@ -160,6 +163,9 @@ class SwarmFields(_Strict):
     stop_m: Positive
     most_steps: Annotated[int, Field(ge=1)]
     thinning_m: NotNegative
+    delay_steps: Annotated[int, Field(ge=0, le=20)] = 0
+    messages_lost: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    device: Device = "cpu"
 
 
 class MovingObstacleFields(_Strict):

@@ -12,6 +12,7 @@ from rota.mission import (
     METHODS,
     Controller,
     DeploymentMethod,
+    Device,
     FramePartition,
     FrameTour,
     Method,
@@ -68,3 +69,6 @@ class SwarmBlock(Block):
     stop_m: Positive = Field(1e-5, description="stop when no robot moves farther in a step")
     most_steps: Annotated[int, Field(strict=True, ge=1)] = 4000
     thinning_m: NotNegative = Field(0.05, description="by which trajectories may be simplified")
+    delay_steps: Annotated[int, Field(strict=True, ge=0, le=20)] = Field(0, description="age of what robots hear")
+    messages_lost: Annotated[NotNegative, Field(lt=1)] = Field(0.0, description="share of messages that never arrive")
+    device: Device = Field("cpu", description="cuda: decisions on an NVIDIA GPU, with the package numba-cuda")

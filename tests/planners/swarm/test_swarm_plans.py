@@ -182,7 +182,10 @@ def test_more_robots_than_fit_are_refused() -> None:
         MissionError, match=r"fleet.start.box: 30 bodies of 2356.19 m2 do not fit in 1998.92 m2; .*larger box"
     ):
         run_mission(mission(robots=30, body_m=5), seed=0)
-    with pytest.raises(MissionError, match="no room was found for robot robot-"):
+    # centres in 35 m x 35 m, 10 m apart: rows of four, every other one shifted by 5 m, and five of them in 4 x 8.66 m
+    with pytest.raises(
+        MissionError, match=r"no room was found for 22 robots .*; a lattice holds 20 of them; give fewer"
+    ):
         run_mission(mission(robots=22, body_m=5), seed=0)
     with pytest.raises(MissionError, match="fits nowhere"):
         run_mission(mission(robots=1, side_m=40, body_m=21), seed=0)
@@ -223,6 +226,9 @@ def test_a_fleet_that_no_swarm_can_be_is_refused() -> None:
         ({"neighbour_range_m": 0.0}, "swarm.neighbour_range_m"),
         ({"thinning_m": math.inf}, "swarm.thinning_m"),
         ({"most_steps": 0}, "swarm.most_steps"),
+        ({"delay_steps": 21}, "swarm.delay_steps"),
+        ({"messages_lost": 1.0}, "swarm.messages_lost"),
+        ({"messages_lost": math.nan}, "swarm.messages_lost"),
     ],
 )
 def test_settings_out_of_range_are_refused(wrong: dict[str, Any], words: str) -> None:

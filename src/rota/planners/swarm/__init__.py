@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rota.mission import Mission
     from rota.plan import Plan
+    from rota.swarm_state import SwarmState
 
 
 def plan_swarm(
@@ -18,12 +19,17 @@ def plan_swarm(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
     watch: object = None,
+    resume: SwarmState | None = None,
+    keep: Callable[[SwarmState], None] = lambda _state: None,
 ) -> Plan:
     """A plan in which the mission's robots spread and then hold; see ``asked.run_mission``, which tells more.
 
     The robots know nothing of demands, so ``judge`` is not asked here: whether what they cover meets one, the check
-    finds out afterwards.
+    finds out afterwards. ``resume``: go on from there; ``keep`` is called with a run that ends before robots rest.
     """
     from rota.planners.swarm.asked import run_mission  # loads the compiled loops only when they are needed
 
-    return run_mission(mission, seed=seed, progress=progress, should_stop=should_stop).plan
+    run = run_mission(mission, seed=seed, progress=progress, should_stop=should_stop, resume=resume)
+    if not run.at_rest:
+        keep(run.state)
+    return run.plan

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,21 +13,23 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
-from rota.errors import MissionError
+from rota.errors import MissionError, RunError
 from rota.mission import DiscSensor, Mission, SwarmSettings
-from rota.plan import Plan, Trajectory
+from rota.plan import Plan
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
-from rota.planners.swarm.kernels import Rule
+from rota.planners.swarm.kernels import Hearing, Rule
+from rota.planners.swarm.messages import oldest_steps
 from rota.planners.swarm.metrics import History, Observer
+from rota.planners.swarm.presence import Presence, holding_from_joining
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.starts import place_starts
-from rota.planners.swarm.thinning_kernels import thin
+from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
+from rota.swarm_state import SwarmState
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 DECIDE: dict[str, Callable[..., None]] = {
     "reciprocal": decide_reciprocal,
@@ -40,20 +42,20 @@ STEPS_AT_REST = {"reciprocal": 1, "voronoi": 1, "virtual_force": 1, "settle": 2}
 ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
 LARGEST_SEED = 2**63  # that compiled code can hold
 RANGE_PER_SENSOR = 2.04  # Table 2: 51 m for sensors of 25 m
-BLOCK = 256  # steps thinned at a time, so that a long run takes little memory
 
 
 @dataclass(frozen=True, kw_only=True)
 class SwarmRun:
     """A plan, and how it came about. ``at_rest``: the stop rule ended the run, after so many ``steps``.
 
-    ``history`` None: nobody asked for it.
+    ``history`` None: nobody asked for it. ``state``: what it takes to go on from there.
     """
 
     plan: Plan
     steps: int
     at_rest: bool
     history: History | None
+    state: SwarmState
 
 
 def run_mission(
@@ -64,26 +66,38 @@ def run_mission(
     should_stop: Callable[[], bool] = lambda: False,
     threads: int = 1,
     observed: bool = False,
+    resume: SwarmState | None = None,
 ) -> SwarmRun:
     """Let the mission's robots spread until they rest, or for as many steps as it allows; then they hold.
 
     Bodies are kept so much wider while they move that thinning the trajectories, which errs by no more than
     ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
-    is promised. ``observed``: measure every step. Raises MissionError for starts without room and for a time step that
-    jumps through walls.
+    is promised. ``observed``: measure every step. ``resume``: go on from there, to the plan that the same run comes to
+    without a stop, bit for bit; what is observed is then the rest. Raises MissionError for starts without room and for
+    a time step that jumps through walls, RunError for a run of another mission or seed.
     """
     settings = mission.swarm
     ground = free_ground(mission)
-    _require_short_steps(mission, settings)
-    wish_m = settings.thinning_m if settings.filter else 0.0
-    starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
-    reserve_m = min(wish_m, _spare_room(mission, ground, starts, wish_m))
-    swarm = make_swarm(mission, ground, starts, seed=seed, reserve_m=reserve_m, threads=threads)
-    thinned_m = reserve_m if settings.filter else settings.thinning_m
-    log, still = _Log(starts, thinned_m), 0
-    needed = STEPS_AT_REST[settings.controller]
+    if resume is None:
+        resume = _beginning(mission, ground, seed)
+    else:
+        resume.require_same(mission, seed)
+        _require_past(resume)
+    reserve_m = resume.thinned_m if settings.filter else 0.0
+    swarm = make_swarm(mission, ground, resume.places_m, seed=seed, reserve_m=reserve_m, threads=threads, resume=resume)
+    kept = (Kept(resume.kept_steps, resume.kept_robots, resume.kept_places_m),)
+    log = TrajectoryLog(resume.recent_m, resume.thinned_m, begin=resume.recent_from, kept=kept)
+    still, needed = resume.steps_at_rest, STEPS_AT_REST[settings.controller]
+    presence = Presence(mission)
+    presence.begin(swarm)
     observer = Observer(swarm, ground, settings.stop_m) if observed else None
-    while swarm.steps < settings.most_steps and still < needed and not should_stop():
+    while (
+        swarm.steps < settings.most_steps
+        and (still < needed or swarm.steps <= presence.last_change)
+        and not should_stop()
+    ):
+        if presence.update(swarm):
+            log.keep_last()
         began_s = time.perf_counter()
         still = still + 1 if swarm.step() <= settings.stop_m else 0
         if observer is not None:
@@ -92,9 +106,65 @@ def run_mission(
         if swarm.steps % 50 == 0:
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
     names = [robot.name for robot in mission.fleet.robots or ()]
-    plan = Plan(mission=mission, trajectories=log.trajectories(names, settings.time_step_s), seed=seed)
-    history = None if observer is None else observer.history()
-    return SwarmRun(plan=plan, steps=swarm.steps, at_rest=still >= needed, history=history)
+    trajectories = holding_from_joining(log.trajectories(names, settings.time_step_s), mission)
+    plan = Plan(mission=mission, trajectories=trajectories, seed=seed)
+    return SwarmRun(
+        plan=plan,
+        steps=swarm.steps,
+        at_rest=still >= needed,
+        history=None if observer is None else observer.history(),
+        state=_state_of(resume, mission, swarm, log, still),
+    )
+
+
+def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
+    """The robots at their starts; raises MissionError where there is no room, or steps are too long."""
+    settings = mission.swarm
+    _require_short_steps(mission, settings)
+    wish_m = settings.thinning_m if settings.filter else 0.0
+    starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
+    reserve_m = min(wish_m, _spare_room(mission, ground, starts, wish_m))
+    none = np.empty(0, np.int64)
+    return SwarmState(
+        mission=mission,
+        seed=seed,
+        steps=0,
+        steps_at_rest=0,
+        thinned_m=reserve_m if settings.filter else settings.thinning_m,
+        names=np.arange(len(starts), dtype=np.int64),
+        places_m=starts,
+        velocities_m_s=np.zeros_like(starts),
+        kept_steps=none,
+        kept_robots=none,
+        kept_places_m=np.empty((0, 2)),
+        recent_m=starts[None],
+        past=np.empty((0, 4, len(starts))),
+    )
+
+
+def _require_past(state: SwarmState) -> None:
+    hearing = hearing_of(state.mission.swarm)
+    needed = 0 if hearing is None else oldest_steps(hearing) + 1
+    if len(state.past) not in (needed, 0 if state.steps == 0 else needed):
+        raise RunError(f"past: messages of {len(state.past)} steps; {needed} are needed")
+
+
+def _state_of(before: SwarmState, mission: Mission, swarm: Swarm, log: TrajectoryLog, still: int) -> SwarmState:
+    robots, kept = swarm.robots, log.kept
+    return replace(
+        before,
+        mission=mission,
+        steps=swarm.steps,
+        steps_at_rest=still,
+        names=robots.name.copy(),
+        places_m=np.stack([robots.x, robots.y], axis=1),
+        velocities_m_s=np.stack([robots.vx, robots.vy], axis=1),
+        kept_steps=kept.steps,
+        kept_robots=kept.robots,
+        kept_places_m=kept.places_m,
+        recent_m=log.recent_m.copy(),
+        past=swarm.past,
+    )
 
 
 def free_ground(mission: Mission) -> MultiPolygon:
@@ -114,8 +184,12 @@ def make_swarm(
     reserve_m: float = 0.0,
     threads: int = 1,
     velocities_m_s: Floats | None = None,
+    resume: SwarmState | None = None,
 ) -> Swarm:
-    """The mission's robots at their starts (n, 2), their bodies wider by ``reserve_m``; at rest without velocities."""
+    """The mission's robots at their starts (n, 2), at rest without velocities, or as ``resume`` has them.
+
+    Their bodies are wider by ``reserve_m``.
+    """
     settings = mission.swarm
     robots = mission.fleet.robots or ()
     sensors = _sensors(mission)
@@ -130,7 +204,7 @@ def make_swarm(
         wall_range_m=settings.wall_range_m or sensors,
     )
     return Swarm(
-        starts_m,
+        starts_m if resume is None else resume.places_m,
         kinds=kinds,
         kind=kind,
         walls=walls_of(ground),
@@ -138,9 +212,19 @@ def make_swarm(
         rule=rule_of(settings, seed),
         safe=settings.filter,
         moving=mission.moving_obstacles,
-        velocities_m_s=velocities_m_s,
+        hearing=hearing_of(settings),
+        device=settings.device,
         threads=threads,
+        **({"velocities_m_s": velocities_m_s} | _begun(resume)),
     )
+
+
+def _begun(state: SwarmState | None) -> dict[str, Any]:
+    """Where a swarm begins that is not at its starts any more."""
+    if state is None:
+        return {}
+    begun = {"velocities_m_s": state.velocities_m_s, "names": state.names, "steps": state.steps}
+    return begun | ({"past": state.past} if len(state.past) else {})
 
 
 def rule_of(settings: SwarmSettings, seed: int) -> Rule:
@@ -154,6 +238,13 @@ def rule_of(settings: SwarmSettings, seed: int) -> Rule:
         seed=seed % LARGEST_SEED,
         time_step_s=settings.time_step_s,
     )
+
+
+def hearing_of(settings: SwarmSettings) -> Hearing | None:
+    """What robots learn of each other, where that is less than all."""
+    if settings.delay_steps == 0 and settings.messages_lost == 0:
+        return None
+    return Hearing(delay_steps=settings.delay_steps, lost=float(settings.messages_lost))
 
 
 def _sensors(mission: Mission) -> Floats:
@@ -182,46 +273,3 @@ def _spare_room(mission: Mission, ground: MultiPolygon, starts_m: Floats, wish_m
     gaps = np.hypot(*(starts_m[a] - starts_m[b]).T) - bodies[a] - bodies[b]
     walls = shapely.distance(ground.boundary, shapely.points(starts_m)) - bodies
     return float(max(0.0, min(gaps.min(initial=np.inf) / 2, walls.min())))
-
-
-class _Log:
-    """Trajectories as they come about, thinned block by block."""
-
-    def __init__(self, starts_m: Floats, allowed_m: float) -> None:
-        self._block = [starts_m]
-        self._begin = 0  # the step of the block's first places
-        self._allowed_m = allowed_m
-        self._kept: list[tuple[Ints, Ints, Floats]] = []
-
-    def add(self, places_m: Floats) -> None:
-        """Places (n, 2) after one step more."""
-        self._block.append(places_m)
-        if len(self._block) > BLOCK:
-            self._flush()
-            self._begin += len(self._block) - 1
-            self._block = self._block[-1:]
-
-    def _flush(self) -> None:
-        places = np.ascontiguousarray(self._block)
-        kept: Any = np.zeros(places.shape[:2], np.int8)
-        thin(places, self._allowed_m, kept)
-        if self._begin > 0:
-            kept[0] = 0  # it is the last one of the block before
-        step, robot = np.nonzero(kept)
-        self._kept.append((step + self._begin, robot, places[step, robot]))
-
-    def trajectories(self, names: list[str], time_step_s: float) -> tuple[Trajectory, ...]:
-        """One for each robot; at the end it holds."""
-        if len(self._block) > 1 or not self._kept:
-            self._flush()
-        step, robot = (np.concatenate([block[k] for block in self._kept]) for k in (0, 1))
-        places = np.vstack([block[2] for block in self._kept])
-        order = np.lexsort((step, robot))
-        ends = np.cumsum(np.bincount(robot, minlength=len(names)))[:-1]
-        parts = zip(np.split(step[order], ends), np.split(places[order], ends), strict=True)
-        return tuple(
-            Trajectory(
-                robot=name, times_s=steps * time_step_s, positions_m=at, loop_start_s=float(steps[-1] * time_step_s)
-            )
-            for name, (steps, at) in zip(names, parts, strict=True)
-        )

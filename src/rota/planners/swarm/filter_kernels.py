@@ -5,6 +5,17 @@ For every robot B within r_A + r_B + (v_A + v_B) dt, e the unit vector towards i
 (2 dt); for every wall, n towards its nearest point: v . n <= (distance - r_A) / dt. Each of two robots takes at most
 half of what lies between them, so they stay apart at every moment of the step, whatever the other does. Velocity 0 is
 always allowed.
+
+A robot that is known from an old message only may have gone s = age v_B dt since: it is somewhere in the disc of
+radius s round the place told. Let d be the distance to that place and D >= d - s the true one, u the true direction. If
+v . u <= (d - s - r_A - r_B) / (2 dt) for every u that leads into the disc, then v . u <= (D - r_A - r_B) / (2 dt) for
+the true one; the other robot, with its own old message and its own bound below D, does the same against -u, so along u
+the two together take no more than lies between them. For s < d the directions are a cone of half-angle p = asin(s / d)
+round e. Each u in it at an angle 0 <= a <= p from e is (sin(p - a) e + sin(a) e_p) / sin(p), e_p the edge of the cone,
+and the two factors add up to cos(a - p / 2) / cos(p / 2) <= 1 / cos(p / 2): three half-planes, towards e and both
+edges, with the bound times cos(p / 2), imply all the others. For s >= d the other robot may be on any side: only
+velocity 0 is left, which all bounds, being 0 or more, always allow. Robots with d - s - r_A - r_B beyond the sum of
+both longest steps cannot meet in this one.
 """
 
 from __future__ import annotations
@@ -32,6 +43,14 @@ def scaled(vx: float, vy: float, ex: float, ey: float, bound: float) -> float:
 
 
 @compiled
+def cone(distance: float, spread_m: float) -> tuple[float, float, float]:
+    """Cosine and sine of half the angle of the disc of radius spread_m < distance, and the cosine of half of that."""
+    sine = spread_m / distance
+    cosine = math.sqrt(1.0 - sine * sine)
+    return cosine, sine, math.sqrt(0.5 + 0.5 * cosine)
+
+
+@compiled
 def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float, float]:
     """Unit vector towards a wall's nearest point; across the wall for a robot that stands on it."""
     if distance > 1e-12:
@@ -44,12 +63,13 @@ def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float
 @compiled
 def filter_velocities(
     begin: int, end: int, robots: Any, kinds: Any, grid: Any, moving: Any, time_step_s: float, widest_m: float,
-    new_vx: Any, new_vy: Any, nearest2: Any, outline: Any, spare: Any,
+    spread_m: Any, new_vx: Any, new_vy: Any, nearest2: Any, outline: Any, spare: Any,
 ) -> None:  # fmt: skip
     """Replace the velocities of robots begin..end - 1 by the nearest safe ones.
 
     nearest2: (n,) squared distance of the nearest robot, so that most robots need no second look. widest_m: the largest
-    body plus the longest step of any robot. Discs that move are kept clear of as far as they leave a choice.
+    body plus the longest step of any robot. spread_m: how far each robot may have gone from its place, (n,), or (0,)
+    where places are exact. Discs that move are kept clear of as far as they leave a choice.
     """
     for i in range(begin, end):
         vx, vy = new_vx[i], new_vy[i]
@@ -75,12 +95,26 @@ def filter_velocities(
                         dx, dy = robots.x[j] - x, robots.y[j] - y
                         distance = math.sqrt(dx * dx + dy * dy)
                         bodies = body + kinds.body_m[robots.kind[j]]
-                        if j == i or distance > bodies + step_m + kinds.speed_m_s[robots.kind[j]] * time_step_s:
+                        unsure_m = spread_m[j] if spread_m.shape[0] > 0 else 0.0
+                        within = bodies + unsure_m + step_m + kinds.speed_m_s[robots.kind[j]] * time_step_s
+                        if j == i or distance > within:
                             continue
-                        bound = room(distance - bodies, 2.0 * time_step_s)
+                        bound = room(distance - unsure_m - bodies, 2.0 * time_step_s)
                         ex, ey = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
+                        if unsure_m > 0.0:
+                            if unsure_m >= distance:
+                                share, corners = 0.0, 0
+                                continue
+                            along, across, narrower = cone(distance, unsure_m)
+                            bound *= narrower
+                            for side in (-across, across):
+                                ax, ay = along * ex - side * ey, along * ey + side * ex
+                                share = min(share, scaled(vx, vy, ax, ay, bound))
+                                if pass_number == 0 and corners > 0 and is_cut(outline, corners, ax, ay, bound):
+                                    corners = cut(outline, corners, ax, ay, bound, spare)
+                                    outline, spare = spare, outline
                         share = min(share, scaled(vx, vy, ex, ey, bound))
-                        if pass_number == 0 and is_cut(outline, corners, ex, ey, bound):
+                        if pass_number == 0 and corners > 0 and is_cut(outline, corners, ex, ey, bound):
                             corners = cut(outline, corners, ex, ey, bound, spare)
                             outline, spare = spare, outline
             for item in range(grid.wall_start[c], grid.wall_start[c + 1]):

@@ -27,7 +27,10 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 class Robots(NamedTuple):
-    """State of n robots, (n,) each: place and velocity, the row of ``Kinds`` and the number in the fleet."""
+    """State of n robots, (n,) each: place and velocity, the row of ``Kinds`` and the number in the fleet.
+
+    Those of a kind from ``member_kinds`` on are bodies only: nobody's neighbours.
+    """
 
     x: Floats
     y: Floats
@@ -35,6 +38,7 @@ class Robots(NamedTuple):
     vy: Floats
     kind: Ints
     name: Ints
+    member_kinds: int
 
 
 class Kinds(NamedTuple):
@@ -89,6 +93,13 @@ class Rule(NamedTuple):
     samples: int
     seed: int
     time_step_s: float
+
+
+class Hearing(NamedTuple):
+    """What robots learn of each other: places ``delay_steps`` old, and a share of the messages is lost."""
+
+    delay_steps: int
+    lost: float
 
 
 class Near(NamedTuple):
@@ -168,7 +179,7 @@ def find_neighbours(i: int, most: int, robots: Any, grid: Any, range_m: float, n
             if j == i or (distance2 > range2 and distance2 >= nearest2):
                 continue
             nearest2 = min(nearest2, distance2)
-            if distance2 > range2:
+            if distance2 > range2 or robots.kind[j] >= robots.member_kinds:
                 continue
             if found == most:
                 if most == 0 or not comes_before(distance2, robots.name[j], most - 1, near, robots.name):

@@ -60,7 +60,7 @@ class Observer:
         self._swarm = swarm
         self._rest_m_s = rest_m / swarm.rule.time_step_s
         x0, y0, x1, y1 = region.bounds
-        sensors = swarm.kinds.sensor_m
+        sensors = swarm.kinds.sensor_m[swarm.kinds.sensor_m > 0]
         pixel = max(float(sensors.min()) / PIXELS_PER_SENSOR, math.sqrt((x1 - x0) * (y1 - y0) / MOST_PIXELS))
         columns, rows = max(int((x1 - x0) / pixel), 1), max(int((y1 - y0) / pixel), 1)
         self._lattice = (x0 + pixel / 2, y0 + pixel / 2, pixel)
@@ -70,7 +70,7 @@ class Observer:
         self._free = shapely.contains_xy(region, x, y).astype(np.uint8)
         self._marks = np.full(self._free.shape, -1, np.int32)
         self._pixels = max(int(self._free.sum()), 1)
-        self._region_m2, self._discs_m2 = region.area, math.pi * swarm.sensor_square_sum_m2
+        self._region_m2 = region.area
         self._before = np.zeros((2, len(swarm)))
         self._way_m = 0.0
         self._rows: list[tuple[float, ...]] = []
@@ -85,7 +85,8 @@ class Observer:
         turned = turned_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
         self._way_m += float(np.sqrt(robots.vx**2 + robots.vy**2).mean()) * swarm.rule.time_step_s if self._rows else 0
         outside = n - int(shapely.intersects_xy(self._region, robots.x, robots.y).sum())
-        loss = 1 - seen * self._region_m2 / self._discs_m2
+        discs_m2 = math.pi * swarm.sensor_square_sum_m2
+        loss = 1 - seen * self._region_m2 / discs_m2 if discs_m2 > 0 else 0.0
         self._rows.append((seen, loss, between, beside, self._way_m, turned, outside, elapsed_s / n))
 
     def history(self) -> History:

@@ -8,18 +8,23 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from rota.mission import MovingObstacle
+from rota.errors import MissionError
+from rota.mission import Device, MovingObstacle
+from rota.planners.swarm.cuda_step import CudaStep
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.kernels import Grid, Kinds, Near, Robots, Rule, move_and_sort
+from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard
+from rota.planners.swarm.kernels import Grid, Hearing, Kinds, Near, Robots, Rule, move_and_sort
+from rota.planners.swarm.messages import Messages, most_unheard_m
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
-from rota.planners.swarm.world import make_grid, moving_at, widest_m
+from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 CHUNKS_PER_THREAD = 4  # so that a thread with an easy share takes another one
 FEWEST_PER_CHUNK = 256
+EXACT = np.empty(0)  # nobody has gone on unheard
 
 
 class _Room(NamedTuple):
@@ -36,6 +41,14 @@ class Swarm:
     places_m: (n, 2) starts. kinds, kind: what robots are like, and which of it each robot is, (n,). walls: (m, 4)
     segments, at least one. decide: the controller's kernel; rule: what it reads. safe: whether the last filter is
     applied. moving: discs that do not give way. velocities_m_s: (n, 2) before the first step; None: at rest.
+
+    hearing: what robots learn of each other; None: at every step where all others are. device: what decides, the
+    processor or, "cuda", an NVIDIA GPU, to within rounding.
+
+    Robots may leave and join between two steps; those that have left are nobody's neighbours any more.
+
+    To go on with a run that was stopped after so many ``steps``: names (n,), the numbers in the fleet of those at
+    places_m, in the order in which they stood in ``robots``, and past, what ``past`` was.
     """
 
     def __init__(
@@ -49,27 +62,43 @@ class Swarm:
         rule: Rule,
         safe: bool = True,
         moving: tuple[MovingObstacle, ...] = (),
+        hearing: Hearing | None = None,
+        device: Device = "cpu",
         velocities_m_s: Floats | None = None,
+        names: Ints | None = None,
+        steps: int = 0,
+        past: Floats | None = None,
         threads: int = 1,
     ) -> None:
         n = len(places_m)
         speeds = np.zeros((n, 2)) if velocities_m_s is None else velocities_m_s
-        self.steps = 0
+        names = np.arange(n, dtype=np.int64) if names is None else names.copy()
+        self.steps = steps
         self.moving = moving
-        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s)
-        self.kinds, self.rule, self.safe = kinds, rule, safe
+        unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
+        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, unheard_m)
+        self.kinds, self.rule, self.safe = with_absent(kinds), rule, safe
+        self._present_kind, self._member_kinds = kind.astype(np.int64), len(kinds.body_m)
         self._decide = decide
         x, y, vx, vy = (np.array(values, np.float64) for values in (*places_m.T, *speeds.T))
-        self._robots = Robots(x, y, vx, vy, kind.astype(np.int64), np.arange(n, dtype=np.int64))
-        self._spare = _room_for(n)
+        self._robots = Robots(x, y, vx, vy, self._present_kind[names], names, self._member_kinds)
+        self._spare = _room_for(n, self._member_kinds)
         self._cell = np.empty(n, np.int64)
         self._nearest2 = np.empty(n)
-        self._widest_m = widest_m(kinds, rule.time_step_s)
+        self._widest_m = widest_m(kinds, rule.time_step_s) + unheard_m
         self._threads = threads
         chunks = min(CHUNKS_PER_THREAD * threads, n // FEWEST_PER_CHUNK) if threads > 1 else 1
         self._cuts = [n * k // max(chunks, 1) for k in range(max(chunks, 1) + 1)]
         self._rooms = [_room(max(rule.neighbours, 1)) for _ in self._cuts[1:]]
         self._pool = ThreadPoolExecutor(threads) if len(self._cuts) > 2 else None
+        self._device = None if device == "cpu" else CudaStep(decide, self.kinds, rule)
+        if self._device is not None and hearing is not None:
+            raise MissionError("swarm.device: cuda is for robots that know all at once; no delay_steps, messages_lost")
+        self._messages = None
+        if hearing is not None:
+            step_m = kinds.speed_m_s[self._present_kind] * rule.time_step_s
+            told = np.stack([self._in_order(x, y), self._in_order(vx, vy)])
+            self._messages = Messages(hearing, step_m, told if past is None else past, len(self._rooms))
         self._sort(0.0)
 
     def __len__(self) -> int:
@@ -86,6 +115,71 @@ class Swarm:
         return float((self.kinds.sensor_m[self._robots.kind] ** 2).sum())
 
     @property
+    def past(self) -> Floats:
+        """(h, 4, n): places and velocities that messages may still tell; none where everybody knows all."""
+        return np.empty((0, 4, len(self))) if self._messages is None else self._messages.past.copy()
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """(n,) in the order of the fleet: whether each robot takes part."""
+        values = np.empty(len(self), np.bool_)
+        values[self._robots.name] = self._robots.kind < self._member_kinds
+        return values
+
+    def leave(self, numbers: ArrayLike, *, bodies_stay: bool = True) -> None:
+        """Robots of these numbers in the fleet stop, see nothing more and are nobody's neighbours.
+
+        Their bodies stay in the way of the others, unless they are said to vanish.
+        """
+        chosen = self._rows(numbers)
+        absent = self._present_kind[self._robots.name[chosen]] + self._member_kinds
+        self._robots.kind[chosen] = absent if bodies_stay else len(self.kinds.body_m) - 1
+        self._robots.vx[chosen] = self._robots.vy[chosen] = 0.0
+
+    def join(self, numbers: ArrayLike, places_m: ArrayLike | None = None) -> None:
+        """Robots of these numbers in the fleet, absent so far, take part from the next step on, from where they are.
+
+        places_m: (k, 2) where they appear instead. Raises MissionError where a body has no room between the others and
+        the walls, or outside the walls; then nobody joins.
+        """
+        chosen = self._rows(numbers)
+        robots, kinds = self._robots, self.kinds
+        names = robots.name[chosen]
+        if (robots.kind[chosen] < self._member_kinds).any():
+            raise MissionError(f"robot {int(names[np.argmin(robots.kind[chosen])])}: takes part already")
+        places = self.places_m[names]
+        if places_m is not None:
+            places = np.array(places_m, np.float64).reshape(len(chosen), 2)
+        others = np.ones(len(self), np.bool_)
+        others[chosen] = False
+        # a body that has been there all the time has its room
+        new = np.full(len(chosen), places_m is not None) | np.isinf(kinds.body_m[robots.kind[chosen]])
+        others[chosen[~new]] = True
+        require_room(
+            names[new],
+            places[new],
+            kinds.body_m[self._present_kind[names[new]]],
+            np.stack([robots.x[others], robots.y[others]], axis=1),
+            kinds.body_m[robots.kind[others]],
+            self.grid.walls,
+        )
+        robots.kind[chosen] = self._present_kind[names]
+        robots.x[chosen], robots.y[chosen] = places.T
+        robots.vx[chosen] = robots.vy[chosen] = 0.0
+        if self._messages is not None:
+            self._messages.begin(names, places)
+        self._sort(0.0)
+
+    def _rows(self, numbers: ArrayLike) -> Ints:
+        """Where robots of these numbers stand in the state, in the order of the numbers."""
+        asked = np.atleast_1d(np.asarray(numbers, np.int64))
+        if len(np.unique(asked)) != len(asked) or ((asked < 0) | (asked >= len(self))).any():
+            raise MissionError(f"robots {asked.tolist()}: different numbers from 0 to {len(self) - 1} are needed")
+        where = np.empty(len(self), np.int64)
+        where[self._robots.name] = np.arange(len(self))
+        return where[asked]
+
+    @property
     def places_m(self) -> Floats:
         """(n, 2) in the order of the fleet."""
         return self._in_order(self._robots.x, self._robots.y)
@@ -98,32 +192,51 @@ class Swarm:
     def step(self) -> float:
         """Decide and move once; returns the longest way of any robot in metres."""
         moving = moving_at(self.moving, self.steps * self.rule.time_step_s, self.rule.time_step_s)
+        if self._messages is not None:
+            self._messages.tell(self.steps, self._robots, self.grid)
+        if self._device is not None:
+            filtered = self._widest_m if self.safe else None
+            new = self._spare
+            self._device.decide(self.steps, self._robots, self.grid, moving, filtered, new.vx, new.vy)
+            return self._take_decided()
         # decisions go to the spare state's velocities, which nobody reads meanwhile
         if self._pool is None:
-            self._decide_for(0, len(self), self._rooms[0], moving)
+            self._decide_for(0, len(self), 0, moving)
         else:
             jobs = [
-                self._pool.submit(self._decide_for, begin, end, room, moving)
-                for (begin, end), room in zip(pairwise(self._cuts), self._rooms, strict=True)
+                self._pool.submit(self._decide_for, begin, end, k, moving)
+                for k, (begin, end) in enumerate(pairwise(self._cuts))
             ]
             for job in jobs:
                 job.result()
+        return self._take_decided()
+
+    def _take_decided(self) -> float:
+        """Move as decided, sort, and count the step."""
         decided = self._robots._replace(vx=self._spare.vx, vy=self._spare.vy)
         self._spare = self._spare._replace(vx=self._robots.vx, vy=self._robots.vy)
         self._robots = decided
         self.steps += 1
         return self._sort(self.rule.time_step_s)
 
-    def _decide_for(self, begin: int, end: int, room: _Room, moving: Any) -> None:
-        new = self._spare
-        self._decide(
-            begin, end, self.steps, self._robots, self.kinds, self.grid, moving, self.rule,
-            new.vx, new.vy, self._nearest2, room.near, room.outline, room.spare,
-        )  # fmt: skip
-        if self.safe:
+    def _decide_for(self, begin: int, end: int, part: int, moving: Any) -> None:
+        new, room, heard = self._spare, self._rooms[part], self._messages
+        controller = NUMBER_OF.get(self._decide, OWN)
+        if heard is None or controller == OWN:
+            self._decide(
+                begin, end, self.steps, self._robots, self.kinds, self.grid, moving, self.rule,
+                new.vx, new.vy, self._nearest2, room.near, room.outline, room.spare,
+            )  # fmt: skip
+        if heard is not None:
+            decide_heard(
+                begin, end, self.steps, controller, self.safe, self._robots, self.kinds, self.grid, moving, self.rule,
+                heard.hearing, heard.past, heard.step_m, self._widest_m, new.vx, new.vy, room.near, room.outline,
+                room.spare, *heard.view(part, self._robots, self.grid),
+            )  # fmt: skip
+        elif self.safe:
             filter_velocities(
                 begin, end, self._robots, self.kinds, self.grid, moving, self.rule.time_step_s, self._widest_m,
-                new.vx, new.vy, self._nearest2, room.outline, room.spare,
+                EXACT, new.vx, new.vy, self._nearest2, room.outline, room.spare,
             )  # fmt: skip
 
     def _sort(self, time_step_s: float) -> float:
@@ -138,9 +251,9 @@ class Swarm:
         return values
 
 
-def _room_for(n: int) -> Robots:
+def _room_for(n: int, member_kinds: int) -> Robots:
     x, y, vx, vy = np.empty((4, n))
-    return Robots(x, y, vx, vy, *np.empty((2, n), np.int64))
+    return Robots(x, y, vx, vy, np.empty(n, np.int64), np.empty(n, np.int64), member_kinds)
 
 
 def _room(most: int) -> _Room:

@@ -1,4 +1,4 @@
-"""Where robots begin: at the mission's starts, or at random places where their bodies have room."""
+"""Where robots begin: at the mission's starts, at random places where bodies have room, or on a lattice."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.mission import TOUCH_M, Mission, Robot, StartBox
+from rota.planners.swarm.lattice import lattice_starts
 
 Floats = NDArray[np.float64]
 TRIES = 2000  # random places for one robot
@@ -42,7 +43,8 @@ def place_starts(mission: Mission, ground: MultiPolygon, *, seed: int, reserve_m
     """Starts (n, 2) of the mission's robots, in their order.
 
     Robots without a start of their own begin at random places of the fleet's box, or of the area, where a body that is
-    wider by ``reserve_m`` touches nothing. Raises MissionError when no such place is found for a robot.
+    wider by ``reserve_m`` touches nothing. Where it is too tight for that they begin on a lattice, with less reserve if
+    need be. Raises MissionError when that has not places enough.
     """
     robots = mission.fleet.robots or ()
     rng = np.random.default_rng(seed)
@@ -60,7 +62,10 @@ def place_starts(mission: Mission, ground: MultiPolygon, *, seed: int, reserve_m
                 rooms[radius_m] = _room(mission, ground, radius_m)
                 shapely.prepare(rooms[radius_m])
                 _require_to_fit(mission, rooms[radius_m], robot)
-            starts[k] = _free_place(mission, rooms[radius_m], placed, radius_m, rng, robot)
+            place = _free_place(rooms[radius_m], placed, radius_m, rng)
+            if place is None:
+                return _on_lattice(mission, ground, reserve_m, seed)
+            starts[k] = place
             placed.add(float(starts[k, 0]), float(starts[k, 1]), radius_m)
     return starts
 
@@ -92,15 +97,38 @@ def _require_to_fit(mission: Mission, room: MultiPolygon, robot: Robot) -> None:
 
 
 def _free_place(
-    mission: Mission, room: MultiPolygon, placed: _Placed, radius_m: float, rng: np.random.Generator, robot: Robot
-) -> tuple[float, float]:
+    room: MultiPolygon, placed: _Placed, radius_m: float, rng: np.random.Generator
+) -> tuple[float, float] | None:
     low, high = np.array(room.bounds[:2]), np.array(room.bounds[2:])
     for _ in range(TRIES // BATCH):
         points = rng.uniform(low, high, (BATCH, 2))
         for x, y in points[shapely.intersects_xy(room, *points.T)]:
             if placed.has_room(x, y, radius_m):
                 return float(x), float(y)
+    return None
+
+
+def _on_lattice(mission: Mission, ground: MultiPolygon, reserve_m: float, seed: int) -> Floats:
+    """Starts where random ones do not fit, all bodies taken for as wide as the widest that waits for a place."""
+    robots = mission.fleet.robots or ()
+    waiting = np.array([robot.start is None for robot in robots])
+    widest_m = max(robot.body_radius_m for robot in robots if robot.start is None)
+    starts = np.array([robot.start or (np.nan, np.nan) for robot in robots], np.float64)
+    bodies = np.array([robot.body_radius_m for robot in robots])
+    fit = 0
+    for radius_m in sorted({widest_m + reserve_m, widest_m}, reverse=True):
+        room = _room(mission, ground, radius_m)
+        if room.is_empty:
+            continue
+        places, fit = lattice_starts(
+            room, starts[~waiting], bodies[~waiting], count=int(waiting.sum()), radius_m=radius_m,
+            rng=np.random.default_rng(seed),
+        )  # fmt: skip
+        if len(places):
+            starts[waiting] = places
+            return starts
     where, larger = _where(mission)
     raise MissionError(
-        f"{where}: no room was found for robot {robot.name} in {TRIES} tries; give fewer robots or {larger}"
+        f"{where}: no room was found for {int(waiting.sum())} robots with bodies of up to {widest_m:.6g} m; a lattice"
+        f" holds {fit} of them; give fewer robots or {larger}"
     )

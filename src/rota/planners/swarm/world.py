@@ -11,6 +11,7 @@ from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.mission import MovingObstacle
+from rota.planners.swarm.filter_kernels import ROUNDING_M
 from rota.planners.swarm.kernels import Grid, Kinds, Moving, walls_of_cells
 
 Floats = NDArray[np.float64]
@@ -64,16 +65,49 @@ def widest_m(kinds: Kinds, time_step_s: float) -> float:
     return float(kinds.body_m.max() + kinds.speed_m_s.max() * time_step_s)
 
 
-def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float) -> Grid:
+def with_absent(kinds: Kinds) -> Kinds:
+    """The kinds, then the same again without sensor and speed for robots that take no part, and one without a body."""
+    still = np.zeros_like(kinds.body_m)
+    parts = {name: np.concatenate([getattr(kinds, name), still, [0.0]]) for name in Kinds._fields}
+    parts["body_m"] = np.concatenate([kinds.body_m, kinds.body_m, [-np.inf]])
+    return Kinds(**parts)
+
+
+def require_room(
+    numbers: Ints, places_m: Floats, bodies_m: Floats, others_m: Floats, other_bodies_m: Floats, walls: Floats
+) -> None:
+    """Raise MissionError unless bodies at places (k, 2) stand clear of each other, of others (m, 2) and of walls.
+
+    The walls are closed rings round the free space; a place outside it has no room. Touching is allowed, by rounding.
+    """
+    lines = shapely.linestrings(walls.reshape(-1, 2, 2))
+    free = shapely.build_area(shapely.node(shapely.multilinestrings(lines)))
+    all_m, all_bodies_m = np.vstack([others_m, places_m]), np.concatenate([other_bodies_m, bodies_m])
+    for k, (number, place, body) in enumerate(zip(numbers, places_m, bodies_m, strict=True)):
+        where = f"robot {int(number)} at [{place[0]:.9g}, {place[1]:.9g}]"
+        if not np.isfinite(place).all():
+            raise MissionError(f"{where}: coordinates must be finite")
+        gaps = np.hypot(*(all_m - place).T) - all_bodies_m - body
+        gaps[len(others_m) + k] = np.inf
+        if gaps.min() < -ROUNDING_M:
+            raise MissionError(
+                f"{where}: there is no room to join; its body overlaps another one by {-gaps.min():.6g} m"
+            )
+        gap = shapely.distance(lines, shapely.Point(place)).min() - body
+        if gap < -ROUNDING_M or not shapely.intersects_xy(free, *place):
+            raise MissionError(f"{where}: there is no room to join; it stands outside the free space or in a wall")
+
+
+def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, unheard_m: float = 0.0) -> Grid:
     """A grid over all walls in which everything that concerns a robot stands in its cell or in those next to it.
 
     walls: (m, 4), of which there is at least one. Cells are as wide as the farthest that any robot looks, and wider
-    where there would be more than a few for each robot.
+    where there would be more than a few for each robot. unheard_m: how far robots may be from where others know them.
     """
     low = np.minimum(walls[:, :2], walls[:, 2:]).min(axis=0)
     size = np.maximum(walls[:, :2], walls[:, 2:]).max(axis=0) - low
     step_reach = 2 * widest_m(kinds, time_step_s)
-    cell = max(float(kinds.neighbour_range_m.max()), 2 * float(kinds.sensor_m.max()), step_reach)
+    cell = max(float(kinds.neighbour_range_m.max()), 2 * float(kinds.sensor_m.max()), step_reach) + unheard_m
     most = max(CELLS_PER_ROBOT * robots, FEWEST_CELLS)
     cell = max(cell, math.sqrt(float(size[0] * size[1]) / most), float(size.max()) / most)
     columns, rows = (int(extent // cell) + 1 for extent in size)

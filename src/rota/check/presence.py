@@ -1,0 +1,85 @@
+"""Robots that take no part all the time: while they are away they stand, and what they have in range is not seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.check.report import Violation
+from rota.check.routes import TRANSIENT, Routes
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+
+TOUCH_M = 1e-6
+
+
+def away_times_s(plan: Plan) -> tuple[Floats, Floats]:
+    """When the robot of each trajectory joins and when it leaves (inf: never), (k,) each."""
+    robots = [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
+    leaves = [math.inf if robot.leaves_s is None else robot.leaves_s for robot in robots]
+    return np.array([robot.joins_s for robot in robots]), np.array(leaves)
+
+
+def seeing_routes(routes: Routes, plan: Plan) -> Routes:
+    """The legs on which robots see: none of one that leaves, since plans are for ever; none begun before it joins.
+
+    Loops are kept: that they begin in time, ``presence_violations`` finds out.
+    """
+    joins, leaves = away_times_s(plan)
+    if (joins == 0).all() and np.isinf(leaves).all():
+        return routes
+    early = (joins - _slack_s(joins))[routes.robots]
+    seeing = np.isinf(leaves)[routes.robots] & ((routes.kinds != TRANSIENT) | (routes.times_s[:, 0] >= early))
+    return replace(
+        routes,
+        legs_m=np.ascontiguousarray(routes.legs_m[seeing]),
+        times_s=np.ascontiguousarray(routes.times_s[seeing]),
+        robots=routes.robots[seeing],
+        kinds=routes.kinds[seeing],
+    )
+
+
+def presence_violations(plan: Plan) -> list[Violation]:
+    """Robots that move while they are away, and those whose loop begins before they join."""
+    found = []
+    joins, leaves = away_times_s(plan)
+    for trajectory, join_s, leave_s in zip(plan, joins, leaves, strict=True):
+        if join_s == 0 and math.isinf(leave_s):
+            continue
+        times, places = trajectory.times_s, trajectory.positions_m[:, :2]
+        ways = np.hypot(*np.diff(places, axis=0).T)
+        early_s = float(join_s - _slack_s(join_s))
+        away = (times[:-1] < early_s) | (times[1:] > leave_s + _slack_s(leave_s))
+        if math.isfinite(leave_s):
+            away |= times[:-1] >= trajectory.loop_start_s  # for ever
+        moves = np.flatnonzero(away & (ways > TOUCH_M))
+        if len(moves):
+            k = int(moves[0])
+            found.append(_violation("moves while away", trajectory.robot, places[k], times[k], ways[k], 0.0, "m"))
+        start_s = trajectory.loop_start_s
+        if start_s < early_s:
+            found.append(
+                _violation("sees before it joins", trajectory.robot, places[-1], start_s, start_s, join_s, "s")
+            )
+    return found
+
+
+def _slack_s(times_s: Floats | float) -> Floats:
+    """What float64 needs for times that are multiples of a step."""
+    return np.asarray(1e-9 * np.maximum(1.0, np.where(np.isfinite(times_s), times_s, 0.0)))
+
+
+def _violation(kind: str, who: str, place: Floats, time_s: float, value: float, limit: float, unit: str) -> Violation:
+    return Violation(
+        kind=kind,
+        who=who,
+        place_m=(float(place[0]), float(place[1])),
+        time_s=float(time_s),
+        value=float(value),
+        limit=float(limit),
+        unit=unit,
+    )

@@ -1,0 +1,66 @@
+"""Decisions of all robots on an NVIDIA GPU: what a step reads is copied there, the velocities are copied back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import MissionError
+from rota.planners.swarm.kernels import Grid, Kinds, Robots, Rule
+
+Floats = NDArray[np.float64]
+NEEDED = "an NVIDIA GPU with its driver and the package numba-cuda are needed, or device: cpu"
+
+
+class CudaStep:
+    """Makes the decisions of one swarm; raises MissionError where there is no GPU, or nothing to compile for it with.
+
+    Robots are moved and sorted by the processor, so that the order of the state does not depend on the device.
+    """
+
+    def __init__(self, decide: Callable[..., None], kinds: Kinds, rule: Rule) -> None:
+        kernels = _require_kernels()
+        most = kernels.MOST_NEIGHBOURS
+        if rule.neighbours > most:
+            raise MissionError(f"swarm.neighbours: {rule.neighbours} is not allowed on the device cuda; at most {most}")
+        self._cuda, self._threads = kernels.cuda, kernels.THREADS
+        self._decide_all, self._filter_all = kernels.kernel_of(decide), kernels.filter_all
+        self._kinds, self._rule = Kinds(*map(self._cuda.to_device, kinds)), rule
+        self._walls: tuple[Any, ...] | None = None
+
+    def decide(
+        self, step: int, robots: Robots, grid: Grid, moving: Any, widest_m: float | None, new_vx: Floats, new_vy: Floats
+    ) -> None:
+        """New velocities of all robots into new_vx and new_vy (n,), as on the processor; widest_m None: unfiltered."""
+        cuda, n = self._cuda, len(new_vx)
+        if self._walls is None:
+            self._walls = tuple(map(cuda.to_device, (grid.wall_start, grid.wall_item, grid.walls)))
+        x, y, vx, vy, kind, name = map(cuda.to_device, robots[:-1])
+        there = Robots(x, y, vx, vy, kind, name, robots.member_kinds)
+        wall_start, wall_item, walls = self._walls
+        near = grid._replace(
+            start=cuda.to_device(grid.start), wall_start=wall_start, wall_item=wall_item, walls=walls
+        )  # fmt: skip
+        discs = type(moving)(*map(cuda.to_device, moving))
+        new = tuple(cuda.device_array(n, np.float64) for _ in range(3))
+        shape = (-(-n // self._threads), self._threads)
+        self._decide_all[shape](step, there, self._kinds, near, discs, self._rule, *new)
+        if widest_m is not None:
+            exact = cuda.to_device(np.empty(0))
+            self._filter_all[shape](there, self._kinds, near, discs, self._rule.time_step_s, widest_m, exact, *new)
+        for values, result in zip(new, (new_vx, new_vy), strict=False):
+            values.copy_to_host(result)
+
+
+def _require_kernels() -> Any:
+    try:
+        from rota.planners.swarm import cuda_kernels
+    except ImportError as error:
+        raise MissionError(f"swarm.device: cuda is not possible here: {error}; {NEEDED}") from None
+    kernels: Any = cuda_kernels
+    if not kernels.cuda.is_available():
+        raise MissionError(f"swarm.device: cuda is not possible here: no NVIDIA GPU is found; {NEEDED}")
+    return kernels

@@ -1,0 +1,120 @@
+"""Robots that know each other from late messages, some of them lost: bodies stay apart all the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from benchmarks.swarm_adversarial import LATE_AND_LOSSY, dense_states, least_gaps, swarm_of
+from hypothesis import given, settings, strategies as st
+from tests.planners.swarm.conftest import PAPER, in_box, scattered
+from tests.planners.swarm.test_last_filter import apart, packed, wishing
+
+from rota.planners.swarm.asked import DECIDE
+from rota.planners.swarm.hearing_kernels import MOST_LOST_IN_ROW, age_of
+from rota.planners.swarm.kernels import Hearing
+
+
+@pytest.mark.parametrize("hearing", [None, LATE_AND_LOSSY], ids=["exact", "late and lossy"])
+@pytest.mark.parametrize("controller", DECIDE)
+def test_from_10_000_dense_states_with_random_velocities_bodies_never_touch(controller: str, hearing) -> None:
+    states = dense_states(10_000, 5, np.random.default_rng(7))
+    between, beside, way = least_gaps(states, controller, 4, hearing)
+    assert between >= -1e-9
+    assert beside >= -1e-9
+    assert way > 1e-4  # they do move
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    count=st.integers(2, 25),
+    speed=st.floats(0.1, 20),
+    delay=st.integers(0, 3),
+    lost=st.sampled_from([0.0, 0.1, 0.6]),
+)
+def test_whatever_robots_wish_for_old_news_keep_them_apart(
+    seed: int, count: int, speed: float, delay: int, lost: float
+) -> None:
+    """Wishes lead to and fro between the bodies and away, so that old places are far from the true ones."""
+    rng = np.random.default_rng(seed)
+    side = 14.0
+    places, bodies = packed(rng, count, side, 1.0)
+    speeds = speed * rng.uniform(0.2, 1.0, len(places))
+    wish = np.empty((len(places), 2))
+    like = {"body_m": bodies, "speed_m_s": speeds, "sensor_m": 5, "neighbour_range_m": 10, "wall_range_m": 5}
+    rule = PAPER._replace(seed=seed)
+    hearing = Hearing(delay_steps=delay, lost=lost)
+    swarm = in_box(places, (side, side), rule=rule, decide=wishing(wish), hearing=hearing, **like)
+    for step in range(25):
+        before = swarm.places_m
+        wish[:] = (side / 2 - before) * (1 if step % 8 < 4 else -1) + rng.normal(size=wish.shape)
+        wish *= (speeds / np.maximum(np.hypot(*wish.T), 1e-9))[:, None]
+        swarm.step()
+        for part in np.linspace(0, 1, 5):  # bodies stay apart at every moment of the step
+            between = before + part * (swarm.places_m - before)
+            assert len(bodies) < 2 or apart(between, bodies) > -1e-12
+            assert (np.minimum(between, side - between) >= bodies[:, None] - 1e-12).all()
+
+
+def test_without_the_widening_old_news_let_them_touch() -> None:
+    swarm = swarm_of(dense_states(1000, 5, np.random.default_rng(7)), "settle", LATE_AND_LOSSY, seed=1)
+    assert swarm._messages is not None
+    swarm._messages.step_m[:] = 0.0
+    bodies = dense_states(1000, 5, np.random.default_rng(7)).bodies_m
+    nearest = np.inf
+    for _ in range(12):
+        swarm.step()
+        at = swarm.places_m.reshape(1000, 5, 2)
+        nearest = min(nearest, *(apart(at[k], bodies[k]) for k in range(1000)))
+    assert nearest < -1e-3
+
+
+def test_a_message_is_as_old_as_its_delay_and_the_losses_since() -> None:
+    ages = np.array([age_of(5, 3, 8, step, 1, 0.1) for step in range(20_000)])
+    assert ages.min() == 1
+    for extra in range(3):  # losses are independent: a share 0.1^k of k in a row
+        assert np.mean(ages > 1 + extra) == pytest.approx(0.1 ** (extra + 1), abs=0.007)
+    assert (np.diff(ages) <= 1).all()  # a robot that hears nothing knows what it knew
+    assert max(age_of(5, 3, 8, step, 2, 0.999) for step in range(500)) == 2 + MOST_LOST_IN_ROW
+    assert age_of(5, 3, 8, 7, 0, 0.0) == 0
+
+
+def test_news_without_delay_and_loss_are_the_truth() -> None:
+    places = scattered(40, 5, 60, 1.2, seed=3)
+    for decide in DECIDE.values():
+        known = in_box(places, decide=decide, hearing=Hearing(delay_steps=0, lost=0.0))
+        exact = in_box(places, decide=decide)
+        for _ in range(30):
+            known.step()
+            exact.step()
+        # the order in which half-planes are cut may differ, by rounding
+        assert known.places_m == pytest.approx(exact.places_m, abs=1e-6)
+
+
+def test_a_robot_heeds_what_the_other_one_told_a_step_before() -> None:
+    late = in_box([[100, 100], [110, 100]], hearing=Hearing(delay_steps=1, lost=0.0))
+    late.step()
+    away = 2 * 4 / (3 * np.pi)  # the centroid of half the disc of speeds
+    assert late.velocities_m_s == pytest.approx(np.array([[-away, 0], [away, 0]]))
+    late.step()
+    # each moves at v and believes the other at rest: its set ends at v . e <= v_A . e / 2 = -away / 2, and not at
+    # (v_A + v_B) . e / 2 = 0; the centroid of what is beyond h of a disc of radius r: 2/3 (r^2 - h^2)^1.5 / area
+    h, r = away / 2, 2.0
+    area = r * r * np.arccos(h / r) - h * np.sqrt(r * r - h * h)
+    assert late.velocities_m_s[0] == pytest.approx([-2 / 3 * (r * r - h * h) ** 1.5 / area, 0])
+
+
+@pytest.mark.parametrize("decide", DECIDE.values(), ids=DECIDE)
+def test_threads_do_not_change_what_is_heard(decide) -> None:
+    places = scattered(600, 5, 900, 1.2, seed=1)
+    runs = []
+    for threads in (1, 2):
+        swarm = in_box(places, (910, 910), decide=decide, hearing=LATE_AND_LOSSY, threads=threads)
+        for _ in range(12):
+            swarm.step()
+        runs.append(swarm.places_m)
+    assert (runs[0] == runs[1]).all()
+    other = in_box(places, (910, 910), rule=PAPER._replace(seed=9), decide=decide, hearing=LATE_AND_LOSSY)
+    for _ in range(12):
+        other.step()
+    assert (runs[0] != other.places_m).any()  # other messages are lost

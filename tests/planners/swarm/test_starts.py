@@ -1,0 +1,67 @@
+"""Starts in boxes that are too tight for random places."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+from shapely import MultiPolygon, box
+
+from rota.check import check_plan
+from rota.errors import MissionError
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
+from rota.planners.swarm.asked import free_ground, run_mission
+from rota.planners.swarm.starts import place_starts
+
+
+def mission(
+    robots: int, box_m: tuple[float, float], body_m: float = 1.0, own: tuple[Any, ...] = (), **changed: Any
+) -> Mission:
+    fleet = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=25), body_radius_m=body_m)
+    listed = [fleet.equal_robot(f"r{k}") for k in range(robots)]
+    for k, start in enumerate(own):
+        listed[k] = dataclasses.replace(listed[k], start=start)
+    start_box = StartBox(low_m=(20, 20), high_m=(20 + box_m[0], 20 + box_m[1]))
+    fleet = dataclasses.replace(fleet, robots=tuple(listed), start=start_box)
+    area = MultiPolygon([box(0, 0, 150, 150)])
+    return Mission(**{"name": "m", "area": area, "fleet": fleet, "planning": SwarmSettings(most_steps=30)} | changed)
+
+
+@pytest.mark.parametrize(
+    ("robots", "box_m"),
+    [(36, (10, 10)), (39, (10, 10)), (6, (10, 0)), (6, (0, 10)), (30, (10, 10)), (100, (19, 19))],
+)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_as_many_as_a_lattice_holds_begin_apart_and_in_the_box(robots: int, box_m: Any, seed: int) -> None:
+    """Centres in 10 m x 10 m, 2 m apart: 6 x 6 on a square lattice, and in rows 6 + 5 + 6 + ..., six of them, 33."""
+    asked = mission(robots, box_m)
+    if robots == 39:
+        with pytest.raises(MissionError, match="for 39 robots with bodies of up to 1 m; a lattice holds 36 of them"):
+            place_starts(asked, free_ground(asked), seed=seed, reserve_m=0.05)
+        return
+    starts = place_starts(asked, free_ground(asked), seed=seed, reserve_m=0.05)
+    assert pdist(starts).min() >= 2 - 1e-12
+    assert (starts >= 20 - 1e-9).all()
+    assert (starts <= 20 + np.array(box_m) + 1e-9).all()
+    assert check_plan(run_mission(asked, seed=seed).plan).violations == ()
+
+
+def test_a_lattice_is_shaken_by_what_room_it_leaves() -> None:
+    asked = mission(28, (10, 10))  # random places end at some 20
+    one, two = (place_starts(asked, free_ground(asked), seed=seed, reserve_m=0.0) for seed in (0, 1))
+    assert (one == place_starts(asked, free_ground(asked), seed=0, reserve_m=0.0)).all()
+    assert np.abs(one - two).max() > 1
+    distances = np.sort(pdist(one))
+    assert 2 <= distances[0] < distances[20] - 1e-3  # no lattice any more
+
+
+def test_a_lattice_keeps_clear_of_obstacles_and_of_robots_with_starts() -> None:
+    obstacle = Obstacle(shape=MultiPolygon([box(24, 24, 26, 26)]))
+    asked = mission(24, (10, 10), own=((20.5, 29.5), (29.0, 21.0)), obstacles=(obstacle,))
+    starts = place_starts(asked, free_ground(asked), seed=0, reserve_m=0.0)
+    assert starts[:2].tolist() == [[20.5, 29.5], [29.0, 21.0]]
+    assert pdist(starts).min() >= 2 - 1e-12
+    assert check_plan(run_mission(asked, seed=0).plan).violations == ()
