@@ -13,14 +13,22 @@ from shapely import MultiPolygon, Point, Polygon, box, union_all
 
 from rota.errors import MissionError
 from rota.planner_settings import (
+    HEADINGS as HEADINGS,
     METHODS as METHODS,
+    BounceMethod as BounceMethod,
+    BounceSettings as BounceSettings,
+    BounceTask as BounceTask,
+    Contact as Contact,
+    ContactFree as ContactFree,
     Controller as Controller,
+    Corners as Corners,
     DeploymentMethod as DeploymentMethod,
     Effort as Effort,
     FramePartition as FramePartition,
     FrameTour as FrameTour,
     Method as Method,
     PatrolSettings as PatrolSettings,
+    Purpose as Purpose,
     SegmentRoutes as SegmentRoutes,
     SetBoundary as SetBoundary,
     Sun2019 as Sun2019,
@@ -288,7 +296,7 @@ class Mission:
     period_s: float | None = None
     origin: GeoPoint | None = None
     unseeable: Unseeable = "exclude"
-    planning: PatrolSettings | SwarmSettings = field(default_factory=PatrolSettings)
+    planning: PatrolSettings | SwarmSettings | BounceSettings = field(default_factory=PatrolSettings)
     moving_obstacles: tuple[MovingObstacle, ...] = ()
 
     def __post_init__(self) -> None:
@@ -309,6 +317,8 @@ class Mission:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         if isinstance(self.planning, SwarmSettings):
             self._require_swarm()
+        elif isinstance(self.planning, BounceSettings):
+            self._require_bounce(self.planning)
         else:
             self._require_patrol(self.planning)
 
@@ -330,6 +340,29 @@ class Mission:
             ok = robot.turn_rate_rad_s is None
             require(ok, f"robot {robot.name}: turn_rate_rad_s", robot.turn_rate_rad_s, "a swarm turns at once; null")
 
+    def _require_bounce(self, settings: BounceSettings) -> None:
+        require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
+        require(not isinstance(self.fleet.start, StartBox), "fleet.start", "a box", "bouncing robots start at points")
+        robots = self.fleet.robots
+        ok = robots is not None or settings.task == "monitor"
+        require(ok, "fleet.robots", "fewest", "a number of robots, or a list of them, is needed to cover an area")
+        for name in ("bouncing_angles_deg", "start_headings_deg"):
+            angles = getattr(settings, name)
+            if angles is not None and len(angles) != 1 and (robots is None or len(angles) != len(robots)):
+                allowed = f"one for all robots or one for each of {len(robots)}" if robots else "one for all robots"
+                raise MissionError(f"bounce.{name}: {len(angles)} angles are not allowed; {allowed} is needed")
+        if settings.task == "monitor":
+            zones = [zone for zone in self.zones if zone.period_s is not None]
+            require(self.period_s is None, "period_s", self.period_s, "bouncing robots monitor zones, not the area")
+            require(bool(zones), "zones", [], "a zone with a period is needed to monitor")
+            for zone in zones:
+                ok = zone.demand == "visit"
+                require(ok, f"zone {zone.name}: demand", zone.demand, "bouncing robots visit zones; visit")
+        else:
+            asked = [zone.name for zone in self.zones if zone.period_s is not None]
+            ok = self.period_s is None and not asked
+            require(ok, "period_s", self.period_s or asked, "covering happens once; give no periods, or task monitor")
+
     @property
     def patrol(self) -> PatrolSettings:
         """The settings of the planner ``patrol``; TypeError for a mission of another one."""
@@ -342,6 +375,13 @@ class Mission:
         """The settings of the planner ``swarm``; TypeError for a mission of another one."""
         if not isinstance(self.planning, SwarmSettings):
             raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by swarm")
+        return self.planning
+
+    @property
+    def bounce(self) -> BounceSettings:
+        """The settings of the planner ``bounce``; TypeError for a mission of another one."""
+        if not isinstance(self.planning, BounceSettings):
+            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by bounce")
         return self.planning
 
     @property

@@ -17,9 +17,9 @@ from pydantic_core import PydanticCustomError
 
 from rota.files.rings import ring_fault
 from rota.files.schema_block import Block, NotNegative, Positive, Where, given_of
-from rota.files.settings_schema import PatrolBlock, SwarmBlock
+from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
 
-PLANNERS = ("patrol", "swarm")
+PLANNERS = ("patrol", "swarm", "bounce")
 MOST_ROBOTS = 10_000
 FARTHEST_M = 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
 
@@ -41,6 +41,7 @@ Ring = Annotated[list[Point], AfterValidator(_checked_ring)]
 def _one_of(*keys: str, **more: Any) -> dict[str, Any]:
     """What the published schema says of blocks that take exactly one of several keys."""
     belongs = {"holes": ["outer"], "feature": ["geojson"], "map": ["inside"], "inside": ["map"], "unknown": ["map"]}
+    belongs |= {"text": ["cell_m"], "cell_m": ["text"]}
     return {"oneOf": [{"required": [key]} for key in keys], "dependentRequired": belongs, **more}
 
 
@@ -108,21 +109,29 @@ def _source_faults(data: dict[str, Any], *sources: str) -> Iterator[tuple[Where,
 class AreaBlock(Shape):
     """Where robots may be and must look."""
 
-    model_config = ConfigDict(json_schema_extra=_one_of("ring", "outer", "circle", "geojson", "map"))
+    model_config = ConfigDict(json_schema_extra=_one_of("ring", "outer", "circle", "geojson", "map", "text"))
 
     map: Text | None = Field(None, description="path of a ROS map_server .yaml file")
     inside: Point | None = Field(None, description="a point [x, y] in the free part of the map that is meant")
     unknown: Literal["blocked", "free"] | None = Field(None, description="overrides how unknown cells are read")
+    text: Text | None = Field(
+        None, description="lines of . (free) and # (obstacle), the first is north; from (0, 0) on"
+    )
+    cell_m: Positive | None = Field(None, description="side of a text map's character in metres")
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """As a shape; inside belongs to a map and a map needs it."""
-        yield from _source_faults(data, "ring", "outer", "circle", "geojson", "map")
+        """As a shape; inside belongs to a map and a map needs it, and cell_m to a text."""
+        yield from _source_faults(data, "ring", "outer", "circle", "geojson", "map", "text")
         if data.get("map") is not None and data.get("inside") is None:
             yield ("inside",), "is missing; a map needs a point [x, y] in the free part that is meant"
         for field in given_of(data, "inside", "unknown"):
             if data.get("map") is None:
                 yield (field,), "belongs to a map; remove it, or give map"
+        if data.get("text") is not None and data.get("cell_m") is None:
+            yield ("cell_m",), "is missing; a text map needs the side of a character in metres"
+        if data.get("cell_m") is not None and data.get("text") is None:
+            yield ("cell_m",), "belongs to a text map; remove it, or give text"
 
 
 class ObstacleBlock(Shape):
@@ -275,7 +284,9 @@ class OriginBlock(Block):
     lon: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-180, le=180)]
 
 
-_AREA_ALLOWED = "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}, {map: ...}"
+_AREA_ALLOWED = (
+    "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}, {map: ...}, {text: ...}"
+)
 _SHAPE_ALLOWED = "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}"
 Area = Annotated[Annotated[Ring, Tag("<list>")] | Annotated[AreaBlock, Tag("<block>")], _either(_AREA_ALLOWED)]
 ObstacleEntry = Annotated[
@@ -297,9 +308,10 @@ class MissionFile(Block):
     unseeable: Literal["exclude", "refuse"] = "exclude"
     zones: list[ZoneBlock] = Field(default=[])
     fleet: FleetBlock
-    planner: Literal["patrol", "swarm"] = "patrol"
+    planner: Literal["patrol", "swarm", "bounce"] = "patrol"
     patrol: PatrolBlock | None = None
     swarm: SwarmBlock | None = None
+    bounce: BounceBlock | None = None
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -312,6 +324,8 @@ class MissionFile(Block):
             yield from _unused_by_patrol(data)
         if planner == "swarm":
             yield from _unused_by_swarm(data)
+        if planner == "bounce":
+            yield from _unused_by_bounce(data)
         if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
             yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
 
@@ -336,6 +350,49 @@ def _unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
             yield (*where, "sensor", "shape"), "square is not allowed: the swarm planner is made for discs; give disc"
         if _inner(block, "turn_rate_rad_s") is not None:
             yield (*where, "turn_rate_rad_s"), "robots of a swarm turn at once: remove it"
+
+
+def _unused_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    if data.get("moving_obstacles"):
+        yield ("moving_obstacles",), "the bounce planner has no use for moving_obstacles: remove them"
+    if _inner(data, "fleet", "start", "box") is not None:
+        yield ("fleet", "start", "box"), "bouncing robots start at points: give points, or remove it"
+    typed = _inner(data, "area", "text") is not None
+    if _inner(data, "bounce", "cell_m") is None and not typed:
+        yield ("bounce", "cell_m"), "is missing; give the side of a cell in metres"
+    robots, task = _inner(data, "fleet", "robots"), _inner(data, "bounce", "task") or "monitor"
+    count = len(robots) if isinstance(robots, list) else robots if isinstance(robots, int) else None
+    if task == "cover" and count is None:
+        yield ("fleet", "robots"), "a number of robots, or a list of them, is needed to cover an area"
+    for name in ("bouncing_angles_deg", "start_headings_deg"):
+        angles = _inner(data, "bounce", name)
+        if isinstance(angles, list) and len(angles) not in (1, count):
+            each = f" or one for each of {count}" if count is not None else ""
+            yield ("bounce", name), f"{len(angles)} angles are not allowed; one for all robots{each} is needed"
+    if task == "monitor":
+        yield from _unwatched_by_bounce(data)
+    elif task == "cover":
+        yield from _asked_of_covering(data)
+
+
+def _unwatched_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    if data.get("period_s") is not None:
+        yield ("period_s",), "bouncing robots monitor zones, not the area: remove it"
+    zones = data.get("zones")
+    for k, zone in enumerate(zones if isinstance(zones, list) else []):
+        asked = _inner(zone, "period_s") is not None or _inner(zone, "geojson") is not None
+        if asked and (_inner(zone, "demand") or "every_point") == "every_point":
+            yield ("zones", k, "demand"), "every_point is not allowed: bouncing robots visit zones; write demand: visit"
+
+
+def _asked_of_covering(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    message = "covering happens once: remove the period, or write bounce.task: monitor"
+    if data.get("period_s") is not None:
+        yield ("period_s",), message
+    zones = data.get("zones")
+    for k, zone in enumerate(zones if isinstance(zones, list) else []):
+        if _inner(zone, "period_s") is not None:
+            yield ("zones", k, "period_s"), message
 
 
 def _inner(data: Any, *keys: str) -> Any:
