@@ -1,0 +1,1 @@
+"""Robots with a bump sensor and a clock."""

@@ -1,0 +1,202 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled loops over all states of a team: the successor map, and its cycles and basins, four bytes for each state."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.bounce.kernels import Ints, Longs, Team, compiled, inlined, step_team, too_near, touching
+
+Words = NDArray[np.uint32]
+Stays = NDArray[np.int8]
+
+LABEL = np.uint32(0x80000000)  # set: the entry is no successor any more but the number of a cycle
+ON_PATH = np.uint32(0xFFFFFFFE)
+NOWHERE = np.uint32(0xFFFFFFFF)  # two robots in one place: no state at all
+MOST_STATES = 0x7FFFFFFE
+
+
+@inlined
+def any_too_near(team: Team, states: Ints) -> bool:
+    """Whether two of the robots cannot be in these states at once."""
+    found = False
+    for i in range(len(states)):
+        for j in range(i):
+            a, b = states[i], states[j]
+            if too_near(team.x[a], team.y[a], team.x[b], team.y[b], team.apart2[j, i]):
+                found = True
+    return found
+
+
+@compiled
+def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: Words) -> None:
+    """The successor of every packed state of m robots: (s ** m,) uint32. states, after, stays: (m,) scratch."""
+    m, s = len(states), len(team.x)
+    states[:] = 0
+    for code in range(len(successor)):
+        if any_too_near(team, states):
+            successor[code] = NOWHERE
+        else:
+            step_team(team, states, stays, after)
+            packed = 0
+            for i in range(m - 1, -1, -1):
+                packed = packed * s + after[i]
+            successor[code] = packed
+        for i in range(m):
+            states[i] += 1
+            if states[i] < s:
+                break
+            states[i] = 0
+
+
+@compiled
+def pair_successors(team: Team, successor: Words) -> None:
+    """The same for two robots."""
+    s, apart2 = len(team.x), team.apart2[0, 1]
+    for b in range(s):
+        bx, by, bu, bv = team.x[b], team.y[b], team.to_x[b], team.to_y[b]
+        turned = team.bumped[1, b]
+        alone = team.moved[b] if team.moved[b] >= 0 else turned
+        for a in range(s):
+            ax, ay = team.x[a], team.y[a]
+            if too_near(ax, ay, bx, by, apart2):
+                successor[b * s + a] = NOWHERE
+            elif touching(ax, ay, team.to_x[a], team.to_y[a], bx, by, bu, bv, apart2):
+                successor[b * s + a] = turned * s + team.bumped[0, a]
+            else:
+                successor[b * s + a] = alone * s + (team.moved[a] if team.moved[a] >= 0 else team.bumped[0, a])
+
+
+@inlined
+def rank_of(states: Ints, choose: Longs) -> int:
+    """The rank of a set of states, which are sorted in place. choose: (s + 1, m + 1) binomial coefficients."""
+    for i in range(1, len(states)):
+        value, k = states[i], i
+        while k > 0 and states[k - 1] > value:
+            states[k] = states[k - 1]
+            k -= 1
+        states[k] = value
+    rank = 0
+    for i in range(len(states)):
+        rank += choose[states[i], i + 1]
+    return rank
+
+
+@compiled
+def set_successors(team: Team, choose: Longs, states: Ints, after: Ints, stays: Stays, successor: Words) -> None:
+    """The successor of every set of states of m equal robots, by rank: (choose(s, m),) uint32."""
+    m = len(states)
+    for i in range(m):
+        states[i] = i
+    for rank in range(len(successor)):
+        if any_too_near(team, states):
+            successor[rank] = NOWHERE
+        else:
+            step_team(team, states, stays, after)
+            successor[rank] = rank_of(after, choose)
+        # the next set in the order of ranks
+        i = 0
+        while i + 1 < m and states[i] + 1 == states[i + 1]:
+            states[i] = i
+            i += 1
+        states[i] += 1
+
+
+@compiled
+def decompose(successor: Words, path: Longs, progress: Longs, cycles: Longs) -> int:
+    """Replace successors by LABEL + the number of the cycle that each state comes to; NOWHERE stays.
+
+    path: scratch for the states of one walk. progress: (3,), where the work stands: the next state to start from, how
+    many states are on the path, how many cycles are known. cycles: (c, 3), written: a cycle's first state found, its
+    length, and the states of its basin, itself included. Returns 0 when done, 1 when ``path`` is too short and 2 when
+    ``cycles`` is: call again with a longer one that begins with what is in it. Each state is read and written twice.
+    """
+    start, depth, known = progress[0], progress[1], progress[2]
+    count = len(successor)
+    while start < count or depth > 0:
+        if depth == 0:
+            if successor[start] & LABEL:
+                start += 1
+                continue
+            path[0] = start
+            depth = 1
+        at = path[depth - 1]
+        while True:
+            following = successor[at]
+            if following & LABEL:
+                break
+            if depth == len(path):
+                progress[0], progress[1], progress[2] = start, depth, known
+                return 1
+            successor[at] = ON_PATH
+            at = np.int64(following)
+            path[depth] = at
+            depth += 1
+        # the last state of the path is labelled or on the path already, and is there once too often
+        if following == ON_PATH:
+            if known == len(cycles):
+                progress[0], progress[1], progress[2] = start, depth, known
+                return 2
+            first = depth - 2
+            while path[first] != at:
+                first -= 1
+            cycles[known, 0], cycles[known, 1], cycles[known, 2] = at, depth - 1 - first, 0
+            following = LABEL | np.uint32(known)
+            known += 1
+        if following != NOWHERE:
+            cycles[np.int64(following & ~LABEL), 2] += depth - 1
+        for k in range(depth - 1):
+            successor[path[k]] = following
+        depth = 0
+        start += 1
+    progress[0], progress[1], progress[2] = start, depth, known
+    return 0
+
+
+@compiled
+def rounds_to_order(
+    team: Team, choose: Longs, cycles: Longs, states: Ints, after: Ints, stays: Stays, begin: Ints, rounds: Longs
+) -> None:
+    """How many times round its cycle a set of states must go until every robot is back in its own state.
+
+    cycles: (c, 2), rank of a state and length of each. rounds: (c,), written. The others: (m,) scratch.
+    """
+    m = len(states)
+    for c in range(len(cycles)):
+        rank = cycles[c, 0]
+        for i in range(m - 1, -1, -1):
+            low, high = i, len(choose) - 1  # the largest state of which no more than rank sets are below
+            while high - low > 1:
+                middle = (low + high) // 2
+                if choose[middle, i + 1] <= rank:
+                    low = middle
+                else:
+                    high = middle
+            states[i] = low
+            rank -= choose[low, i + 1]
+        for i in range(m):
+            begin[i] = states[i]
+        turns = 0
+        while True:
+            for _ in range(cycles[c, 1]):
+                step_team(team, states, stays, after)
+                for i in range(m):
+                    states[i] = after[i]
+            turns += 1
+            same = True
+            for i in range(m):
+                same = same and states[i] == begin[i]
+            if same:
+                break
+        rounds[c] = turns
+
+
+@compiled
+def strip_labels(labels: Any) -> None:
+    """From LABEL + number to the number; NOWHERE becomes -1 when read as int32."""
+    for k in range(len(labels)):
+        if labels[k] != NOWHERE:
+            labels[k] &= ~LABEL
