@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from benchmarks.create2_sketch import create2_sketch
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
@@ -119,6 +120,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "sun2019-frame": sun_frame,
     "sun2019-method": sun_method,
     "swarm-step": swarm_step,
+    "create2-sketch": create2_sketch,
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,

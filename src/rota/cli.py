@@ -38,7 +38,7 @@ app = typer.Typer(
 )
 app.add_typer(study_app, name="study")
 
-ExportFormat = Literal["geojson", "qgroundcontrol", "qgroundcontrol-px4"]
+ExportFormat = Literal["geojson", "qgroundcontrol", "qgroundcontrol-px4", "create2-sketch"]
 SchemaName = Literal["mission", "plan", "report"]
 EffortName = Literal["quick", "normal", "high"]
 
@@ -290,11 +290,13 @@ def export(
     plan: PlanPath,
     to: Annotated[
         ExportFormat,
-        typer.Option(metavar="FORMAT", help="geojson; qgroundcontrol (for ArduPilot) or qgroundcontrol-px4."),
+        typer.Option(
+            metavar="FORMAT", help="geojson; qgroundcontrol (for ArduPilot) or qgroundcontrol-px4; create2-sketch."
+        ),
     ],
     output: Annotated[
         str,
-        typer.Option("-o", "--output", metavar="PATH", help="A file; for qgroundcontrol a folder, a file per robot."),
+        typer.Option("-o", "--output", metavar="PATH", help="A file; a folder where each robot has one."),
     ],
 ) -> None:
     """Export a plan to what maps and robots read."""
@@ -303,12 +305,20 @@ def export(
         _require_target(output, source=plan)
         _export_geojson(answer, output)
         return
-    from rota.files.qgroundcontrol import write_qgroundcontrol
-
     if output == STANDARD_STREAM:
         raise RotaError(f"-: {to} makes one file per robot and cannot write to stdout; the path of a folder is needed")
-    for path in write_qgroundcontrol(answer, output, autopilot="ardupilot" if to == "qgroundcontrol" else "px4"):
+    for path in _export_to_folder(answer, to, output):
         typer.echo(path)
+
+
+def _export_to_folder(answer: Plan, to: ExportFormat, folder: str) -> tuple[Path, ...]:
+    if to == "create2-sketch":
+        from rota.files.create2_sketch import write_create2_sketches
+
+        return write_create2_sketches(answer, folder)
+    from rota.files.qgroundcontrol import write_qgroundcontrol
+
+    return write_qgroundcontrol(answer, folder, autopilot="ardupilot" if to == "qgroundcontrol" else "px4")
 
 
 def _export_geojson(answer: Plan, output: str) -> None:
