@@ -81,37 +81,43 @@ def joint_states(states: int, robots: int, *, unordered: bool = False) -> int:
     return math.comb(states, robots) if unordered else states**robots
 
 
-def require_memory(states: int, robots: int, *, unordered: bool = False) -> None:
-    """Raise MissionError when the joint map of so many robots does not fit in memory, before any of it is made."""
+def require_memory(states: int, robots: int, *, unordered: bool = False, copies: int = 1) -> None:
+    """Raise MissionError when the joint map of so many robots does not fit in memory, before any of it is made.
+
+    copies: how many times the map's four bytes for a state are needed.
+    """
     count = joint_states(states, robots, unordered=unordered)
-    bytes_needed = 4 * count
+    bytes_needed = 4 * copies * count
     available = MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if count > MOST_STATES or bytes_needed > available:
         power = "" if robots == 1 else f" ** {robots}"
         raise MissionError(
             f"the joint map of {robots} robots has {states}{power} = {count:.3g} states and needs"
-            f" {bytes_needed / 1e9:.3g} GB; at most {min(MOST_STATES, available / 4):.3g} states are possible: fewer robots or larger cells are"
-            " needed, or method: improved, which needs no joint map"
+            f" {bytes_needed / 1e9:.3g} GB; at most {min(MOST_STATES, available / 4 / copies):.3g} states are possible:"
+            " fewer robots or larger cells are needed, or method: improved, which needs no joint map"
         )
 
 
-def joint_map(team: Team, *, unordered: bool = False) -> Words:
+def joint_map(team: Team, *, unordered: bool = False, contact_free: bool = False) -> Words:
     """Successors of all packed states of the team, (n,) uint32; NOWHERE for states with robots in one place.
 
-    unordered: robots are not told apart; all must turn and be as wide as the others. Raises MissionError for maps that
-    do not fit in memory, ValueError for unordered robots that differ.
+    unordered: robots are not told apart; all must turn and be as wide as the others. contact_free: a contact leads
+    NOWHERE; of robots that are told apart only. Raises MissionError for maps that do not fit in memory, ValueError for
+    unordered robots that differ.
     """
     m, s = len(team.bumped), len(team.x)
     require_memory(s, m, unordered=unordered)
     successor = np.empty(joint_states(s, m, unordered=unordered), np.uint32)
     states, after, stays = np.empty(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
     if unordered and m > 1:
+        if contact_free:
+            raise ValueError("contact_free is for robots that are told apart")
         _require_equal(team)
         set_successors(team, binomials(s, m), states, after, stays, successor)
     elif m == 2:
-        pair_successors(team, successor)
+        pair_successors(team, successor, contact_free)
     else:
-        successors(team, states, after, stays, successor)
+        successors(team, states, after, stays, successor, contact_free)
     return successor
 
 

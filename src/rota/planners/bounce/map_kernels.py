@@ -32,19 +32,22 @@ def any_too_near(team: Team, states: Ints) -> bool:
 
 
 @compiled
-def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: Words) -> None:
-    """The successor of every packed state of m robots: (s ** m,) uint32. states, after, stays: (m,) scratch."""
+def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: Words, free: bool) -> None:
+    """The successor of every packed state of m robots: (s ** m,) uint32. states, after, stays: (m,) scratch.
+
+    free: a contact leads NOWHERE, so that what is left are the ways without one.
+    """
     m, s = len(states), len(team.x)
     states[:] = 0
     for code in range(len(successor)):
         if any_too_near(team, states):
             successor[code] = NOWHERE
         else:
-            step_team(team, states, stays, after)
+            contacts = step_team(team, states, stays, after)
             packed = 0
             for i in range(m - 1, -1, -1):
                 packed = packed * s + after[i]
-            successor[code] = packed
+            successor[code] = NOWHERE if free and contacts > 0 else np.uint32(packed)
         for i in range(m):
             states[i] += 1
             if states[i] < s:
@@ -53,7 +56,7 @@ def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: W
 
 
 @compiled
-def pair_successors(team: Team, successor: Words) -> None:
+def pair_successors(team: Team, successor: Words, free: bool) -> None:
     """The same for two robots."""
     s, apart2 = len(team.x), team.apart2[0, 1]
     for b in range(s):
@@ -65,7 +68,7 @@ def pair_successors(team: Team, successor: Words) -> None:
             if too_near(ax, ay, bx, by, apart2):
                 successor[b * s + a] = NOWHERE
             elif touching(ax, ay, team.to_x[a], team.to_y[a], bx, by, bu, bv, apart2):
-                successor[b * s + a] = turned * s + team.bumped[0, a]
+                successor[b * s + a] = NOWHERE if free else np.uint32(turned * s + team.bumped[0, a])
             else:
                 successor[b * s + a] = alone * s + (team.moved[a] if team.moved[a] >= 0 else team.bumped[0, a])
 
@@ -154,6 +157,64 @@ def decompose(successor: Words, path: Longs, progress: Longs, cycles: Longs) -> 
         start += 1
     progress[0], progress[1], progress[2] = start, depth, known
     return 0
+
+
+@compiled
+def printed_groups(
+    successor: Words,
+    touch: NDArray[np.uint8],
+    zones: NDArray[np.uint64],
+    every: np.uint64,
+    group: Ints,
+    path: Longs,
+    found: Longs,
+) -> int:
+    """Algorithm 2 as it is printed: how many groups are kept, in the order of packed states.
+
+    touch: (n,) whether a state's step has a contact. zones: (n,) bits of the zones in which its robots are. every: all
+    bits. group: (n,) zeros, written: the group of each state, -1 for none. path: (n,) scratch. found: (most, 3), the
+    first state, cycle length and all states of as many groups as fit.
+    """
+    kept = 0
+    for start in range(len(successor)):
+        if group[start] != 0 or successor[start] == NOWHERE:
+            continue
+        at, depth, contact, seen = np.int64(start), 0, False, np.uint64(0)
+        while group[at] == 0:
+            group[at] = -1
+            path[depth] = at
+            depth += 1
+            contact = contact or touch[at] != 0
+            seen |= zones[at]
+            at = np.int64(successor[at])
+        if group[at] != -1 or contact or seen != every:
+            continue
+        first = depth - 1
+        while first >= 0 and path[first] != at:
+            first -= 1
+        if first < 0:  # it ran into a trajectory that was not kept
+            continue
+        if kept < len(found):
+            found[kept, 0], found[kept, 1], found[kept, 2] = at, depth - first, depth
+        kept += 1
+        for k in range(depth):
+            group[path[k]] = kept
+    return kept
+
+
+@compiled
+def touching_states(team: Team, states: Ints, after: Ints, stays: Stays, touch: NDArray[np.uint8]) -> None:
+    """touch: (s ** m,), written: whether the step of a packed state has a contact. The others: (m,) scratch."""
+    m, s = len(states), len(team.x)
+    for i in range(m):
+        states[i] = 0
+    for code in range(len(touch)):
+        touch[code] = 0 if any_too_near(team, states) else min(step_team(team, states, stays, after), 1)
+        for i in range(m):
+            states[i] += 1
+            if states[i] < s:
+                break
+            states[i] = 0
 
 
 @compiled
