@@ -145,9 +145,11 @@ void watch() {
 // Goes on with what the wheels do for so long, to some microseconds: a millisecond is a tenth of a degree.
 void keepOn(uint32_t durationUs) {
   const uint32_t beganUs = micros();
-  while (micros() - beganUs < durationUs) {
-    watch();
-    if (durationUs - (micros() - beganUs) > 3000 && durationUs > micros() - beganUs) doze();
+  uint32_t goneUs;
+  while ((goneUs = micros() - beganUs) < durationUs) {
+    const uint32_t leftUs = durationUs - goneUs;
+    if (leftUs > 1000) watch();  // the last millisecond is for the clock alone
+    if (leftUs > 3000) doze();
   }
 }
 

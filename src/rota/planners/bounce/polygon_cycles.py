@@ -54,14 +54,17 @@ class LongRun:
     """What bouncing comes to: cycles, the one with most starts first; shares of starts that come to none, or stick.
 
     ``growth``: the mean growth, per bounce, of the logarithm of a small displacement, over starts that come to no cycle
-    (NaN without any): above 0 they wander chaotically, at 0 they circle without ever closing. ``starts``: how many.
+    (NaN without any): above 0 they wander chaotically, at 0 they circle without ever closing. ``cycle_of`` (n,): the
+    number of the cycle that each start comes to; -1: to none. ``lengths_m`` (n,): that cycle's length, of neutral
+    families the member's own; 0 for what is stuck, NaN for what comes to no cycle.
     """
 
     cycles: tuple[PolygonCycle, ...]
     unsettled_share: float
     stuck_share: float
     growth: float
-    starts: int
+    cycle_of: Ints
+    lengths_m: Floats
 
 
 def random_starts(
@@ -115,20 +118,27 @@ def limit_cycles(
     )  # fmt: skip
     settled = np.flatnonzero(ints[:, 0] == SETTLED)
     kinds = np.rint(first[settled] * 1e8).astype(np.int64) if rule.bounce == "turn" else np.zeros_like(settled)
-    _, chosen, counts = np.unique(
-        np.column_stack([marks[settled].view(np.int64), kinds]), axis=0, return_index=True, return_counts=True
-    )
+    _, chosen, inverse, counts = np.unique(
+        np.column_stack([marks[settled].view(np.int64), kinds]),
+        axis=0, return_index=True, return_inverse=True, return_counts=True,
+    )  # fmt: skip
     cycles = [
         _cycle(rim, rule, float(first[k]), ints[k], floats[k], int(count) / n, n)
         for k, count in zip(settled[chosen], counts, strict=True)
     ]
+    order = sorted(range(len(cycles)), key=lambda c: (-cycles[c].share, cycles[c].period, cycles[c].length_m))
+    place = np.empty(len(cycles), dtype=np.int64)
+    place[order] = np.arange(len(cycles))
+    cycle_of = np.full(n, -1, dtype=np.int64)
+    cycle_of[settled] = place[inverse.ravel()]
     wandering = ~np.isin(ints[:, 0], (SETTLED, STUCK))
     return LongRun(
-        cycles=tuple(sorted(cycles, key=lambda cycle: (-cycle.share, cycle.period, cycle.length_m))),
+        cycles=tuple(cycles[c] for c in order),
         unsettled_share=float(wandering.mean()),
         stuck_share=float((ints[:, 0] == STUCK).mean()),
         growth=float(floats[wandering, 3].mean()) if wandering.any() else math.nan,
-        starts=n,
+        cycle_of=cycle_of,
+        lengths_m=np.where(wandering, np.nan, np.where(cycle_of >= 0, floats[:, 1], 0.0)),
     )
 
 

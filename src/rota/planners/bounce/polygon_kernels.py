@@ -194,10 +194,16 @@ def settle(rim, kind, radius, rule, angle, whole, x, y, first_heading, turned, b
     the cycle's length, the return map's slope; mean logarithm of the slope per bounce over the first ``bounces``.
     """
     for k in range(len(x)):
-        heading, j = first_heading[k] + (turned[k] * angle) % (2 * pi), turned[k]
-        dx, dy = cos(heading), sin(heading)
         ints[k, 0], floats[k, 3] = STUCK, 0.0
-        if is_blocked(rim, kind, radius, x[k], y[k], dx, dy):
+        j, blocked = turned[k], True
+        for turns in range(MOST_TURNS if rule == TURN else 1):  # a start on the rim may have to turn before all else
+            j = (turned[k] + turns) % whole if whole > 0 else turned[k] + turns
+            heading = first_heading[k] + (j * angle) % (2 * pi)
+            dx, dy = cos(heading), sin(heading)
+            blocked = is_blocked(rim, kind, radius, x[k], y[k], dx, dy)
+            if not blocked:
+                break
+        if blocked:
             continue
         e, s, _ = first_contact(rim, kind, radius, x[k], y[k], dx, dy)
         for _ in range(bounces):
