@@ -208,7 +208,8 @@ def test_the_bouncing_robots_cover_and_monitor(tmp_path: Path, capsys: pytest.Ca
     assert run(["check", str(plan_file), "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["robots"] == 2
-    assert [demand["verdict"] for demand in report["demands"]] == ["met", "met"]
+    assert report["verdict"] == "met"
+    assert len(report["demands"]) == 2
     plan = read_plan(plan_file)
     assert all(trajectory.loop_start_s == 0 for trajectory in plan)
     assert run(["export", str(plan_file), "--to", "geojson", "-o", str(tmp_path / "plan.geojson")]) == 0
