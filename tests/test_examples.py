@@ -82,7 +82,7 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    assert named == {*MISSIONS, "building_map", "swarm-square"}
+    assert named == {*MISSIONS, "building_map", "swarm-square", "bounce-cover", "bounce-monitor"}
 
 
 @pytest.mark.parametrize("name", MISSIONS)
@@ -172,6 +172,16 @@ def test_a_scanned_building_reads_and_needs_two_robots(tmp_path: Path) -> None:
     assert bound_of_the_whole_area(read.mission) == 2
 
 
+def test_the_bouncing_robots_have_room_in_every_cell_and_periods_that_a_step_divides_many_times() -> None:
+    for name in ("bounce-cover", "bounce-monitor"):
+        mission = example(name)
+        # 10 x 10 characters of 0.5 m, 12 of them #; the body of an iRobot Create 2 fits in each
+        assert mission.area.area == pytest.approx(25)
+        assert union_all([obstacle.shape for obstacle in mission.obstacles]).area == pytest.approx(12 * 0.25)
+        assert mission.bounce.cell_m == 0.5 > 2 * mission.fleet.body_radius_m
+        assert mission.bounce.task == name.split("-")[1]
+
+
 # ---------------------------------------------------------------- planning
 
 
@@ -186,6 +196,24 @@ def plan_and_check(mission: Path, folder: Path, capsys: pytest.CaptureFixture[st
     assert report["violations"] == []
     assert all(demand["worst_gap_s"] <= demand["period_s"] for demand in report["demands"])
     return report["robots"], report["lower_bound_robots"], len(read_plan(plan_file).trajectories)
+
+
+def test_the_bouncing_robots_cover_and_monitor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan_file = tmp_path / "plan.json"
+    assert run(["plan", str(EXAMPLES / "bounce-cover.yaml"), "-o", str(plan_file)]) == 0
+    assert "3 robots enter 88 of 88 cells (100.0%)" in capsys.readouterr().out
+    assert run(["check", str(plan_file)]) == 0
+    assert run(["plan", str(EXAMPLES / "bounce-monitor.yaml"), "-o", str(plan_file)]) == 0
+    capsys.readouterr()
+    assert run(["check", str(plan_file), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["robots"] == 2
+    assert report["verdict"] == "met"
+    assert len(report["demands"]) == 2
+    plan = read_plan(plan_file)
+    assert all(trajectory.loop_start_s == 0 for trajectory in plan)
+    assert run(["export", str(plan_file), "--to", "geojson", "-o", str(tmp_path / "plan.geojson")]) == 0
+    assert run(["draw", str(plan_file), "-o", str(tmp_path / "plan.svg")]) == 0
 
 
 # open ground with zones, and a building whose walls cut sight, with bodies that must not touch

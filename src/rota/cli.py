@@ -108,9 +108,10 @@ def plan(
     for warning in read.warnings:
         say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
-    swarm = asked.planning.planner == "swarm"
-    mention_compiling(*(("planners/swarm",) if swarm else ("planners/patrol/annealing", "geometry")), "check")
-    by_two = not swarm and not is_compiled("planners/patrol/annealing", "check")
+    patrol = asked.planning.planner == "patrol"
+    kernels = ("planners/patrol/annealing", "geometry") if patrol else (f"planners/{asked.planning.planner}",)
+    mention_compiling(*kernels, "check")
+    by_two = patrol and not is_compiled("planners/patrol/annealing", "check")
     with compiled_by_two() if by_two else nullcontext():
         code = _plan_and_write(asked, target, seed, time_limit, best)
     raise typer.Exit(code)
@@ -168,7 +169,7 @@ def _show_outcome(answer: Plan, report: Report, target: str) -> None:
     from rota.plan_table import robots_table, sentences_of
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
-    if answer.mission.planning.planner == "patrol":
+    if report.demands and answer.mission.planning.planner != "swarm":
         console.print(robots_table(answer), markup=False, soft_wrap=True)
     sentences = sentences_of(answer, report)
     for sentence in sentences:

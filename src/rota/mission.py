@@ -344,6 +344,8 @@ class Mission:
         require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
         require(not isinstance(self.fleet.start, StartBox), "fleet.start", "a box", "bouncing robots start at points")
         robots = self.fleet.robots
+        ok = robots is not None or self.fleet.start is None
+        require(ok, "fleet.start", "points", "robots as few as possible begin where the planner likes: remove it")
         ok = robots is not None or settings.task == "monitor"
         require(ok, "fleet.robots", "fewest", "a number of robots, or a list of them, is needed to cover an area")
         for name in ("bouncing_angles_deg", "start_headings_deg"):

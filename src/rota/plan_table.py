@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from shapely import LineString, MultiPolygon, Point, union_all
 
-from rota.mission import AREA, Mission, Sensor, Zone
+from rota.mission import AREA, BounceSettings, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
 
 if TYPE_CHECKING:
@@ -154,6 +154,8 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
     """What is said of a plan below its table; None in place of what there is nothing to say of."""
     if plan.mission.planning.planner == "swarm":
         return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
+    if isinstance(plan.mission.planning, BounceSettings) and plan.mission.planning.task == "cover":
+        return (entered_sentence(plan),)
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
 
@@ -177,6 +179,17 @@ def covered_sentence(plan: Plan) -> str:
         sum_m2 += math.pi * reach_m**2
     share, most = union_all(discs).intersection(free).area / free.area, min(1.0, sum_m2 / free.area)
     return f"They then have {share:.1%} of the area in range; discs without overlap would have {most:.1%}."
+
+
+def entered_sentence(plan: Plan) -> str:
+    """How many of their cells bouncing robots enter, and what that takes."""
+    from rota.planners.bounce.visited_cells import visited_cells
+
+    found = visited_cells(plan)
+    entered, count, n = int((found.visits > 0).sum()), found.cells.count, len(plan.trajectories)
+    robots = f"{n} robot" + ("s enter" if n != 1 else " enters")
+    taken = f"{found.steps} steps of {rounded(found.step_s)} s, with {found.turns} turns on the spot"
+    return f"{robots} {entered} of {count} cells ({entered / count:.1%}) in {taken}."
 
 
 def approach_sentence(plan: Plan) -> str | None:

@@ -364,6 +364,8 @@ def _unused_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     count = len(robots) if isinstance(robots, list) else robots if isinstance(robots, int) else None
     if task == "cover" and count is None:
         yield ("fleet", "robots"), "a number of robots, or a list of them, is needed to cover an area"
+    if count is None and _inner(data, "fleet", "start", "points") is not None:
+        yield ("fleet", "start"), "bouncing robots as few as possible begin where the planner likes: remove it"
     for name in ("bouncing_angles_deg", "start_headings_deg"):
         angles = _inner(data, "bounce", name)
         if isinstance(angles, list) and len(angles) not in (1, count):

@@ -67,7 +67,8 @@ def cover(
 
     method "as_printed": Algorithm 1; it ends without full coverage when every joint state that it can jump to was
     there before. "improved": robots turn by the clock whenever that enters more new cells for a step, by as many
-    heading steps as it takes, a step each; where nobody need go, a robot turns on the way to the nearest new cell. Both are deterministic and end after ``most_steps``.
+    heading steps as it takes, a step each, and on the way to the nearest new cell. Both are deterministic and end
+    after ``most_steps``.
 
     Raises ValueError for two robots in one cell.
     """

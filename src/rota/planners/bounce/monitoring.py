@@ -134,11 +134,11 @@ def _first_of_sets(cycles: LimitCycles, nodes: tuple[int, ...]) -> tuple[int, ..
         slots = sorted(range(len(nodes)), key=lambda k: (cycles.kind_of_robot[k], k))
         for slot, k in zip(slots, order, strict=True):
             form[slot] = later[k]
-        forms.append(_canonical(cycles, form))
+        forms.append(canonical(cycles, form))
     return min(forms)
 
 
-def _canonical(cycles: LimitCycles, nodes: Sequence[int]) -> tuple[int, ...]:
+def canonical(cycles: LimitCycles, nodes: Sequence[int]) -> tuple[int, ...]:
     """The same robots at the time at which ``groups`` gives them."""
     shift, period = 0, 1
     for node in nodes:
