@@ -13,7 +13,7 @@
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
 
-enum { FREQUENCY_HZ = 16000000, CYCLES_PER_US = FREQUENCY_HZ / 1000000, MOST_SENT = 4096 };
+enum { FREQUENCY_HZ = 16000000, CYCLES_PER_US = FREQUENCY_HZ / 1000000, MOST_SENT = 4096, TCCR1B = 0x81, TCCR2B = 0xB1 };
 
 struct __attribute__((packed)) sent {
   uint32_t at_us;
@@ -35,6 +35,18 @@ static void on_sent(struct avr_irq_t *irq, uint32_t value, void *param) {
 
 /* simavr would let the host sleep as long as the chip does: there is no need to. */
 static void no_sleep(avr_t *chip, avr_cycle_count_t cycles) { (void)chip, (void)cycles; }
+
+static void store(avr_io_addr_t address, uint8_t value) {
+  avr_io_addr_t io = AVR_DATA_TO_IO(address);
+  if (avr->io[io].w.c) avr->io[io].w.c(avr, address, value, avr->io[io].w.param);
+}
+
+/* The Arduino core lets timers 1 and 2 run for pulse-width modulation, which no sketch here uses; in simavr they give an
+ * event every 64 cycles, and that takes most of its time. */
+static void stop_idle_timers(void) {
+  store(TCCR1B, 0);
+  store(TCCR2B, 0);
+}
 
 int main(int argc, char **argv) {
   FILE *answers = fdopen(dup(STDOUT_FILENO), "wb");
@@ -61,6 +73,7 @@ int main(int argc, char **argv) {
   while (fread(&run_us, sizeof(run_us), 1, stdin) == 1 && fread(&count, 1, 1, stdin) == 1) {
     if (fread(bytes, 1, count, stdin) != count) break;
     began = until;
+    if (began) stop_idle_timers(); /* the core has started them in the first of all times */
     until += (avr_cycle_count_t)run_us * CYCLES_PER_US;
     sent_count = 0;
     for (uint8_t k = 0; k < count; k++) avr_raise_irq(input, bytes[k]);

@@ -68,6 +68,19 @@ def test_robots_that_meet_back_off_half_of_what_is_between_them() -> None:
         assert meeting.turn_rad == pytest.approx(math.pi)
 
 
+def test_robots_that_have_no_time_to_meet_turn_by_the_clock_both() -> None:
+    """One free cell between them is the target of both: each would go on for 0.5 - 0.17 m, and back."""
+    narrow = TypedMap(rows=(".....",), cell_m=0.5)
+    plan = bounced_plan(narrow, ((0, 0, 0), (4, 0, 4)), turn=4, speed_m_s=0.15, headings=4)
+    for drive in drives_of(plan):
+        meeting, wall = drive.legs[:2]
+        assert (meeting.length_m, meeting.bumps, wall.bumps) == (0.5, False, True)
+    slow = bounced_plan(narrow, ((0, 0, 0), (4, 0, 4)), turn=4, speed_m_s=0.04, headings=4)
+    for drive in drives_of(slow):
+        assert drive.legs[0].bumps
+        assert drive.legs[0].back_off_m == pytest.approx(0.33)
+
+
 def test_what_only_the_grid_blocks_is_turned_at_by_the_clock() -> None:
     """A bit of an obstacle in the cell beside a diagonal blocks it on the grid; a robot would pass."""
     plan = bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.2, headings=4)
@@ -125,9 +138,9 @@ def test_robots_that_cannot_be_create_2_robots_are_refused() -> None:
         drives_of(replace(plan, mission=replace(plan.mission, fleet=replace(fleet, robots=thin))))
     with pytest.raises(PlanError, match="the plan has no robots"):
         drives_of(replace(plan, trajectories=()))
-    with pytest.raises(PlanError, match=r"from 0 s on it drives 0\.600 m/s; a Create 2 can do 0\.02 to 0\.5"):
+    with pytest.raises(PlanError, match=r"before 3\.33333 s it drives 0\.600 m/s; a Create 2 can do 0\.02 to 0\.5"):
         drives_of(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.6, headings=4))
-    with pytest.raises(PlanError, match=r"at 3\.75 s the plan leaves 1\.25 s to bump, back off 80 mm and turn by 90"):
+    with pytest.raises(PlanError, match=r"too little time to bump, back off 80 mm and turn by 90 degrees until 5 s"):
         drives_of(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.4, headings=4))
     quick = tuple(replace(robot, turn_rate_rad_s=4.0) for robot in fleet.robots or ())
     with_quick = replace(plan.mission, fleet=replace(fleet, robots=quick))

@@ -16,9 +16,29 @@ from benchmarks.create2.uno import build_core, build_sketch, flash_bytes, missin
 from rota.errors import PlanError, RotaError
 from rota.files import create2_sketch
 from rota.files.create2_sketch import sketch_texts, write_create2_sketches
+from rota.files.mission_file import read_mission
+from rota.make_plan import make_plan
 from rota.plan import Plan
 
 HALL = TypedMap(rows=(".....", ".....", "..#..", "....."), cell_m=0.5)
+CLOSET = """
+rota: 1
+name: closet
+area:
+  text: |
+    .....
+    .#...
+    .....
+  cell_m: 0.5
+zones: [{name: shelf, period_s: 200, demand: visit, ring: [[0, 0], [0.5, 0], [0.5, 0.5], [0, 0.5]]}]
+fleet:
+  robots: 1
+  speed_m_s: 0.2
+  sensor: {shape: disc, radius_m: 0.25}
+  body_radius_m: 0.17
+planner: bounce
+bounce: {task: monitor, bouncing_angles_deg: [135]}
+"""
 CORRIDOR = TypedMap(rows=("......",), cell_m=0.5)
 needs_tools = pytest.mark.skipif(
     bool(missing_tools()), reason=f"apt install gcc gcc-avr avr-libc arduino-core-avr libsimavr-dev: {missing_tools()}"
@@ -121,6 +141,18 @@ def test_robots_that_meet_as_planned_go_on_as_planned(tmp_path: Path) -> None:
         starts_s, off_m = off_plan_m(desk, number, driven)
         assert len(starts_s) == 2  # each other, then the wall
         assert off_m.max() < 0.01
+
+
+@needs_tools
+def test_a_plan_of_the_planner_is_driven_as_planned(tmp_path: Path) -> None:
+    """Waits, contacts and turns as the planner makes them, not as this file does."""
+    mission = tmp_path / "closet.yaml"
+    mission.write_text(CLOSET)
+    desk = set_up(make_plan(read_mission(mission).mission), tmp_path)
+    (driven,) = drive(desk, 50.0)
+    starts_s, off_m = off_plan_m(desk, 0, driven)
+    assert len(starts_s) >= 2
+    assert off_m.max() < 0.005
 
 
 @needs_tools

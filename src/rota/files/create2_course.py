@@ -83,6 +83,14 @@ def turned(angle_rad: float) -> float:
     return math.pi if angle <= -math.pi + SAME_RAD else angle
 
 
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """How far a robot drives on, from where the plan lets it stay, until it bumps; and whether into another robot."""
+
+    ahead_m: float
+    of_robots: bool
+
+
 class Surroundings:
     """What discs of ``body_radius_m`` can bump into on their plan's grid: walls, and each other."""
 
@@ -97,19 +105,19 @@ class Surroundings:
         steps = way.length_m / self._move_m(way.heading_rad)
         self._step_s = (way.end_s - way.begin_s) / steps
 
-    def contact_m(self, robot: int, pause: Stretch, heading_rad: float) -> float | None:
-        """How far a robot (its number) drives on from where it stays in the plan until it bumps; None: it does not.
+    def contact(self, robot: int, pause: Stretch, heading_rad: float) -> Contact | None:
+        """What a robot (its number) that stays and turns in the plan would bump into; None: nothing within its move.
 
-        It may not: on the grid a diagonal move is blocked where a cell beside it holds but a bit of an obstacle.
+        So it is where a diagonal move is blocked since a cell beside it holds but a bit of an obstacle.
         """
         move_m = self._move_m(heading_rad)
         direction = np.array([math.cos(heading_rad), math.sin(heading_rad)])
-        nearest_m = self._wall_ahead_m(pause.begin_m, direction)
-        for other in range(len(self._courses)):
-            if other != robot:
-                ahead_m = self._robot_ahead_m(other, pause, direction * move_m / self._step_s)
-                nearest_m = min(nearest_m, ahead_m)
-        return nearest_m if nearest_m <= move_m + SAME_M else None
+        wall_m = self._wall_ahead_m(pause.begin_m, direction)
+        velocity_m_s = direction * move_m / self._step_s
+        robots = (n for n in range(len(self._courses)) if n != robot)
+        robot_m = min((self._robot_ahead_m(other, pause, velocity_m_s) for other in robots), default=math.inf)
+        nearest = Contact(ahead_m=min(wall_m, robot_m), of_robots=robot_m < wall_m)
+        return nearest if nearest.ahead_m <= move_m + SAME_M else None
 
     def _move_m(self, heading_rad: float) -> float:
         """Length of one move along a heading: that of the shortest whole vector of cells in this direction."""
