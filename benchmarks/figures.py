@@ -7,6 +7,8 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from benchmarks.bounce_joint_maps import bounce_map
+from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
 from benchmarks.create2_sketch import create2_sketch
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.methods import cell, compared
@@ -24,7 +26,7 @@ from benchmarks.swarm_step import swarm_step
 from benchmarks.warm_cache import measured_warm
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
-SWARMS = ("swarm-square",)  # robots that spread as far as they do: no number of them is asked for
+NOT_PATROLS = ("bounce-cover", "bounce-monitor", "swarm-square")  # so many robots as there are
 BUILDINGS = ("building",)  # walls cut sight there, so nothing general can be asked of the number of robots
 
 
@@ -88,9 +90,9 @@ def square_kilometre(options: Options) -> Iterator[Row]:
 def examples(options: Options) -> Iterator[Row]:
     """Every example mission."""
     for mission in example_missions():
-        swarm = mission.stem in SWARMS
-        runs = planned_warm(mission, options.folder, None if swarm else "quick")
-        if swarm:
+        other = mission.stem in NOT_PATROLS
+        runs = planned_warm(mission, options.folder, None if other else "quick")
+        if other:
             yield Row(f"examples/{mission.name}", "met", told(runs), met_with(runs) is not None)
             continue
         robots = met_with(runs)
@@ -121,6 +123,9 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "sun2019-method": sun_method,
     "swarm-step": swarm_step,
     "create2-sketch": create2_sketch,
+    "bounce-map": bounce_map,
+    "bounce-monitoring": bounce_monitoring,
+    "bounce-coverage": bounce_coverage,
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,

@@ -15,7 +15,7 @@ from rota.errors import MissionError
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.enumeration import enumerate_groups, nodes_of, printed
-from rota.planners.bounce.group_count import count_groups, count_independent
+from rota.planners.bounce.group_count import TooMany, count_groups, count_independent
 from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles
 from rota.planners.bounce.monitoring import Watch, groups
@@ -265,3 +265,13 @@ def test_nodes_of_states_and_zones_that_no_cycle_enters() -> None:
     with pytest.raises(MissionError, match=r"^zones gate, yard: no limit cycle .* enters them"):
         require_watchable(cycles, sees, ["gate", "yard"])
     assert never == [] or len(never) < cells.count
+
+
+def test_a_count_may_be_given_up() -> None:
+    rng = np.random.default_rng(0)
+    conflict = rng.random((60, 60)) < 0.1
+    conflict = conflict | conflict.T | np.eye(60, dtype=bool)
+    whole = count_independent(conflict, np.zeros(60, np.int32), [8])
+    assert count_independent(conflict, np.zeros(60, np.int32), [8], most_calls=10**9) == whole > 0
+    with pytest.raises(TooMany):
+        count_independent(conflict, np.zeros(60, np.int32), [8], most_calls=100)

@@ -142,7 +142,7 @@ def cycles_and_basins(successor: Any) -> Decomposition:
     Linear in n: every state is walked over once and labelled once. Memory: the map itself, and the longest walk.
     """
     labels = np.asarray(successor, dtype=np.uint32)
-    path, cycles, progress = np.empty(1 << 16, np.int64), np.empty((1 << 10, 3), np.int64), np.zeros(3, np.int64)
+    path, cycles, progress = np.empty(1 << 16, np.uint32), np.empty((1 << 10, 3), np.int64), np.zeros(3, np.int64)
     while (missing := decompose(labels, path, progress, cycles)) != 0:
         if missing == 1:
             path = np.concatenate([path, np.empty_like(path)])

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.kernels import Ints, compiled, inlined
+from rota.planners.bounce.kernels import Ints, Longs, compiled, inlined
 
 Words = NDArray[np.uint64]
 
@@ -37,7 +37,7 @@ class Room(NamedTuple):
     """What the count writes to: sets (depth, w), polynomials (2, depth, d), and a table of sets counted before.
 
     known: (size, w) sets; known_for: (size,) int32, up to how many nodes their polynomial holds, 0: none; worth:
-    (size, d) polynomials.
+    (size, d) polynomials. calls: (1,), how many sets may be looked at; below 0: the count was given up.
     """
 
     sets: Words
@@ -46,6 +46,7 @@ class Room(NamedTuple):
     known: Words
     known_for: Ints
     worth: Words
+    calls: Longs
 
 
 @inlined
@@ -185,6 +186,9 @@ def count_sets(graph: Graph, room: Room, depth: int, most: int, prime: np.uint64
     """
     members, poly, other = room.sets[depth], room.polynomials[0, depth], room.polynomials[1, depth]
     words, d = len(members), len(poly)
+    room.calls[0] -= 1
+    if room.calls[0] < 0:
+        return
     if most == 2:
         add_pairs(graph, members, poly, prime)
         return

@@ -14,16 +14,23 @@ from rota.planners.bounce.limit_cycles import LimitCycles
 
 Flags = NDArray[np.bool_]
 
+UNBOUNDED = 1 << 62
 TABLE = 1 << 14  # sets that the count remembers
 PRIMES = (2147483647, 2147483629, 2147483587, 2147483579, 2147483563, 2147483549, 2147483543, 2147483497)
 
 
-def count_groups(cycles: LimitCycles, sees: Flags) -> int:
+class TooMany(Exception):  # noqa: N818 (an outcome: the caller goes on without the count)
+    """The count takes more work than was allowed."""
+
+
+def count_groups(cycles: LimitCycles, sees: Flags, *, most_calls: int = UNBOUNDED) -> int:
     """The number of periodic groups of the team, robots told apart, whose robots together enter every zone.
 
     sees: (p, z) whether periodic states lie in zones. A group is a class of joint periodic states under time, and has
     as many as the least common multiple of its cycles' lengths. So states are counted for each such multiple: teams on
     cycles whose lengths divide it, less those of smaller ones; and zones by inclusion and exclusion of those left out.
+
+    Raises TooMany when more than ``most_calls`` sets of states have to be looked at for one of these counts.
     """
     wanted = np.bincount(cycles.kind_of_robot)
     seen = np.array([sees[cycles.cycle == c].any(axis=0) for c in range(len(cycles.length))]).reshape(
@@ -38,7 +45,7 @@ def count_groups(cycles: LimitCycles, sees: Flags) -> int:
         for left_out in _subsets(sees.shape[1]):
             allowed = divides & ~seen[:, list(left_out)].any(axis=1)
             if allowed.tobytes() not in known:
-                known[allowed.tobytes()] = _joint_states(cycles, allowed, wanted)
+                known[allowed.tobytes()] = _joint_states(cycles, allowed, wanted, most_calls)
             states += (-1) ** len(left_out) * known[allowed.tobytes()]
         states -= sum(number for smaller, number in exact.items() if period % smaller == 0)
         exact[period] = states
@@ -58,16 +65,18 @@ def _subsets(count: int) -> list[tuple[int, ...]]:
     return [subset for size in range(count + 1) for subset in itertools.combinations(range(count), size)]
 
 
-def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64]) -> int:
+def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64], most_calls: int) -> int:
     """Joint periodic states without contact ever, robots told apart, on the cycles (c,) that are allowed."""
     nodes = np.flatnonzero(allowed[cycles.cycle])
     if len(nodes) == 0 or (np.bincount(cycles.kind[nodes], minlength=len(wanted)) == 0).any():
         return 0
-    sets = count_independent(~cycles.compatible[np.ix_(nodes, nodes)], cycles.kind[nodes], wanted)
+    sets = count_independent(~cycles.compatible[np.ix_(nodes, nodes)], cycles.kind[nodes], wanted, most_calls)
     return sets * math.prod(math.factorial(int(number)) for number in wanted)
 
 
-def count_independent(conflict: Flags, kind: NDArray[np.int32], wanted: Sequence[int] | NDArray[np.int64]) -> int:
+def count_independent(
+    conflict: Flags, kind: NDArray[np.int32], wanted: Sequence[int] | NDArray[np.int64], most_calls: int = UNBOUNDED
+) -> int:
     """Sets of nodes without a conflict, with ``wanted`` ones of each kind. conflict: (v, v), the diagonal set."""
     limits = [int(number) for number in wanted]
     useful = np.flatnonzero(np.array(limits)[kind] > 0)
@@ -77,7 +86,8 @@ def count_independent(conflict: Flags, kind: NDArray[np.int32], wanted: Sequence
     moduli = [2**64, *PRIMES[: max(0, math.ceil((bound.bit_length() - 63) / 30))]]
     if math.prod(moduli) <= bound:
         raise OverflowError(f"up to {bound} sets are more than can be counted")
-    remainders = [_count_modulo(graph, words, sum(limits), 0 if k == 0 else prime) for k, prime in enumerate(moduli)]
+    robots = sum(limits)
+    remainders = [_count_modulo(graph, words, robots, prime % 2**64, most_calls) for prime in moduli]
     value, modulus = 0, 1
     for remainder, divisor in zip(remainders, moduli, strict=True):
         # the next value that also leaves this remainder
@@ -110,7 +120,7 @@ def _graph(conflict: Flags, kind: NDArray[np.int32], limits: list[int]) -> tuple
     return graph, words
 
 
-def _count_modulo(graph: Graph, words: int, robots: int, prime: int) -> int:
+def _count_modulo(graph: Graph, words: int, robots: int, prime: int, most_calls: int) -> int:
     """The count modulo a prime, or modulo 2 ** 64 for 0."""
     count, size, depth = len(graph.weight), len(graph.total), 2 * len(graph.weight) + 4
     room = Room(
@@ -120,9 +130,12 @@ def _count_modulo(graph: Graph, words: int, robots: int, prime: int) -> int:
         known=np.zeros((TABLE, words), np.uint64),
         known_for=np.zeros(TABLE, np.int32),
         worth=np.zeros((TABLE, size), np.uint64),
+        calls=np.array([most_calls], np.int64),
     )
     every = np.zeros(64 * words, np.bool_)
     every[:count] = True
     room.sets[0] = np.packbits(every, bitorder="little").view(np.uint64)
     count_sets(graph, room, 0, robots, np.uint64(prime))
+    if room.calls[0] < 0:
+        raise TooMany
     return int(room.polynomials[0, 0, size - 1])

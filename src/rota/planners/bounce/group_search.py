@@ -8,12 +8,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.monitoring import Group, Watch
 
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 
 MOST_NODES = 20_000  # partial teams that the search looks at
+MOST_COUNTED = 20_000  # sets of states looked at to learn that there is no group
 
 
 def best_group(
@@ -28,12 +30,22 @@ def best_group(
     """
     search = _Search(watch, enough, most_nodes, should_stop or (lambda: False))
     quick = search.by_single_robots()
+    if quick is None and _there_is_none(watch):
+        return None
     if quick is None or search.best is None or search.best[0] > enough:
         search.extend((), np.ones(len(watch.cycles.state), np.bool_), 1)
     if search.best is None:
         return None
     ratio, nodes = search.best
     return Group(nodes=nodes, ratio=ratio, proved=search.left > 0)
+
+
+def _there_is_none(watch: Watch) -> bool:
+    """Whether no group watches all zones, counted; False when that takes too long to know."""
+    try:
+        return count_groups(watch.cycles, watch.sees, most_calls=MOST_COUNTED) == 0
+    except TooMany:
+        return False
 
 
 class _Search:

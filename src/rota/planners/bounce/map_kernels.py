@@ -109,7 +109,7 @@ def set_successors(team: Team, choose: Longs, states: Ints, after: Ints, stays: 
 
 
 @compiled
-def decompose(successor: Words, path: Longs, progress: Longs, cycles: Longs) -> int:
+def decompose(successor: Words, path: Words, progress: Longs, cycles: Longs) -> int:
     """Replace successors by LABEL + the number of the cycle that each state comes to; NOWHERE stays.
 
     path: scratch for the states of one walk. progress: (3,), where the work stands: the next state to start from, how
@@ -117,44 +117,44 @@ def decompose(successor: Words, path: Longs, progress: Longs, cycles: Longs) -> 
     length, and the states of its basin, itself included. Returns 0 when done, 1 when ``path`` is too short and 2 when
     ``cycles`` is: call again with a longer one that begins with what is in it. Each state is read and written twice.
     """
-    start, depth, known = progress[0], progress[1], progress[2]
-    count = len(successor)
+    start, depth, known = np.uint64(progress[0]), np.uint64(progress[1]), np.uint64(progress[2])
+    count, room, one = np.uint64(len(successor)), np.uint64(len(path)), np.uint64(1)
+    # indices are unsigned: a signed one would be tested for being negative at every access
     while start < count or depth > 0:
         if depth == 0:
             if successor[start] & LABEL:
-                start += 1
+                start += one
                 continue
-            path[0] = start
-            depth = 1
-        at = path[depth - 1]
-        while True:
-            following = successor[at]
-            if following & LABEL:
-                break
-            if depth == len(path):
+            path[0] = np.uint32(start)
+            depth = one
+        at = np.uint64(path[depth - one])
+        following = successor[at]
+        while not following & LABEL:
+            if depth == room:
                 progress[0], progress[1], progress[2] = start, depth, known
                 return 1
             successor[at] = ON_PATH
-            at = np.int64(following)
-            path[depth] = at
-            depth += 1
+            path[depth] = following
+            depth += one
+            at = np.uint64(following)
+            following = successor[at]
         # the last state of the path is labelled or on the path already, and is there once too often
         if following == ON_PATH:
-            if known == len(cycles):
+            if known == np.uint64(len(cycles)):
                 progress[0], progress[1], progress[2] = start, depth, known
                 return 2
-            first = depth - 2
+            first = depth - one - one
             while path[first] != at:
-                first -= 1
-            cycles[known, 0], cycles[known, 1], cycles[known, 2] = at, depth - 1 - first, 0
+                first -= one
+            cycles[known, 0], cycles[known, 1], cycles[known, 2] = at, depth - one - first, 0
             following = LABEL | np.uint32(known)
-            known += 1
+            known += one
         if following != NOWHERE:
-            cycles[np.int64(following & ~LABEL), 2] += depth - 1
-        for k in range(depth - 1):
-            successor[path[k]] = following
-        depth = 0
-        start += 1
+            cycles[np.uint64(following & ~LABEL), 2] += depth - one
+        for k in range(depth - one):
+            successor[np.uint64(path[k])] = following
+        depth = np.uint64(0)
+        start += one
     progress[0], progress[1], progress[2] = start, depth, known
     return 0
 
