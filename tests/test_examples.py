@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from pyproj import Geod
 from scipy.ndimage import label
-from shapely import Point, box, union_all
+from shapely import LineString, Point, box, union_all
 
 from rota.cli import run
 from rota.files.mission_file import read_mission
@@ -172,14 +172,14 @@ def test_a_scanned_building_reads_and_needs_two_robots(tmp_path: Path) -> None:
     assert bound_of_the_whole_area(read.mission) == 2
 
 
-def test_the_bouncing_robots_have_room_in_every_cell_and_periods_that_a_step_divides_many_times() -> None:
-    for name in ("bounce-cover", "bounce-monitor"):
-        mission = example(name)
-        # 10 x 10 characters of 0.5 m, 12 of them #; the body of an iRobot Create 2 fits in each
-        assert mission.area.area == pytest.approx(25)
-        assert union_all([obstacle.shape for obstacle in mission.obstacles]).area == pytest.approx(12 * 0.25)
-        assert mission.bounce.cell_m == 0.5 > 2 * mission.fleet.body_radius_m
-        assert mission.bounce.task == name.split("-")[1]
+@pytest.mark.parametrize(("name", "size_m2", "walls"), [("bounce-cover", 25, 12), ("bounce-monitor", 17.5, 2)])
+def test_bouncing_robots_fit_in_every_cell_of_their_typed_map(name: str, size_m2: float, walls: int) -> None:
+    mission = example(name)
+    assert mission.area.area == pytest.approx(size_m2)
+    assert union_all([obstacle.shape for obstacle in mission.obstacles]).area == pytest.approx(walls * 0.25)
+    # an iRobot Create 2 is 0.34 m wide
+    assert mission.fleet.body_radius_m == 0.17 < mission.bounce.cell_m / 2
+    assert mission.bounce.task == name.split("-")[1]
 
 
 # ---------------------------------------------------------------- planning
@@ -212,6 +212,9 @@ def test_the_bouncing_robots_cover_and_monitor(tmp_path: Path, capsys: pytest.Ca
     assert len(report["demands"]) == 2
     plan = read_plan(plan_file)
     assert all(trajectory.loop_start_s == 0 for trajectory in plan)
+    # they cross each other's way, and never meet
+    one, other = (LineString(trajectory.positions_m) for trajectory in plan)
+    assert one.crosses(other)
     assert run(["export", str(plan_file), "--to", "geojson", "-o", str(tmp_path / "plan.geojson")]) == 0
     assert run(["draw", str(plan_file), "-o", str(tmp_path / "plan.svg")]) == 0
 

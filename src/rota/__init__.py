@@ -10,13 +10,14 @@ from rota.make_plan import make_plan, search_plan
 
 if TYPE_CHECKING:
     from rota.check import check_plan
-    from rota.draw import animate_plan, draw_plan
+    from rota.draw import animate_plan, draw_cells, draw_plan
     from rota.errors import MissionError, NoPlanFound, PlanError, RotaError
     from rota.files.geojson import write_geojson
     from rota.files.mission_file import read_mission
     from rota.files.plan_file import read_plan, write_plan
     from rota.files.qgroundcontrol import write_qgroundcontrol
     from rota.mission import (
+        BounceSettings,
         DiscSensor,
         Fleet,
         GeoPoint,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from rota.plan import Plan, Trajectory
 
 __all__ = [
+    "BounceSettings",
     "DiscSensor",
     "Fleet",
     "GeoPoint",
@@ -55,6 +57,7 @@ __all__ = [
     "Zone",
     "animate_plan",
     "check_plan",
+    "draw_cells",
     "draw_plan",
     "make_plan",
     "read_mission",
@@ -67,13 +70,14 @@ __all__ = [
 
 _MODULES = {
     "rota.check": ["check_plan"],
-    "rota.draw": ["animate_plan", "draw_plan"],
+    "rota.draw": ["animate_plan", "draw_cells", "draw_plan"],
     "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError"],
     "rota.files.geojson": ["write_geojson"],
     "rota.files.mission_file": ["read_mission"],
     "rota.files.plan_file": ["read_plan", "write_plan"],
     "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
     "rota.mission": [
+        "BounceSettings",
         "DiscSensor",
         "Fleet",
         "GeoPoint",

@@ -246,13 +246,19 @@ def check(
 def draw(
     plan: PlanPath,
     output: Annotated[str, typer.Option("-o", "--output", metavar="PICTURE", help="A .png, .svg or .pdf file.")],
+    cells: Annotated[
+        bool, typer.Option("--cells", help="Of bouncing robots: headings in each cell, and times entered.")
+    ] = False,
 ) -> None:
     """Draw a plan and the worst revisit gap of every place."""
     answer = _plan_to_show(plan, output, PICTURES, "a picture")
-    from rota.draw import draw_plan
+    from rota.draw import draw_cells, draw_plan
 
-    mention_compiling("check")
-    draw_plan(answer, output)
+    if cells:
+        draw_cells(answer, output)
+    else:
+        mention_compiling("check")
+        draw_plan(answer, output)
     typer.echo(output)
 
 

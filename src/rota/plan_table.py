@@ -154,8 +154,10 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
     """What is said of a plan below its table; None in place of what there is nothing to say of."""
     if plan.mission.planning.planner == "swarm":
         return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
-    if isinstance(plan.mission.planning, BounceSettings) and plan.mission.planning.task == "cover":
-        return (entered_sentence(plan),)
+    if isinstance(plan.mission.planning, BounceSettings):
+        if plan.mission.planning.task == "cover":
+            return (entered_sentence(plan),)
+        return (groups_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
 
@@ -190,6 +192,17 @@ def entered_sentence(plan: Plan) -> str:
     robots = f"{n} robot" + ("s enter" if n != 1 else " enters")
     taken = f"{found.steps} steps of {rounded(found.step_s)} s, with {found.turns} turns on the spot"
     return f"{robots} {entered} of {count} cells ({entered / count:.1%}) in {taken}."
+
+
+def groups_sentence(plan: Plan) -> str | None:
+    """How many ways bouncing robots have to monitor all zones without contact; None when it takes long to count."""
+    from rota.planners.bounce.asked import groups_of
+
+    groups, n = groups_of(plan.mission, len(plan.trajectories)), len(plan.trajectories)
+    if groups is None:
+        return None
+    robots = "1 robot has" if n == 1 else f"{n} robots have"
+    return f"{robots} {groups:,} periodic groups in which every zone is visited and no two meet."
 
 
 def approach_sentence(plan: Plan) -> str | None:

@@ -227,6 +227,11 @@ def test_the_best_group_is_the_best_of_all() -> None:
         assert best.proved
         assert best.ratio == min(everything)
         assert watch.ratio(best.nodes) == best.ratio
+        early = best_group(watch, enough=2 * best.ratio)
+        assert early is not None
+        assert early.ratio <= 2 * best.ratio
+        assert not early.proved
+        assert not (best_group(watch, most_nodes=1) or early).proved
 
 
 def test_gaps_are_those_of_a_simulation() -> None:

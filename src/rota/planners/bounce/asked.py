@@ -15,6 +15,7 @@ from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.chosen_group import Chosen, choose_group
 from rota.planners.bounce.coverage import Coverage, cover
+from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles, zone_cells
 from rota.planners.bounce.monitoring import Watch
@@ -25,6 +26,7 @@ Floats = NDArray[np.float64]
 
 MOST_FEWEST = 12  # robots that are tried when the mission asks for as few as possible
 PLACES_TOLD = 6
+MOST_COUNTED = 20_000  # sets of states looked at, for a sentence
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -158,3 +160,12 @@ def monitoring_plan(bouncing: Bouncing, chosen: Chosen, seed: int) -> Plan:
         states = np.concatenate([chosen.transient[:, k], np.array(rounds, np.int32)]).astype(np.int32)
         trajectories.append(trajectory(robot.name, bouncing.cells, states, step_s=bouncing.step_s, loop_from=way))
     return Plan(mission=bouncing.mission, trajectories=tuple(trajectories), seed=seed)
+
+
+def groups_of(mission: Mission, robots: int) -> int | None:
+    """How many periodic groups of so many robots visit all zones without contact; None: too many to count at once."""
+    watch = watch_of(bouncing_robots(mission, make_cells(mission), robots))
+    try:
+        return count_groups(watch.cycles, watch.sees, most_calls=MOST_COUNTED)
+    except TooMany:
+        return None

@@ -26,18 +26,18 @@ def best_group(
     enough: stop at the first group whose ratio is no larger (1: all periods met). Teams are built robot by robot, those
     first that shorten the worst ratio most and leave most room to the others; a partial team is given up when even
     visits at the most frequent rate left cannot make it better than the best. After ``most_nodes`` partial teams the
-    search ends; ``proved`` tells that it did not have to.
+    search ends; ``proved`` tells that it went on to the end.
     """
     search = _Search(watch, enough, most_nodes, should_stop or (lambda: False))
     quick = search.by_single_robots()
     if quick is None and _there_is_none(watch):
         return None
-    if quick is None or search.best is None or search.best[0] > enough:
+    if not search.done():
         search.extend((), np.ones(len(watch.cycles.state), np.bool_), 1)
     if search.best is None:
         return None
     ratio, nodes = search.best
-    return Group(nodes=nodes, ratio=ratio, proved=search.left > 0)
+    return Group(nodes=nodes, ratio=ratio, proved=not search.cut_short and (enough == 0 or ratio > enough))
 
 
 def _there_is_none(watch: Watch) -> bool:
@@ -52,6 +52,7 @@ class _Search:
     def __init__(self, watch: Watch, enough: float, most_nodes: int, should_stop: Callable[[], bool]) -> None:
         self.watch, self.enough, self.left, self.should_stop = watch, enough, most_nodes, should_stop
         self.best: tuple[float, tuple[int, ...]] | None = None
+        self.cut_short = False
         cycles = watch.cycles
         self.robots = len(cycles.kind_of_robot)
         count = len(cycles.length)
@@ -123,7 +124,8 @@ class _Search:
         if robot and cycles.kind_of_robot[robot] == cycles.kind_of_robot[robot - 1]:
             # equal robots in the order of their cycles
             candidates = candidates[cycles.cycle[candidates] >= cycles.cycle[nodes[-1]]]
-        if not len(candidates) or self.left <= 0 or self._done() or self.should_stop():
+        if self.left <= 0 or self.should_stop():
+            self.cut_short = True
             return
         if not self._may_improve(nodes, free):
             return
@@ -135,7 +137,7 @@ class _Search:
             node = int(candidates[k])
             length = int(cycles.length[cycles.cycle[node]])
             self.extend((*nodes, node), free & cycles.compatible[node], math.lcm(period, length))
-            if self.left <= 0 or self._done():
+            if self.cut_short or self.done():
                 return
 
     def _may_improve(self, nodes: tuple[int, ...], free: Flags) -> bool:
@@ -156,5 +158,6 @@ class _Search:
         if math.isfinite(ratio) and (self.best is None or ratio < self.best[0]):
             self.best = (ratio, nodes)
 
-    def _done(self) -> bool:
+    def done(self) -> bool:
+        """Whether what was found is good enough."""
         return self.best is not None and self.best[0] <= self.enough
