@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from benchmarks.create2.plans import TypedMap, bounced_plan
-from shapely import Polygon, box
+from benchmarks.create2.robot import Create2
+from shapely import Polygon, box, union_all
 
 from rota.errors import PlanError
 from rota.files.create2_legs import BODY_RADIUS_M, drives_of
@@ -161,3 +163,33 @@ def test_a_slanting_wall_is_met_at_one_radius() -> None:
     )  # fmt: skip
     expected_m = 1.625 - BODY_RADIUS_M * math.sqrt(1.25) - 1.25  # radius / sine of the angle, for a slope of 2
     assert drives_of(turns)[0].legs[0].back_off_m == pytest.approx(expected_m)
+
+
+def random_map(seed: int) -> tuple[TypedMap, tuple[int, int, int]]:
+    """A map of 6 x 5 cells with obstacles, and a start in it."""
+    rng = np.random.default_rng(seed)
+    rows = tuple("".join("#" if rng.random() < 0.2 else "." for _ in range(6)) for _ in range(5))
+    ground = TypedMap(rows=rows, cell_m=0.5)
+    free = [(column, row) for column in range(6) for row in range(5) if ground.is_free(column, row)]
+    return ground, (*free[rng.integers(len(free))], int(rng.integers(8)))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_legs_on_random_maps_end_where_a_body_driven_into_walls_says(seed: int) -> None:
+    """A model that knows nothing but the map drives each leg until it touches, backs off, and is at the cell."""
+    ground, start = random_map(seed)
+    plan = bounced_plan(ground, (start,), turn=1 + seed % 7, speed_m_s=0.03)
+    (drive,) = drives_of(plan)
+    blocking = union_all([obstacle.shape for obstacle in plan.mission.obstacles])
+    walls = plan.mission.area.difference(blocking).boundary
+    for leg in drive.legs:
+        body = Create2(x_m=leg.start_m[0], y_m=leg.start_m[1], heading_rad=leg.heading_rad, walls=walls)
+        body.right_m_s = body.left_m_s = 1.0
+        body.advance(leg.length_m)
+        if leg.bumps:
+            for _ in range(80):
+                body.advance(0.01)
+            body.right_m_s = body.left_m_s = -1.0
+            body.advance(leg.back_off_m)
+        along = leg.length_m * np.array([math.cos(leg.heading_rad), math.sin(leg.heading_rad)])
+        np.testing.assert_allclose((body.x_m, body.y_m), leg.start_m + along, atol=1e-6)
