@@ -25,6 +25,8 @@ Corners = Literal["blocked", "pass"]
 Contact = Literal["swept", "grid"]
 ContactFree = Literal["cycle", "trajectory"]
 Purpose = Literal["periods", "worst_gap", "basin"]
+HEADINGS = (4, 8, 12, 16, 20, 24, 32)
+MOST_BOUNCE_STEPS = 10_000_000
 
 
 def require(ok: bool, where: str, value: object, allowed: str) -> None:
@@ -194,10 +196,8 @@ class BounceSettings:
         require(bool(self.bouncing_angles_deg), "bounce.bouncing_angles_deg", [], "one angle at least is needed")
         for where, value, allowed in angle_faults(self.headings, self.bouncing_angles_deg, self.start_headings_deg):
             raise MissionError(f"bounce.{where}: {value:.9g} is not allowed; {allowed}")
-        require(self.most_steps >= 1, "bounce.most_steps", self.most_steps, "must be at least 1")
-
-
-HEADINGS = (4, 8, 12, 16, 20, 24, 32)
+        ok = 1 <= self.most_steps <= MOST_BOUNCE_STEPS
+        require(ok, "bounce.most_steps", self.most_steps, f"must be 1 to {MOST_BOUNCE_STEPS}")
 
 
 def angle_faults(

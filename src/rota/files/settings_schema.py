@@ -26,7 +26,7 @@ from rota.mission import (
     SetBoundary,
     VelocityChoice,
 )
-from rota.planner_settings import angle_faults
+from rota.planner_settings import MOST_BOUNCE_STEPS, angle_faults
 
 
 class Sun2019Block(Block):
@@ -98,7 +98,9 @@ class BounceBlock(Block):
     contact: Contact = Field("swept", description="swept distance of bodies, or the published definition on the grid")
     contact_free: ContactFree = Field("cycle", description="of robots that monitor: the cycle, or all the trajectory")
     purpose: Purpose = Field("periods", description="of robots that monitor: what the plan is best for")
-    most_steps: Annotated[int, Field(strict=True, ge=1)] = Field(100_000, description="to cover the area")
+    most_steps: Annotated[int, Field(strict=True, ge=1, le=MOST_BOUNCE_STEPS)] = Field(
+        100_000, description="to cover the area"
+    )
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -94,8 +94,8 @@ def cover(
         horizon = 4 * int(cells.column.max() + cells.row.max() + 2)
         begin, states = np.empty(m, np.int32), np.empty(m, np.int32)
         distance, action, before, queue = (np.empty(cells.states, np.int32) for _ in range(4))
-        stamps = np.zeros(cells.count, np.int64)
-        search = Search(begin, states, after, stays, stamps, distance, action, before, queue)
+        stamps, marks = np.zeros(cells.count, np.int64), np.zeros(cells.states, np.int64)
+        search = Search(begin, states, after, stays, stamps, marks, distance, action, before, queue)
         count, _ = cover_by_rate(team, log, k, wanted, horizon, search)
     return Coverage(
         states=path[:count].copy(),

@@ -149,7 +149,7 @@ def turn_robot(log: Log, headings: int, count: int, neighbour: int) -> None:
 
 class Search(NamedTuple):
     """Scratch of ``cover_by_rate``: (m,) states; stamps (n,) of cells; and of a search over the s states of one robot
-    distances, actions that led there, states before, and a queue.
+    marks of those that it came to, distances, actions that led there, states before, and a queue.
     """
 
     begin: Ints
@@ -157,6 +157,7 @@ class Search(NamedTuple):
     after: Ints
     stays: NDArray[np.int8]
     stamps: Longs
+    marks: Longs
     distance: Ints
     action: Ints
     before: Ints
@@ -195,16 +196,14 @@ def gain_of(
 
 
 @compiled
-def way_to_new_cell(team: Team, log: Log, headings: int, robot: int, search: Search) -> int:
+def way_to_new_cell(team: Team, log: Log, headings: int, robot: int, stamp: int, search: Search) -> int:
     """The fewest steps and turns after which a robot that meets nobody enters a new cell; -1: it cannot.
 
-    search.queue then holds these actions, from its end on: the last one is first.
+    stamp: greater than all in search.marks. search.queue then holds these actions, the last one first.
     """
     distance, queue, before, action = search.distance, search.queue, search.before, search.action
-    for s in range(len(distance)):
-        distance[s] = -1
     start = search.states[robot]
-    distance[start], queue[0] = 0, start
+    search.marks[start], distance[start], queue[0] = stamp, 0, start
     head, tail = 0, 1
     while head < tail:
         s = queue[head]
@@ -222,7 +221,8 @@ def way_to_new_cell(team: Team, log: Log, headings: int, robot: int, search: Sea
                 to = team.moved[s] if team.moved[s] >= 0 else team.bumped[robot, s]
             else:
                 to = np.int32(cell * headings + (h + (1 if a == LEFT else headings - 1)) % headings)
-            if distance[to] < 0:
+            if search.marks[to] != stamp:
+                search.marks[to] = stamp
                 distance[to], action[to], before[to] = distance[s] + 1, a, s
                 queue[tail] = to
                 tail += 1
@@ -283,11 +283,13 @@ def cover_by_rate(team: Team, log: Log, headings: int, wanted: int, horizon: int
         for robot in range(m):
             for i in range(m):
                 search.states[i] = log.path[count - 1, i]
-            steps = way_to_new_cell(team, log, headings, robot, search)
+            stamp += 1
+            steps = way_to_new_cell(team, log, headings, robot, stamp, search)
             if steps >= 0 and (nearest < 0 or steps < nearest):
                 nearest, near_robot = steps, robot
         if nearest >= 0 and best_all > best_new * nearest:
-            way_to_new_cell(team, log, headings, near_robot, search)
+            stamp += 1
+            way_to_new_cell(team, log, headings, near_robot, stamp, search)
             count, cells = go_to_new_cell(team, log, headings, near_robot, nearest, count, cells, search)
             continue
         if best_new == 0:
