@@ -13,7 +13,10 @@ from benchmarks.create2.desk import Desk, Floats, drive, off_plan_m, set_up
 from benchmarks.create2.plans import TypedMap, bounced_plan
 from benchmarks.create2.robot import Faults
 from benchmarks.create2.uno import flash_bytes, missing_tools
+from benchmarks.missions import EXAMPLES
 from benchmarks.row import Options, Row
+from rota.files.mission_file import read_mission
+from rota.make_plan import make_plan
 
 HALL = TypedMap(rows=(".....", ".....", "..#..", "....."), cell_m=0.5)
 DURATION_S, SEEDS, FAR_M, MOST_M = 200.0, 5, 0.25, 0.01
@@ -38,10 +41,24 @@ def create2_sketch(options: Options) -> Iterator[Row]:
     speed = DURATION_S / (time.perf_counter() - began_s)
     measured = f"{told(off_m)}; {flash_bytes(desk.firmware[0]):,} bytes of flash; {speed:.0f} x real time"
     yield Row(f"{name}, as planned", f"within {1e3 * MOST_M:.0f} mm", measured, bool(off_m.max() <= MOST_M))
+    yield from examples(options)
     for what, faults in WORSE.items():
         seeds = range(SEEDS if faults.turn_error else 1)  # nothing else is drawn at random
         runs = [off_plan(desk, replace(faults, seed=seed)) for seed in seeds]
         yield Row(f"{name}, {what}", "", astray(runs), None)
+
+
+def examples(options: Options) -> Iterator[Row]:
+    """Plans of the planner: all robots of an example at once, each with its own Uno."""
+    for name in ("bounce-monitor", "bounce-cover"):
+        folder = options.folder / name
+        folder.mkdir()
+        desk = set_up(make_plan(read_mission(EXAMPLES / f"{name}.yaml").mission), folder)
+        driven = drive(desk, DURATION_S)
+        off_m = np.concatenate([off_plan_m(desk, number, way)[1] for number, way in enumerate(driven)])
+        measured = f"{len(driven)} robots, {told(off_m)}"
+        what = f"Create 2 sketches in simavr, {name}"
+        yield Row(what, f"within {1e3 * MOST_M:.0f} mm", measured, bool(off_m.max() <= MOST_M))
 
 
 def off_plan(desk: Desk, faults: Faults) -> Floats:
