@@ -234,3 +234,11 @@ def test_rings_become_cells_from_the_lower_left_of_the_area() -> None:
     # 5 x 3 cells touch the area; the centres of the last column and row lie outside
     assert cells.count == 4 * 2
     assert cells.centres_m.min(axis=0).tolist() == [10.5, 20.5]
+
+
+def test_five_robots_take_the_group_that_random_starts_come_to_most() -> None:
+    mission = mission_on(ROOM, 5, (visit("east", 400, 7, 0, 10, 10),), purpose="basin", bouncing_angles_deg=(90,))
+    plan = make_plan(mission)
+    require_drivable(plan, jumps=False)
+    assert check_plan(plan).verdict == "met"
+    assert make_plan(mission) == plan

@@ -14,11 +14,12 @@ from maps import PlainTeam, State, typed_cells
 from rota.errors import MissionError
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells
+from rota.planners.bounce.chosen_group import sampled_basins
 from rota.planners.bounce.enumeration import enumerate_groups, nodes_of, printed
 from rota.planners.bounce.group_count import TooMany, count_groups, count_independent
 from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles
-from rota.planners.bounce.monitoring import Watch, groups
+from rota.planners.bounce.monitoring import Watch, canonical, groups
 
 Joint = tuple[State, ...]
 BENT = "....\n.#..\n...."
@@ -280,3 +281,19 @@ def test_a_count_may_be_given_up() -> None:
     assert count_independent(conflict, np.zeros(60, np.int32), [8], most_calls=10**9) == whole > 0
     with pytest.raises(TooMany):
         count_independent(conflict, np.zeros(60, np.int32), [8], most_calls=100)
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_random_starts_hit_each_group_as_often_as_its_basin_is_large(free: bool) -> None:
+    cells = typed_cells(BENT)
+    team = make_team(cells, [2, 3])
+    cycles = limit_cycles(team)
+    watch = Watch(cycles=cycles, sees=np.zeros((len(cycles.state), 0), np.bool_), period_steps=np.ones(0))
+    samples = 4000
+    hits = dict(sampled_basins(watch, team, free=free, seed=5, samples=samples))
+    listed = enumerate_groups(team, inside_of(cells, []), 8, contact_free="trajectory" if free else "cycle")
+    for states, basin in zip(listed.states, listed.basin, strict=True):
+        share = basin / cells.states**2
+        found = hits.pop(canonical(cycles, nodes_of(cycles, states)), 0)
+        assert abs(found - samples * share) <= 5 * math.sqrt(samples * share) + 1
+    assert hits == {}

@@ -28,7 +28,7 @@ Ints = NDArray[np.int32]
 MOST_HEADINGS = 4096  # joint headings that are tried from given starts
 MOST_SETTLING = 20_000  # steps in which robots are to come to their cycles
 MOST_ENUMERATED = 20_000_000  # joint states up to which basins are exact; beyond, they are sampled
-SAMPLES = 4000
+SAMPLES, SAMPLED_STEPS = 2000, 2000  # random starts, and the steps in which they are to come to cycles
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,14 +123,15 @@ def sampled_basins(
 ) -> list[tuple[tuple[int, ...], int]]:
     """Groups that random joint states come to, and how many of ``samples`` did, most first; free: without contact.
 
-    The joint states are drawn evenly; those with two robots in one cell come to nothing.
+    The joint states are drawn evenly; those with two robots in one cell come to nothing, and so do those that come to
+    no group within SAMPLED_STEPS.
     """
     rng = np.random.default_rng(seed)
     m, s = len(team.bumped), len(team.x)
     hits: Counter[tuple[int, ...]] = Counter()
     for start in rng.integers(0, s, (samples, m)):
         if len({(int(team.x[a]), int(team.y[a])) for a in start}) == m:
-            way = _settled(watch.cycles, team, start.tolist(), free)
+            way = _settled(watch.cycles, team, start.tolist(), free, SAMPLED_STEPS)
             if way is not None:
                 hits[canonical(watch.cycles, nodes_of(watch.cycles, way[-1]))] += 1
     return sorted(hits.items(), key=lambda entry: (-entry[1], entry[0]))
@@ -166,10 +167,10 @@ def _headings(given: list[int] | None, headings: int, robots: int, seed: int) ->
         yield from np.random.default_rng(seed).integers(0, headings, (MOST_HEADINGS, robots)).tolist()
 
 
-def _settled(cycles: LimitCycles, team: Team, states: list[int], free: bool) -> Ints | None:
+def _settled(cycles: LimitCycles, team: Team, states: list[int], free: bool, most: int = MOST_SETTLING) -> Ints | None:
     """(steps + 1, m) states until all robots are on cycles without contact; None when they never are."""
     m = len(states)
-    log = np.empty((MOST_SETTLING, m), np.int32)
+    log = np.empty((most, m), np.int32)
     scratch, kinds = np.empty(m, np.int32), np.array(cycles.kind_of_robot, np.int32)
     at = np.array(states, np.int32)
     steps = settle(team, kinds, cycles.node_of, cycles.compatible, at, scratch, np.empty(m, np.int8), log, free)
