@@ -7,6 +7,9 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from benchmarks.bounce_joint_maps import bounce_map
+from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
+from benchmarks.create2_sketch import create2_sketch
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
@@ -27,7 +30,7 @@ from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
-SWARMS = ("swarm-square",)  # robots that spread as far as they do: no number of them is asked for
+NOT_PATROLS = ("bounce-cover", "bounce-monitor", "swarm-square")  # so many robots as there are
 BUILDINGS = ("building",)  # walls cut sight there, so nothing general can be asked of the number of robots
 
 
@@ -91,9 +94,9 @@ def square_kilometre(options: Options) -> Iterator[Row]:
 def examples(options: Options) -> Iterator[Row]:
     """Every example mission."""
     for mission in example_missions():
-        swarm = mission.stem in SWARMS
-        runs = planned_warm(mission, options.folder, None if swarm else "quick")
-        if swarm:
+        other = mission.stem in NOT_PATROLS
+        runs = planned_warm(mission, options.folder, None if other else "quick")
+        if other:
             yield Row(f"examples/{mission.name}", "met", told(runs), met_with(runs) is not None)
             continue
         robots = met_with(runs)
@@ -128,6 +131,10 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "swarm-threads": swarm_threads,
     "swarm-peer": swarm_peer,
     "swarm-million": swarm_million,
+    "create2-sketch": create2_sketch,
+    "bounce-map": bounce_map,
+    "bounce-monitoring": bounce_monitoring,
+    "bounce-coverage": bounce_coverage,
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,

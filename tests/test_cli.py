@@ -16,6 +16,7 @@ from typing import Any
 
 import jsonschema
 import pytest
+from benchmarks.create2.plans import TypedMap, bounced_plan
 from PIL import Image
 
 from rota.cli import run
@@ -390,6 +391,8 @@ def test_check_reads_stdin(
         (["animate", "yard.rota.json", "-o", "p.gif", "--fps", "0"], "fps: 0 is not allowed"),
         (["animate", "yard.rota.json", "-o", "p.gif", "--seconds", "9999"], "seconds: 9999.0 is not allowed"),
         (["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "-"], "the path of a folder is needed"),
+        (["export", "yard.rota.json", "--to", "create2-sketch", "-o", "-"], "the path of a folder is needed"),
+        (["export", "yard.rota.json", "--to", "create2-sketch", "-o", "p"], "a plan of the planner bounce is needed"),
         (["export", "yard.rota.json", "--to", "kmz", "-o", "p"], "'geojson', 'qgroundcontrol'"),
         (["export", "yard.rota.json", "--to", "geojson", "-o", "."], "is a folder"),
         (["export", "yard.rota.json", "--to", "geojson", "-o", "yard.rota.json"], "is the input itself"),
@@ -429,6 +432,14 @@ def test_pictures_films_and_exports_appear(plan_path: Path, capsys: pytest.Captu
     assert json.loads(Path("fly/robot-1.plan").read_text())["mission"]["firmwareType"] == 3
     assert run(["export", "yard.rota.json", "--to", "qgroundcontrol-px4", "-o", "fly"]) == 0
     assert json.loads(Path("fly/robot-1.plan").read_text())["mission"]["firmwareType"] == 12
+
+
+def test_a_plan_of_bouncing_robots_becomes_a_sketch(yard: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    room = TypedMap(rows=("...", "..."), cell_m=0.5)
+    write_plan(bounced_plan(room, ((0, 0, 0),), turn=2, speed_m_s=0.2, headings=4), "room.json")
+    assert run(["export", "room.json", "--to", "create2-sketch", "-o", "sketches"]) == 0
+    assert capsys.readouterr().out == "sketches/robot-1/robot-1.ino\n"
+    assert "void loop() {" in Path("sketches/robot-1/robot-1.ino").read_text()
 
 
 def test_exports_without_an_origin(yard: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from pyproj import Geod
 from scipy.ndimage import label
-from shapely import Point, box, union_all
+from shapely import LineString, Point, box, union_all
 
 from rota.cli import run
 from rota.files.mission_file import read_mission
@@ -82,7 +82,8 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    assert named == {*MISSIONS, "building_map", "swarm-port", "swarm-square"}
+    others = {"building_map", "swarm-port", "swarm-square", "bounce-cover", "bounce-monitor"}
+    assert named == {*MISSIONS, *others}
 
 
 @pytest.mark.parametrize("name", MISSIONS)
@@ -172,6 +173,16 @@ def test_a_scanned_building_reads_and_needs_two_robots(tmp_path: Path) -> None:
     assert bound_of_the_whole_area(read.mission) == 2
 
 
+@pytest.mark.parametrize(("name", "size_m2", "walls"), [("bounce-cover", 25, 12), ("bounce-monitor", 17.5, 2)])
+def test_bouncing_robots_fit_in_every_cell_of_their_typed_map(name: str, size_m2: float, walls: int) -> None:
+    mission = example(name)
+    assert mission.area.area == pytest.approx(size_m2)
+    assert union_all([obstacle.shape for obstacle in mission.obstacles]).area == pytest.approx(walls * 0.25)
+    # an iRobot Create 2 is 0.34 m wide
+    assert mission.fleet.body_radius_m == 0.17 < mission.bounce.cell_m / 2
+    assert mission.bounce.task == name.split("-")[1]
+
+
 # ---------------------------------------------------------------- planning
 
 
@@ -186,6 +197,27 @@ def plan_and_check(mission: Path, folder: Path, capsys: pytest.CaptureFixture[st
     assert report["violations"] == []
     assert all(demand["worst_gap_s"] <= demand["period_s"] for demand in report["demands"])
     return report["robots"], report["lower_bound_robots"], len(read_plan(plan_file).trajectories)
+
+
+def test_the_bouncing_robots_cover_and_monitor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan_file = tmp_path / "plan.json"
+    assert run(["plan", str(EXAMPLES / "bounce-cover.yaml"), "-o", str(plan_file)]) == 0
+    assert "3 robots enter 88 of 88 cells (100.0%)" in capsys.readouterr().out
+    assert run(["check", str(plan_file)]) == 0
+    assert run(["plan", str(EXAMPLES / "bounce-monitor.yaml"), "-o", str(plan_file)]) == 0
+    capsys.readouterr()
+    assert run(["check", str(plan_file), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["robots"] == 2
+    assert report["verdict"] == "met"
+    assert len(report["demands"]) == 2
+    plan = read_plan(plan_file)
+    assert all(trajectory.loop_start_s == 0 for trajectory in plan)
+    # they cross each other's way, and never meet
+    one, other = (LineString(trajectory.positions_m) for trajectory in plan)
+    assert one.crosses(other)
+    assert run(["export", str(plan_file), "--to", "geojson", "-o", str(tmp_path / "plan.geojson")]) == 0
+    assert run(["draw", str(plan_file), "-o", str(tmp_path / "plan.svg")]) == 0
 
 
 # open ground with zones, and a building whose walls cut sight, with bodies that must not touch

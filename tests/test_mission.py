@@ -7,7 +7,7 @@ import shapely
 from shapely import box
 
 from rota.errors import MissionError
-from rota.mission import DiscSensor, Fleet, Mission, Zone
+from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Zone
 
 
 def with_zones(*names: str) -> Mission:
@@ -35,3 +35,29 @@ def test_a_shape_on_a_grid_is_taken_off_it() -> None:
     assert shapely.get_precision(mission.area) == 0
     assert mission.area.equals(box(0, 0, 10, 10))
     assert mission.area.intersection(box(0.1, 0.1, 20, 20)).bounds == (0.1, 0.1, 10, 10)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"zones": ()}, r"zones: .* a zone with a period is needed"),
+        ({"period_s": 9.0}, "period_s: 9.0 is not allowed; bouncing robots monitor zones"),
+        ({"planning": BounceSettings(cell_m=1, task="cover")}, "fleet.robots: 'fewest' .* needed to cover an area"),
+        ({"zones": (Zone(name="gate", shape=box(0, 0, 1, 1), period_s=5),)}, "zone gate: demand: 'every_point'"),
+        (
+            {"planning": BounceSettings(cell_m=1, bouncing_angles_deg=(90, 45))},
+            "2 angles .* one for all robots is needed",
+        ),
+    ],
+)
+def test_what_bouncing_robots_cannot_do_is_refused(changes, words):
+    good = {
+        "name": "hall",
+        "area": box(0, 0, 4, 4),
+        "zones": (Zone(name="gate", shape=box(0, 0, 1, 1), period_s=5, demand="visit"),),
+        "fleet": Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1)),
+        "planning": BounceSettings(cell_m=1),
+    }
+    assert Mission(**good).bounce.cell_m == 1
+    with pytest.raises(MissionError, match=words):
+        Mission(**{**good, **changes})

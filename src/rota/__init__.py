@@ -10,7 +10,7 @@ from rota.make_plan import make_plan, search_plan
 
 if TYPE_CHECKING:
     from rota.check import check_plan
-    from rota.draw import animate_plan, draw_plan
+    from rota.draw import animate_plan, draw_cells, draw_plan
     from rota.errors import MissionError, NoPlanFound, PlanError, RotaError, RunError
     from rota.files.geojson import write_geojson
     from rota.files.mission_file import read_mission
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rota.files.qgroundcontrol import write_qgroundcontrol
     from rota.files.run_file import read_run, write_run
     from rota.mission import (
+        BounceSettings,
         DiscSensor,
         Fleet,
         GeoPoint,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from rota.plan import Plan, Trajectory
 
 __all__ = [
+    "BounceSettings",
     "DiscSensor",
     "Fleet",
     "GeoPoint",
@@ -57,6 +59,7 @@ __all__ = [
     "Zone",
     "animate_plan",
     "check_plan",
+    "draw_cells",
     "draw_plan",
     "make_plan",
     "read_mission",
@@ -71,7 +74,7 @@ __all__ = [
 
 _MODULES = {
     "rota.check": ["check_plan"],
-    "rota.draw": ["animate_plan", "draw_plan"],
+    "rota.draw": ["animate_plan", "draw_cells", "draw_plan"],
     "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError", "RunError"],
     "rota.files.geojson": ["write_geojson"],
     "rota.files.mission_file": ["read_mission"],
@@ -79,6 +82,7 @@ _MODULES = {
     "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
     "rota.files.run_file": ["read_run", "write_run"],
     "rota.mission": [
+        "BounceSettings",
         "DiscSensor",
         "Fleet",
         "GeoPoint",

@@ -12,21 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 import typer
-from rich.console import Console
 
 from rota.errors import NoPlanFound, RotaError
 from rota.exit_codes import BAD_INPUT, DONE, INTERRUPTED, NO_PLAN, OUR_FAULT, VIOLATED
-from rota.stopped_run import keep_run
+from rota.plan_command import plan_and_write
 from rota.study_command import app as study_app
-from rota.terminal import mention_compiling, progress_bar, say
+from rota.terminal import STANDARD_STREAM, mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
-    from rota.check import Report
-    from rota.mission import Mission
     from rota.plan import Plan
-    from rota.swarm_state import SwarmState
 
-STANDARD_STREAM = "-"
 PICTURES = (".png", ".svg", ".pdf")
 
 app = typer.Typer(
@@ -40,7 +35,7 @@ app = typer.Typer(
 )
 app.add_typer(study_app, name="study")
 
-ExportFormat = Literal["geojson", "qgroundcontrol", "qgroundcontrol-px4"]
+ExportFormat = Literal["geojson", "qgroundcontrol", "qgroundcontrol-px4", "create2-sketch"]
 SchemaName = Literal["mission", "plan", "report"]
 EffortName = Literal["quick", "normal", "high"]
 
@@ -118,94 +113,15 @@ def plan(
     for warning in read.warnings:
         say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
-    swarm = asked.planning.planner == "swarm"
-    mention_compiling(*(("planners/swarm",) if swarm else ("planners/patrol/annealing", "geometry")), "check")
-    by_two = not swarm and not is_compiled("planners/patrol/annealing", "check")
+    patrol = asked.planning.planner == "patrol"
+    kernels = ("planners/patrol/annealing", "geometry") if patrol else (f"planners/{asked.planning.planner}",)
+    mention_compiling(*kernels, "check")
+    by_two = patrol and not is_compiled("planners/patrol/annealing", "check")
     run = None if resume is None else read_run(resume)
     seed = seed if seed is not None else run.seed if run is not None else 0
     with compiled_by_two() if by_two else nullcontext():
-        code = _plan_and_write(asked, target, seed, time_limit, best, (resume, run))
+        code = plan_and_write(asked, target, seed, time_limit, best, (resume, run))
     raise typer.Exit(code)
-
-
-def _plan_and_write(
-    mission: Mission,
-    target: str,
-    seed: int,
-    time_limit_s: float | None,
-    best: bool,
-    resume: tuple[str | None, SwarmState | None],
-) -> int:
-    from rota.check import check_plan
-    from rota.interrupt import stop_on_interrupt
-    from rota.make_plan import search_plan
-
-    reason = None
-    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
-        try:
-            found = search_plan(
-                mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1]
-            )
-            answer, report, early, run = found.plan, found.report, found.stopped_early, found.run
-        except NoPlanFound as failure:
-            reason, early, run = failure, False, failure.run  # type: ignore[assignment]
-            if not best or failure.best is None:
-                if run is not None:
-                    keep_run(run, target, resume[0])
-                return _say_no_plan(failure, stop.raised, "no plan" if run is not None else "nothing")
-            answer = failure.best  # type: ignore[assignment]
-            report = check_plan(answer)
-    _write_plan(answer, target, meets_demand=reason is None)
-    _show_outcome(answer, report, target)
-    if run is not None:
-        keep_run(run, target, resume[0])
-    if stop.raised:
-        say("interrupted: this is the best plan so far")
-    elif early:
-        say("stopped early by the time limit: this is the best plan so far")
-    if reason is not None:
-        say(f"no plan: {reason}")
-        say("this is the best plan found; it does NOT meet its demand and its file is marked so")
-    return INTERRUPTED if stop.raised else DONE if reason is None else NO_PLAN
-
-
-def _say_no_plan(failure: NoPlanFound, interrupted: bool, what: str) -> int:
-    if interrupted:
-        say(f"interrupted before a plan passed the check; {what} is written")
-    say(f"no plan: {failure}")
-    if failure.best is not None:
-        say("--best writes the best plan found, which does not meet its demand")
-    return INTERRUPTED if interrupted else NO_PLAN
-
-
-def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
-    from rota.files.plan_file import plan_text, write_plan
-
-    if target == STANDARD_STREAM:
-        sys.stdout.write(plan_text(answer, meets_demand=meets_demand))
-        sys.stdout.flush()
-    else:
-        write_plan(answer, target, meets_demand=meets_demand)
-
-
-def _show_outcome(answer: Plan, report: Report, target: str) -> None:
-    from rota.check import report_table
-    from rota.plan_table import robots_table, sentences_of
-
-    console = Console(stderr=target == STANDARD_STREAM, highlight=False)
-    if answer.mission.planning.planner == "patrol":
-        console.print(robots_table(answer), markup=False, soft_wrap=True)
-    sentences = sentences_of(answer, report)
-    for sentence in sentences:
-        if sentence is not None:
-            console.print(sentence, markup=False, soft_wrap=True)
-    if report.verdict == "met":
-        console.print("Check: met, every demand, for ever." if report.demands else "Check: no violations.")
-    else:
-        console.print(f"Check: {report.verdict}. The plan does not meet its demand.\n")
-        console.print(report_table(report), markup=False, soft_wrap=True)
-    if target != STANDARD_STREAM:
-        console.print(f"Plan: {target}", markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -270,13 +186,19 @@ def check(
 def draw(
     plan: PlanPath,
     output: Annotated[str, typer.Option("-o", "--output", metavar="PICTURE", help="A .png, .svg or .pdf file.")],
+    cells: Annotated[
+        bool, typer.Option("--cells", help="Of bouncing robots: headings in each cell, and times entered.")
+    ] = False,
 ) -> None:
     """Draw a plan and the worst revisit gap of every place."""
     answer = _plan_to_show(plan, output, PICTURES, "a picture")
-    from rota.draw import draw_plan
+    from rota.draw import draw_cells, draw_plan
 
-    mention_compiling("check")
-    draw_plan(answer, output)
+    if cells:
+        draw_cells(answer, output)
+    else:
+        mention_compiling("check")
+        draw_plan(answer, output)
     typer.echo(output)
 
 
@@ -315,11 +237,13 @@ def export(
     plan: PlanPath,
     to: Annotated[
         ExportFormat,
-        typer.Option(metavar="FORMAT", help="geojson; qgroundcontrol (for ArduPilot) or qgroundcontrol-px4."),
+        typer.Option(
+            metavar="FORMAT", help="geojson; qgroundcontrol (for ArduPilot) or qgroundcontrol-px4; create2-sketch."
+        ),
     ],
     output: Annotated[
         str,
-        typer.Option("-o", "--output", metavar="PATH", help="A file; for qgroundcontrol a folder, a file per robot."),
+        typer.Option("-o", "--output", metavar="PATH", help="A file; a folder where each robot has one."),
     ],
 ) -> None:
     """Export a plan to what maps and robots read."""
@@ -328,12 +252,20 @@ def export(
         _require_target(output, source=plan)
         _export_geojson(answer, output)
         return
-    from rota.files.qgroundcontrol import write_qgroundcontrol
-
     if output == STANDARD_STREAM:
         raise RotaError(f"-: {to} makes one file per robot and cannot write to stdout; the path of a folder is needed")
-    for path in write_qgroundcontrol(answer, output, autopilot="ardupilot" if to == "qgroundcontrol" else "px4"):
+    for path in _export_to_folder(answer, to, output):
         typer.echo(path)
+
+
+def _export_to_folder(answer: Plan, to: ExportFormat, folder: str) -> tuple[Path, ...]:
+    if to == "create2-sketch":
+        from rota.files.create2_sketch import write_create2_sketches
+
+        return write_create2_sketches(answer, folder)
+    from rota.files.qgroundcontrol import write_qgroundcontrol
+
+    return write_qgroundcontrol(answer, folder, autopilot="ardupilot" if to == "qgroundcontrol" else "px4")
 
 
 def _export_geojson(answer: Plan, output: str) -> None:

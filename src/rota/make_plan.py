@@ -103,6 +103,10 @@ def _planner(mission: Mission) -> Callable[..., Plan]:
         from rota.planners.swarm import plan_swarm
 
         return plan_swarm
+    if mission.planning.planner == "bounce":
+        from rota.planners.bounce import plan_bounce
+
+        return plan_bounce
     from rota.planners.patrol import plan_patrol
 
     return plan_patrol

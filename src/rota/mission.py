@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -14,9 +12,27 @@ import shapely
 from shapely import MultiPolygon, Point, Polygon, box, union_all
 
 from rota.errors import MissionError
+from rota.fleet import (
+    DiscSensor as DiscSensor,
+    Fleet as Fleet,
+    Place as Place,
+    Robot as Robot,
+    Sensor as Sensor,
+    SquareSensor as SquareSensor,
+    StartBox as StartBox,
+    StartPoints as StartPoints,
+    inner_reach_m as inner_reach_m,
+)
 from rota.planner_settings import (
+    HEADINGS as HEADINGS,
     METHODS as METHODS,
+    BounceMethod as BounceMethod,
+    BounceSettings as BounceSettings,
+    BounceTask as BounceTask,
+    Contact as Contact,
+    ContactFree as ContactFree,
     Controller as Controller,
+    Corners as Corners,
     DeploymentMethod as DeploymentMethod,
     Device as Device,
     Effort as Effort,
@@ -24,6 +40,7 @@ from rota.planner_settings import (
     FrameTour as FrameTour,
     Method as Method,
     PatrolSettings as PatrolSettings,
+    Purpose as Purpose,
     SegmentRoutes as SegmentRoutes,
     SetBoundary as SetBoundary,
     Sun2019 as Sun2019,
@@ -36,7 +53,6 @@ from rota.planner_settings import (
 Blocks = Literal["both", "motion", "sight"]
 Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
-Place = tuple[float, float]
 
 TOUCH_M = 1e-6  # by which a body may overlap what it touches
 AREA = "area"  # the name of the ground outside zones, wherever zones are told
@@ -63,164 +79,6 @@ class GeoPoint:
     def __post_init__(self) -> None:
         require(-90 <= self.lat <= 90, "lat", self.lat, "must lie in -90..90 degrees")
         require(-180 <= self.lon <= 180, "lon", self.lon, "must lie in -180..180 degrees")
-
-
-@dataclass(frozen=True, kw_only=True)
-class DiscSensor:
-    """Sees everything within ``radius_m`` that no obstacle hides."""
-
-    radius_m: float
-
-    def __post_init__(self) -> None:
-        require_positive("sensor.radius_m", self.radius_m)
-
-    @property
-    def reach_m(self) -> float:
-        """Farthest distance at which anything can be seen."""
-        return self.radius_m
-
-
-@dataclass(frozen=True, kw_only=True)
-class SquareSensor:
-    """Sees a square of ``side_m`` by ``side_m`` round the robot, along the axes of the plane whatever the heading."""
-
-    side_m: float
-
-    def __post_init__(self) -> None:
-        require_positive("sensor.side_m", self.side_m)
-
-    @property
-    def reach_m(self) -> float:
-        """Farthest distance at which anything can be seen: half the diagonal."""
-        return self.side_m / math.sqrt(2)
-
-
-Sensor = DiscSensor | SquareSensor
-
-
-def inner_reach_m(sensor: Sensor) -> float:
-    """How far a sensor sees in every direction: a disc's radius, half a square's side."""
-    return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
-
-
-@dataclass(frozen=True, kw_only=True)
-class Robot:
-    """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere.
-
-    It takes part from ``joins_s`` on until ``leaves_s`` (None: for ever). Before, it stands at its start, and after
-    that where it is: it neither moves nor sees, but its body is there.
-    """
-
-    name: str
-    speed_m_s: float
-    sensor: Sensor
-    body_radius_m: float = 0.0
-    turn_rate_rad_s: float | None = None
-    start: Place | None = None
-    joins_s: float = 0.0
-    leaves_s: float | None = None
-
-    def __post_init__(self) -> None:
-        require(bool(self.name), "robot.name", self.name, "must not be empty")
-        require_positive(f"robot {self.name}: speed_m_s", self.speed_m_s)
-        ok = math.isfinite(self.body_radius_m) and self.body_radius_m >= 0
-        require(ok, f"robot {self.name}: body_radius_m", self.body_radius_m, "must be a finite number, 0 or more")
-        if self.turn_rate_rad_s is not None:
-            require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
-        ok = math.isfinite(self.joins_s) and self.joins_s >= 0
-        require(ok, f"robot {self.name}: joins_s", self.joins_s, "must be a finite number, 0 or more")
-        ok = self.leaves_s is None or (math.isfinite(self.leaves_s) and self.leaves_s > self.joins_s)
-        require(ok, f"robot {self.name}: leaves_s", self.leaves_s, f"must come after joins_s, {self.joins_s:.6g}")
-
-    @property
-    def stays(self) -> bool:
-        """Whether it takes part from the beginning and for ever."""
-        return self.joins_s == 0 and self.leaves_s is None
-
-
-@dataclass(frozen=True, kw_only=True)
-class StartBox:
-    """Robots start anywhere in the box between two opposite corners, (x, y) in metres; it may have no width."""
-
-    low_m: Place
-    high_m: Place
-
-    def __post_init__(self) -> None:
-        ends = (self.low_m, self.high_m)
-        ok = all(math.isfinite(value) for end in ends for value in end)
-        require(ok, "fleet.start.box", ends, "coordinates must be finite")
-        (x0, y0), (x1, y1) = ends
-        object.__setattr__(self, "low_m", (float(min(x0, x1)), float(min(y0, y1))))
-        object.__setattr__(self, "high_m", (float(max(x0, x1)), float(max(y0, y1))))
-
-
-@dataclass(frozen=True, kw_only=True)
-class StartPoints:
-    """Robots start at these points, (x, y) in metres, one at each; the planner chooses who starts where."""
-
-    points_m: tuple[Place, ...]
-
-    def __post_init__(self) -> None:
-        require(len(self.points_m) > 0, "fleet.start.points", self.points_m, "must be at least one point")
-        for k, point in enumerate(self.points_m):
-            ok = all(math.isfinite(value) for value in point)
-            require(ok, f"fleet.start.points[{k}]", point, "coordinates must be finite")
-        object.__setattr__(self, "points_m", tuple((float(x), float(y)) for x, y in self.points_m))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Fleet:
-    """The robots at hand: ``robots`` None means as few equal ones as possible, otherwise exactly those named.
-
-    The other fields are the common values; a robot made without overrides has them. Names are unique. ``start``: where
-    robots without a start of their own begin; points only where ``robots`` is None (named robots have their own).
-    """
-
-    speed_m_s: float
-    sensor: Sensor
-    robots: tuple[Robot, ...] | None = None
-    body_radius_m: float = 0.0
-    turn_rate_rad_s: float | None = None
-    altitude_m: float = 30.0
-    start: StartBox | StartPoints | None = None
-
-    def __post_init__(self) -> None:
-        self.equal_robot("robot-1")  # checks the common values
-        ok = self.robots is None or not isinstance(self.start, StartPoints)
-        require(
-            ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
-        )
-        require_positive("fleet.altitude_m", self.altitude_m)
-        if self.robots is not None:
-            require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
-            counted = Counter(robot.name for robot in self.robots)
-            for name, count in counted.items():
-                require(count == 1, "fleet.robots", name, "names must be unique")
-
-    def equal_robot(self, name: str) -> Robot:
-        """A robot of this name with the fleet's common values."""
-        return Robot(
-            name=name,
-            speed_m_s=self.speed_m_s,
-            sensor=self.sensor,
-            body_radius_m=self.body_radius_m,
-            turn_rate_rad_s=self.turn_rate_rad_s,
-        )
-
-    def robot(self, name: str) -> Robot:
-        """The robot of this name; in a fleet of as few as possible any name is one of the equals.
-
-        Raises MissionError when the fleet is a list and the name is not in it.
-        """
-        if self.robots is None:
-            return self.equal_robot(name)
-        if name in self._by_name:
-            return self._by_name[name]
-        raise MissionError(f"robot {name!r} is not in the fleet: {', '.join(r.name for r in self.robots)}")
-
-    @cached_property
-    def _by_name(self) -> dict[str, Robot]:
-        return {robot.name: robot for robot in self.robots or ()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -309,7 +167,7 @@ class Mission:
     period_s: float | None = None
     origin: GeoPoint | None = None
     unseeable: Unseeable = "exclude"
-    planning: PatrolSettings | SwarmSettings = field(default_factory=PatrolSettings)
+    planning: PatrolSettings | SwarmSettings | BounceSettings = field(default_factory=PatrolSettings)
     moving_obstacles: tuple[MovingObstacle, ...] = ()
 
     def __post_init__(self) -> None:
@@ -330,6 +188,12 @@ class Mission:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         if isinstance(self.planning, SwarmSettings):
             self._require_swarm()
+            return
+        require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
+        coming = [robot.name for robot in self.fleet.robots or () if not robot.stays]
+        require(not coming, "fleet.robots", coming, "only robots of a swarm join or leave; leave out joins_s, leaves_s")
+        if isinstance(self.planning, BounceSettings):
+            self._require_bounce(self.planning)
         else:
             self._require_patrol(self.planning)
 
@@ -338,9 +202,6 @@ class Mission:
         margin_m = settings.range_margin_m
         allowed = f"must be less than the {reach_m:.6g} m that every sensor reaches"
         require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
-        require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
-        coming = [robot.name for robot in self.fleet.robots or () if not robot.stays]
-        require(not coming, "fleet.robots", coming, "only robots of a swarm join or leave; leave out joins_s, leaves_s")
         asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
         require(asked, "period_s", None, "the area or at least one zone needs a period")
 
@@ -352,6 +213,30 @@ class Mission:
             require(ok, f"robot {robot.name}: sensor", "square", "a swarm needs disc sensors")
             ok = robot.turn_rate_rad_s is None
             require(ok, f"robot {robot.name}: turn_rate_rad_s", robot.turn_rate_rad_s, "a swarm turns at once; null")
+
+    def _require_bounce(self, settings: BounceSettings) -> None:
+        require(not isinstance(self.fleet.start, StartBox), "fleet.start", "a box", "bouncing robots start at points")
+        robots = self.fleet.robots
+        ok = robots is not None or self.fleet.start is None
+        require(ok, "fleet.start", "points", "robots as few as possible begin where the planner likes: remove it")
+        ok = robots is not None or settings.task == "monitor"
+        require(ok, "fleet.robots", "fewest", "a number of robots, or a list of them, is needed to cover an area")
+        for name in ("bouncing_angles_deg", "start_headings_deg"):
+            angles = getattr(settings, name)
+            if angles is not None and len(angles) != 1 and (robots is None or len(angles) != len(robots)):
+                allowed = f"one for all robots or one for each of {len(robots)}" if robots else "one for all robots"
+                raise MissionError(f"bounce.{name}: {len(angles)} angles are not allowed; {allowed} is needed")
+        if settings.task == "monitor":
+            zones = [zone for zone in self.zones if zone.period_s is not None]
+            require(self.period_s is None, "period_s", self.period_s, "bouncing robots monitor zones, not the area")
+            require(bool(zones), "zones", [], "a zone with a period is needed to monitor")
+            for zone in zones:
+                ok = zone.demand == "visit"
+                require(ok, f"zone {zone.name}: demand", zone.demand, "bouncing robots visit zones; visit")
+        else:
+            asked = [zone.name for zone in self.zones if zone.period_s is not None]
+            ok = self.period_s is None and not asked
+            require(ok, "period_s", self.period_s or asked, "covering happens once; give no periods, or task monitor")
 
     @property
     def patrol(self) -> PatrolSettings:
@@ -365,6 +250,13 @@ class Mission:
         """The settings of the planner ``swarm``; TypeError for a mission of another one."""
         if not isinstance(self.planning, SwarmSettings):
             raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by swarm")
+        return self.planning
+
+    @property
+    def bounce(self) -> BounceSettings:
+        """The settings of the planner ``bounce``; TypeError for a mission of another one."""
+        if not isinstance(self.planning, BounceSettings):
+            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by bounce")
         return self.planning
 
     @property

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import AREA, DiscSensor, Mission, Sensor, Zone
+from rota.mission import AREA, BounceSettings, DiscSensor, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
 
 if TYPE_CHECKING:
@@ -161,6 +161,10 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
     """What is said of a plan below its table; None in place of what there is nothing to say of."""
     if plan.mission.planning.planner == "swarm":
         return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
+    if isinstance(plan.mission.planning, BounceSettings):
+        if plan.mission.planning.task == "cover":
+            return (entered_sentence(plan),)
+        return (groups_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
 
@@ -203,6 +207,28 @@ def covered_sentence(plan: Plan) -> str:
     seen, free, sum_m2 = range_at_the_end(plan)
     share, most = seen.area / free.area, min(1.0, sum_m2 / free.area)
     return f"They then have {share:.1%} of the area in range; discs without overlap would have {most:.1%}."
+
+
+def entered_sentence(plan: Plan) -> str:
+    """How many of their cells bouncing robots enter, and what that takes."""
+    from rota.planners.bounce.visited_cells import visited_cells
+
+    found = visited_cells(plan)
+    entered, count, n = int((found.visits > 0).sum()), found.cells.count, len(plan.trajectories)
+    robots = f"{n} robot" + ("s enter" if n != 1 else " enters")
+    taken = f"{found.steps} steps of {rounded(found.step_s)} s, with {found.turns} turns on the spot"
+    return f"{robots} {entered} of {count} cells ({entered / count:.1%}) in {taken}."
+
+
+def groups_sentence(plan: Plan) -> str | None:
+    """How many ways bouncing robots have to monitor all zones without contact; None when it takes long to count."""
+    from rota.planners.bounce.asked import groups_of
+
+    groups, n = groups_of(plan.mission, len(plan.trajectories)), len(plan.trajectories)
+    if groups is None:
+        return None
+    robots = "1 robot has" if n == 1 else f"{n} robots have"
+    return f"{robots} {groups:,} periodic groups in which every zone is visited and no two meet."
 
 
 def approach_sentence(plan: Plan) -> str | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal, get_args
 
@@ -19,6 +20,14 @@ Controller = Literal["settle", "reciprocal", "voronoi", "virtual_force"]
 Device = Literal["cpu", "cuda"]
 VelocityChoice = Literal["centroid", "sampled"]
 SetBoundary = Literal["tangent", "circle"]
+BounceTask = Literal["monitor", "cover"]
+BounceMethod = Literal["improved", "as_printed"]
+Corners = Literal["blocked", "pass"]
+Contact = Literal["swept", "grid"]
+ContactFree = Literal["cycle", "trajectory"]
+Purpose = Literal["periods", "worst_gap", "basin"]
+HEADINGS = (4, 8, 12, 16, 20, 24, 32)
+MOST_BOUNCE_STEPS = 10_000_000
 
 
 def require(ok: bool, where: str, value: object, allowed: str) -> None:
@@ -148,3 +157,78 @@ class SwarmSettings:
         require(0 <= self.delay_steps <= MOST_DELAY, "swarm.delay_steps", self.delay_steps, f"0 to {MOST_DELAY}")
         ok = 0 <= self.messages_lost < 1
         require(ok, "swarm.messages_lost", self.messages_lost, "must be a share from 0 on, less than 1")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BounceSettings:
+    """Settings of the ``bounce`` planner (Alam & Bobadilla 2020): robots with a bump sensor and a clock on a grid.
+
+    Cells are ``cell_m`` wide, the first one's corner at the lower left of the area's bounds; a cell is free when a body
+    can stand at its centre. Of ``headings`` equally spaced ones (a multiple of 4) each has a move to a cell near by;
+    what is blocked stays, and turns counterclockwise by its bouncing angle: ``bouncing_angles_deg`` has one for all
+    robots or one for each, multiples of the heading step. ``start_headings_deg``: likewise; None: the planner chooses.
+
+    ``task``: "monitor" the zones by cycles without contact (Algorithm 2), or "cover" the area once (Algorithm 1).
+    ``method``: "improved" takes products of single cycles and searches among jumps; "as_printed" is the paper's own.
+    ``corners``: whether a diagonal move is "blocked" by an obstacle in a cell beside it, or may "pass". ``contact``
+    between robots: on the published "grid" (same target cell, or moves with equal midpoints), or by "swept" distance
+    besides, as bodies need that are wider than the grid allows. ``contact_free``: the "cycle" only, or the whole
+    "trajectory" from the start. ``purpose``, of plans that monitor: zones' "periods" met, the shortest "worst_gap"
+    in its share of a period, or the largest "basin" of attraction. ``most_steps``: at most as many to cover the area.
+    """
+
+    planner: ClassVar[str] = "bounce"
+    cell_m: float
+    task: BounceTask = "monitor"
+    method: BounceMethod = "improved"
+    headings: int = 8
+    bouncing_angles_deg: tuple[float, ...] = (135.0,)
+    start_headings_deg: tuple[float, ...] | None = None
+    corners: Corners = "blocked"
+    contact: Contact = "swept"
+    contact_free: ContactFree = "cycle"
+    purpose: Purpose = "periods"
+    most_steps: int = 100_000
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bouncing_angles_deg", tuple(float(angle) for angle in self.bouncing_angles_deg))
+        if self.start_headings_deg is not None:
+            object.__setattr__(self, "start_headings_deg", tuple(float(angle) for angle in self.start_headings_deg))
+        require_positive("bounce.cell_m", self.cell_m)
+        choices = {
+            "task": BounceTask,
+            "method": BounceMethod,
+            "corners": Corners,
+            "contact": Contact,
+            "contact_free": ContactFree,
+            "purpose": Purpose,
+        }
+        for name, known in choices.items():
+            value = getattr(self, name)
+            require(value in get_args(known), f"bounce.{name}", value, ", ".join(get_args(known)))
+        ok = self.headings in HEADINGS
+        require(ok, "bounce.headings", self.headings, f"must be one of {', '.join(map(str, HEADINGS))}")
+        require(bool(self.bouncing_angles_deg), "bounce.bouncing_angles_deg", [], "one angle at least is needed")
+        for where, value, allowed in angle_faults(self.headings, self.bouncing_angles_deg, self.start_headings_deg):
+            raise MissionError(f"bounce.{where}: {value:.9g} is not allowed; {allowed}")
+        ok = 1 <= self.most_steps <= MOST_BOUNCE_STEPS
+        require(ok, "bounce.most_steps", self.most_steps, f"must be 1 to {MOST_BOUNCE_STEPS}")
+
+
+def angle_faults(
+    headings: int, bouncing_deg: Sequence[float], starts_deg: Sequence[float] | None
+) -> Iterator[tuple[str, float, str]]:
+    """Angles that are no multiples of the heading step: the field at fault, the value and what is allowed."""
+    step_deg = 360 / headings
+    for k, angle in enumerate(bouncing_deg):
+        if not (0 < angle < 360 and _is_multiple(angle, step_deg)):
+            allowed = f"must be a multiple of the heading step, 360 / {headings} = {step_deg:.9g} degrees, below 360"
+            yield f"bouncing_angles_deg[{k}]", angle, allowed
+    for k, angle in enumerate(starts_deg or ()):
+        if not _is_multiple(angle, step_deg):
+            allowed = f"must be a multiple of the heading step, 360 / {headings} = {step_deg:.9g} degrees"
+            yield f"start_headings_deg[{k}]", angle, allowed
+
+
+def _is_multiple(angle: float, step: float) -> bool:
+    return math.isfinite(angle) and abs(angle / step - round(angle / step)) < 1e-6

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+STANDARD_STREAM = "-"  # stands for standard input or output where a file is asked for
+
 
 def say(message: str) -> None:
     """A message on stderr, under the program's name."""

@@ -6,14 +6,14 @@ import jsonschema
 import numpy as np
 import pytest
 from pyproj import Geod
-from shapely import Point, Polygon
+from shapely import Point, Polygon, box, unary_union
 
 from rota.errors import MissionError
 from rota.files.example_mission import example_mission_text
 from rota.files.geodesy import Projection
 from rota.files.mission_file import mission_schema, read_mission
 from rota.files.yaml_text import parse_text
-from rota.mission import DiscSensor, GeoPoint, PatrolSettings, Robot, SquareSensor
+from rota.mission import BounceSettings, DiscSensor, GeoPoint, PatrolSettings, Robot, SquareSensor
 
 ROOT = Path(__file__).parent.parent.parent
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.yaml") if not path.name.endswith("_map.yaml"))
@@ -82,7 +82,7 @@ def test_schema_and_reader_agree_on_single_faults():
         {"period_s": "60"},
         {"colour": "red"},
         {"rota": 2},
-        {"planner": "bounce"},
+        {"planner": "crawl"},
         {"area": {"ring": ring, "geojson": "a.geojson"}},
         {"area": {"map": "a.yaml"}},
         {"zones": [{"name": "gate", "ring": ring}]},
@@ -293,3 +293,31 @@ def test_a_real_parcel_has_its_geodesic_area(tmp_path):
     lon, lat, _ = np.array(ring).T
     area_m2, _ = GEOD.polygon_area_perimeter(lon, lat)
     assert mission.area.area == pytest.approx(abs(area_m2), rel=1e-7)
+
+
+TYPED = """\
+rota: 1
+name: typed
+area:
+  text: |
+    ..#.
+    ....
+    #...
+  cell_m: 0.5
+fleet: {robots: 2, speed_m_s: 0.2, sensor: {shape: disc, radius_m: 1}, body_radius_m: 0.2}
+planner: bounce
+bounce: {task: cover, bouncing_angles_deg: [135, 90]}
+"""
+
+
+def test_a_typed_map_is_a_rectangle_with_its_first_line_in_the_north(tmp_path):
+    mission = read(tmp_path, TYPED).mission
+    assert mission.area.bounds == (0, 0, 2, 1.5)
+    (walls,) = mission.obstacles
+    assert walls.shape.equals(unary_union([box(1, 1, 1.5, 1.5), box(0, 0, 0.5, 0.5)]))
+    assert mission.planning == BounceSettings(cell_m=0.5, task="cover", bouncing_angles_deg=(135.0, 90.0))
+
+
+def test_a_cell_of_its_own_goes_before_the_typed_one(tmp_path):
+    mission = read(tmp_path, TYPED.replace("{task", "{cell_m: 0.25, task")).mission
+    assert mission.bounce.cell_m == 0.25

@@ -20,6 +20,7 @@ from rota.errors import PlanError, RotaError
 from rota.files import plan_schema as fields
 from rota.files.plan_file import plan_from_json, plan_from_text, plan_text, plan_to_json, read_plan, write_plan
 from rota.mission import (
+    BounceSettings,
     DiscSensor,
     Fleet,
     GeoPoint,
@@ -191,13 +192,40 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
         (fields.PatrolFields, PatrolSettings, {}),
         (fields.TrajectoryFields, Trajectory, {"robot": "name"}),
         (fields.SwarmFields, SwarmSettings, {}),
+        (fields.BounceFields, BounceSettings, {}),
         (fields.MovingObstacleFields, MovingObstacle, {}),
         (fields.MissionFields, Mission, {"planning": "planner"}),
     ],
 )
 def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict[str, str]) -> None:
     expected = {renamed.get(f.name, f.name) for f in dataclasses.fields(type_)}
-    assert set(model.model_fields) - {"patrol", "swarm"} == expected
+    assert set(model.model_fields) - {"patrol", "swarm", "bounce"} == expected
+
+
+def test_a_bounce_plan_keeps_its_angles_and_a_turn_is_a_leg_without_length() -> None:
+    settings = BounceSettings(cell_m=0.5, task="cover", bouncing_angles_deg=(135, 90), start_headings_deg=(45,))
+    robots = tuple(Robot(name=name, speed_m_s=0.2, sensor=DiscSensor(radius_m=1)) for name in "ab")
+    mission = Mission(
+        name="hall",
+        area=MultiPolygon([box(0, 0, 5, 5)]),
+        fleet=Fleet(speed_m_s=0.2, sensor=DiscSensor(radius_m=1), robots=robots),
+        planning=settings,
+    )
+    turns = Trajectory(
+        robot="a",
+        times_s=np.array([0.0, 4.0, 8.0]),
+        positions_m=np.array([[0.25, 0.25], [0.75, 0.75], [0.75, 0.75]]),
+        headings_rad=np.radians([45.0, 45.0, 180.0]),
+        loop_start_s=8.0,
+    )
+    plan = Plan(mission=mission, trajectories=(turns,))
+    document = plan_to_json(plan)
+    jsonschema.validate(document, fields.plan_schema())
+    assert document["mission"]["bounce"]["bouncing_angles_deg"] == [135.0, 90.0]
+    assert plan_from_text(plan_text(plan), "plan.json") == plan
+    document["mission"]["bounce"]["bouncing_angles_deg"] = [100.0]
+    with pytest.raises(PlanError, match=r"bouncing_angles_deg\[0\]: 100 .* 45 degrees"):
+        plan_from_json(document)
 
 
 def test_points_to_start_from_travel_with_the_plan_and_plans_of_before_have_no_starts() -> None:

@@ -1,8 +1,18 @@
 """Pictures and films of plans; the only place that imports matplotlib."""
 
+from rota.draw.cells_picture import draw_cells
 from rota.draw.comparison_picture import Panel, draw_comparison
 from rota.draw.plan_film import animate_plan
 from rota.draw.plan_picture import draw_gaps, draw_plan, draw_routes
 from rota.draw.progress_picture import draw_progress
 
-__all__ = ["Panel", "animate_plan", "draw_comparison", "draw_gaps", "draw_plan", "draw_progress", "draw_routes"]
+__all__ = [
+    "Panel",
+    "animate_plan",
+    "draw_cells",
+    "draw_comparison",
+    "draw_gaps",
+    "draw_plan",
+    "draw_progress",
+    "draw_routes",
+]

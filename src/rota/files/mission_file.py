@@ -15,12 +15,13 @@ from shapely import MultiPolygon, unary_union
 from rota.errors import MissionError
 from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
-from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock
+from rota.files.mission_schema import AreaBlock, FleetBlock, MissionFile, RobotBlock, SensorBlock
 from rota.files.mission_starts import fleet_at_its_starts, moving_obstacles
 from rota.files.schema_faults import Fault, positioned, schema_faults
-from rota.files.settings_schema import PatrolBlock, SwarmBlock
+from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.mission import (
+    BounceSettings,
     DiscSensor,
     Fleet,
     Mission,
@@ -108,11 +109,20 @@ def _overridden(document: Document, overrides: Mapping[str, Any]) -> Document:
 
 def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
     zones = ground.zones if ground is not None else ()
-    if file.planner == "swarm" or file.period_s is not None or any(zone.period_s is not None for zone in zones):
+    if (
+        file.planner == "swarm"
+        or _covers(file)
+        or file.period_s is not None
+        or any(zone.period_s is not None for zone in zones)
+    ):
         return []
     if ground is None or any(zone.period_s is not None for zone in file.zones):
         return []
     return [Fault(("period_s",), "is missing; give seconds for the area, or a zone with a period_s")]
+
+
+def _covers(file: MissionFile) -> bool:
+    return file.planner == "bounce" and file.bounce is not None and file.bounce.task == "cover"
 
 
 def _robot_faults(fleet: FleetBlock) -> list[Fault]:
@@ -190,9 +200,17 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         fleet=fleet_at_its_starts(_fleet(file.fleet), file, ground)[0],
         origin=ground.origin,
         unseeable=file.unseeable,
-        planning=_swarm(file.swarm) if file.planner == "swarm" else _patrol(file.patrol),
+        planning=_planning(file),
         moving_obstacles=moving_obstacles(file, ground),
     )
+
+
+def _planning(file: MissionFile) -> PatrolSettings | SwarmSettings | BounceSettings:
+    if file.planner == "swarm":
+        return _swarm(file.swarm)
+    if file.planner == "bounce":
+        return _bounce(file.bounce or BounceBlock.model_validate({}), file.area)
+    return _patrol(file.patrol)
 
 
 def _patrol(block: PatrolBlock | None) -> PatrolSettings:
@@ -205,6 +223,13 @@ def _patrol(block: PatrolBlock | None) -> PatrolSettings:
 
 def _swarm(block: SwarmBlock | None) -> SwarmSettings:
     return SwarmSettings() if block is None else SwarmSettings(**block.model_dump())
+
+
+def _bounce(block: BounceBlock, area: Any) -> BounceSettings:
+    typed_m = area.cell_m if isinstance(area, AreaBlock) else None
+    cell_m = block.cell_m or typed_m
+    assert cell_m is not None
+    return BounceSettings(cell_m=cell_m, **block.model_dump(exclude={"cell_m"}))
 
 
 def _fleet(block: FleetBlock) -> Fleet:

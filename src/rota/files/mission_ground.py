@@ -19,6 +19,7 @@ from rota.files.occupancy_map import InsideError, read_map
 from rota.files.rings import polygons_of
 from rota.files.schema_block import Number
 from rota.files.schema_faults import Fault
+from rota.files.text_map import text_map
 from rota.files.yaml_text import Place
 from rota.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
 
@@ -88,7 +89,7 @@ def _placed(frame: Frame, entry: Any, origin: OriginBlock | None, noticed: Notic
     if origin is not None and not frame.in_degrees:
         return replace(frame, projection=Projection(GeoPoint(lat=origin.lat, lon=origin.lon)))
     from_file = block is not None and block.geojson is not None
-    if (block is not None and block.map is not None) or not (frame.in_degrees or from_file):
+    if (block is not None and (block.map is not None or block.text is not None)) or not (frame.in_degrees or from_file):
         return frame
     if block is not None and block.circle is not None:
         x, y = block.circle.centre
@@ -105,6 +106,8 @@ def _area(frame: Frame, entry: Any, noticed: Noticed) -> tuple[MultiPolygon, lis
     """The area, and the obstacles that come with it when it is the free part of a map."""
     if isinstance(entry, AreaBlock) and entry.map is not None:
         return _area_of_map(frame, entry, noticed)
+    if isinstance(entry, AreaBlock) and entry.text is not None:
+        return _area_of_text(frame, entry)
     return shape_in_metres(frame, ("area",), entry, noticed.warnings), []
 
 
@@ -124,6 +127,19 @@ def _area_of_map(frame: Frame, block: AreaBlock, noticed: Noticed) -> tuple[Mult
         raise Stop(("area", "map"), *error.faults) from None
     noticed.warnings.extend(Fault(("area", "map"), warning) for warning in sheet.warnings)
     return sheet.area, [Obstacle(shape=sheet.obstacles)] if sheet.obstacles is not None else []
+
+
+def _area_of_text(frame: Frame, block: AreaBlock) -> tuple[MultiPolygon, list[Obstacle]]:
+    """The rectangle of a typed map, and its obstacles as one."""
+    assert block.text is not None
+    assert block.cell_m is not None
+    if frame.in_degrees:
+        raise Stop(("coordinates",), "wgs84 does not go with area.text: a typed map is in metres; write metres")
+    try:
+        area, walls = text_map(block.text, block.cell_m)
+    except MissionError as error:
+        raise Stop(("area", "text"), *error.faults) from None
+    return area, [Obstacle(shape=walls)] if not walls.is_empty else []
 
 
 # ---------------------------------------------------------------- what lies in it

@@ -15,13 +15,12 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from rota.files.planner_faults import MOST_ROBOTS, unused_by_bounce, unused_by_patrol, unused_by_swarm
 from rota.files.rings import ring_fault
 from rota.files.schema_block import Block, NotNegative, Positive, Where, given_of
-from rota.files.settings_schema import PatrolBlock, SwarmBlock
+from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
 
-PLANNERS = ("patrol", "swarm")
-# a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
-MOST_ROBOTS, MOST_PATROLLING = 100_000, 10_000
+PLANNERS = ("patrol", "swarm", "bounce")
 FARTHEST_M = 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
 
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-FARTHEST_M, le=FARTHEST_M)]
@@ -42,6 +41,7 @@ Ring = Annotated[list[Point], AfterValidator(_checked_ring)]
 def _one_of(*keys: str, **more: Any) -> dict[str, Any]:
     """What the published schema says of blocks that take exactly one of several keys."""
     belongs = {"holes": ["outer"], "feature": ["geojson"], "map": ["inside"], "inside": ["map"], "unknown": ["map"]}
+    belongs |= {"text": ["cell_m"], "cell_m": ["text"]}
     return {"oneOf": [{"required": [key]} for key in keys], "dependentRequired": belongs, **more}
 
 
@@ -109,21 +109,29 @@ def _source_faults(data: dict[str, Any], *sources: str) -> Iterator[tuple[Where,
 class AreaBlock(Shape):
     """Where robots may be and must look."""
 
-    model_config = ConfigDict(json_schema_extra=_one_of("ring", "outer", "circle", "geojson", "map"))
+    model_config = ConfigDict(json_schema_extra=_one_of("ring", "outer", "circle", "geojson", "map", "text"))
 
     map: Text | None = Field(None, description="path of a ROS map_server .yaml file")
     inside: Point | None = Field(None, description="a point [x, y] in the free part of the map that is meant")
     unknown: Literal["blocked", "free"] | None = Field(None, description="overrides how unknown cells are read")
+    text: Text | None = Field(
+        None, description="lines of . (free) and # (obstacle), the first is north; from (0, 0) on"
+    )
+    cell_m: Positive | None = Field(None, description="side of a text map's character in metres")
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """As a shape; inside belongs to a map and a map needs it."""
-        yield from _source_faults(data, "ring", "outer", "circle", "geojson", "map")
+        """As a shape; inside belongs to a map and a map needs it, and cell_m to a text."""
+        yield from _source_faults(data, "ring", "outer", "circle", "geojson", "map", "text")
         if data.get("map") is not None and data.get("inside") is None:
             yield ("inside",), "is missing; a map needs a point [x, y] in the free part that is meant"
         for field in given_of(data, "inside", "unknown"):
             if data.get("map") is None:
                 yield (field,), "belongs to a map; remove it, or give map"
+        if data.get("text") is not None and data.get("cell_m") is None:
+            yield ("cell_m",), "is missing; a text map needs the side of a character in metres"
+        if data.get("cell_m") is not None and data.get("text") is None:
+            yield ("cell_m",), "belongs to a text map; remove it, or give text"
 
 
 class ObstacleBlock(Shape):
@@ -285,7 +293,9 @@ class OriginBlock(Block):
     lon: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-180, le=180)]
 
 
-_AREA_ALLOWED = "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}, {map: ...}"
+_AREA_ALLOWED = (
+    "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}, {map: ...}, {text: ...}"
+)
 _SHAPE_ALLOWED = "a ring [[x, y], ...] or one of {ring: ...}, {outer: ...}, {circle: ...}, {geojson: ...}"
 Area = Annotated[Annotated[Ring, Tag("<list>")] | Annotated[AreaBlock, Tag("<block>")], _either(_AREA_ALLOWED)]
 ObstacleEntry = Annotated[
@@ -307,9 +317,10 @@ class MissionFile(Block):
     unseeable: Literal["exclude", "refuse"] = "exclude"
     zones: list[ZoneBlock] = Field(default=[])
     fleet: FleetBlock
-    planner: Literal["patrol", "swarm"] = "patrol"
+    planner: Literal["patrol", "swarm", "bounce"] = "patrol"
     patrol: PatrolBlock | None = None
     swarm: SwarmBlock | None = None
+    bounce: BounceBlock | None = None
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -319,44 +330,10 @@ class MissionFile(Block):
             if planner in PLANNERS and other != planner and data.get(other) is not None:
                 yield (other,), f"settings of another planner; planner is {planner}: remove this block"
         if planner == "patrol":
-            yield from _unused_by_patrol(data)
+            yield from unused_by_patrol(data)
         if planner == "swarm":
-            yield from _unused_by_swarm(data)
+            yield from unused_by_swarm(data)
+        if planner == "bounce":
+            yield from unused_by_bounce(data)
         if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
             yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
-
-
-def _unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    if data.get("moving_obstacles"):
-        yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
-    listed = _inner(data, "fleet", "robots")
-    count = len(listed) if isinstance(listed, list) else listed
-    if isinstance(count, int) and MOST_PATROLLING < count <= MOST_ROBOTS:
-        yield ("fleet", "robots"), f"{count} is not allowed; the patrol planner plans for at most {MOST_PATROLLING}"
-    for k, robot in enumerate(listed if isinstance(listed, list) else []):
-        for name in ("joins_s", "leaves_s"):
-            if _inner(robot, name):
-                yield ("fleet", "robots", k, name), "only robots of a swarm join or leave: remove it"
-    if _inner(data, "patrol", "method") == "sun2019" and _inner(data, "fleet", "sensor", "shape") == "square":
-        yield ("fleet", "sensor", "shape"), "square is not allowed: patrol.method sun2019 is made for discs; give disc"
-
-
-def _unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    fleet = data.get("fleet") if isinstance(data.get("fleet"), dict) else {}
-    assert isinstance(fleet, dict)
-    if fleet.get("robots", "fewest") == "fewest":
-        yield ("fleet", "robots"), "fewest is not allowed: a swarm needs a number of robots, or a list of them"
-    listed = fleet.get("robots") if isinstance(fleet.get("robots"), list) else []
-    places: list[tuple[Where, Any]] = [(("fleet",), fleet)]
-    places += [(("fleet", "robots", k), robot) for k, robot in enumerate(listed or [])]
-    for where, block in places:
-        if _inner(block, "sensor", "shape") == "square":
-            yield (*where, "sensor", "shape"), "square is not allowed: the swarm planner is made for discs; give disc"
-        if _inner(block, "turn_rate_rad_s") is not None:
-            yield (*where, "turn_rate_rad_s"), "robots of a swarm turn at once: remove it"
-
-
-def _inner(data: Any, *keys: str) -> Any:
-    for key in keys:
-        data = data.get(key) if isinstance(data, dict) else None
-    return data

@@ -31,6 +31,7 @@ from rota.files.plan_schema import (
     TrajectoryFields,
 )
 from rota.mission import (
+    BounceSettings,
     DiscSensor,
     Fleet,
     GeoPoint,
@@ -118,8 +119,12 @@ def _mission_to_json(mission: Mission) -> Json:
 
 
 def _planner_to_json(mission: Mission) -> Json:
-    settings = {"planner": mission.planning.planner, mission.planning.planner: asdict(mission.planning)}
-    if isinstance(mission.planning, PatrolSettings):
+    # lists in place of tuples, as reading gives them
+    values = {
+        key: list(value) if isinstance(value, tuple) else value for key, value in asdict(mission.planning).items()
+    }
+    settings = {"planner": mission.planning.planner, mission.planning.planner: values}
+    if not isinstance(mission.planning, SwarmSettings):
         return settings
     moving = [
         {"radius_m": float(m.radius_m), "times_s": list(m.times_s), "positions_m": [list(at) for at in m.positions_m]}
@@ -318,7 +323,10 @@ def _mission(fields: MissionFields) -> Mission:
         )
 
 
-def _planning(fields: MissionFields) -> PatrolSettings | SwarmSettings:
+def _planning(fields: MissionFields) -> PatrolSettings | SwarmSettings | BounceSettings:
+    if fields.bounce is not None:
+        with _at("mission"):
+            return BounceSettings(**fields.bounce.model_dump())
     if fields.swarm is not None:
         return SwarmSettings(**fields.swarm.model_dump())
     if fields.patrol is None:

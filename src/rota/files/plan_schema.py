@@ -8,7 +8,12 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 
 from rota.mission import (
     Blocks,
+    BounceMethod,
+    BounceTask,
+    Contact,
+    ContactFree,
     Controller,
+    Corners,
     Demand,
     DeploymentMethod,
     Device,
@@ -16,6 +21,7 @@ from rota.mission import (
     FramePartition,
     FrameTour,
     Method,
+    Purpose,
     SegmentRoutes,
     SetBoundary,
     Unseeable,
@@ -168,6 +174,22 @@ class SwarmFields(_Strict):
     device: Device = "cpu"
 
 
+class BounceFields(_Strict):
+    """Settings of the bounce planner."""
+
+    cell_m: Positive
+    task: BounceTask
+    method: BounceMethod
+    headings: int
+    bouncing_angles_deg: Annotated[list[float], Field(min_length=1)]
+    start_headings_deg: Annotated[list[float], Field(min_length=1)] | None
+    corners: Corners
+    contact: Contact
+    contact_free: ContactFree
+    purpose: Purpose
+    most_steps: Annotated[int, Field(ge=1)]
+
+
 class MovingObstacleFields(_Strict):
     """A disc that moves along timed points."""
 
@@ -188,13 +210,15 @@ class MissionFields(_Strict):
     origin: OriginFields | None
     fleet: FleetFields
     moving_obstacles: list[MovingObstacleFields] = []
-    planner: Literal["patrol", "swarm"]
+    planner: Literal["patrol", "swarm", "bounce"]
     patrol: PatrolFields | None = None
     swarm: SwarmFields | None = None
+    bounce: BounceFields | None = None
 
     @model_validator(mode="after")
     def _settings_of_its_planner(self) -> Self:
-        if (self.patrol is None) == (self.planner == "patrol") or (self.swarm is None) == (self.planner == "swarm"):
+        blocks = {"patrol": self.patrol, "swarm": self.swarm, "bounce": self.bounce}
+        if any((block is not None) != (name == self.planner) for name, block in blocks.items()):
             raise ValueError(f"planner is {self.planner}; its settings and no others are needed")
         return self
 

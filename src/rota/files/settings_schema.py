@@ -9,17 +9,25 @@ from pydantic import Field
 
 from rota.files.schema_block import Block, NotNegative, Positive, Where
 from rota.mission import (
+    HEADINGS,
     METHODS,
+    BounceMethod,
+    BounceTask,
+    Contact,
+    ContactFree,
     Controller,
+    Corners,
     DeploymentMethod,
     Device,
     FramePartition,
     FrameTour,
     Method,
+    Purpose,
     SegmentRoutes,
     SetBoundary,
     VelocityChoice,
 )
+from rota.planner_settings import MOST_BOUNCE_STEPS, angle_faults
 
 
 class Sun2019Block(Block):
@@ -72,3 +80,50 @@ class SwarmBlock(Block):
     delay_steps: Annotated[int, Field(strict=True, ge=0, le=20)] = Field(0, description="age of what robots hear")
     messages_lost: Annotated[NotNegative, Field(lt=1)] = Field(0.0, description="share of messages that never arrive")
     device: Device = Field("cpu", description="cuda: decisions on an NVIDIA GPU, with the package numba-cuda")
+
+
+Angle = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+
+
+class BounceBlock(Block):
+    """Settings of the bounce planner (Alam & Bobadilla 2020)."""
+
+    task: BounceTask = Field("monitor", description="the zones for ever, or cover the area once")
+    method: BounceMethod = Field("improved", description="as_printed is the paper's own")
+    cell_m: Positive | None = Field(None, description="side of a cell; null: that of the area's text map")
+    headings: Annotated[int, Field(strict=True)] = Field(8, description=f"one of {', '.join(map(str, HEADINGS))}")
+    bouncing_angles_deg: Annotated[list[Angle], Field(min_length=1)] = Field(
+        [135.0], description="counterclockwise, one for all robots or one for each; multiples of 360 / headings"
+    )
+    start_headings_deg: Annotated[list[Angle], Field(min_length=1)] | None = Field(
+        None, description="counterclockwise from x, one for all robots or one for each; null: as the planner likes"
+    )
+    corners: Corners = Field("blocked", description="a diagonal move beside an obstacle's corner: blocked, or pass")
+    contact: Contact = Field("swept", description="swept distance of bodies, or the published definition on the grid")
+    contact_free: ContactFree = Field("cycle", description="of robots that monitor: the cycle, or all the trajectory")
+    purpose: Purpose = Field("periods", description="of robots that monitor: what the plan is best for")
+    most_steps: Annotated[int, Field(strict=True, ge=1, le=MOST_BOUNCE_STEPS)] = Field(
+        100_000, description="to cover the area"
+    )
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """A number of headings that the grid has no moves for, and angles between two headings."""
+        headings = data.get("headings", 8)
+        if not isinstance(headings, int) or isinstance(headings, bool):
+            return
+        if headings not in HEADINGS:
+            yield ("headings",), f"{headings} is not allowed; one of {', '.join(map(str, HEADINGS))} is needed"
+            return
+        bouncing, starts = data.get("bouncing_angles_deg"), data.get("start_headings_deg")
+        numbers = [_numbers(angles) for angles in ([135.0] if bouncing is None else bouncing, starts)]
+        for where, value, allowed in angle_faults(headings, *numbers):
+            name, _, k = where.rstrip("]").partition("[")
+            place: Where = (name,) if data.get(name) is None else (name, int(k))
+            yield place, f"{value:.9g} is not allowed; it {allowed}"
+
+
+def _numbers(values: Any) -> list[float]:
+    """A list of numbers as it is; empty for what the schema refuses."""
+    ok = isinstance(values, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
+    return values if ok else []

@@ -1,0 +1,76 @@
+"""Joint maps of bouncing robots, their cycles and basins: against scipy for two robots, and all of three robots'."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from benchmarks.bounce_maps import LESS_EIGHT, OPEN, cells_on
+from benchmarks.row import Options, Row
+from benchmarks.shell import python
+from rota.planners.bounce.bounce_map import NOWHERE, cycles_and_basins, joint_map, make_team, told_apart
+
+REPEATS = 9
+LEAST_RATIO, MOST_S, MOST_BYTES = 5.0, 90.0, 4.5e9
+THREE = "from benchmarks.bounce_joint_maps import three_robots; three_robots()"
+
+
+def bounce_map(options: Options) -> Iterator[Row]:
+    """Processor times: two robots in one run with scipy, three in a process of their own for its memory."""
+    yield two_robots()
+    run = python("-c", THREE)
+    name, asked = "bounce, 3 robots, 10 x 10 open, 512 million joint states", "< 90 s, < 4.5 GB"
+    if run.code != 0:
+        yield Row(name, asked, run.failure(), False)
+        return
+    reached = run.cpu_s < MOST_S and run.peak_bytes < MOST_BYTES
+    yield Row(name, asked, f"{run.out.strip()}; {run.cpu_s:.1f} s in all, peak {run.peak_bytes / 1e9:.2f} GB", reached)
+
+
+def two_robots() -> Row:
+    """Successor map, cycles and basins of two robots that are told apart; scipy is given the successors."""
+    team = make_team(cells_on(LESS_EIGHT), [3, 3])
+    successor = joint_map(team)
+    cycles_and_basins(successor.copy())  # compiles
+    ours, theirs = [], []
+    for _ in range(REPEATS):
+        ours.append(cpu_s(lambda: cycles_and_basins(joint_map(team))))
+        theirs.append(cpu_s(lambda: by_scipy(successor)))
+    mine, their = statistics.median(ours), statistics.median(theirs)
+    measured = f"{their / mine:.1f} x ({mine * 1e3:.1f} ms, scipy {their * 1e3:.0f} ms without the successor map)"
+    name = f"bounce, 2 robots, {len(successor):,} joint states: successor map, cycles and basins, against scipy"
+    return Row(name, f"> {LEAST_RATIO:.0f} x", measured, their / mine > LEAST_RATIO)
+
+
+def by_scipy(successor: NDArray[np.uint32]) -> tuple[int, int]:
+    """Basins are the weak components of the map's graph, cycles its strong ones of more than one state, or a loop."""
+    real = np.flatnonzero(successor != NOWHERE)
+    shape = (len(successor), len(successor))
+    graph = csr_matrix((np.ones(len(real), np.int8), (real, successor[real].astype(np.int32))), shape=shape)
+    basins, _ = connected_components(graph, connection="weak")
+    strong, _ = connected_components(graph, connection="strong")
+    return int(basins), int(strong)
+
+
+def three_robots() -> None:
+    """All of three equal robots on an open grid, taken as unordered; prints what that gives for ordered ones."""
+    team = make_team(cells_on(OPEN), [3, 3, 3])
+    began_s = time.process_time()
+    found = cycles_and_basins(joint_map(team, unordered=True))
+    counts, _, basins = told_apart(team, found)
+    taken_s = time.process_time() - began_s
+    states, cycles = int((counts * basins).sum()), int(counts.sum())
+    print(f"{taken_s:.1f} s for {cycles:,} cycles with basins of {states:,} states together")
+
+
+def cpu_s(work: Callable[[], object]) -> float:
+    """Processor seconds of a call."""
+    began_s = time.process_time()
+    work()
+    return time.process_time() - began_s

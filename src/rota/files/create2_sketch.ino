@@ -1,0 +1,244 @@
+// @TITLE@
+//
+// An iRobot Create 2 that drives straight until it bumps, backs off and turns. It has a bump sensor and a clock and
+// knows nothing else; where it is follows from where it began. Written by Rota, for an Arduino Uno.
+//
+// Begin:   @BEGIN@
+// Then:    @THEN@
+// Others:  @OTHERS@
+//
+// Wiring, Create 2 mini-DIN socket -> Arduino Uno:
+//   pin 3  RXD            -> pin 1 (TX)
+//   pin 4  TXD            -> pin 0 (RX)
+//   pin 5  BRC            -> pin 2 (WAKE_PIN below)
+//   pin 6 or 7  ground    -> GND
+//   pin 1 or 2  battery   -> 9 V regulator -> VIN; never straight to the Arduino: it is up to 20 V
+// Unplug pins 0 and 1 while you upload. The LED on the Arduino is lit while all is well and blinks after a stop.
+
+#include <Arduino.h>
+#include <avr/pgmspace.h>
+#include <avr/sleep.h>
+
+// ---------------------------------------------------------------- what you may want to change
+
+// Let the robot turn by ten times 360 degrees: if it comes short by 2 %, this is 1.02.
+const float TURN_CALIBRATION = 1.000;
+
+// Safe mode (false): the robot itself stops at a cliff, too. Full mode (true): only this sketch does.
+const bool FULL_MODE = false;
+
+const unsigned long BAUD = 115200;        // the Create 2's own rate after power-on
+const uint8_t WAKE_PIN = 2;               // to BRC: a low pulse wakes the robot
+const unsigned long START_DELAY_MS = 5000;  // from contact with the robot to the first move: hands off
+
+// ---------------------------------------------------------------- the plan
+
+const int16_t BACK_OFF_MM_S = @BACK_OFF_MM_S@;  // speed while backing off
+const int16_t TURN_MM_S = @TURN_MM_S@;      // speed of each wheel while turning in place
+const float WHEEL_BASE_MM = 235.0;    // from wheel to wheel
+
+const uint32_t UNTIL_BUMP = 0xFFFFFFFF;
+
+struct Leg {
+  int16_t speedMmS;     // forward
+  uint32_t driveMs;     // for so long, or UNTIL_BUMP
+  uint16_t backOffMm;   // after a bump
+  int16_t turnTenths;   // of a degree, to the left
+  uint32_t nextMs;      // when the next leg begins, on the plan's clock
+};
+
+const Leg LEGS[] PROGMEM = {
+@LEGS@
+};
+const uint16_t LEG_COUNT = sizeof(LEGS) / sizeof(LEGS[0]);
+const bool LOOPS = @LOOPS@;          // after the last leg: on with leg LOOP_FROM, or stop
+const uint16_t LOOP_FROM = @LOOP_FROM@;
+const uint32_t LOOP_MS = @LOOP_MS@;    // one round
+const uint32_t FIRST_MS = @FIRST_MS@;     // when the first leg begins
+
+// ---------------------------------------------------------------- what the robot is told (Create 2 Open Interface)
+
+const uint8_t START = 128, SAFE = 131, FULL = 132, DRIVE_DIRECT = 145, STREAM = 148;
+
+// Signed speeds of the right and the left wheel.
+void drive(int16_t rightMmS, int16_t leftMmS) {
+  const uint8_t command[] = { DRIVE_DIRECT,
+                              uint8_t(rightMmS >> 8), uint8_t(rightMmS),
+                              uint8_t(leftMmS >> 8), uint8_t(leftMmS) };
+  Serial.write(command, sizeof(command));
+}
+
+void stopWheels() {
+  drive(0, 0);
+}
+
+// ---------------------------------------------------------------- what the robot tells
+
+// Every 15 ms: 19, number of bytes, then packet and value in turn, then a byte that makes the sum 0.
+const uint8_t STREAM_HEADER = 19;
+const uint8_t PACKETS[] = { 7, 9, 10, 11, 12 };  // bumps and wheel drops; cliff left, front left, front right, right
+const uint8_t PACKET_COUNT = sizeof(PACKETS);
+const uint8_t FRAME_BYTES = 2 + 2 * PACKET_COUNT + 1;
+const uint8_t BUMPS = 0b0011, WHEEL_DROPS = 0b1100;  // bits of packet 7
+
+const unsigned long SILENCE_MS = 500;  // without a frame for so long: stop
+
+uint8_t lastBytes[FRAME_BYTES];  // as received, the newest last
+bool bumped = false;
+bool inDanger = false;  // over a cliff, or lifted
+unsigned long lastFrameMs = 0;
+bool heard = false;  // since the start
+
+// While it boots the robot prints text, and bytes can get lost: only what is a frame in every byte counts.
+bool isFrame() {
+  if (lastBytes[0] != STREAM_HEADER || lastBytes[1] != 2 * PACKET_COUNT) return false;
+  uint8_t sum = 0;
+  for (uint8_t i = 0; i < FRAME_BYTES; i++) sum += lastBytes[i];
+  if (sum != 0) return false;
+  for (uint8_t i = 0; i < PACKET_COUNT; i++) {
+    if (lastBytes[2 + 2 * i] != PACKETS[i]) return false;
+  }
+  return true;
+}
+
+void takeFrame() {
+  const uint8_t bumpsAndDrops = lastBytes[3];
+  bumped = bumpsAndDrops & BUMPS;
+  inDanger = bumpsAndDrops & WHEEL_DROPS;
+  for (uint8_t i = 1; i < PACKET_COUNT; i++) {
+    if (lastBytes[3 + 2 * i]) inDanger = true;
+  }
+  lastFrameMs = millis();
+  heard = true;
+}
+
+void readRobot() {
+  while (Serial.available()) {
+    memmove(lastBytes, lastBytes + 1, FRAME_BYTES - 1);
+    lastBytes[FRAME_BYTES - 1] = Serial.read();
+    if (isFrame()) takeFrame();
+  }
+}
+
+// Nothing to do until the clock ticks or a byte comes.
+void doze() {
+  set_sleep_mode(SLEEP_MODE_IDLE);
+  sleep_mode();
+}
+
+void stopForGood() {
+  while (true) {
+    stopWheels();
+    digitalWrite(LED_BUILTIN, !digitalRead(LED_BUILTIN));
+    for (unsigned long since = millis(); millis() - since < 250; ) doze();
+  }
+}
+
+// To be called all the time: reads the robot, and stops where it must not go on.
+void watch() {
+  readRobot();
+  if (inDanger || millis() - lastFrameMs > SILENCE_MS) stopForGood();
+}
+
+// ---------------------------------------------------------------- moves
+
+// Goes on with what the wheels do for so long, to some microseconds: a millisecond is a tenth of a degree.
+void keepOn(uint32_t durationUs) {
+  const uint32_t beganUs = micros();
+  uint32_t goneUs;
+  while ((goneUs = micros() - beganUs) < durationUs) {
+    const uint32_t leftUs = durationUs - goneUs;
+    if (leftUs > 1000) watch();  // the last millisecond is for the clock alone
+    if (leftUs > 3000) doze();
+  }
+}
+
+// Straight on, until it bumps or the time is up. True: it bumped.
+bool driveOn(int16_t speedMmS, uint32_t driveMs) {
+  const unsigned long beganMs = millis();
+  drive(speedMmS, speedMmS);
+  while (true) {
+    watch();
+    if (bumped) return true;
+    if (driveMs != UNTIL_BUMP && millis() - beganMs >= driveMs) return false;
+    doze();
+  }
+}
+
+void backOff(uint16_t distanceMm) {
+  drive(-BACK_OFF_MM_S, -BACK_OFF_MM_S);
+  keepOn(distanceMm * 1000000.0 / BACK_OFF_MM_S);
+}
+
+// In place; to the left where tenths of a degree are positive.
+void turn(int16_t tenths) {
+  if (tenths == 0) return;
+  const float wayMm = abs(tenths) / 10.0 * DEG_TO_RAD * WHEEL_BASE_MM / 2.0 * TURN_CALIBRATION;
+  const int16_t rightMmS = tenths > 0 ? TURN_MM_S : -TURN_MM_S;
+  drive(rightMmS, -rightMmS);
+  keepOn(wayMm * 1000000.0 / TURN_MM_S);
+}
+
+void waitUntil(unsigned long timeMs) {
+  while (long(timeMs - millis()) > 0) {
+    watch();
+    doze();
+  }
+}
+
+// ---------------------------------------------------------------- start, and leg by leg
+
+void wake() {
+  pinMode(WAKE_PIN, OUTPUT);
+  digitalWrite(WAKE_PIN, LOW);
+  delay(100);
+  digitalWrite(WAKE_PIN, HIGH);
+  delay(100);
+}
+
+// Asks for the stream until it comes: a robot that boots hears nothing for some seconds.
+void startRobot() {
+  while (!heard) {
+    Serial.write(START);
+    delay(20);
+    Serial.write(FULL_MODE ? FULL : SAFE);
+    delay(20);
+    Serial.write(STREAM);
+    Serial.write(PACKET_COUNT);
+    Serial.write(PACKETS, PACKET_COUNT);
+    for (unsigned long since = millis(); millis() - since < 1000 && !heard; ) {
+      readRobot();
+      doze();
+    }
+  }
+}
+
+unsigned long clockZeroMs;  // when the plan's clock showed 0
+uint16_t number = 0;        // of the leg
+
+void setup() {
+  pinMode(LED_BUILTIN, OUTPUT);
+  Serial.begin(BAUD);
+  wake();
+  startRobot();
+  digitalWrite(LED_BUILTIN, HIGH);
+  clockZeroMs = millis() + START_DELAY_MS;
+  waitUntil(clockZeroMs + FIRST_MS);
+}
+
+void loop() {
+  Leg leg;
+  memcpy_P(&leg, &LEGS[number], sizeof(leg));
+
+  if (driveOn(leg.speedMmS, leg.driveMs)) backOff(leg.backOffMm);
+  turn(leg.turnTenths);
+  stopWheels();
+  waitUntil(clockZeroMs + leg.nextMs);
+
+  number++;
+  if (number == LEG_COUNT) {
+    if (!LOOPS) stopForGood();
+    number = LOOP_FROM;
+    clockZeroMs += LOOP_MS;
+  }
+}

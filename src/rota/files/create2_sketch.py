@@ -1,0 +1,101 @@
+"""Plan of bouncing robots -> Arduino sketches, one per robot, for the iRobot Create 2 and its Open Interface.
+
+Source: iRobot Create 2 Open Interface specification; the program's frame is ``create2_sketch.ino`` beside this file.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from pathlib import Path
+
+from rota.errors import PlanError, RotaError
+from rota.files.atomic_write import require_writable_folder, write_atomically
+from rota.files.create2_legs import BACK_OFF_SPEED_M_S, Drive, Leg, drives_of
+from rota.plan import Plan, Trajectory
+
+MOST_LEGS = 1800  # of 14 bytes each; with the program they fill the 32 kB of an Uno
+_FRAME = Path(__file__).with_name("create2_sketch.ino")
+
+
+def write_create2_sketches(plan: Plan, folder: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """Write ``ROBOT/ROBOT.ino`` for every robot into ``folder`` (made if missing), as the Arduino IDE wants it.
+
+    Returns the sketches' paths. Raises PlanError for plans that Create 2 robots cannot drive or robots whose names give
+    the same file name, RotaError when the folder cannot be written to. Nothing is written unless all could be made.
+    """
+    require_writable_folder(folder)
+    texts: dict[str, str] = {}
+    for trajectory, text in zip(plan.trajectories, sketch_texts(plan), strict=True):
+        name = re.sub(r"[^A-Za-z0-9_-]+", "_", trajectory.robot).strip("_-") or "robot"
+        if name.casefold() in (known.casefold() for known in texts):
+            raise PlanError(f"robot {trajectory.robot}: another robot's file is called {name}.ino; rename one of them")
+        texts[name] = text
+    paths = tuple(Path(folder) / name / f"{name}.ino" for name in texts)
+    for path, text in zip(paths, texts.values(), strict=True):
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise RotaError(f"{path.parent}: cannot be made: {error.strerror or error}") from error
+        write_atomically(path, text)
+    return paths
+
+
+def sketch_texts(plan: Plan) -> tuple[str, ...]:
+    """The sketches' texts, in the plan's order of robots. Raises PlanError, see ``create2_legs.drives_of``."""
+    return tuple(_text(plan, t, drive) for t, drive in zip(plan.trajectories, drives_of(plan), strict=True))
+
+
+def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
+    if len(drive.legs) > MOST_LEGS:
+        raise PlanError(
+            f"robot {trajectory.robot}: its way has {len(drive.legs)} legs; an Arduino Uno has room for {MOST_LEGS}"
+        )
+    first = drive.legs[0]
+    others = ", ".join(other.robot for other in plan.trajectories if other is not trajectory)
+    together = f"{others}; switch all on at the same moment, the plan relies on it" if others else "none"
+    marks = {
+        "TITLE": _one_line(f"{trajectory.robot}: {plan.mission.name}"),
+        "BEGIN": f"centre at x = {first.start_m[0]:.3f} m, y = {first.start_m[1]:.3f} m, facing"
+        f" {_degrees(first.heading_rad):g} degrees (0 is along x, 90 along y)",
+        "THEN": _ending(drive),
+        "OTHERS": _one_line(together),
+        "BACK_OFF_MM_S": str(round(BACK_OFF_SPEED_M_S * 1e3)),
+        "TURN_MM_S": str(round(drive.turn_speed_m_s * 1e3)),
+        "LEGS": "\n".join(_row(k, leg) for k, leg in enumerate(drive.legs)),
+        "LOOPS": "false" if drive.loop_from is None else "true",
+        "LOOP_FROM": str(drive.loop_from or 0),
+        "LOOP_MS": str(round(drive.loop_s * 1e3)),
+        "FIRST_MS": str(round(drive.first_s * 1e3)),
+    }
+    text = _FRAME.read_text(encoding="utf-8")
+    return re.sub(r"@([A-Z_]+)@", lambda mark: marks[mark[1]], text)
+
+
+def _one_line(text: str) -> str:
+    """A name that ends neither its line nor its comment."""
+    return "".join(mark if mark.isprintable() and mark != "\\" else "_" for mark in text)
+
+
+def _row(number: int, leg: Leg) -> str:
+    drive = "UNTIL_BUMP" if leg.bumps else str(round(leg.drive_s * 1e3))
+    values = (
+        f"{round(leg.speed_m_s * 1e3):3d}, {drive:>10}, {round(leg.back_off_m * 1e3):3d},"
+        f" {round(math.degrees(leg.turn_rad) * 10):5d}, {round(leg.next_s * 1e3):7d}"
+    )
+    where = f"({leg.start_m[0]:.2f}, {leg.start_m[1]:.2f})"
+    return f"  {{ {values} }},  // {number}: from {where} {leg.length_m:.2f} m towards {_degrees(leg.heading_rad):g}"
+
+
+def _degrees(heading_rad: float) -> float:
+    return round(math.degrees(heading_rad) % 360, 1) % 360
+
+
+def _ending(drive: Drive) -> str:
+    bumps = sum(leg.bumps for leg in drive.legs)
+    clocked = len(drive.legs) - bumps
+    timed = f", {clocked} of which the clock ends" if clocked else ""
+    if drive.loop_from is None:
+        return f"{len(drive.legs)} legs{timed}; then it stops"
+    return f"{len(drive.legs)} legs{timed}; those from {drive.loop_from} on for ever, {drive.loop_s:.1f} s a round"

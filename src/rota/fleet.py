@@ -1,0 +1,171 @@
+"""Robots, what they see with, and the fleet that they make up. SI units, frozen."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+
+from rota.errors import MissionError
+from rota.planner_settings import require, require_positive
+
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiscSensor:
+    """Sees everything within ``radius_m`` that no obstacle hides."""
+
+    radius_m: float
+
+    def __post_init__(self) -> None:
+        require_positive("sensor.radius_m", self.radius_m)
+
+    @property
+    def reach_m(self) -> float:
+        """Farthest distance at which anything can be seen."""
+        return self.radius_m
+
+
+@dataclass(frozen=True, kw_only=True)
+class SquareSensor:
+    """Sees a square of ``side_m`` by ``side_m`` round the robot, along the axes of the plane whatever the heading."""
+
+    side_m: float
+
+    def __post_init__(self) -> None:
+        require_positive("sensor.side_m", self.side_m)
+
+    @property
+    def reach_m(self) -> float:
+        """Farthest distance at which anything can be seen: half the diagonal."""
+        return self.side_m / math.sqrt(2)
+
+
+Sensor = DiscSensor | SquareSensor
+
+
+def inner_reach_m(sensor: Sensor) -> float:
+    """How far a sensor sees in every direction: a disc's radius, half a square's side."""
+    return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere.
+
+    It takes part from ``joins_s`` on until ``leaves_s`` (None: for ever). Before, it stands at its start, and after
+    that where it is: it neither moves nor sees, but its body is there.
+    """
+
+    name: str
+    speed_m_s: float
+    sensor: Sensor
+    body_radius_m: float = 0.0
+    turn_rate_rad_s: float | None = None
+    start: Place | None = None
+    joins_s: float = 0.0
+    leaves_s: float | None = None
+
+    def __post_init__(self) -> None:
+        require(bool(self.name), "robot.name", self.name, "must not be empty")
+        require_positive(f"robot {self.name}: speed_m_s", self.speed_m_s)
+        ok = math.isfinite(self.body_radius_m) and self.body_radius_m >= 0
+        require(ok, f"robot {self.name}: body_radius_m", self.body_radius_m, "must be a finite number, 0 or more")
+        if self.turn_rate_rad_s is not None:
+            require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
+        ok = math.isfinite(self.joins_s) and self.joins_s >= 0
+        require(ok, f"robot {self.name}: joins_s", self.joins_s, "must be a finite number, 0 or more")
+        ok = self.leaves_s is None or (math.isfinite(self.leaves_s) and self.leaves_s > self.joins_s)
+        require(ok, f"robot {self.name}: leaves_s", self.leaves_s, f"must come after joins_s, {self.joins_s:.6g}")
+
+    @property
+    def stays(self) -> bool:
+        """Whether it takes part from the beginning and for ever."""
+        return self.joins_s == 0 and self.leaves_s is None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartBox:
+    """Robots start anywhere in the box between two opposite corners, (x, y) in metres; it may have no width."""
+
+    low_m: Place
+    high_m: Place
+
+    def __post_init__(self) -> None:
+        ends = (self.low_m, self.high_m)
+        ok = all(math.isfinite(value) for end in ends for value in end)
+        require(ok, "fleet.start.box", ends, "coordinates must be finite")
+        (x0, y0), (x1, y1) = ends
+        object.__setattr__(self, "low_m", (float(min(x0, x1)), float(min(y0, y1))))
+        object.__setattr__(self, "high_m", (float(max(x0, x1)), float(max(y0, y1))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartPoints:
+    """Robots start at these points, (x, y) in metres, one at each; the planner chooses who starts where."""
+
+    points_m: tuple[Place, ...]
+
+    def __post_init__(self) -> None:
+        require(len(self.points_m) > 0, "fleet.start.points", self.points_m, "must be at least one point")
+        for k, point in enumerate(self.points_m):
+            ok = all(math.isfinite(value) for value in point)
+            require(ok, f"fleet.start.points[{k}]", point, "coordinates must be finite")
+        object.__setattr__(self, "points_m", tuple((float(x), float(y)) for x, y in self.points_m))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fleet:
+    """The robots at hand: ``robots`` None means as few equal ones as possible, otherwise exactly those named.
+
+    The other fields are the common values; a robot made without overrides has them. Names are unique. ``start``: where
+    robots without a start of their own begin; points only where ``robots`` is None (named robots have their own).
+    """
+
+    speed_m_s: float
+    sensor: Sensor
+    robots: tuple[Robot, ...] | None = None
+    body_radius_m: float = 0.0
+    turn_rate_rad_s: float | None = None
+    altitude_m: float = 30.0
+    start: StartBox | StartPoints | None = None
+
+    def __post_init__(self) -> None:
+        self.equal_robot("robot-1")  # checks the common values
+        ok = self.robots is None or not isinstance(self.start, StartPoints)
+        require(
+            ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
+        )
+        require_positive("fleet.altitude_m", self.altitude_m)
+        if self.robots is not None:
+            require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
+            counted = Counter(robot.name for robot in self.robots)
+            for name, count in counted.items():
+                require(count == 1, "fleet.robots", name, "names must be unique")
+
+    def equal_robot(self, name: str) -> Robot:
+        """A robot of this name with the fleet's common values."""
+        return Robot(
+            name=name,
+            speed_m_s=self.speed_m_s,
+            sensor=self.sensor,
+            body_radius_m=self.body_radius_m,
+            turn_rate_rad_s=self.turn_rate_rad_s,
+        )
+
+    def robot(self, name: str) -> Robot:
+        """The robot of this name; in a fleet of as few as possible any name is one of the equals.
+
+        Raises MissionError when the fleet is a list and the name is not in it.
+        """
+        if self.robots is None:
+            return self.equal_robot(name)
+        if name in self._by_name:
+            return self._by_name[name]
+        raise MissionError(f"robot {name!r} is not in the fleet: {', '.join(r.name for r in self.robots)}")
+
+    @cached_property
+    def _by_name(self) -> dict[str, Robot]:
+        return {robot.name: robot for robot in self.robots or ()}

@@ -1,0 +1,100 @@
+"""What `rota plan` does once its mission is read: search, write, and say what came of it."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from rota.errors import NoPlanFound
+from rota.exit_codes import DONE, INTERRUPTED, NO_PLAN
+from rota.stopped_run import keep_run
+from rota.terminal import STANDARD_STREAM, progress_bar, say
+
+if TYPE_CHECKING:
+    from rota.check import Report
+    from rota.mission import Mission
+    from rota.plan import Plan
+    from rota.swarm_state import SwarmState
+
+
+def plan_and_write(
+    mission: Mission,
+    target: str,
+    seed: int,
+    time_limit_s: float | None,
+    best: bool,
+    resume: tuple[str | None, SwarmState | None],
+) -> int:
+    """Plan, check, write and tell the outcome; returns the exit code. resume: a run file's path and what it holds."""
+    from rota.check import check_plan
+    from rota.interrupt import stop_on_interrupt
+    from rota.make_plan import search_plan
+
+    reason = None
+    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
+        try:
+            found = search_plan(
+                mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1]
+            )
+            answer, report, early, run = found.plan, found.report, found.stopped_early, found.run
+        except NoPlanFound as failure:
+            reason, early, run = failure, False, failure.run  # type: ignore[assignment]
+            if not best or failure.best is None:
+                if run is not None:
+                    keep_run(run, target, resume[0])
+                return _say_no_plan(failure, stop.raised, "no plan" if run is not None else "nothing")
+            answer = failure.best  # type: ignore[assignment]
+            report = check_plan(answer)
+    _write_plan(answer, target, meets_demand=reason is None)
+    _show_outcome(answer, report, target)
+    if run is not None:
+        keep_run(run, target, resume[0])
+    if stop.raised:
+        say("interrupted: this is the best plan so far")
+    elif early:
+        say("stopped early by the time limit: this is the best plan so far")
+    if reason is not None:
+        say(f"no plan: {reason}")
+        say("this is the best plan found; it does NOT meet its demand and its file is marked so")
+    return INTERRUPTED if stop.raised else DONE if reason is None else NO_PLAN
+
+
+def _say_no_plan(failure: NoPlanFound, interrupted: bool, what: str) -> int:
+    if interrupted:
+        say(f"interrupted before a plan passed the check; {what} is written")
+    say(f"no plan: {failure}")
+    if failure.best is not None:
+        say("--best writes the best plan found, which does not meet its demand")
+    return INTERRUPTED if interrupted else NO_PLAN
+
+
+def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
+    from rota.files.plan_file import plan_text, write_plan
+
+    if target == STANDARD_STREAM:
+        sys.stdout.write(plan_text(answer, meets_demand=meets_demand))
+        sys.stdout.flush()
+    else:
+        write_plan(answer, target, meets_demand=meets_demand)
+
+
+def _show_outcome(answer: Plan, report: Report, target: str) -> None:
+    from rota.check import report_table
+    from rota.plan_table import robots_table, sentences_of
+
+    console = Console(stderr=target == STANDARD_STREAM, highlight=False)
+    if report.demands and answer.mission.planning.planner != "swarm":
+        console.print(robots_table(answer), markup=False, soft_wrap=True)
+    sentences = sentences_of(answer, report)
+    for sentence in sentences:
+        if sentence is not None:
+            console.print(sentence, markup=False, soft_wrap=True)
+    if report.verdict == "met":
+        console.print("Check: met, every demand, for ever." if report.demands else "Check: no violations.")
+    else:
+        console.print(f"Check: {report.verdict}. The plan does not meet its demand.\n")
+        console.print(report_table(report), markup=False, soft_wrap=True)
+    if target != STANDARD_STREAM:
+        console.print(f"Plan: {target}", markup=False, soft_wrap=True)

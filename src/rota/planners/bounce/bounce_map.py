@@ -1,0 +1,168 @@
+"""The bounce map of a team (simple cell-to-cell mapping), and its cycles and basins in time linear in its states."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import MissionError
+from rota.planners.bounce.cells import BLOCKED, Cells
+from rota.planners.bounce.kernels import Team
+from rota.planners.bounce.map_kernels import (
+    MOST_STATES,
+    NOWHERE as NOWHERE,
+    decompose,
+    pair_successors,
+    rounds_to_order,
+    set_successors,
+    strip_labels,
+    successors,
+)
+
+Ints = NDArray[np.int32]
+Longs = NDArray[np.int64]
+Words = NDArray[np.uint32]
+
+MEMORY_SHARE = 0.8  # of the machine's memory, for a joint map
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Decomposition:
+    """Where every state of a map ends. cycle: (n,) int32, the number of its cycle; -1: no state (robots in one place).
+
+    Of c cycles, (c,) int64: ``first``, a state of each; ``length``; ``basin``, the states that come to it, its own
+    included.
+    """
+
+    cycle: Ints
+    first: Longs
+    length: Longs
+    basin: Longs
+
+
+def make_team(cells: Cells, bounces: Sequence[int], *, apart_m: NDArray[np.float64] | float = 0.0) -> Team:
+    """Robots on cells. bounces: heading steps by which each turns at a bump, one for each robot.
+
+    apart_m: (m, m) or one for all, the distance of two centres at which bodies touch; 0: contact is as published, on
+    the grid alone. Turning by a full round at a bump, or by none, is a ValueError.
+    """
+    n, k, m = cells.count, cells.headings, len(bounces)
+    if not all(0 < bounce < k for bounce in bounces):
+        raise ValueError(f"bounces {list(bounces)}: each must be 1 to {k - 1} heading steps")
+    cell, heading = np.divmod(np.arange(n * k), k)
+    target = cells.target.ravel()
+    ends = np.where(target == BLOCKED, cell, target)
+    apart = np.broadcast_to(np.asarray(apart_m, float), (m, m)) / cells.cell_m
+    turned = [cell * k + (heading + bounce) % k for bounce in bounces]
+    return Team(
+        x=cells.column[cell],
+        y=cells.row[cell],
+        to_x=cells.column[ends],
+        to_y=cells.row[ends],
+        moved=np.where(target == BLOCKED, -1, target * k + heading).astype(np.int32),
+        bumped=np.array(turned, np.int32).reshape(m, n * k),
+        apart2=np.ascontiguousarray(apart**2),
+    )
+
+
+def single_map(team: Team, robot: int = 0) -> Ints:
+    """(s,) int32 successors of one robot's states, with nothing but walls to stop it."""
+    return np.where(team.moved < 0, team.bumped[robot], team.moved).astype(np.int32)
+
+
+def joint_states(states: int, robots: int, *, unordered: bool = False) -> int:
+    """How many packed states a team has, those included in which two robots are in one place."""
+    return math.comb(states, robots) if unordered else states**robots
+
+
+def require_memory(states: int, robots: int, *, unordered: bool = False, copies: int = 1) -> None:
+    """Raise MissionError when the joint map of so many robots does not fit in memory, before any of it is made.
+
+    copies: how many times the map's four bytes for a state are needed.
+    """
+    count = joint_states(states, robots, unordered=unordered)
+    bytes_needed = 4 * copies * count
+    available = MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if count > MOST_STATES or bytes_needed > available:
+        power = "" if robots == 1 else f" ** {robots}"
+        raise MissionError(
+            f"the joint map of {robots} robots has {states}{power} = {count:.3g} states and needs"
+            f" {bytes_needed / 1e9:.3g} GB; at most {min(MOST_STATES, available / 4 / copies):.3g} states are possible:"
+            " fewer robots or larger cells are needed, or method: improved, which needs no joint map"
+        )
+
+
+def joint_map(team: Team, *, unordered: bool = False, contact_free: bool = False) -> Words:
+    """Successors of all packed states of the team, (n,) uint32; NOWHERE for states with robots in one place.
+
+    unordered: robots are not told apart; all must turn and be as wide as the others. contact_free: a contact leads
+    NOWHERE; of robots that are told apart only. Raises MissionError for maps that do not fit in memory, ValueError for
+    unordered robots that differ.
+    """
+    m, s = len(team.bumped), len(team.x)
+    require_memory(s, m, unordered=unordered)
+    successor = np.empty(joint_states(s, m, unordered=unordered), np.uint32)
+    states, after, stays = np.empty(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
+    if unordered and m > 1:
+        if contact_free:
+            raise ValueError("contact_free is for robots that are told apart")
+        _require_equal(team)
+        set_successors(team, binomials(s, m), states, after, stays, successor)
+    elif m == 2:
+        pair_successors(team, successor, contact_free)
+    else:
+        successors(team, states, after, stays, successor, contact_free)
+    return successor
+
+
+def binomials(states: int, robots: int) -> Longs:
+    """(states + 1, robots + 1) binomial coefficients."""
+    table = np.zeros((states + 1, robots + 1), np.int64)
+    table[:, 0] = 1
+    for k in range(1, robots + 1):
+        table[1:, k] = np.cumsum(table[:-1, k - 1])
+    return table
+
+
+def _require_equal(team: Team) -> None:
+    apart2 = team.apart2[~np.eye(len(team.apart2), dtype=bool)]
+    if (team.bumped != team.bumped[0]).any() or (apart2 != apart2[0]).any():
+        raise ValueError("robots that turn by different angles, or differ in width, cannot be taken as unordered")
+
+
+def cycles_and_basins(successor: Any) -> Decomposition:
+    """Cycles and basins of a map, (n,) of uint32 or int32, which is overwritten when it is uint32.
+
+    Linear in n: every state is walked over once and labelled once. Memory: the map itself, and the longest walk.
+    """
+    labels = np.asarray(successor, dtype=np.uint32)
+    path, cycles, progress = np.empty(1 << 16, np.uint32), np.empty((1 << 10, 3), np.int64), np.zeros(3, np.int64)
+    while (missing := decompose(labels, path, progress, cycles)) != 0:
+        if missing == 1:
+            path = np.concatenate([path, np.empty_like(path)])
+        else:
+            cycles = np.concatenate([cycles, np.empty_like(cycles)])
+    strip_labels(labels)
+    first, length, basin = cycles[: progress[2]].T.copy()
+    return Decomposition(cycle=labels.view(np.int32), first=first, length=length, basin=basin)
+
+
+def told_apart(team: Team, found: Decomposition) -> tuple[Longs, Longs, Longs]:
+    """Cycles of robots that are told apart, from those of the unordered map of three bytes a state and more less.
+
+    Going once round a cycle of sets may exchange robots; r rounds bring each back to its own state. m! / r cycles of
+    the ordered map lie over a cycle of sets, each r times as long and with r times its basin. Returns, (c,) each: how
+    many they are, their length and their basin.
+    """
+    m, s = len(team.bumped), len(team.x)
+    cycles = np.ascontiguousarray(np.column_stack([found.first, found.length]))
+    states, after, begin = (np.empty(m, np.int32) for _ in range(3))
+    rounds = np.empty(len(cycles), np.int64)
+    rounds_to_order(team, binomials(s, m), cycles, states, after, np.empty(m, np.int8), begin, rounds)
+    return math.factorial(m) // rounds, found.length * rounds, found.basin * rounds

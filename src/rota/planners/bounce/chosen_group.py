@@ -1,0 +1,177 @@
+"""The periodic group that a mission's robots follow: free to begin anywhere, or from given starts."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import MissionError
+from rota.mission import Mission, Robot
+from rota.planners.bounce.bounce_map import joint_states
+from rota.planners.bounce.cells import Cells
+from rota.planners.bounce.cycle_kernels import settle
+from rota.planners.bounce.enumeration import JointGroups, enumerate_groups, nodes_of, printed
+from rota.planners.bounce.group_search import best_group
+from rota.planners.bounce.kernels import Team
+from rota.planners.bounce.limit_cycles import LimitCycles, zone_cells
+from rota.planners.bounce.monitoring import Watch, canonical
+from rota.planners.bounce.starts import start_cells, start_headings
+
+Ints = NDArray[np.int32]
+
+MOST_HEADINGS = 4096  # joint headings that are tried from given starts
+MOST_SETTLING = 20_000  # steps in which robots are to come to their cycles
+MOST_ENUMERATED = 20_000_000  # joint states up to which basins are exact; beyond, they are sampled
+SAMPLES, SAMPLED_STEPS = 2000, 2000  # random starts, and the steps in which they are to come to cycles
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chosen:
+    """Periodic states of the robots when all are on their cycles, and the way there: (steps, m) states before."""
+
+    cycles: LimitCycles
+    nodes: tuple[int, ...]
+    transient: Ints
+    ratio: float
+
+
+def choose_group(
+    watch: Watch,
+    team: Team,
+    mission: Mission,
+    robots: tuple[Robot, ...],
+    cells: Cells,
+    *,
+    seed: int,
+    should_stop: Callable[[], bool],
+) -> Chosen | None:
+    """The group that is best for the mission's purpose, of those that its method gives; None when there is none.
+
+    Raises MissionError when only some robots have starts, and for joint maps that the method needs and memory lacks.
+    """
+    settings = mission.bounce
+    at = start_cells(cells, robots)
+    if any(cell is not None for cell in at):
+        given = [cell for cell in at if cell is not None]
+        if len(given) < len(at):
+            missing = robots[at.index(None)].name
+            raise MissionError(
+                f"robot {missing}: start: is missing; give a start to every robot that monitors, or none"
+            )
+        return _from_starts(watch, team, mission, given, cells, seed)
+    if settings.start_headings_deg is not None:
+        raise MissionError(
+            "bounce.start_headings_deg: robots that monitor need starts beside their headings, or neither"
+        )
+    if settings.method == "as_printed":
+        zones = [zone for zone in mission.zones if zone.period_s is not None]
+        _, listed = printed(team, zone_cells(cells, zones), cells.headings)
+        order = np.argsort(-listed.basin, kind="stable") if settings.purpose == "basin" else range(len(listed.basin))
+        return _best_of(watch, (nodes_of(watch.cycles, listed.states[k]) for k in order), settings.purpose)
+    if settings.purpose == "basin":
+        return _largest_basin(watch, team, mission, cells, seed)
+    enough = 1.0 if settings.purpose == "periods" else 0.0
+    best = best_group(watch, enough=enough, should_stop=should_stop)
+    return None if best is None else _begin_there(watch, best.nodes, best.ratio)
+
+
+def _begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
+    return Chosen(cycles=watch.cycles, nodes=nodes, transient=np.empty((0, len(nodes)), np.int32), ratio=ratio)
+
+
+def _best_of(watch: Watch, found: Iterator[tuple[int, ...]], purpose: str) -> Chosen | None:
+    """The first group that meets all periods; or the one with the smallest worst ratio."""
+    best: Chosen | None = None
+    for nodes in found:
+        ratio = watch.ratio(nodes)
+        if best is None or ratio < best.ratio:
+            best = _begin_there(watch, nodes, ratio)
+            if purpose != "worst_gap" and ratio <= 1:
+                return best
+    return best if best is not None and math.isfinite(best.ratio) else None
+
+
+# ---------------------------------------------------------------- the start that is easiest to hit
+
+
+def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, seed: int) -> Chosen | None:
+    """The group with the largest basin of those that meet all periods, if any do: exact, or by random starts."""
+    m, s = len(team.bumped), len(team.x)
+    if joint_states(s, m) <= MOST_ENUMERATED:
+        zones = [zone for zone in mission.zones if zone.period_s is not None]
+        listed = enumerate_groups(
+            team, zone_cells(cells, zones), cells.headings, contact_free=mission.bounce.contact_free
+        )
+        return _best_of(watch, _by_basin(watch.cycles, listed), "basin")
+    hits = sampled_basins(watch, team, free=mission.bounce.contact_free == "trajectory", seed=seed)
+    return _best_of(watch, iter([nodes for nodes, _ in hits]), "basin")
+
+
+def _by_basin(cycles: LimitCycles, listed: JointGroups) -> Iterator[tuple[int, ...]]:
+    for k in np.argsort(-listed.basin, kind="stable"):
+        yield nodes_of(cycles, listed.states[k])
+
+
+def sampled_basins(
+    watch: Watch, team: Team, *, free: bool, seed: int, samples: int = SAMPLES
+) -> list[tuple[tuple[int, ...], int]]:
+    """Groups that random joint states come to, and how many of ``samples`` did, most first; free: without contact.
+
+    The joint states are drawn evenly; those with two robots in one cell come to nothing, and so do those that come to
+    no group within SAMPLED_STEPS.
+    """
+    rng = np.random.default_rng(seed)
+    m, s = len(team.bumped), len(team.x)
+    hits: Counter[tuple[int, ...]] = Counter()
+    for start in rng.integers(0, s, (samples, m)):
+        if len({(int(team.x[a]), int(team.y[a])) for a in start}) == m:
+            way = _settled(watch.cycles, team, start.tolist(), free, SAMPLED_STEPS)
+            if way is not None:
+                hits[canonical(watch.cycles, nodes_of(watch.cycles, way[-1]))] += 1
+    return sorted(hits.items(), key=lambda entry: (-entry[1], entry[0]))
+
+
+# ---------------------------------------------------------------- from given starts
+
+
+def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Chosen | None:
+    """The best way from the given cells (and headings, if these are given too) to cycles without contact."""
+    settings, best = mission.bounce, None
+    for facing in _headings(start_headings(mission, len(at)), cells.headings, len(at), seed):
+        states = [cell * cells.headings + h for cell, h in zip(at, facing, strict=True)]
+        way = _settled(watch.cycles, team, states, settings.contact_free == "trajectory")
+        if way is None:
+            continue
+        nodes = nodes_of(watch.cycles, way[-1])
+        ratio = watch.ratio(nodes)
+        if math.isfinite(ratio) and (best is None or ratio < best.ratio):
+            best = Chosen(cycles=watch.cycles, nodes=nodes, transient=way[:-1], ratio=ratio)
+            if ratio <= 1 and settings.purpose != "worst_gap":
+                break
+    return best
+
+
+def _headings(given: list[int] | None, headings: int, robots: int, seed: int) -> Iterator[Sequence[int]]:
+    """Joint headings to try: the given ones, all, or random ones where all are too many."""
+    if given is not None:
+        yield given
+    elif headings**robots <= MOST_HEADINGS:
+        yield from itertools.product(range(headings), repeat=robots)
+    else:
+        yield from np.random.default_rng(seed).integers(0, headings, (MOST_HEADINGS, robots)).tolist()
+
+
+def _settled(cycles: LimitCycles, team: Team, states: list[int], free: bool, most: int = MOST_SETTLING) -> Ints | None:
+    """(steps + 1, m) states until all robots are on cycles without contact; None when they never are."""
+    m = len(states)
+    log = np.empty((most, m), np.int32)
+    scratch, kinds = np.empty(m, np.int32), np.array(cycles.kind_of_robot, np.int32)
+    at = np.array(states, np.int32)
+    steps = settle(team, kinds, cycles.node_of, cycles.compatible, at, scratch, np.empty(m, np.int8), log, free)
+    return log[: steps + 1].copy() if steps >= 0 else None

@@ -1,0 +1,80 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled loops over periodic states: pairs of limit cycles without contact, and teams that settle on them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.bounce.kernels import Floats, Ints, Longs, Team, compiled, pair_touches, step_team
+
+Flags = NDArray[np.bool_]
+
+
+@compiled
+def compare_cycles(
+    team: Team, apart2: Floats, kind: Ints, state: Ints, start: Longs, length: Longs, bad: Flags, compatible: Flags
+) -> None:
+    """compatible[p, q], written: whether robots in periodic states p and q never come in contact.
+
+    apart2: (kinds, kinds) as in Team; start, length: (c,) of the cycles; bad: scratch as long as the longest cycle.
+    """
+    for a in range(len(start)):
+        for b in range(a, len(start)):
+            i0, j0, n, m = start[a], start[b], length[a], length[b]
+            g, rest = n, m
+            while rest != 0:
+                g, rest = rest, g % rest
+            near2 = apart2[kind[i0], kind[j0]]
+            for d in range(g):
+                bad[d] = False
+            for i in range(n):
+                for j in range(m):
+                    d = (j - i) % g
+                    if not bad[d] and pair_touches(team, state[i0 + i], state[j0 + j], near2):
+                        bad[d] = True
+            for i in range(n):
+                for j in range(m):
+                    good = not bad[(j - i) % g]
+                    compatible[i0 + i, j0 + j] = good
+                    compatible[j0 + j, i0 + i] = good
+
+
+@compiled
+def settle(
+    team: Team,
+    kinds: Ints,
+    node_of: Ints,
+    compatible: Flags,
+    states: Ints,
+    after: Ints,
+    stays: NDArray[np.int8],
+    log: Ints,
+    free: bool,
+) -> int:
+    """Steps until m robots, from ``states``, are on limit cycles that they follow without contact; -1: never found.
+
+    log: (steps + 1, m), written from the start to the settled state; so many steps are tried. free: a contact on the
+    way ends the search.
+    """
+    m = len(states)
+    for t in range(len(log)):
+        for i in range(m):
+            log[t, i] = states[i]
+        settled = True
+        for i in range(m):
+            p = node_of[kinds[i], states[i]]
+            if p < 0:
+                settled = False
+                break
+            for j in range(i):
+                if not compatible[p, node_of[kinds[j], states[j]]]:
+                    settled = False
+                    break
+        if settled:
+            return t
+        if step_team(team, states, stays, after) > 0 and free:
+            return -1
+        for i in range(m):
+            states[i] = after[i]
+    return -1

@@ -1,0 +1,141 @@
+"""How many periodic groups a team has that watch all zones without contact: exact, without a joint map."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.bounce.clique_kernels import Graph, Room, count_sets
+from rota.planners.bounce.limit_cycles import LimitCycles
+
+Flags = NDArray[np.bool_]
+
+UNBOUNDED = 1 << 62
+TABLE = 1 << 14  # sets that the count remembers
+PRIMES = (2147483647, 2147483629, 2147483587, 2147483579, 2147483563, 2147483549, 2147483543, 2147483497)
+
+
+class TooMany(Exception):  # noqa: N818 (an outcome: the caller goes on without the count)
+    """The count takes more work than was allowed."""
+
+
+def count_groups(cycles: LimitCycles, sees: Flags, *, most_calls: int = UNBOUNDED) -> int:
+    """The number of periodic groups of the team, robots told apart, whose robots together enter every zone.
+
+    sees: (p, z) whether periodic states lie in zones. A group is a class of joint periodic states under time, and has
+    as many as the least common multiple of its cycles' lengths. So states are counted for each such multiple: teams on
+    cycles whose lengths divide it, less those of smaller ones; and zones by inclusion and exclusion of those left out.
+
+    Raises TooMany when more than ``most_calls`` sets of states have to be looked at for one of these counts.
+    """
+    wanted = np.bincount(cycles.kind_of_robot)
+    seen = np.array([sees[cycles.cycle == c].any(axis=0) for c in range(len(cycles.length))]).reshape(
+        len(cycles.length), -1
+    )
+    groups = 0
+    exact: dict[int, int] = {}
+    known: dict[bytes, int] = {}
+    for period in _common_periods(cycles.length.tolist(), int(wanted.sum())):
+        divides = period % cycles.length == 0
+        states = 0
+        for left_out in _subsets(sees.shape[1]):
+            allowed = divides & ~seen[:, list(left_out)].any(axis=1)
+            if allowed.tobytes() not in known:
+                known[allowed.tobytes()] = _joint_states(cycles, allowed, wanted, most_calls)
+            states += (-1) ** len(left_out) * known[allowed.tobytes()]
+        states -= sum(number for smaller, number in exact.items() if period % smaller == 0)
+        exact[period] = states
+        groups += states // period
+    return groups
+
+
+def _common_periods(lengths: list[int], robots: int) -> list[int]:
+    """Least common multiples of at most so many of the lengths, rising."""
+    found = {1}
+    for _ in range(min(robots, len(set(lengths)))):
+        found |= {math.lcm(period, length) for period in found for length in set(lengths)}
+    return sorted(found)
+
+
+def _subsets(count: int) -> list[tuple[int, ...]]:
+    return [subset for size in range(count + 1) for subset in itertools.combinations(range(count), size)]
+
+
+def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64], most_calls: int) -> int:
+    """Joint periodic states without contact ever, robots told apart, on the cycles (c,) that are allowed."""
+    nodes = np.flatnonzero(allowed[cycles.cycle])
+    if len(nodes) == 0 or (np.bincount(cycles.kind[nodes], minlength=len(wanted)) == 0).any():
+        return 0
+    sets = count_independent(~cycles.compatible[np.ix_(nodes, nodes)], cycles.kind[nodes], wanted, most_calls)
+    return sets * math.prod(math.factorial(int(number)) for number in wanted)
+
+
+def count_independent(
+    conflict: Flags, kind: NDArray[np.int32], wanted: Sequence[int] | NDArray[np.int64], most_calls: int = UNBOUNDED
+) -> int:
+    """Sets of nodes without a conflict, with ``wanted`` ones of each kind. conflict: (v, v), the diagonal set."""
+    limits = [int(number) for number in wanted]
+    useful = np.flatnonzero(np.array(limits)[kind] > 0)
+    conflict, kind = conflict[np.ix_(useful, useful)], kind[useful]
+    graph, words = _graph(conflict, kind, limits)
+    bound = math.prod(math.comb(int((kind == k).sum()), number) for k, number in enumerate(limits))
+    moduli = [2**64, *PRIMES[: max(0, math.ceil((bound.bit_length() - 63) / 30))]]
+    if math.prod(moduli) <= bound:
+        raise OverflowError(f"up to {bound} sets are more than can be counted")
+    robots = sum(limits)
+    remainders = [_count_modulo(graph, words, robots, prime % 2**64, most_calls) for prime in moduli]
+    value, modulus = 0, 1
+    for remainder, divisor in zip(remainders, moduli, strict=True):
+        # the next value that also leaves this remainder
+        value += modulus * ((remainder - value) * pow(modulus, -1, divisor) % divisor)
+        modulus *= divisor
+    return value
+
+
+def _graph(conflict: Flags, kind: NDArray[np.int32], limits: list[int]) -> tuple[Graph, int]:
+    """The conflicts as bits, nodes of a kind with the same conflicts taken as one."""
+    told = np.column_stack([conflict, kind[:, None] == np.arange(len(limits))])
+    packed = np.packbits(told, axis=1)
+    _, first, weight = np.unique(packed, axis=0, return_index=True, return_counts=True)
+    count = len(first)
+    words = (count + 63) // 64
+    bits = np.zeros((count, 64 * words), np.bool_)
+    bits[:, :count] = conflict[np.ix_(first, first)]
+    stride = np.cumprod([1, *(limit + 1 for limit in limits[:-1])])
+    size = math.prod(limit + 1 for limit in limits)
+    powers = np.array([np.arange(size) // s % (limit + 1) for s, limit in zip(stride, limits, strict=True)])
+    within = (powers[:, :, None] + powers[:, None, :] <= np.array(limits)[:, None, None]).all(axis=0)
+    total = np.where(within, np.add.outer(np.arange(size), np.arange(size)), -1)
+    graph = Graph(
+        conflict=np.packbits(bits, axis=1, bitorder="little").view(np.uint64),
+        weight=weight.astype(np.uint64),
+        kind=kind[first].astype(np.int32),
+        stride=stride.astype(np.int32),
+        total=total.astype(np.int32),
+    )
+    return graph, words
+
+
+def _count_modulo(graph: Graph, words: int, robots: int, prime: int, most_calls: int) -> int:
+    """The count modulo a prime, or modulo 2 ** 64 for 0."""
+    count, size, depth = len(graph.weight), len(graph.total), 2 * len(graph.weight) + 4
+    room = Room(
+        sets=np.zeros((depth, words), np.uint64),
+        scratch=np.zeros((depth, size), np.uint64),
+        polynomials=np.zeros((2, depth, size), np.uint64),
+        known=np.zeros((TABLE, words), np.uint64),
+        known_for=np.zeros(TABLE, np.int32),
+        worth=np.zeros((TABLE, size), np.uint64),
+        calls=np.array([most_calls], np.int64),
+    )
+    every = np.zeros(64 * words, np.bool_)
+    every[:count] = True
+    room.sets[0] = np.packbits(every, bitorder="little").view(np.uint64)
+    count_sets(graph, room, 0, robots, np.uint64(prime))
+    if room.calls[0] < 0:
+        raise TooMany
+    return int(room.polynomials[0, 0, size - 1])

@@ -1,0 +1,130 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled loops of the bounce planner: one step of a team, successor maps, and cycles and basins of such maps.
+
+A robot's state is ``cell * headings + heading``; a team's packed state is the sum of ``state_i * states ** i``, or, for
+robots that are not told apart, the rank of the set of their states (combinatorial number system).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Longs = NDArray[np.int64]
+Words = NDArray[np.uint32]
+# no function here allocates an array, so numba's reference counts ("nrt") would only take time
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "_nrt": False}
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """A compiled function that allocates no array."""
+    return njit(**OPTIONS)(function)
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """A compiled function that becomes part of its callers."""
+    return njit(**OPTIONS, inline="always")(function)
+
+
+class Team(NamedTuple):
+    """Robots on cells, as compiled loops read them.
+
+    For each of s states, (s,) int32: column and row of the cell, those of the cell that the move ends in (the same
+    where it is blocked), the state after the move (BLOCKED where it is) and, for each robot, (m, s), the state after a
+    bump. apart2: (m, m) float64, squared distance in cells below which two bodies touch; 0: the grid alone decides.
+    """
+
+    x: Ints
+    y: Ints
+    to_x: Ints
+    to_y: Ints
+    moved: Ints
+    bumped: NDArray[np.int32]
+    apart2: Floats
+
+
+@inlined
+def too_near(ax: int, ay: int, bx: int, by: int, apart2: float) -> bool:
+    """Whether two robots cannot stand in these cells at once."""
+    dx, dy = bx - ax, by - ay
+    return (dx == 0 and dy == 0) or dx * dx + dy * dy < apart2 - 1e-9
+
+
+@inlined
+def touching(ax: int, ay: int, au: int, av: int, bx: int, by: int, bu: int, bv: int, apart2: float) -> bool:
+    """Whether robots that move from (ax, ay) to (au, av) and from (bx, by) to (bu, bv) in one step come in contact.
+
+    Published grid (Alam & Bobadilla 2020, Figure 2b, as read): same target cell, or moves with equal midpoints. With
+    apart2 > 0 besides: centres come nearer to each other than that (squared, in cells).
+    """
+    if au == bu and av == bv:
+        return True
+    if ax + au == bx + bu and ay + av == by + bv:
+        return True
+    if apart2 <= 0.0:
+        return False
+    dx, dy = bx - ax, by - ay
+    wx, wy = (bu - bx) - (au - ax), (bv - by) - (av - ay)
+    along = -(dx * wx + dy * wy)
+    squared = wx * wx + wy * wy
+    if along <= 0 or squared == 0:
+        nearest = float(dx * dx + dy * dy)
+    elif along >= squared:
+        nearest = float((dx + wx) * (dx + wx) + (dy + wy) * (dy + wy))
+    else:
+        cross = dx * wy - dy * wx
+        nearest = cross * cross / squared
+    return nearest < apart2 - 1e-9
+
+
+@compiled
+def step_team(team: Team, states: Ints, stays: NDArray[np.int8], after: Ints) -> int:
+    """One step of m robots; returns how many pairs come in contact.
+
+    states: (m,) before; after: (m,), written. stays: (m,) scratch. What a wall blocks stays and turns; what comes in
+    contact stays and turns; all contacts of a round are found before any robot is stopped for them, and rounds are
+    repeated until none is new, so that the outcome does not depend on the robots' order.
+    """
+    m = len(states)
+    for i in range(m):
+        s = states[i]
+        stays[i] = 1 if team.moved[s] < 0 else 0
+    contacts = 0
+    while True:
+        fresh = False
+        for i in range(m):
+            a = states[i]
+            au, av = (team.x[a], team.y[a]) if stays[i] & 1 else (team.to_x[a], team.to_y[a])
+            for j in range(i + 1, m):
+                if stays[i] & 1 and stays[j] & 1:
+                    continue
+                b = states[j]
+                bu, bv = (team.x[b], team.y[b]) if stays[j] & 1 else (team.to_x[b], team.to_y[b])
+                if touching(team.x[a], team.y[a], au, av, team.x[b], team.y[b], bu, bv, team.apart2[i, j]):
+                    stays[i] |= 2
+                    stays[j] |= 2
+                    contacts += 1
+                    fresh = True
+        if not fresh:
+            break
+        for i in range(m):
+            if stays[i] & 2:
+                stays[i] = 1
+    for i in range(m):
+        s = states[i]
+        after[i] = team.bumped[i, s] if stays[i] else team.moved[s]
+    return contacts
+
+
+@inlined
+def pair_touches(team: Team, a: int, b: int, apart2: float) -> bool:
+    """Whether robots in two states come in contact in the next step, with nothing but walls to stop them."""
+    return touching(
+        team.x[a], team.y[a], team.to_x[a], team.to_y[a], team.x[b], team.y[b], team.to_x[b], team.to_y[b], apart2
+    )

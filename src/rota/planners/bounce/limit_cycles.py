@@ -1,0 +1,161 @@
+"""Limit cycles of single robots on cells, and which of their states go together for ever without a contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.errors import MissionError
+from rota.mission import Zone
+from rota.planners.bounce.bounce_map import cycles_and_basins, single_map
+from rota.planners.bounce.cells import Cells
+from rota.planners.bounce.cycle_kernels import compare_cycles
+from rota.planners.bounce.kernels import Team
+
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+Longs = NDArray[np.int64]
+
+MOST_PERIODIC = 12_000  # states on cycles; the table of pairs takes a byte for each two
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LimitCycles:
+    """The periodic states of all kinds of robots, p of them on c cycles, cycle by cycle in the order of time.
+
+    kind_of_robot: the kind of each robot of the team; equal robots have the same. (p,) int32: ``kind``, ``state``,
+    ``cycle``, ``phase`` in steps. (c,) int64: ``start``, the number of a cycle's first periodic state, ``length`` in
+    steps, ``basin``, the single robot's states that come to it. node_of: (kinds, states) int32, the periodic state of
+    a robot's state, -1 for transient ones. compatible: (p, p), whether two robots in these states never meet.
+    """
+
+    kind_of_robot: tuple[int, ...]
+    kind: Ints
+    state: Ints
+    cycle: Ints
+    phase: Ints
+    start: Longs
+    length: Longs
+    basin: Longs
+    node_of: Ints
+    compatible: Flags
+
+    def later(self, node: int, steps: int) -> int:
+        """The periodic state so many steps later."""
+        cycle = self.cycle[node]
+        return int(self.start[cycle] + (self.phase[node] + steps) % self.length[cycle])
+
+    def common_period(self, nodes: Sequence[int]) -> int:
+        """After how many steps robots in these periodic states are in them again."""
+        return math.lcm(*(int(self.length[self.cycle[node]]) for node in nodes))
+
+
+def limit_cycles(team: Team) -> LimitCycles:
+    """The limit cycles of a team's robots, and what goes together.
+
+    The contact of two robots depends on their phases' difference modulo the greatest common divisor of both lengths:
+    so many differences are tried for each pair of cycles. Raises MissionError for more than MOST_PERIODIC states.
+    """
+    first_like: list[int] = []
+    kinds = []
+    for i in range(len(team.bumped)):
+        like = next((k for k, j in enumerate(first_like) if _equal(team, i, j)), len(first_like))
+        if like == len(first_like):
+            first_like.append(i)
+        kinds.append(like)
+    found, starts, lengths, basins, kind = [], [], [], [], []
+    node_of = np.full((len(first_like), len(team.x)), -1, np.int32)
+    count = 0
+    for k, robot in enumerate(first_like):
+        successor = single_map(team, robot)
+        basin = cycles_and_basins(successor)
+        for first, length, size in zip(basin.first, basin.length, basin.basin, strict=True):
+            states = _round(successor, int(first), int(length))
+            node_of[k, states] = np.arange(count, count + length)
+            starts.append(count)
+            count += int(length)
+            found.append(states)
+            lengths.append(int(length))
+            basins.append(int(size))
+            kind += [k] * int(length)
+    if count > MOST_PERIODIC:
+        raise MissionError(
+            f"bounce.cell_m: {count} states of the robots are periodic and at most {MOST_PERIODIC} are possible; larger"
+            " cells, or other bouncing angles, are needed"
+        )
+    state, length_of = np.concatenate(found), np.array(lengths, np.int64)
+    start = np.array(starts, np.int64)
+    cycle = np.repeat(np.arange(len(length_of), dtype=np.int32), length_of)
+    apart2 = np.ascontiguousarray(_apart_of_kinds(team, kinds, first_like))
+    compatible = np.empty((count, count), np.bool_)
+    bad = np.empty(int(length_of.max()), np.bool_)
+    compare_cycles(team, apart2, np.array(kind, np.int32), state, start, length_of, bad, compatible)
+    return LimitCycles(
+        kind_of_robot=tuple(kinds),
+        kind=np.array(kind, np.int32),
+        state=state,
+        cycle=cycle,
+        phase=(np.arange(count) - start[cycle]).astype(np.int32),
+        start=start,
+        length=length_of,
+        basin=np.array(basins, np.int64),
+        node_of=node_of,
+        compatible=compatible,
+    )
+
+
+def _equal(team: Team, i: int, j: int) -> bool:
+    """Whether two robots may change places: same turn at a bump, same width."""
+    others = [k for k in range(len(team.bumped)) if k not in (i, j)]
+    return bool((team.bumped[i] == team.bumped[j]).all() and (team.apart2[i, others] == team.apart2[j, others]).all())
+
+
+def _apart_of_kinds(team: Team, kinds: list[int], first_like: list[int]) -> NDArray[np.float64]:
+    apart2 = np.zeros((len(first_like),) * 2)
+    for i, a in enumerate(kinds):
+        for j, b in enumerate(kinds):
+            if i != j:
+                apart2[a, b] = team.apart2[i, j]
+    return apart2
+
+
+def _round(successor: Ints, first: int, length: int) -> Ints:
+    states = np.empty(length, np.int32)
+    state = first
+    for k in range(length):
+        states[k] = state
+        state = int(successor[state])
+    return states
+
+
+def zone_cells(cells: Cells, zones: Sequence[Zone]) -> Flags:
+    """(z, n) whether a robot at a cell's centre is in a zone. Raises MissionError for zones that hold no centre."""
+    points = shapely.points(cells.centres_m)
+    inside = np.array([shapely.covers(zone.shape, points) for zone in zones], np.bool_).reshape(-1, cells.count)
+    empty = [zone.name for zone, held in zip(zones, inside, strict=True) if not held.any()]
+    if empty:
+        raise MissionError(
+            f"zones {', '.join(empty)}: no cell in which a robot can stand has its centre there; larger zones or"
+            " smaller cells (bounce.cell_m) are needed"
+        )
+    return inside
+
+
+def seen_by_cycles(cycles: LimitCycles, inside: Flags, headings: int) -> Flags:
+    """(p, z) whether a robot in each periodic state is in each zone, given (z, n) cells of zones."""
+    return np.ascontiguousarray(inside[:, cycles.state // headings].T)
+
+
+def require_watchable(cycles: LimitCycles, sees: Flags, names: Sequence[str]) -> None:
+    """Raise MissionError that names the zones which no robot's limit cycle ever enters."""
+    unwatched = [name for k, name in enumerate(names) if not sees[:, k].any()]
+    if unwatched:
+        raise MissionError(
+            f"zones {', '.join(unwatched)}: no limit cycle of any robot enters them, so no team can watch them; other"
+            " bouncing angles (bounce.bouncing_angles_deg), headings or cells are needed"
+        )

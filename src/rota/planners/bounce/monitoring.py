@@ -1,0 +1,153 @@
+"""Algorithm 2 of Alam & Bobadilla 2020: all periodic groups of a team that watch target zones without contact.
+
+A group without contact is a product of single robots' limit cycles, so none of this needs the joint map; ``printed.py``
+enumerates that, as published.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.bounce.limit_cycles import LimitCycles
+
+Flags = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+Longs = NDArray[np.int64]
+
+LONGEST_PERIOD = 200_000  # steps over which gaps are computed exactly; beyond it pairs of robots bound them
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """A periodic group: one periodic state per robot, at a common time. ``ratio``: worst gap over period, of all zones.
+
+    proved: no group of the same robots is better for the purpose it was searched for.
+    """
+
+    nodes: tuple[int, ...]
+    ratio: float
+    proved: bool
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Watch:
+    """What a team is to watch: ``sees`` (p, z), the periodic states in each zone; ``period_steps`` (z,)."""
+
+    cycles: LimitCycles
+    sees: Flags
+    period_steps: Floats
+
+    def ratio(self, nodes: Sequence[int]) -> float:
+        """The worst gap between visits of a zone, over its period, of robots in these periodic states; inf: unseen."""
+        worst = 0.0
+        for z, period in enumerate(self.period_steps):
+            worst = max(worst, self.gap_steps(nodes, z) / period)
+        return worst
+
+    def gap_steps(self, nodes: Sequence[int], zone: int) -> float:
+        """The most steps between two visits of a zone; inf when it has none.
+
+        Exact unless the visiting robots' common period is longer than LONGEST_PERIOD: then the least of all pairs'.
+        """
+        visiting = [node for node in nodes if len(self._visits(int(self.cycles.cycle[node]), zone))]
+        if not visiting:
+            return math.inf
+        if self.cycles.common_period(visiting) <= LONGEST_PERIOD:
+            return self._gap_of(visiting, zone)
+        best = min(self._gap_of([node], zone) for node in visiting)
+        for k, node in enumerate(visiting):
+            for other in visiting[:k]:
+                if self.cycles.common_period([node, other]) <= LONGEST_PERIOD:
+                    best = min(best, self._gap_of([node, other], zone))
+        return best
+
+    def _visits(self, cycle: int, zone: int) -> Longs:
+        start, length = self.cycles.start[cycle], self.cycles.length[cycle]
+        return np.flatnonzero(self.sees[start : start + length, zone])
+
+    def _gap_of(self, nodes: Sequence[int], zone: int) -> float:
+        period = self.cycles.common_period(nodes)
+        at = np.zeros(period, np.bool_)
+        for node in nodes:
+            cycle = int(self.cycles.cycle[node])
+            length = int(self.cycles.length[cycle])
+            visits = (self._visits(cycle, zone) - self.cycles.phase[node]) % length
+            at.reshape(-1, length)[:, visits] = True
+        times = np.flatnonzero(at)
+        return float(np.diff(times, append=times[0] + period).max())
+
+
+def groups(watch: Watch, *, unordered: bool = False) -> Iterator[tuple[int, ...]]:
+    """All periodic groups that watch every zone, lazily: one periodic state per robot, at a common time.
+
+    Each group is given once: the first robot's cycle at phase 0, the next robot's phases below the greatest common
+    divisor of its cycle's length and the common period so far, which is as many as differ. unordered: of equal robots,
+    only groups whose nodes rise are followed, and of those that are the same set at another time the first is given.
+    """
+    robots = len(watch.cycles.kind_of_robot)
+    for nodes in _extended(watch, (), np.ones(len(watch.cycles.state), np.bool_), 1, robots):
+        if watch.sees.shape[1] and not _covers(watch, nodes):
+            continue
+        if unordered and nodes != _first_of_sets(watch.cycles, nodes):
+            continue
+        yield nodes
+
+
+def _covers(watch: Watch, nodes: Sequence[int]) -> bool:
+    seen = np.zeros(watch.sees.shape[1], np.bool_)
+    for node in nodes:
+        start = watch.cycles.start[watch.cycles.cycle[node]]
+        length = watch.cycles.length[watch.cycles.cycle[node]]
+        seen |= watch.sees[start : start + length].any(axis=0)
+    return bool(seen.all())
+
+
+def _extended(watch: Watch, nodes: tuple[int, ...], free: Flags, period: int, robots: int) -> Iterator[tuple[int, ...]]:
+    """All ways to go on with robots that meet none of those there are; free: (p,) what does not meet them."""
+    if len(nodes) == robots:
+        yield nodes
+        return
+    cycles = watch.cycles
+    kind = cycles.kind_of_robot[len(nodes)]
+    for node in np.flatnonzero(free & (cycles.kind == kind)):
+        length = int(cycles.length[cycles.cycle[node]])
+        if cycles.phase[node] < math.gcd(period, length):
+            yield from _extended(
+                watch, (*nodes, int(node)), free & cycles.compatible[node], math.lcm(period, length), robots
+            )
+
+
+def _first_of_sets(cycles: LimitCycles, nodes: tuple[int, ...]) -> tuple[int, ...]:
+    """The first of all forms in which ``groups`` would give the same robots, had they no names."""
+    period = cycles.common_period(nodes)
+    forms = []
+    for step in range(period):
+        later = [cycles.later(node, step) for node in nodes]
+        # states sorted among the robots of each kind
+        order = sorted(range(len(nodes)), key=lambda k: (cycles.kind_of_robot[k], later[k]))
+        form = [0] * len(nodes)
+        slots = sorted(range(len(nodes)), key=lambda k: (cycles.kind_of_robot[k], k))
+        for slot, k in zip(slots, order, strict=True):
+            form[slot] = later[k]
+        forms.append(canonical(cycles, form))
+    return min(forms)
+
+
+def canonical(cycles: LimitCycles, nodes: Sequence[int]) -> tuple[int, ...]:
+    """The same robots at the time at which ``groups`` gives them."""
+    shift, period = 0, 1
+    for node in nodes:
+        length = int(cycles.length[cycles.cycle[node]])
+        g = math.gcd(period, length)
+        phase = (int(cycles.phase[node]) + shift) % length
+        # multiples of the period so far bring the phase below g
+        while phase >= g:
+            shift += period
+            phase = (phase + period) % length
+        period = math.lcm(period, length)
+    return tuple(cycles.later(node, shift) for node in nodes)

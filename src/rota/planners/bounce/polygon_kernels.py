@@ -1,0 +1,244 @@
+# mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
+"""Compiled loops of a disc that bounces in a polygon: straight lines, exact contacts, one bounce after the other.
+
+The rim is where the disc's centre is when it touches: for each wall its parallel at a body's radius, for each corner
+that points into the free space an arc round it. A row of ``rim`` holds a wall (x, y, tx, ty, length, arc: its start,
+unit direction with the free space on the left, length and the arc length where it begins) or an arc (x, y, angle, 0,
+length, arc: its centre and the angle of its first normal; it runs clockwise), ``kind`` 0 or 1. Parts of the rim that
+lie within a radius of another wall are never reached, and nobody need know which: the nearest contact wins.
+
+A state is (element, s, j): the disc touches rim element number ``element`` at the length s from its beginning and has
+turned j times by the bouncing angle from its first heading. Counting turns instead of adding angles keeps headings
+exact for ever: after ``whole`` turns (0: never) the heading is the first one again.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, floor, hypot, inf, log, nan, pi, sin, sqrt
+
+import numpy as np
+from numba import njit
+
+WALL, ARC = 0, 1
+TURN, FROM_WALL = 0, 1
+TOUCH_M = 1e-9  # centres this close to the rim are on it; rays that pass an arc this closely graze it
+APPROACH = 1e-9  # a heading nearer to parallel than this slides along the wall
+MOST_TURNS = 720  # turns in one place after which the disc is stuck
+CLOSE_M = 1e-7  # a return this close may be that of a cycle
+SAME_M = 1e-8  # and this close, after Newton's steps, it is
+LEAST_SLOPE = 1e-300  # stands for a slope of 0 in logarithms
+SETTLED, UNSETTLED, STUCK = 0, 1, 2
+
+
+@njit(cache=True, nogil=True)
+def place_on(rim, kind, radius, e, s):
+    """Centre of the disc and unit tangent of the rim there."""
+    if kind[e] == WALL:
+        tx, ty = rim[e, 2], rim[e, 3]
+        return rim[e, 0] - radius * ty + s * tx, rim[e, 1] + radius * tx + s * ty, tx, ty
+    angle = rim[e, 2] - s / radius
+    nx, ny = cos(angle), sin(angle)
+    return rim[e, 0] + radius * nx, rim[e, 1] + radius * ny, ny, -nx
+
+
+@njit(cache=True, nogil=True)
+def is_blocked(rim, kind, radius, x, y, dx, dy):
+    """Whether something that the disc touches stops it from moving along (dx, dy)."""
+    for e in range(len(rim)):
+        qx, qy = x - rim[e, 0], y - rim[e, 1]
+        if kind[e] == WALL:
+            tx, ty = rim[e, 2], rim[e, 3]
+            along, away = qx * tx + qy * ty, ty * dx - tx * dy
+            near = abs(qy * tx - qx * ty - radius) <= TOUCH_M and -TOUCH_M <= along <= rim[e, 4] + TOUCH_M
+            if near and away > APPROACH:
+                return True
+        elif abs(hypot(qx, qy) - radius) <= TOUCH_M and -(qx * dx + qy * dy) > APPROACH * radius:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def first_contact(rim, kind, radius, x, y, dx, dy):
+    """Rim element that the disc touches first on its way along the unit vector (dx, dy), where, and after how far.
+
+    The element is -1 where there is none: the disc is outside.
+    """
+    best, element, where = inf, -1, 0.0
+    for e in range(len(rim)):
+        qx, qy = x - rim[e, 0], y - rim[e, 1]
+        if kind[e] == WALL:
+            tx, ty = rim[e, 2], rim[e, 3]
+            approach = ty * dx - tx * dy
+            gap = qy * tx - qx * ty - radius
+            if approach <= APPROACH or gap <= TOUCH_M:
+                continue
+            way = gap / approach
+            along = qx * tx + qy * ty + way * (dx * tx + dy * ty)
+            if way < best - TOUCH_M and -TOUCH_M <= along <= rim[e, 4] + TOUCH_M:
+                best, element, where = way, e, min(max(along, 0.0), rim[e, 4])
+        else:
+            approach, miss = -(qx * dx + qy * dy), qx * dy - qy * dx
+            gap = hypot(qx, qy) - radius
+            if approach <= 0.0 or gap <= TOUCH_M or abs(miss) >= radius - TOUCH_M:
+                continue
+            way = approach - sqrt(radius * radius - miss * miss)
+            if way < best - TOUCH_M:
+                turned = rim[e, 2] - atan2(qy + way * dy, qx + way * dx)
+                turned -= 2 * pi * floor(turned / (2 * pi))
+                if turned > 1.5 * pi:  # before the arc's beginning, by rounding
+                    turned = 0.0
+                best, element, where = way, e, min(turned * radius, rim[e, 4])
+    return element, where, best
+
+
+@njit(cache=True, nogil=True)
+def leave(rim, kind, radius, rule, angle, whole, first_heading, e, s, j):
+    """Place, unit tangent, heading and number of turns with which the disc leaves the rim; no turns: it is stuck.
+
+    ``rule`` TURN: left by ``angle`` from where it came, again and again until nothing it touches is in the way (Eq. 6
+    of Alam and Bobadilla). FROM_WALL: at ``angle`` from the wall it hit; in a corner, from the first wall that lets it.
+    """
+    x, y, tx, ty = place_on(rim, kind, radius, e, s)
+    if rule == TURN:
+        for k in range(1, MOST_TURNS + 1):
+            turns = (j + k) % whole if whole > 0 else j + k
+            heading = first_heading + (turns * angle) % (2 * pi)
+            if not is_blocked(rim, kind, radius, x, y, cos(heading), sin(heading)):
+                return x, y, tx, ty, heading, turns, k
+        return x, y, tx, ty, nan, j, 0
+    heading = atan2(ty, tx) + angle
+    if not is_blocked(rim, kind, radius, x, y, cos(heading), sin(heading)):
+        return x, y, tx, ty, heading, 0, 1
+    for other in range(len(rim)):
+        if other == e or kind[other] != WALL:
+            continue
+        ux, uy = rim[other, 2], rim[other, 3]
+        qx, qy = x - rim[other, 0], y - rim[other, 1]
+        along = qx * ux + qy * uy
+        if abs(qy * ux - qx * uy - radius) <= TOUCH_M and -TOUCH_M <= along <= rim[other, 4] + TOUCH_M:
+            heading = atan2(uy, ux) + angle
+            if not is_blocked(rim, kind, radius, x, y, cos(heading), sin(heading)):
+                return x, y, ux, uy, heading, 0, 1
+    return x, y, tx, ty, nan, 0, 0
+
+
+@njit(cache=True, nogil=True)
+def bounce(rim, kind, radius, rule, angle, whole, first_heading, e, s, j):
+    """The next state, the way to it, the heading on that way, and d s' / d s; element -1: stuck."""
+    x, y, tx, ty, heading, turns, tried = leave(rim, kind, radius, rule, angle, whole, first_heading, e, s, j)
+    if tried == 0:
+        return -1, 0.0, j, 0.0, nan, 0.0
+    dx, dy = cos(heading), sin(heading)
+    e1, s1, way = first_contact(rim, kind, radius, x, y, dx, dy)
+    if e1 < 0:
+        return -1, 0.0, j, 0.0, heading, 0.0
+    _, _, ux, uy = place_on(rim, kind, radius, e1, s1)
+    aside = dx * ty - dy * tx  # a step along the rim, seen across the way
+    if abs(aside) <= APPROACH:
+        aside = 0.0
+    if rule == FROM_WALL and kind[e] == ARC:
+        aside -= way / radius  # the wall's direction turns by -1 / radius per metre, and the way with it
+    return e1, s1, turns, way, heading, aside / (dx * uy - dy * ux)
+
+
+@njit(cache=True, nogil=True)
+def map_states(rim, kind, radius, rule, angle, element, s, heading_in, out):
+    """Fill a row of ``out`` for each state: element, s, heading on the way, its length, d s' / d s; -1: stuck."""
+    for k in range(len(element)):
+        e1, s1, _, way, heading, slope = bounce(
+            rim, kind, radius, rule, angle, 0, heading_in[k], element[k], s[k], 0
+        )  # fmt: skip
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = e1, s1, heading, way, slope
+
+
+@njit(cache=True, nogil=True)
+def follow(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, out):
+    """Fill rows of ``out`` with one state after the other: element, s, turns, and heading, way and slope to the next.
+
+    Returns how many rows were filled: fewer than asked for where the disc got stuck.
+    """
+    for k in range(len(out)):
+        e1, s1, j1, way, heading, slope = bounce(rim, kind, radius, rule, angle, whole, first_heading, e, s, j)
+        if e1 < 0:
+            return k
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4], out[k, 5] = e, s, j, heading, way, slope
+        e, s, j = e1, s1, j1
+    return len(out)
+
+
+@njit(cache=True, nogil=True)
+def once_round(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, period):
+    """The state after ``period`` bounces, the way, the return map's slope, and a mark of the places on the way.
+
+    The mark is the same wherever on a cycle one begins; cycles that touch other elements, or the same in another
+    order or with other headings, have another one.
+    """
+    way, slope, mark = 0.0, 1.0, np.uint64(0)
+    for _ in range(period):
+        e1, s1, j1, step, _, part = bounce(rim, kind, radius, rule, angle, whole, first_heading, e, s, j)
+        if e1 < 0:
+            return -1, 0.0, j, 0.0, 0.0, mark
+        mixed = np.uint64(e * 1000003 + e1 + 1) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(j)
+        mixed = (mixed ^ (mixed >> np.uint64(31))) * np.uint64(0xBF58476D1CE4E5B9)
+        mark += mixed ^ (mixed >> np.uint64(29))
+        way, slope = way + step, slope * part
+        e, s, j = e1, s1, j1
+    return e, s, j, way, slope, mark
+
+
+@njit(cache=True, nogil=True)
+def settle(rim, kind, radius, rule, angle, whole, x, y, first_heading, turned, bounces, longest, floats, ints, marks):
+    """Let a disc go from each place, having turned ``turned`` times, and find the cycle it comes to, if any.
+
+    ints (n, 4): SETTLED, UNSETTLED or STUCK; element, turns and period of a state on the cycle. floats (n, 4): its s,
+    the cycle's length, the return map's slope; mean logarithm of the slope per bounce over the first ``bounces``.
+    """
+    for k in range(len(x)):
+        ints[k, 0], floats[k, 3] = STUCK, 0.0
+        j, blocked = turned[k], True
+        for turns in range(MOST_TURNS if rule == TURN else 1):  # a start on the rim may have to turn before all else
+            j = (turned[k] + turns) % whole if whole > 0 else turned[k] + turns
+            heading = first_heading[k] + (j * angle) % (2 * pi)
+            dx, dy = cos(heading), sin(heading)
+            blocked = is_blocked(rim, kind, radius, x[k], y[k], dx, dy)
+            if not blocked:
+                break
+        if blocked:
+            continue
+        e, s, _ = first_contact(rim, kind, radius, x[k], y[k], dx, dy)
+        for _ in range(bounces):
+            if e < 0:
+                break
+            e, s, j, _, _, part = bounce(rim, kind, radius, rule, angle, whole, first_heading[k], e, s, j)
+            floats[k, 3] += log(max(abs(part), LEAST_SLOPE)) / bounces
+        if e < 0:
+            continue
+        ints[k, 0] = UNSETTLED
+        period = _return_time(rim, kind, radius, rule, angle, whole, first_heading[k], e, s, j, longest)
+        if period == 0:
+            continue
+        for _ in range(3):  # Newton's steps; on straight walls the map is affine and one is enough
+            e1, s1, _, way, slope, mark = once_round(
+                rim, kind, radius, rule, angle, whole, first_heading[k], e, s, j, period
+            )  # fmt: skip
+            if e1 != e or abs(s1 - s) > CLOSE_M:
+                break
+            if abs(s1 - s) <= SAME_M:
+                ints[k, 0], ints[k, 1], ints[k, 2], ints[k, 3] = SETTLED, e, j, period
+                floats[k, 0], floats[k, 1], floats[k, 2], marks[k] = s, way, slope, mark
+            if abs(slope) > 1 - 1e-6:
+                break
+            s = min(max(s + (s1 - s) / (1 - slope), 0.0), rim[e, 4])
+
+
+@njit(cache=True, nogil=True)
+def _return_time(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, longest):
+    """Bounces until the state comes back to within CLOSE_M, or 0 where ``longest`` are not enough."""
+    e1, s1, j1 = e, s, j
+    for k in range(1, longest + 1):
+        e1, s1, j1, _, _, _ = bounce(rim, kind, radius, rule, angle, whole, first_heading, e1, s1, j1)
+        if e1 < 0:
+            return 0
+        if e1 == e and abs(s1 - s) <= CLOSE_M and (j1 == j or rule == FROM_WALL):
+            return k
+    return 0

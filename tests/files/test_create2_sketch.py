@@ -1,0 +1,202 @@
+"""Sketches as text, and for real: compiled, run in simavr, with a model of the robot on their serial port."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks.create2.desk import Desk, drive, off_plan_m, set_up
+from benchmarks.create2.plans import TypedMap, bounced_plan
+from benchmarks.create2.robot import Create2, Faults
+from benchmarks.create2.uno import build_core, build_sketch, flash_bytes, missing_tools
+
+from rota.errors import PlanError, RotaError
+from rota.files import create2_sketch
+from rota.files.create2_sketch import sketch_texts, write_create2_sketches
+from rota.files.mission_file import read_mission
+from rota.make_plan import make_plan
+from rota.plan import Plan
+
+HALL = TypedMap(rows=(".....", ".....", "..#..", "....."), cell_m=0.5)
+CLOSET = """
+rota: 1
+name: closet
+area:
+  text: |
+    .....
+    .#...
+    .....
+  cell_m: 0.5
+zones: [{name: shelf, period_s: 200, demand: visit, ring: [[0, 0], [0.5, 0], [0.5, 0.5], [0, 0.5]]}]
+fleet:
+  robots: 1
+  speed_m_s: 0.2
+  sensor: {shape: disc, radius_m: 0.25}
+  body_radius_m: 0.17
+planner: bounce
+bounce: {task: monitor, bouncing_angles_deg: [135]}
+"""
+CORRIDOR = TypedMap(rows=("......",), cell_m=0.5)
+needs_tools = pytest.mark.skipif(
+    bool(missing_tools()), reason=f"apt install gcc gcc-avr avr-libc arduino-core-avr libsimavr-dev: {missing_tools()}"
+)
+
+
+def hall_plan() -> Plan:
+    """One robot: a way in of 9 legs, then 8 for ever, at 135 degrees."""
+    return bounced_plan(HALL, ((0, 1, 0),), turn=3, speed_m_s=0.22)
+
+
+def corridor_plan() -> Plan:
+    """Two robots that meet in the middle, turn round, turn at the walls, and meet again."""
+    return bounced_plan(CORRIDOR, ((0, 0, 0), (5, 0, 4)), turn=4, speed_m_s=0.15, headings=4)
+
+
+def test_the_sketch_tells_where_to_begin_and_what_to_do() -> None:
+    (text,) = sketch_texts(bounced_plan(HALL, ((0, 0, 0),), turn=2, speed_m_s=0.2, headings=4))
+    assert "// robot-1: bouncing on a desk" in text
+    assert "x = 0.250 m, y = 0.250 m, facing 0 degrees" in text
+    assert "{ 200, UNTIL_BUMP,  80,   900,   12500 },  // 0: from (0.25, 0.25) 2.00 m towards 0" in text
+    assert "4 legs; those from 0 on for ever, 45.0 s a round" in text
+    assert "const uint32_t LOOP_MS = 45000;" in text
+    assert "@" not in text
+    assert max(map(len, text.splitlines())) <= 120
+
+
+def test_each_robot_has_a_folder_as_the_arduino_ide_wants_it(tmp_path: Path) -> None:
+    paths = write_create2_sketches(corridor_plan(), tmp_path / "out")
+    assert [str(path.relative_to(tmp_path)) for path in paths] == [
+        "out/robot-1/robot-1.ino", "out/robot-2/robot-2.ino",
+    ]  # fmt: skip
+    assert "robot-2; switch all on at the same moment" in paths[0].read_text()
+
+
+def test_names_become_harmless(tmp_path: Path) -> None:
+    plan = corridor_plan()
+    named = tuple(
+        replace(robot, name=name)
+        for robot, name in zip(plan.mission.fleet.robots or (), ("../a b\\", "x\nint main"), strict=True)
+    )
+    trajectories = tuple(replace(t, robot=r.name) for t, r in zip(plan.trajectories, named, strict=True))
+    mission = replace(plan.mission, fleet=replace(plan.mission.fleet, robots=named))
+    paths = write_create2_sketches(replace(plan, mission=mission, trajectories=trajectories), tmp_path)
+    assert [path.name for path in paths] == ["a_b.ino", "x_int_main.ino"]
+    first_lines = [path.read_text().splitlines()[:2] for path in paths]
+    assert first_lines == [["// ../a b_: bouncing on a desk", "//"], ["// x_int main: bouncing on a desk", "//"]]
+
+
+def test_names_that_give_one_file_are_refused(tmp_path: Path) -> None:
+    plan = corridor_plan()
+    named = tuple(
+        replace(robot, name=name) for robot, name in zip(plan.mission.fleet.robots or (), ("a b", "A?b"), strict=True)
+    )
+    trajectories = tuple(replace(t, robot=r.name) for t, r in zip(plan.trajectories, named, strict=True))
+    mission = replace(plan.mission, fleet=replace(plan.mission.fleet, robots=named))
+    with pytest.raises(PlanError, match=r"robot A\?b: another robot's file is called A_b.ino"):
+        write_create2_sketches(replace(plan, mission=mission, trajectories=trajectories), tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(RotaError, match="taken"):
+        write_create2_sketches(corridor_plan(), tmp_path / "taken")
+
+
+def test_a_way_too_long_for_an_uno_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(create2_sketch, "MOST_LEGS", 5)
+    with pytest.raises(PlanError, match="its way has 17 legs; an Arduino Uno has room for 5"):
+        sketch_texts(hall_plan())
+
+
+# ---------------------------------------------------------------- for real
+
+
+@pytest.fixture(scope="module")
+def hall(tmp_path_factory: pytest.TempPathFactory) -> Desk:
+    return set_up(hall_plan(), tmp_path_factory.mktemp("hall"))
+
+
+@needs_tools
+def test_the_way_driven_is_the_way_planned(hall: Desk) -> None:
+    """Eight legs, straight and diagonal: at every turn the robot is within 5 mm of the planned place, and on time."""
+    (driven,) = drive(hall, 62.0)
+    starts_s, off_m = off_plan_m(hall, 0, driven)
+    assert len(starts_s) == 8
+    assert off_m.max() < 0.005
+    legs = hall.drives[0].legs[1 : len(starts_s) + 1]
+    headings = driven.headings_rad[np.searchsorted(driven.times_s, starts_s)]
+    off_rad = [math.remainder(h - leg.heading_rad, math.tau) for h, leg in zip(headings, legs, strict=False)]
+    assert np.abs(off_rad).max() < math.radians(0.5)
+    assert driven.turns[-1] == len(starts_s)
+
+
+@needs_tools
+def test_robots_that_meet_as_planned_go_on_as_planned(tmp_path: Path) -> None:
+    desk = set_up(corridor_plan(), tmp_path)
+    for number, driven in enumerate(drive(desk, 25.0)):
+        starts_s, off_m = off_plan_m(desk, number, driven)
+        assert len(starts_s) == 2  # each other, then the wall
+        assert off_m.max() < 0.01
+
+
+@needs_tools
+def test_a_plan_of_the_planner_is_driven_as_planned(tmp_path: Path) -> None:
+    """Waits, contacts and turns as the planner makes them, not as this file does."""
+    mission = tmp_path / "closet.yaml"
+    mission.write_text(CLOSET)
+    desk = set_up(make_plan(read_mission(mission).mission), tmp_path)
+    (driven,) = drive(desk, 50.0)
+    starts_s, off_m = off_plan_m(desk, 0, driven)
+    assert len(starts_s) >= 2
+    assert off_m.max() < 0.005
+
+
+@needs_tools
+def test_late_bumps_and_inexact_turns_lead_astray(hall: Desk) -> None:
+    """They must show: a model in which nothing goes wrong would prove nothing."""
+    (driven,) = drive(hall, 36.0, Faults(late_bump_s=0.1, turn_error=0.05, slides=True, seed=1))
+    off_m = off_plan_m(hall, 0, driven)[1]
+    assert off_m.max() > 0.02
+    assert driven.turns[-1] >= len(off_m)  # but it bounces on
+
+
+@needs_tools
+@pytest.mark.parametrize("danger", ["cliff", "dropped"])
+@pytest.mark.parametrize("full_mode", [False, True])
+def test_a_cliff_or_a_lifted_wheel_stops_it_for_good(hall: Desk, tmp_path: Path, danger: str, full_mode: bool) -> None:
+    desk = hall
+    if full_mode:
+        sketch = hall.firmware[0].with_suffix(".ino")
+        text = sketch.read_text().replace("FULL_MODE = false", "FULL_MODE = true")
+        desk = replace(hall, firmware=(compile_text(text, tmp_path),))
+    modes = set()
+
+    def on_tick(time_s: float, robots: list[Create2]) -> None:
+        modes.add(robots[0].mode)
+        setattr(robots[0], danger, 1.0 < time_s < 1.5)  # in the middle of its first way
+
+    (driven,) = drive(desk, 2.0, on_tick=on_tick)
+    moving = np.linalg.norm(np.diff(driven.places_m, axis=0), axis=1) > 0
+    assert ("full" if full_mode else "safe") in modes
+    assert moving[driven.times_s[1:] < 1.0].any()
+    assert not moving[driven.times_s[1:] > 1.0 + 0.1].any()
+
+
+def compile_text(text: str, folder: Path) -> Path:
+    sketch = folder / "changed.ino"
+    sketch.write_text(text)
+    return build_sketch(sketch, build_core(folder))
+
+
+@needs_tools
+def test_the_longest_way_fits_into_an_uno(tmp_path: Path, hall: Desk) -> None:
+    """32,256 bytes are free beside the boot loader."""
+    row = "  { 140, UNTIL_BUMP, 113, -1350, 1234567 },\n"
+    text = hall.firmware[0].with_suffix(".ino").read_text()
+    begin = text.index("const Leg LEGS[] PROGMEM = {\n") + len("const Leg LEGS[] PROGMEM = {\n")
+    longest = text[:begin] + row * create2_sketch.MOST_LEGS + text[text.index("};\nconst uint16_t LEG_COUNT") :]
+    assert 25_000 < flash_bytes(compile_text(longest, tmp_path)) < 32_256

@@ -1,0 +1,244 @@
+"""Plans of bouncing robots: trajectories that a bumper and a clock are enough for, and that the check passes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from shapely import MultiPolygon, Point, box
+
+from rota.check import check_plan
+from rota.errors import MissionError, NoPlanFound
+from rota.files.text_map import text_map
+from rota.make_plan import make_plan
+from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.plan import Plan
+from rota.plan_table import entered_sentence
+from rota.planners.bounce.cells import make_cells
+from rota.planners.bounce.trajectories import loops_in_step, step_duration_s
+from rota.planners.bounce.visited_cells import visited_cells
+
+ROOM = """
+..........
+.##.......
+.....##...
+..........
+...#......
+...#...##.
+..........
+.....#....
+.##..#....
+.........."""
+SENSOR = DiscSensor(radius_m=0.5)
+
+
+def mission_on(
+    text: str,
+    robots: int | list[Robot] | None,
+    zones: tuple[Zone, ...] = (),
+    *,
+    body_radius_m: float = 0.3,
+    turn_rate_rad_s: float | None = None,
+    **options: object,
+) -> Mission:
+    area, walls = text_map(text, 1.0)
+    fleet = Fleet(speed_m_s=0.5, sensor=SENSOR, body_radius_m=body_radius_m, turn_rate_rad_s=turn_rate_rad_s)
+    if isinstance(robots, int):
+        robots = [fleet.equal_robot(f"robot-{k + 1}") for k in range(robots)]
+    return Mission(
+        name="room",
+        area=area,
+        obstacles=(Obstacle(shape=walls),) if not walls.is_empty else (),
+        zones=zones,
+        fleet=replace(fleet, robots=None if robots is None else tuple(robots)),
+        planning=BounceSettings(cell_m=1.0, **options),  # type: ignore[arg-type]
+    )
+
+
+def visit(name: str, period_s: float, *bounds: float) -> Zone:
+    return Zone(name=name, shape=box(*bounds), period_s=period_s, demand="visit")
+
+
+ZONES = (visit("door", 120, 0, 8, 1, 10), visit("window", 180, 8, 0, 10, 2))
+
+
+def require_drivable(plan: Plan, *, jumps: bool) -> None:
+    """Drives along the heading from cell centre to cell centre, and turns on the spot by the bouncing angle."""
+    mission = plan.mission
+    cells = make_cells(mission)
+    step_s = step_duration_s(mission, cells)
+    angles = mission.bounce.bouncing_angles_deg
+    for k, trajectory in enumerate(plan):
+        bounce = math.radians(angles[k if len(angles) > 1 else 0])
+        assert trajectory.headings_rad is not None
+        steps = trajectory.times_s / step_s
+        assert np.allclose(steps, np.round(steps), atol=1e-9)
+        assert (np.hypot(*(trajectory.positions_m[:, None] - cells.centres_m).T).min(axis=0) < 1e-9).all()
+        for leg, (dx, dy) in enumerate(np.diff(trajectory.positions_m, axis=0)):
+            turn = trajectory.headings_rad[leg + 1] - trajectory.headings_rad[leg]
+            if dx or dy:
+                assert turn == 0
+                assert math.cos(math.atan2(dy, dx) - trajectory.headings_rad[leg]) == pytest.approx(1, abs=1e-12)
+            elif turn != 0:
+                assert steps[leg + 1] - steps[leg] == pytest.approx(1)
+                by_clock = jumps and abs(turn) == pytest.approx(math.tau / mission.bounce.headings)
+                assert by_clock or turn == pytest.approx(bounce)
+            else:
+                assert jumps
+
+
+@pytest.mark.parametrize("corners", ["blocked", "pass"])
+@pytest.mark.parametrize("angles", [(135,), (90,), (135, 45)])
+def test_two_robots_monitor_two_zones_and_the_check_agrees(angles: tuple[float, ...], corners: str) -> None:
+    mission = mission_on(ROOM, 2, ZONES, bouncing_angles_deg=angles, corners=corners)
+    plan = make_plan(mission)
+    require_drivable(plan, jumps=False)
+    assert check_plan(plan).verdict == "met"
+
+
+def test_sixteen_headings_and_a_turn_rate_give_longer_steps_and_a_plan_that_passes() -> None:
+    mission = mission_on(ROOM, 2, ZONES, headings=16, bouncing_angles_deg=(112.5,), turn_rate_rad_s=2.0)
+    cells = make_cells(mission)
+    # the move (2, 1) at 0.5 m/s takes longer than turning by 112.5 degrees at 2 rad/s
+    assert step_duration_s(mission, cells) == pytest.approx(math.sqrt(5) / 0.5)
+    slow = replace(
+        mission, fleet=replace(mission.fleet, robots=(replace(mission.fleet.robots[0], turn_rate_rad_s=0.1),))
+    )
+    assert step_duration_s(slow, cells) == pytest.approx(math.radians(112.5) / 0.1)
+    alone = replace(mission, fleet=replace(mission.fleet, robots=mission.fleet.robots[:1]))
+    plan = make_plan(replace(alone, zones=(visit("west", 400, 0, 0, 5, 10),)))
+    assert check_plan(plan).verdict == "met"
+
+
+def test_as_few_robots_as_possible_are_enough() -> None:
+    # a lane of 6 cells: a shuttle takes 2 * 5 moves and 2 turns of 2.83 s, so one robot is at an end every 33.9 s
+    zones = (visit("west", 34, 0, 0, 1, 1), visit("east", 34, 5, 0, 6, 1))
+    settings = {"bouncing_angles_deg": (180,), "body_radius_m": 0.3}
+    assert len(make_plan(mission_on("......", None, zones, **settings)).trajectories) == 1
+    # for a shorter period one turns on the spot at each end
+    plan = make_plan(mission_on("......", None, tuple(replace(z, period_s=20) for z in zones), **settings))
+    assert [trajectory.loop_length_m for trajectory in plan] == [0, 0]
+    # two lanes need two
+    both = (visit("north", 34, 0, 2, 1, 3), visit("south", 34, 0, 0, 1, 1))
+    assert len(make_plan(mission_on("......\n######\n......", None, both, **settings)).trajectories) == 2
+
+
+@pytest.mark.parametrize("contact_free", ["cycle", "trajectory"])
+def test_robots_with_starts_come_to_their_cycles(contact_free: str) -> None:
+    fleet = [Robot(name=name, speed_m_s=0.5, sensor=SENSOR, body_radius_m=0.3, start=at)
+             for name, at in (("a", (0.5, 0.5)), ("b", (5.5, 5.5)))]  # fmt: skip
+    mission = mission_on(ROOM, fleet, (visit("west", 300, 0, 0, 5, 10),), contact_free=contact_free)
+    plan = make_plan(mission)
+    require_drivable(plan, jumps=False)
+    assert [tuple(t.positions_m[0]) for t in plan] == [(0.5, 0.5), (5.5, 5.5)]
+    assert plan.trajectories[0].loop_start_s == plan.trajectories[1].loop_start_s > 0
+    facing = replace(mission, planning=replace(mission.bounce, start_headings_deg=(90, 45)))
+    try:
+        turned = make_plan(facing)
+    except NoPlanFound:
+        return
+    assert [t.headings_rad[0] for t in turned] == pytest.approx([math.pi / 2, math.pi / 4])
+
+
+@pytest.mark.parametrize("purpose", ["periods", "worst_gap", "basin"])
+@pytest.mark.parametrize("method", ["improved", "as_printed"])
+def test_every_purpose_by_every_method_gives_a_plan(purpose: str, method: str) -> None:
+    text = "......\n.#....\n....#.\n......"
+    zones = (visit("door", 200, 0, 3, 1, 4), visit("window", 200, 5, 0, 6, 1))
+    mission = mission_on(text, 2, zones, purpose=purpose, method=method)
+    plan = make_plan(mission)
+    require_drivable(plan, jumps=False)
+    worst = check_plan(plan).worst_ratio
+    best = check_plan(make_plan(replace(mission, planning=replace(mission.bounce, purpose="worst_gap")))).worst_ratio
+    assert best <= worst + 1e-9
+
+
+@pytest.mark.parametrize("method", ["improved", "as_printed"])
+@pytest.mark.parametrize("robots", [1, 3])
+def test_robots_cover_the_room_and_then_stay(robots: int, method: str) -> None:
+    mission = mission_on(ROOM, robots, task="cover", method=method)
+    if (method, robots) == ("as_printed", 1):
+        words = "cells were not entered when all joint states that robots can jump to had been there"
+        with pytest.raises(NoPlanFound, match=words) as caught:
+            make_plan(mission, seed=1)
+        assert isinstance(caught.value.best, Plan)
+        require_drivable(caught.value.best, jumps=True)
+        return
+    plan = make_plan(mission, seed=1)
+    require_drivable(plan, jumps=True)
+    assert check_plan(plan).verdict == "met"
+    assert all(trajectory.loop_duration_s == 0 for trajectory in plan)
+    entered = shapely.union_all([shapely.LineString(t.positions_m).buffer(0.3) for t in plan])
+    cells = make_cells(mission)
+    assert all(entered.covers(Point(centre)) for centre in cells.centres_m)
+    found = visited_cells(plan)
+    assert (found.visits > 0).all()
+    assert f"enter{'s' * (robots == 1)} 88 of 88 cells (100.0%) in {found.steps} steps" in entered_sentence(plan)
+    assert make_plan(mission, seed=1) == plan
+
+
+def test_what_is_walled_off_is_told_and_the_rest_is_covered() -> None:
+    fleet = [Robot(name="a", speed_m_s=0.5, sensor=SENSOR, start=(0.5, 0.5))]
+    with pytest.raises(NoPlanFound, match=r"66\.7% of 6 cells .* no robot has a way .* 2 cells, at \(3\.5, 0\.5\)"):
+        make_plan(mission_on("..#.\n..#.", fleet, task="cover"))
+
+
+def test_bodies_too_wide_to_pass_keep_apart_by_their_swept_distance() -> None:
+    # at 0.45 m crossing robots of the published grid would come as near as 0.447 cells
+    plan = make_plan(mission_on(ROOM, 3, task="cover", body_radius_m=0.45), seed=3)
+    assert check_plan(plan).verdict == "met"
+    wide = mission_on(ROOM, 2, ZONES, body_radius_m=0.45)
+    assert check_plan(make_plan(wide)).verdict == "met"
+
+
+def test_loops_of_large_ratios_are_made_equally_long() -> None:
+    assert loops_in_step([44, 40]) == [44, 40]
+    assert loops_in_step([77, 80]) == [6160, 6160]
+    assert loops_in_step([65, 1]) == [65, 65]
+
+
+def test_what_cannot_be_is_refused_with_its_reason() -> None:
+    def refused(words: str, mission: Mission) -> None:
+        with pytest.raises(MissionError, match=words):
+            make_plan(mission)
+
+    at = {"speed_m_s": 0.5, "sensor": SENSOR}
+    off = [Robot(name="a", start=(0.4, 0.5), **at)]
+    refused(r"robot a: start: \[0\.4, 0\.5\] .* the nearest is \[0\.5, 0\.5\]", mission_on(ROOM, off, task="cover"))
+    tiny = Zone(name="slot", shape=box(3.6, 3.6, 3.9, 3.9), period_s=60, demand="visit")
+    refused(r"zones slot: no cell .* has its centre there", mission_on(ROOM, 2, (tiny,)))
+    # 45 degrees: every robot ends up along the border and never comes to the middle
+    middle = (visit("middle", 60, 4, 6, 5, 7),)
+    refused(r"zones middle: no limit cycle", mission_on(ROOM, 2, middle, bouncing_angles_deg=(45,)))
+    refused(r"10 robots has 704 \*\* 10 .* GB", mission_on(ROOM, 10, ZONES, method="as_printed"))
+    one = [Robot(name="a", start=(0.5, 0.5), **at), Robot(name="b", **at)]
+    refused(r"robot b: start: is missing", mission_on(ROOM, one, ZONES))
+    refused("fits at the centre of none", mission_on(ROOM, 1, task="cover", body_radius_m=4.6, corners="pass"))
+    refused(r"there are only 2 free cells", mission_on("..", 3, task="cover"))
+    both = [Robot(name="a", start=(0.5, 0.5), **at), Robot(name="b", start=(0.5 + 2e-6, 0.5), **at)]
+    refused(r"start", mission_on(ROOM, both, task="cover"))
+    with pytest.raises(MissionError, match="bouncing_angles_deg: 2 angles"):
+        mission_on(ROOM, 3, task="cover", bouncing_angles_deg=(90, 45))
+    with pytest.raises(MissionError, match=r"100 is not allowed; must be a multiple of .* 45 degrees"):
+        BounceSettings(cell_m=1, bouncing_angles_deg=(100,))
+
+
+def test_rings_become_cells_from_the_lower_left_of_the_area() -> None:
+    area = MultiPolygon([box(10, 20, 14.2, 22.3)])
+    fleet = Fleet(speed_m_s=1, sensor=SENSOR, body_radius_m=0.2, robots=(Robot(name="a", speed_m_s=1, sensor=SENSOR),))
+    mission = Mission(name="strip", area=area, fleet=fleet, planning=BounceSettings(cell_m=1, task="cover"))
+    cells = make_cells(mission)
+    # 5 x 3 cells touch the area; the centres of the last column and row lie outside
+    assert cells.count == 4 * 2
+    assert cells.centres_m.min(axis=0).tolist() == [10.5, 20.5]
+
+
+def test_five_robots_take_the_group_that_random_starts_come_to_most() -> None:
+    mission = mission_on(ROOM, 5, (visit("east", 400, 7, 0, 10, 10),), purpose="basin", bouncing_angles_deg=(90,))
+    plan = make_plan(mission)
+    require_drivable(plan, jumps=False)
+    assert check_plan(plan).verdict == "met"
+    assert make_plan(mission) == plan
