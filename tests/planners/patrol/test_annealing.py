@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 from shapely import LineString, Polygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.planners.patrol.annealing.move_kernels import range_m
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, split_legs, tour_length_m, turns_rad, without_repeats
-from rota.planners.patrol.kernels import leg_sees
+from rota.planners.patrol.kernels import Samples, leg_sees
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, prepared_with
 from rota.planners.patrol.start.first_tours import first_tours
@@ -27,8 +29,11 @@ from rota.planners.patrol.tour_kernels import (
     Tours,
     bucket_of,
     corner_m,
+    lost_at_least,
+    note_way,
     tour_length,
     uniform,
+    unseen_near,
 )
 
 Floats = NDArray[np.float64]
@@ -229,6 +234,8 @@ def assert_books_are_true(search: Annealing) -> None:
     assert sorted(unseen.tolist()) == np.flatnonzero(times_seen == 0).tolist() == search.unseen_samples.tolist()
     assert state.unseen_place[unseen].tolist() == list(range(search.unseen))
     assert state.unseen[0] == pytest.approx(samples.weight[times_seen == 0].sum(), abs=1e-6)
+    at = [bucket_of(samples.x[i], samples.y[i], state) for i in unseen]
+    assert state.unseen_in.tolist() == np.bincount(at, minlength=len(state.bucket)).tolist()
     # every slot is one leg's or free; every vertex is in use or free, and in the bucket of its place
     vertices = [v for ring in rings(state) for v in ring]
     used = state.slot[vertices].tolist()
@@ -245,6 +252,17 @@ def assert_books_are_true(search: Annealing) -> None:
             in_buckets.append(v)
             v = int(state.bucket_after[v])
     assert sorted(in_buckets) == sorted(vertices)
+
+
+def seen_from(state: Tours, samples: Samples, k: int, places: Sequence[tuple[float, float]]) -> NDArray[np.int64]:
+    """How often each sample is seen by the legs between these places, as legs of tour k."""
+    times = np.zeros(len(samples.x), dtype=np.int64)
+    out = np.empty(2 * len(samples.x), dtype=np.int32)
+    for a, b in pairwise(places):
+        count = leg_sees(*a, *b, state.reach_m[k], state.square[k], state.serves[k], samples, out)
+        for first, end in out[:count].reshape(-1, 2):
+            times[first:end] += 1
+    return times
 
 
 def assert_legs_are_free(given: Problem, tours: Sequence[Tour]) -> None:
@@ -279,6 +297,33 @@ def test_the_books_are_true_after_many_moves(case: dict[str, object]) -> None:
     search.mend(2000)
     assert_books_are_true(search)
     assert_legs_are_free(given, search.tours)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_moves_gain_no_more_and_lose_no_less_than_is_estimated(case: dict[str, object]) -> None:
+    given = problem(**case)  # type: ignore[arg-type]
+    search = started(given)
+    run(search, 5000)
+    state, samples, rng = search._state, search._samples, np.random.default_rng(5)
+    lost, estimated = 0.0, 0.0
+    for _ in range(300):
+        k = int(rng.integers(len(state.n)))
+        p = int(rng.choice(rings(state)[k]))
+        v, q = int(state.after[p]), int(state.after[state.after[p]])
+        x, y = rng.normal((state.x[v], state.y[v]), rng.choice([0.3, 3.0]))
+        a, b, c = ((float(state.x[u]), float(state.y[u])) for u in (p, v, q))
+        old, new = (seen_from(state, samples, k, [a, middle, c]) for middle in (b, (x, y)))
+        gained_m = samples.weight[(state.times_seen == 0) & (new > 0)].sum()
+        box_m = (min(a[0], c[0], x), min(a[1], c[1], y), max(a[0], c[0], x), max(a[1], c[1], y))
+        assert gained_m <= unseen_near(*box_m, state) <= state.unseen[0] + 1e-6
+        note_way(np.int64(0), *a, x, y, state)
+        note_way(np.int64(1), x, y, *c, state)
+        slots = {int(state.slot[p]), int(state.slot[v])}
+        estimate = [lost_at_least(s, np.int64(2), range_m(k, state), math.inf, samples, state) for s in slots]
+        lost_m = samples.weight[(state.times_seen == old) & (old > 0) & (new == 0)].sum()
+        assert sum(estimate) <= lost_m + 1e-9
+        lost, estimated = lost + lost_m, estimated + sum(estimate)
+    assert estimated > 0.1 * lost > 0  # an estimate of nothing would be no lie either
 
 
 def test_the_books_are_true_where_much_is_unseen() -> None:

@@ -21,7 +21,7 @@ from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.polish.search import Polish, can_polish
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.rims import along_the_rim, with_reach_for
-from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare
+from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare, thinned
 from rota.planners.patrol.start.nearest_places import nearest_places
 from rota.planners.patrol.start.standing import over_prices
 from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, what_places_see
@@ -71,9 +71,13 @@ def no_points() -> SamplePoints:
     return points_of(np.zeros((0, 2)), 0.0, 0, 0)
 
 
-def prepared_with(problem: Problem, extra: SamplePoints) -> tuple[SamplePoints, Samples]:
-    """The problem's points and further ones, laid out for the kernels with their weights in metres of travel."""
-    points = joined([problem.points, extra]) if len(extra) else problem.points
+def prepared_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False) -> tuple[SamplePoints, Samples]:
+    """The problem's points and further ones, laid out for the kernels with their weights in metres of travel.
+
+    coarse: of the points on lattices only every other one of every other row, each with four times the area.
+    """
+    points = thinned(problem.points) if coarse else problem.points
+    points = joined([points, extra]) if len(extra) else points
     # no way is too long for a visit, however small the zone
     longest_m = np.array(problem.periods_s)[points.period] * problem.robot.speed_m_s
     weight = np.where(points.visit_m > 0, longest_m, UNSEEN_WEIGHT * points.area_m2 / problem.swath_m)
@@ -83,7 +87,7 @@ def prepared_with(problem: Problem, extra: SamplePoints) -> tuple[SamplePoints, 
         reach_m=problem.robot.sensor.reach_m,
         weight=weight,
         wall_margin_m=0.001 * problem.reach_m,
-        known=problem.samples,
+        known=None if coarse else problem.samples,
     )
     return points[order], samples
 

@@ -40,6 +40,7 @@ EFFORTS: tuple[Effort, ...] = ("quick", "normal", "high")
 PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
 RESERVE = 0.03  # share of the budgets left for the mending while most of the tour's shape is found
 UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
+HALFWAY = 0.033  # share of the ground unseen after half of the moves, of which the others bring down half at best
 HOPELESS = 0.045  # share of the ground unseen after a quarter of the moves: all of them bring down a fifth of it
 NEST_HOPELESS = 0.09  # the same for loops within loops, of which they bring down four fifths
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
@@ -47,8 +48,10 @@ COOLEST = 1 / 32  # of the reach: heat of the last annealings
 OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
 COOL, DEAR, LAST_RESERVE = 1 / 8, 6.0, 0.0075  # of annealings that begin from mended tours
 GAINING = 0.8  # of what tours are over budget after the last mending: more, and they will not come within it
+CLOSE = 0.006  # share of the budgets that another annealing gains or not, as luck has it
 SHORTENING = 40  # steps of linear programs before the first mending
 SCREENING = 50_000  # moves that all splits get before the best of them get all
+COARSE = 0.167  # of the reach: spacing of samples while most of the tours' shape is found, where they are dense
 NEST_GAIN = 0.8  # what loops within loops lack then, over what others lack that come as far in the end
 
 
@@ -284,7 +287,7 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
     extra = no_points()
     problem, work = context.problem, context.work
     reach_m = problem.reach_m
-    search = annealed(context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed)
+    search = annealed(context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed, halfway=HALFWAY)
     least_over = math.inf
     stages = [*LAST_STAGES, *(Stage(COOL / 2**turn, DEAR, LAST_RESERVE / 2**turn) for turn in range(1, work.coolings))]
     for turn, stage in enumerate(stages):
@@ -305,7 +308,7 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
         if found.fits and not len(found.verdict.unmet_points_m):
             break  # everything is seen in time, but bodies meet: they would on any tour much like this
         over = over_budget_share(found.tours)
-        if over > GAINING * least_over:
+        if over > max(GAINING * least_over, CLOSE):
             break
         least_over, extra = over, found.extra
     return None
@@ -331,15 +334,17 @@ def annealed(
     moves: int,
     seed: int,
     stage: Stage | None = None,
+    halfway: float = math.inf,
 ) -> Annealing:
     """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
 
     stage: how many times more than usual it is worth to see anything, for corners are not worth their detours
-    otherwise, and the reserve (None: as the context says, and ``RESERVE``).
+    otherwise, and the reserve (None: as the context says, and ``RESERVE``; and fewer samples, where they are dense).
+    halfway: the share of the ground that may be unseen after half of the moves; with more the others are not made.
     """
     dear = context.dear if stage is None else max(context.dear, stage.dear)
     problem = context.problem
-    points, samples = prepared_with(problem, extra)
+    points, samples = prepared_with(problem, extra, coarse=stage is None and can_be_thinned(problem))
     search = Annealing(
         tours,
         samples._replace(weight=dear * samples.weight),
@@ -354,8 +359,18 @@ def annealed(
     moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))
     cold_m = problem.reach_m / 200
     tell = searched(context, search, points)
-    search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=context.should_stop, done=tell)
+
+    def stop() -> bool:
+        hopeless = search.moves_made >= moves / 2 and search.unseen_share > halfway
+        return hopeless or context.should_stop()
+
+    search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=stop, done=tell)
     return search
+
+
+def can_be_thinned(problem: Problem) -> bool:
+    """Whether the samples are so dense that a quarter of them shows well enough which way tours should run."""
+    return problem.spacing_m <= COARSE / 2 * problem.reach_m
 
 
 def prices(tours: list[Tour]) -> Floats:

@@ -13,14 +13,14 @@ from rota.planners.patrol.tour_kernels import Tours
 
 typeof = kernels.anneal.typeof_pyval
 INT, FLOAT = typeof(0), typeof(0.0)
-WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "edges"}  # arrays of two dimensions
+WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "ways", "edges"}  # arrays of two dimensions
 WHOLE = {
     "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
     "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",
     "grid_n", "anchor", "n", "square", "serves", "hub", "petals", "seen_n", "free_slots", "unseen_item", "unseen_place",
-    "ints", "tried_new", "tried_old", "start", "items", "clear",
+    "unseen_in", "ints", "tried_new", "tried_old", "start", "items", "clear",
 }  # fmt: skip
-SHORT = {"column_start", "seen", "times_seen"}  # 32 bits
+SHORT = {"column_start", "seen", "times_seen", "bucket_of_sample"}  # 32 bits
 
 
 def compile_moves() -> None:

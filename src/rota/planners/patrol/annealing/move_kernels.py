@@ -25,10 +25,13 @@ from rota.planners.patrol.tour_kernels import (
     keep,
     leave_bucket,
     length_cost,
+    lost_at_least,
     new_leg,
     new_vertex,
+    note_way,
     old_leg,
     undo,
+    unseen_near,
 )
 
 
@@ -72,6 +75,36 @@ def way_m(p: int, q: int, t: Tours) -> float:
     if t.turn_m[k] > 0:
         total += corner_at(t.before[q], q, t.after[q], t)
     return total
+
+
+@compiled
+def gain_at_most(p: int, q: int, new_x: Any, new_y: Any, added: int, t: Tours) -> float:
+    """What the way from vertex p past the new places to vertex q may gain: no more than is unseen near it.
+
+    Most hopeless moves end with this, before any geometry.
+    """
+    x0, x1 = min(t.x[p], t.x[q]), max(t.x[p], t.x[q])
+    y0, y1 = min(t.y[p], t.y[q]), max(t.y[p], t.y[q])
+    for i in range(added):
+        x0, x1 = min(x0, new_x[i]), max(x1, new_x[i])
+        y0, y1 = min(y0, new_y[i]), max(y1, new_y[i])
+    return float(unseen_near(x0, y0, x1, y1, t))
+
+
+@compiled
+def note_chain(number: int, p: int, q: int, new_x: Any, new_y: Any, added: int, t: Tours) -> None:
+    """Note the legs from vertex p past the new places to vertex q, the first with this number."""
+    x, y = t.x[p], t.y[p]
+    for i in range(added + 1):
+        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
+        note_way(number + i, x, y, cx, cy, t)
+        x, y = cx, cy
+
+
+@compiled
+def range_m(k: int, t: Tours) -> float:
+    """How far tour k sees, in any direction."""
+    return float(t.reach_m[k] * (1.4142135623730951 if t.square[k] else 1.0))
 
 
 @compiled
@@ -131,19 +164,27 @@ def change_legs(
     for _ in range(removed + 1):
         q = t.after[q]
     short = t.n[k] + added - removed < 4 and t.turn_m[k] > 0  # the turning of a short ring is not a sum of its parts
-    change_m = 0.0
+    change_m, spare = 0.0, math.inf
     if not short:
         new_m = chain_m(p, q, new_x, new_y, added, most_m, k, t)
         if new_m == math.inf:
             return False
         change_m = new_m - way_m(p, q, t)
-        # nothing gains more than all that is unseen: most hopeless moves end here, before any geometry
-        if length_cost(k, change_m, t) - t.unseen[0] > limit:
+        spare = limit - length_cost(k, change_m, t) + gain_at_most(p, q, new_x, new_y, added, t)
+        if spare < 0:
             return False
     elif chain_m(p, q, new_x, new_y, added, most_m, k, t) == math.inf:
         return False
     else:
         change_m = short_ring_m(p, removed, new_x, new_y, added, k, t) - t.length[k]
+    if not short:
+        note_chain(np.int64(0), p, q, new_x, new_y, added, t)
+        v = p
+        for _ in range(removed + 1):
+            spare -= lost_at_least(t.slot[v], added + 1, range_m(k, t), spare, s, t)
+            if spare < 0:
+                return False
+            v = t.after[v]
     if not chain_is_free(p, q, new_x, new_y, added, space, t):
         return False
     unseen = t.unseen[0]
@@ -217,7 +258,14 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
         change_m += corner_at(t.after[b], b, d, t) + corner_at(b, d, t.after[d], t)
         change_m -= corner_at(t.before[a], a, b, t) + corner_at(a, b, t.after[b], t)
         change_m -= corner_at(t.before[c], c, d, t) + corner_at(c, d, t.after[d], t)
-    if length_cost(k, change_m, t) - t.unseen[0] > limit:
+    gain = unseen_near(t.x[a], t.y[a], t.x[c], t.y[c], t) + unseen_near(t.x[b], t.y[b], t.x[d], t.y[d], t)
+    spare = limit - length_cost(k, change_m, t) + gain
+    if spare < 0:
+        return False
+    note_way(np.int64(0), t.x[a], t.y[a], t.x[c], t.y[c], t)
+    note_way(np.int64(1), t.x[b], t.y[b], t.x[d], t.y[d], t)
+    spare -= lost_at_least(t.slot[a], np.int64(2), range_m(k, t), spare, s, t)
+    if spare < 0 or spare < lost_at_least(t.slot[c], np.int64(2), range_m(k, t), spare, s, t):
         return False
     if not segment_is_free(t.x[a], t.y[a], t.x[c], t.y[c], space):
         return False
@@ -293,8 +341,19 @@ def try_or_opt(
         return False
     out_m -= way_m(p, q, t)
     into_m -= way_m(e, f, t)
-    if moved_cost(k, out_m, to, into_m, t) - t.unseen[0] > limit:
+    gain = unseen_near(t.x[p], t.y[p], t.x[q], t.y[q], t) + gain_at_most(e, f, new_x, new_y, m, t)
+    spare = limit - moved_cost(k, out_m, to, into_m, t) + gain
+    if spare < 0:
         return False
+    note_chain(np.int64(0), e, f, new_x, new_y, m, t)
+    note_way(m + 1, t.x[p], t.y[p], t.x[q], t.y[q], t)
+    far = max(range_m(k, t), range_m(to, t))
+    u = p
+    for i in range(m + 2):
+        spare -= lost_at_least(t.slot[u if i <= m else e], m + 2, far, spare, s, t)
+        if spare < 0:
+            return False
+        u = t.after[u]
     if not segment_is_free(t.x[p], t.y[p], t.x[q], t.y[q], space):
         return False
     if not chain_is_free(e, f, new_x, new_y, m, space, t):

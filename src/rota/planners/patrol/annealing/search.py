@@ -63,6 +63,7 @@ class Annealing:
         reach_m = np.array([t.robot.sensor.reach_m for t in tours])
         self._longest_m = LONGEST_LEG * float(reach_m.min())
         self._step_m = float(reach_m.max())
+        self.moves_made = 0
         self._room, self._spare = 64, 64
         self._state = self._laid_out(np.array([seed * 0x9E3779B97F4A7C15 % 2**64 | 1], dtype=np.uint64))
 
@@ -87,6 +88,8 @@ class Annealing:
         hub, petals = hubs_and_petals(tours)
         whole_m = np.array([whole_budget_m(tours, h, petals[h]) for h in range(len(tours))])
 
+        heaviest_m = self._samples.weight.max(initial=0.0)
+
         def numbers(n: int) -> Ints:
             return np.zeros(n, dtype=np.int64)
 
@@ -106,8 +109,11 @@ class Annealing:
             hub=hub, petals=petals, whole_m=whole_m * (1 - self._reserve),
             seen=np.zeros((slots, self._room), dtype=np.int32), seen_n=numbers(slots), free_slots=numbers(slots),
             times_seen=np.zeros(count, dtype=np.int32), unseen_item=numbers(count), unseen_place=numbers(count),
+            bucket_of_sample=buckets_of(self._samples, grid, grid_n), unseen_in=numbers(int(grid_n.prod())),
+            most=np.array([heaviest_m, max(reach_m.max(), self._samples.visit_m.max(initial=0.0))]),
             ints=numbers(NUMBERS), unseen=np.zeros(1),
-            tried_new=numbers(MOST_TRIED), tried_old=numbers(MOST_TRIED), rng=rng, scratch=np.zeros((4, 8)),
+            ways=np.zeros((8, 5)), tried_new=numbers(MOST_TRIED), tried_old=numbers(MOST_TRIED),
+            rng=rng, scratch=np.zeros((4, 8)),
         )  # fmt: skip
 
     def _grow(self) -> None:
@@ -137,6 +143,7 @@ class Annealing:
                 self._space, self._samples, self._state,
             )  # fmt: skip
             first += made
+            self.moves_made += made
             if self._state.ints[FULL]:
                 self._grow()
             done(made)
@@ -202,6 +209,14 @@ def bucket_grid(space: EdgeGrid, reach_m: float) -> tuple[Floats, Ints]:
     cell_m = max(reach_m, np.sqrt(wide_m * high_m / MOST_BUCKETS))
     counts = [int(np.ceil(wide_m / cell_m)) + 1, int(np.ceil(high_m / cell_m)) + 1]
     return np.array([space.x0, space.y0, cell_m]), np.array(counts, dtype=np.int64)
+
+
+def buckets_of(samples: Samples, grid: Floats, grid_n: Ints) -> NDArray[np.int32]:
+    """The bucket (n,) of each sample; places outside the grid belong to its nearest one."""
+    column = np.clip((samples.x - grid[0]) / grid[2], 0, grid_n[0] - 1).astype(np.int32)
+    row = np.clip((samples.y - grid[1]) / grid[2], 0, grid_n[1] - 1).astype(np.int32)
+    found: NDArray[np.int32] = row * np.int32(grid_n[0]) + column
+    return found
 
 
 def ring_of(state: Tours, k: int) -> Floats:
