@@ -25,6 +25,10 @@ demo: setup
 pictures: demo
 	$(BIN)/rota draw out/harbour.rota.json -o docs/harbour.png
 	$(BIN)/rota animate out/harbour.rota.json -o docs/harbour.gif
+	$(BIN)/rota plan examples/swarm-port.yaml -o out/swarm-port.rota.json
+	$(BIN)/rota draw out/swarm-port.rota.json -o docs/swarm-port.png
+	$(BIN)/rota plan examples/bounce-monitor.yaml -o out/bounce-monitor.rota.json
+	$(BIN)/rota draw out/bounce-monitor.rota.json --cells -o docs/bounce-monitor.png
 
 test: setup
 	$(BIN)/ruff check
