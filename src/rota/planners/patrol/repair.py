@@ -37,6 +37,7 @@ TIGHTER = 0.01  # share of the budgets to which they are tightened below them
 MOST_NEW_POINTS = 1_500
 MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
 BEND, ROOMY_BEND = 0.005, 0.02  # of the reach: how much farther than to what is missed tours are bent
+CREEP, TIGHT_CREEP = 0.25, 0.03  # of the range margin: how much farther in every round
 TIGHT = 0.02  # share of the budgets: tours that leave less of theirs are tight
 POLISHING = 25  # steps of linear programs in one round
 ROUNDING = 1e-6  # share of the budgets that sums of many legs may be off
@@ -142,7 +143,7 @@ def settle(
         plan = plan_of(problem, tours, context.seed)
         verdict = context.judge(plan)
         turn += 1
-        found = new_points(problem, tours, verdict, turn, further_m=bend_m(problem, tours) if polishes else 0.0)
+        found = new_points(problem, tours, verdict, turn, shorter_m=shorter_m(problem, tours, turn, bends=polishes))
         settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
         stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
         complaints = len(verdict.unmet_points_m)
@@ -205,24 +206,27 @@ def with_robots(tour: Tour) -> Tour:
     return replace(tour, robots=max(tour.robots, needed))
 
 
-def bend_m(problem: Problem, tours: Sequence[Tour]) -> float:
-    """How much farther than to what is missed tours are bent, the less the tighter they are.
+def shorter_m(problem: Problem, tours: Sequence[Tour], turn: int, *, bends: bool) -> float:
+    """By how much less than they reach sensors are taken to reach for what was missed, the more in every round.
 
-    One bend then closes all of a sliver, not just the part of it round the point that was found.
+    bends: by linear programs, which go no further than they are asked to; one bend should close all of a sliver, not
+    just the part of it round the point that was found. Tight tours are asked for little, since every metre counts, and
+    for hardly more in later rounds.
     """
-    return (ROOMY_BEND if over_budget_share(tours, TIGHT) == 0 else BEND) * problem.reach_m
+    if bends and over_budget_share(tours, TIGHT) > 0:
+        return BEND * problem.reach_m + TIGHT_CREEP * turn * problem.range_margin_m
+    return (ROOMY_BEND * problem.reach_m if bends else 0.0) + CREEP * turn * problem.range_margin_m
 
 
 def new_points(
-    problem: Problem, tours: Sequence[Tour], verdict: Verdict, turn: int, *, further_m: float
+    problem: Problem, tours: Sequence[Tour], verdict: Verdict, turn: int, *, shorter_m: float
 ) -> SamplePoints:
     """The places that the judge found unmet, as samples; of a crowd of them a few, more and nearer in every round.
 
-    further_m: by how much less than they reach sensors are taken to reach for them.
+    shorter_m: by how much less than they reach sensors are taken to reach for them.
     """
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
     grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
-    shrink_m = further_m + turn * 0.25 * problem.range_margin_m
     found = [no_points()]
     for k, demand in enumerate(verdict.demands):
         xy = verdict.unmet_points_m[verdict.unmet_demand == k]
@@ -239,7 +243,7 @@ def new_points(
             xy = xy[order]
         _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
         first = np.sort(first)[:: max(1, len(first) // max(MOST_NEW_POINTS, len(problem.points) // 20))]
-        new = points_of(xy[first], problem.spacing_m**2, problem.region_class[i], i, shrink_m=shrink_m)
+        new = points_of(xy[first], problem.spacing_m**2, problem.region_class[i], i, shrink_m=shorter_m)
         found.append(with_reach_for(new, ranges_m[first], problem.reach_m, problem.range_margin_m))
     return joined(found)
 
