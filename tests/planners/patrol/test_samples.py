@@ -19,6 +19,7 @@ from rota.planners.patrol.samples import (
     points_of,
     prepare,
     region_points,
+    thinned,
     visit_point,
     walls_in_reach,
 )
@@ -89,6 +90,23 @@ def test_the_points_of_a_region() -> None:
     assert len(points) > inside.sum() > 0
     assert points.area_m2[inside].sum() == pytest.approx(WITH_HOLE.area, rel=0.1)
     assert (points.shrink_m[~inside] == 0).all()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_quarter_of_the_points_stands_for_all(shape: MultiPolygon) -> None:
+    points = region_points(region(shape), 0, 0, shape, spacing_m=0.1, shrink_m=0.02, inset_m=0.01)
+    few = thinned(points)
+    inside, kept = points.row >= 0, few.row >= 0
+    assert kept.sum() == pytest.approx(inside.sum() / 4, rel=0.05)
+    assert few.area_m2[kept].sum() == pytest.approx(points.area_m2[inside].sum(), rel=0.05)
+    assert few.xy_m[~kept].tolist() == points.xy_m[~inside].tolist()  # the border is whole
+    # the rest is a lattice of twice the spacing, of places that were there before
+    assert {tuple(xy) for xy in few.xy_m[kept].tolist()} <= {tuple(xy) for xy in points.xy_m[inside].tolist()}
+    corner = few.xy_m[kept] - 0.2 * np.column_stack([few.column[kept], few.row[kept]])
+    assert np.ptp(corner, axis=0) == pytest.approx([0, 0], abs=1e-9)
+    samples, order = prepare(few, np.zeros((0, 4)), reach_m=1, weight=few.area_m2, wall_margin_m=0.001)
+    assert samples.frames[:, 2] == pytest.approx([0.2])
+    assert sorted(order.tolist()) == list(range(len(few)))
 
 
 def test_a_zone_to_visit_is_one_point_deep_inside() -> None:

@@ -287,7 +287,9 @@ def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Sett
     extra = no_points()
     problem, work = context.problem, context.work
     reach_m = problem.reach_m
-    search = annealed(context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed, halfway=HALFWAY)
+    search = annealed(
+        context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed, halfway=HALFWAY, coarse=True
+    )
     least_over = math.inf
     stages = [*LAST_STAGES, *(Stage(COOL / 2**turn, DEAR, LAST_RESERVE / 2**turn) for turn in range(1, work.coolings))]
     for turn, stage in enumerate(stages):
@@ -335,16 +337,19 @@ def annealed(
     seed: int,
     stage: Stage | None = None,
     halfway: float = math.inf,
+    coarse: bool = False,
 ) -> Annealing:
     """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
 
     stage: how many times more than usual it is worth to see anything, for corners are not worth their detours
-    otherwise, and the reserve (None: as the context says, and ``RESERVE``; and fewer samples, where they are dense).
-    halfway: the share of the ground that may be unseen after half of the moves; with more the others are not made.
+    otherwise, and the reserve (None: as the context says, and ``RESERVE``). halfway: the share of the ground that may
+    be unseen after half of the moves; with more the others are not made. coarse: with a quarter of the samples, where
+    they are dense, and twice the moves, which then take the same time.
     """
     dear = context.dear if stage is None else max(context.dear, stage.dear)
     problem = context.problem
-    points, samples = prepared_with(problem, extra, coarse=stage is None and can_be_thinned(problem))
+    coarse = coarse and can_be_thinned(problem)
+    points, samples = prepared_with(problem, extra, coarse=coarse)
     search = Annealing(
         tours,
         samples._replace(weight=dear * samples.weight),
@@ -356,7 +361,7 @@ def annealed(
         reserve=RESERVE if stage is None else stage.reserve,
     )
     corners = sum(len(tour.vertices_m) for tour in tours)
-    moves = min(context.work.most_moves, int(moves * max(1.0, corners / 300)))
+    moves = min(context.work.most_moves, int((2 if coarse else 1) * moves * max(1.0, corners / 300)))
     cold_m = problem.reach_m / 200
     tell = searched(context, search, points)
 
