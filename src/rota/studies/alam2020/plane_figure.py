@@ -69,8 +69,8 @@ def figure_13_section(runs: Runs) -> Section:
         "limit cycles the one that most starts come to; right: where the same start ends in the plane. Lines are the "
         "ways of the disc's centre. The plane counts a neutral family as one cycle.",
         paper="The paper bounces on a grid; its references [13,14] have closed forms for single robots in polygons.",
-        found=("The grid is exact: " + " and ".join(exact) + ". " if exact else "")
-        + ("In others it is not: by the worst angle only " + ", ".join(others) + " come to a cycle as long as on the "
+        found=("Every start comes to a cycle as long in both: " + " and ".join(exact) + ". " if exact else "")
+        + ("Elsewhere not: by the worst angle only " + ", ".join(others) + " come to a cycle as long as on the "
            "grid, since a disc goes on until it touches a corner or a slanted wall, where the grid turns at a cell's "
            "centre. " if others else "")
         + "Attracting cycles take in small displacements; in neutral families each member keeps its own.",

@@ -25,7 +25,8 @@ METHODS: tuple[BounceMethod, ...] = ("as_printed", "improved")
 
 @dataclass(frozen=True, kw_only=True)
 class StudySettings:
-    """How much is run. starts: random ones of each team. layouts: random ones beside Figures 7 and 8.
+    """How much is run. starts: random ones of each team. layouts: random ones beside Figures 7 and 8,
+    on which runs end after ``layout_steps``.
 
     region_pairs: random target regions of Figures 10 and 11.
     error_steps: after which chances are told; walks: simulated to compare them with.
@@ -33,6 +34,7 @@ class StudySettings:
 
     starts: int = paper.RUNS
     layouts: int = 10
+    layout_steps: int = 10_000
     region_pairs: int = 200
     error_steps: int = 300
     walks: int = 20_000
