@@ -191,7 +191,8 @@ def _layouts_table(grid: _Grid, others: list[list[CoverRuns]], shown: list[Cover
     count = sum(len(teams[0].found) for teams in others)
     rows.append((f"runs that cover all in {most_steps:,} steps", *(f"{number} of {count}" for number in complete)))
     return Table(
-        title=f"Algorithm 1 as printed on {len(others)} random layouts of {grid.size} cells: mean steps of each, runs cut at {most_steps:,}",
+        title=f"Algorithm 1 as printed on {len(others)} random layouts of {grid.size} cells: "
+        f"mean steps of each, runs cut at {most_steps:,}",
         head=("layout", *(f"{robots} robots" for robots in paper.TEAMS)),
         rows=tuple(rows),
     )
