@@ -130,6 +130,38 @@ def chen2018(
     _tell_study(lambda tell, stop: chen2018_study(asked, seed=seed, progress=tell, should_stop=stop), output)
 
 
+@app.command("alam2020", short_help="The figures of Alam & Bobadilla 2020 on maps of the same kind.")
+def alam2020(
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FOLDER",
+            help="Write the page (alam2020.md) and its pictures there; default: only print the tables.",
+        ),
+    ] = None,
+    figures: Annotated[
+        str | None,
+        typer.Option(metavar="NUMBER,...", help="6,7,...,11, and 12,13 beyond the paper: make only some; default all."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page.")] = 0,
+) -> None:
+    """Alam & Bobadilla 2020, figure by figure: what the paper says beside its algorithms and ours.
+
+    Its maps are not published; ours are of the same size and kind. 12: robots that turn inexactly. 13: polygons without
+    a grid. Ctrl-C writes nothing.
+    """
+    from rota.studies.alam2020.study import FIGURES, PAGE, PICTURES, alam2020_study
+    from rota.studies.study import listed_figures, require_study_folder
+
+    asked = listed_figures(figures, FIGURES)
+    if output is not None:
+        require_study_folder(output, PAGE, PICTURES)
+    mention_compiling("planners/bounce")
+    _tell_study(lambda tell, stop: alam2020_study(asked, seed=seed, progress=tell, should_stop=stop), output)
+
+
 def _tell_study(make: Callable[[Callable[[float, str], None], Callable[[], bool]], Study], output: Path | None) -> None:
     """Make a study, given what to tell of its progress and what says when to stop; print its tables and write it."""
     from rota.interrupt import stop_on_interrupt

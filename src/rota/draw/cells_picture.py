@@ -36,6 +36,7 @@ Ints = NDArray[np.int64]
 
 MAP_WIDTH, MARGIN, HEADER, AXIS, BAR, GAP = 4.6, 0.15, 0.6, 0.4, 0.13, 0.85  # inches
 ARROW = 0.36  # cells
+APART = 0.12  # cells, between the arrows of robots that face the same way in one cell
 
 
 class FacedCells(NamedTuple):
@@ -90,10 +91,13 @@ def draw_headings(plan: Plan, ax: Axes) -> None:
     if parts:
         ax.add_patch(PathPatch(outline(MultiPolygon(parts)), facecolor=OUTSIDE, edgecolor="none", zorder=1.5))
     cell_m, corner = mission.bounce.cell_m, np.array(mission.area.bounds[:2])
+    apart_m = cell_m * min(APART, ARROW / max(len(plan.trajectories) - 1, 1))
     for k, trajectory in enumerate(plan):
         faced = faced_cells(mission, trajectory)
         states = np.unique(np.column_stack([faced.cells, np.round(faced.headings_rad % math.tau, 9)]), axis=0)
         centres = corner + (states[:, :2] + 0.5) * cell_m
+        beside_m = apart_m * (k - (len(plan.trajectories) - 1) / 2)
+        centres += beside_m * np.column_stack([-np.sin(states[:, 2]), np.cos(states[:, 2])])
         along = ARROW * cell_m * np.column_stack([np.cos(states[:, 2]), np.sin(states[:, 2])])
         colour, _ = route_style(k)
         ax.quiver(*centres.T, *along.T, color=colour, angles="xy", scale_units="xy", scale=1, width=0.004, zorder=4)

@@ -54,7 +54,8 @@ class Level(NamedTuple):
 class CurvePanel:
     """Curves under a title, each ending in its last value. ``logarithmic``: the vertical axis. ``note``: see MapPanel.
 
-    logarithmic_across: the horizontal one, for curves whose places are given and above 0. wide: it takes the whole row.
+    logarithmic_across: the horizontal one, for curves whose places are given and above 0; any other begins at
+    ``first_across``. wide: it takes the whole row.
     """
 
     title: str
@@ -66,6 +67,7 @@ class CurvePanel:
     logarithmic: bool = False
     logarithmic_across: bool = False
     wide: bool = False
+    first_across: float = 0.0
 
     @property
     def entries(self) -> list[Artist]:
@@ -105,7 +107,9 @@ class CurvePanel:
             ax.xaxis.set_minor_locator(NullLocator())
         else:
             ax.xaxis.set_major_locator(MaxNLocator(nbins=5, integer=True, steps=[1, 2, 2.5, 5, 10]))
-            ax.set_xlim(0, max(1.0, max(float(curve.places[-1]) for curve in self.curves)))
+            ax.set_xlim(
+                self.first_across, max(self.first_across + 1, max(float(curve.places[-1]) for curve in self.curves))
+            )
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
         ax.set_xlabel(self.across, fontsize=FONT_PT, labelpad=1.5)
         ax.set_ylabel(self.up, fontsize=FONT_PT, labelpad=1.5)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from rota.draw.cells_panel import HEAT, HeatPanel
 from rota.draw.curve_panel import CurvePanel
 from rota.draw.house_style import house_style
 from rota.draw.legends import axes_at, legend_height, place_legend
@@ -112,23 +113,24 @@ def study_picture(panels: Sequence[Panel], *, columns: int = 2, width: float = W
     drawn.seek(0)
     small = io.BytesIO()
     with Image.open(drawn) as picture:
-        _in_house_colours(picture.convert("RGB")).save(small, format="PNG", optimize=True)
+        heat = HEAT if any(isinstance(panel, HeatPanel) for panel in panels) else ()
+        _in_house_colours(picture.convert("RGB"), heat).save(small, format="PNG", optimize=True)
     return small.getvalue()
 
 
-def _in_house_colours(picture: Image.Image) -> Image.Image:
-    """The picture with every colour replaced by the nearest of the house's palette."""
+def _in_house_colours(picture: Image.Image, more: Sequence[str] = ()) -> Image.Image:
+    """The picture with every colour replaced by the nearest of the house's palette and ``more``."""
     pixels = np.asarray(picture, dtype=np.int64)
     packed, places = np.unique(pixels @ (65536, 256, 1), return_inverse=True)
     found = np.column_stack([packed >> 16, packed >> 8 & 255, packed & 255])
-    palette = _house_palette()
+    palette = _house_palette(more)
     away = np.array([((found - colour) ** 2).sum(axis=1) for colour in palette])
     indexed = Image.fromarray(away.argmin(axis=0).astype(np.uint8)[places].reshape(pixels.shape[:2]), mode="P")
     indexed.putpalette(palette.ravel().tolist())
     return indexed
 
 
-def _house_palette() -> NDArray[np.int64]:
+def _house_palette(more: Sequence[str]) -> NDArray[np.int64]:
     """Colours (n, 3), n at most 256: greys, and those of lines and marks with their blends into ground and zones.
 
     A palette chosen from the picture would give up the colours of small marks, by which they are told apart.
@@ -140,4 +142,5 @@ def _house_palette() -> NDArray[np.int64]:
     shades += [(grounds[0], ink, share) for ink in inks for share in ON_GROUND]
     shades += [(ground, ink, share) for ground in grounds[1:] for ink in inks for share in ON_ZONES]
     blends = [tuple(round(255 * (a + share * (b - a))) for a, b in zip(*pair, strict=True)) for *pair, share in shades]
+    blends += [tuple(round(255 * level) for level in to_rgb(colour)) for colour in more]
     return np.array(list(dict.fromkeys([*greys, *blends])), dtype=np.int64)

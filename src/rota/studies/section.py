@@ -20,7 +20,8 @@ class Picture(NamedTuple):
 class Section:
     """One figure of the paper beside ours. The texts are Markdown; ``caption`` stands below the pictures.
 
-    paper: what the paper says. found: what we find; it takes its numbers from the run.
+    paper: what the paper says. found: what we find; it takes its numbers from the run. extra: the paper has no such
+    figure.
     """
 
     figure: int
@@ -30,11 +31,12 @@ class Section:
     paper: str
     found: str
     tables: tuple[Table, ...] = ()
+    extra: bool = False
 
     @property
     def markdown(self) -> str:
         """The section under a heading of the second level."""
-        parts = [f"## Figure {self.figure}: {self.heading}"]
+        parts = [f"## {'Extra figure' if self.extra else 'Figure'} {self.figure}: {self.heading}"]
         parts += [f"![{picture.shows}]({picture.file})" for picture in self.pictures]
         parts += [f"*{self.caption}*", f"**The paper.** {self.paper}", f"**Here.** {self.found}"]
         return "\n\n".join([*parts, *(table.markdown for table in self.tables)])

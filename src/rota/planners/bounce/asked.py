@@ -61,21 +61,22 @@ def plan_coverage(mission: Mission, *, seed: int) -> Plan:
     """A plan by which the robots cover the area once and then stay; raises NoPlanFound with it when it misses cells."""
     bouncing = bouncing_robots(mission, make_cells(mission))
     found = covered_by(bouncing, seed=seed)
-    last = found.steps
-    plan = Plan(
-        mission=mission,
-        trajectories=tuple(
-            trajectory(
-                robot.name, bouncing.cells, found.states[:, k], step_s=bouncing.step_s, loop_from=last,
-                jumps=found.jumps == k,
-            )
-            for k, robot in enumerate(bouncing.robots)
-        ),
-        seed=seed,
-    )  # fmt: skip
+    plan = coverage_plan(bouncing, found, seed)
     if not found.complete:
         raise NoPlanFound(uncovered_reason(bouncing, found), best=plan)
     return plan
+
+
+def coverage_plan(bouncing: Bouncing, found: Coverage, seed: int) -> Plan:
+    """The plan in which the robots take a joint trajectory and then stay."""
+    trajectories = (
+        trajectory(
+            robot.name, bouncing.cells, found.states[:, k], step_s=bouncing.step_s, loop_from=found.steps,
+            jumps=found.jumps == k,
+        )
+        for k, robot in enumerate(bouncing.robots)
+    )  # fmt: skip
+    return Plan(mission=bouncing.mission, trajectories=tuple(trajectories), seed=seed)
 
 
 def covered_by(bouncing: Bouncing, *, seed: int) -> Coverage:

@@ -78,10 +78,11 @@ def choose_group(
         return _largest_basin(watch, team, mission, cells, seed)
     enough = 1.0 if settings.purpose == "periods" else 0.0
     best = best_group(watch, enough=enough, should_stop=should_stop)
-    return None if best is None else _begin_there(watch, best.nodes, best.ratio)
+    return None if best is None else begin_there(watch, best.nodes, best.ratio)
 
 
-def _begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
+def begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
+    """A group whose robots begin on their cycles."""
     return Chosen(cycles=watch.cycles, nodes=nodes, transient=np.empty((0, len(nodes)), np.int32), ratio=ratio)
 
 
@@ -91,7 +92,7 @@ def _best_of(watch: Watch, found: Iterator[tuple[int, ...]], purpose: str) -> Ch
     for nodes in found:
         ratio = watch.ratio(nodes)
         if best is None or ratio < best.ratio:
-            best = _begin_there(watch, nodes, ratio)
+            best = begin_there(watch, nodes, ratio)
             if purpose != "worst_gap" and ratio <= 1:
                 return best
     return best if best is not None and math.isfinite(best.ratio) else None
