@@ -129,8 +129,8 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
                 study_picture(panels),
             ),
         ),
-        caption=f"Figure {place.figure}, with regions of ours, on a random map on which cycles cross by the paper's angle"
-        " (few do); it was not looked for by its count of groups. (a) and (b) by the paper's angle, (c) and "
+        caption=f"Figure {place.figure}, with regions of ours, on a random map on which cycles cross by the paper's "
+        "angle (few do); it was not looked for by its count of groups. (a) and (b) by the paper's angle, (c) and "
         f"(d) by {OTHER_ANGLE_DEG:g}°: of the groups on two limit cycles that share cells, if there are any, "
         "the one that enters most; of these the one with the shortest worst gap. Robots begin in the circles, "
         "on their cycles, and never leave them.",
