@@ -26,11 +26,12 @@ from benchmarks.swarm_adversarial import swarm_adversarial
 from benchmarks.swarm_coverage import swarm_coverage
 from benchmarks.swarm_million import swarm_million
 from benchmarks.swarm_peer import swarm_peer
+from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
-NOT_PATROLS = ("bounce-cover", "bounce-monitor", "swarm-square")  # so many robots as there are
+NOT_PATROLS = ("bounce-cover", "bounce-monitor", "swarm-square", "swarm-space")  # so many robots as there are
 BUILDINGS = ("building",)  # walls cut sight there, so nothing general can be asked of the number of robots
 
 
@@ -131,6 +132,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "swarm-threads": swarm_threads,
     "swarm-peer": swarm_peer,
     "swarm-million": swarm_million,
+    "swarm-space": swarm_space,
     "create2-sketch": create2_sketch,
     "bounce-map": bounce_map,
     "bounce-monitoring": bounce_monitoring,

@@ -82,7 +82,7 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    others = {"building_map", "swarm-port", "swarm-square", "bounce-cover", "bounce-monitor"}
+    others = {"building_map", "swarm-port", "swarm-space", "swarm-square", "bounce-cover", "bounce-monitor"}
     assert named == {*MISSIONS, *others}
 
 
@@ -241,6 +241,20 @@ def test_the_swarm_s_square_is_planned_and_nothing_is_wrong_with_the_plan(
     assert "discs without overlap would have 78.5%" in told
     assert "Check: no violations." in told
     assert run(["check", str(plan_file)]) == 0
+
+
+def test_the_robots_in_space_climb_and_spread_and_nothing_is_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan_file = tmp_path / "plan.json"
+    assert run(["plan", str(EXAMPLES / "swarm-space.yaml"), "-o", str(plan_file)]) == 0
+    assert "Check: no violations." in capsys.readouterr().out
+    ends = np.array([trajectory.positions_m[-1] for trajectory in read_plan(plan_file)])
+    # most have climbed to the ceiling; one below the others may be kept from it by those round about
+    assert ((ends[:, 2] >= 20) & (ends[:, 2] <= 45)).all()
+    assert (ends[:, 2] > 44.99).sum() >= 18
+    discs = union_all([Point(x, y).buffer(z / math.sqrt(3), quad_segs=64) for x, y, z in ends])
+    assert discs.intersection(box(0, 0, 250, 250)).area / 250**2 > 0.66
 
 
 def test_the_port_s_robots_spread_round_its_buildings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

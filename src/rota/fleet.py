@@ -15,12 +15,34 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class DiscSensor:
-    """Sees everything within ``radius_m`` that no obstacle hides."""
+    """Sees everything within ``radius_m`` that no obstacle hides.
+
+    ``half_angle_deg``: a cone that looks straight down, for robots in a band of altitudes. From a height it has the
+    ground in range that lies within height * tan(half angle), and never more than ``radius_m``. None: at any height
+    all within ``radius_m``.
+    """
 
     radius_m: float
+    half_angle_deg: float | None = None
 
     def __post_init__(self) -> None:
         require_positive("sensor.radius_m", self.radius_m)
+        angle = self.half_angle_deg
+        ok = angle is None or 0 < angle < 90
+        require(ok, "sensor.half_angle_deg", angle, "must be more than 0 and less than 90 degrees")
+
+    def radius_at_m(self, height_m: float) -> float:
+        """Radius in metres of the disc on the ground that is in range from a height in metres."""
+        if self.half_angle_deg is None:
+            return self.radius_m
+        return min(self.radius_m, max(height_m, 0.0) * math.tan(math.radians(self.half_angle_deg)))
+
+    @property
+    def full_height_m(self) -> float:
+        """Height in metres from which on its footprint grows no more; -inf where it never does."""
+        if self.half_angle_deg is None:
+            return -math.inf
+        return self.radius_m / math.tan(math.radians(self.half_angle_deg))
 
     @property
     def reach_m(self) -> float:

@@ -186,6 +186,10 @@ class Mission:
         faults = start_faults(self.area, self.obstacles, self.fleet)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
+        space = isinstance(self.planning, SwarmSettings) and self.planning.altitudes_m is not None
+        for sensor in (self.fleet.sensor, *(robot.sensor for robot in self.fleet.robots or ())):
+            ok = space or not isinstance(sensor, DiscSensor) or sensor.half_angle_deg is None
+            require(ok, "sensor.half_angle_deg", sensor, "only a swarm with altitudes_m has footprints that grow")
         if isinstance(self.planning, SwarmSettings):
             self._require_swarm()
             return
@@ -213,6 +217,14 @@ class Mission:
             require(ok, f"robot {robot.name}: sensor", "square", "a swarm needs disc sensors")
             ok = robot.turn_rate_rad_s is None
             require(ok, f"robot {robot.name}: turn_rate_rad_s", robot.turn_rate_rad_s, "a swarm turns at once; null")
+        if self.swarm.altitudes_m is not None:
+            # footprints that grow with height are not what the check judges periods by
+            periods = [self.period_s, *(zone.period_s for zone in self.zones)]
+            asked = [period for period in periods if period is not None]
+            require(not asked, "period_s", asked, "a swarm with altitudes_m is asked no periods; leave them out")
+            require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "none with altitudes_m")
+            coming = [robot.name for robot in robots or () if not robot.stays]
+            require(not coming, "fleet.robots", coming, "with altitudes_m none may join or leave")
 
     def _require_bounce(self, settings: BounceSettings) -> None:
         require(not isinstance(self.fleet.start, StartBox), "fleet.start", "a box", "bouncing robots start at points")

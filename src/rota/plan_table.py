@@ -170,7 +170,7 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
 
 def holding_sentence(plan: Plan) -> str:
     """When robots that spread come to hold, and how far they have gone by then."""
-    ways_m = [float(np.hypot(*np.diff(t.positions_m[:, :2], axis=0).T).sum()) for t in plan]
+    ways_m = [float(np.linalg.norm(np.diff(t.positions_m, axis=0), axis=1).sum()) for t in plan]
     n, last_s = len(plan.trajectories), max((trajectory.loop_start_s for trajectory in plan), default=0.0)
     robots = f"{n} robot" + ("s hold" if n != 1 else " holds")
     gone = f"{rounded(min(ways_m))} to {rounded(max(ways_m))} m" if n > 1 else f"{rounded(ways_m[0])} m"
@@ -178,10 +178,14 @@ def holding_sentence(plan: Plan) -> str:
 
 
 def range_from(sensor: Sensor, place_m: Floats) -> Polygon:
-    """What a sensor at a place (2,) or (3,) metres has in range, obstacles aside; a disc as a 256-gon of its area."""
+    """What a sensor at a place (2,) or (3,) metres has in range, obstacles aside; a disc as a 256-gon of its area.
+
+    A disc that grows with height has nothing in range from a place without one.
+    """
     place = Point(place_m[:2])
     if isinstance(sensor, DiscSensor):
-        return place.buffer(sensor.radius_m * AS_LARGE, quad_segs=64)
+        radius_m = sensor.radius_at_m(float(place_m[2]) if len(place_m) == 3 else 0.0)
+        return place.buffer(radius_m * AS_LARGE, quad_segs=64)
     return place.buffer(sensor.side_m / 2, cap_style="square")
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import ClassVar, Literal, get_args
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, ClassVar, Literal, get_args
 
 from rota.errors import MissionError
 
@@ -116,6 +116,10 @@ class SwarmSettings:
     most 8 in a row), so that the last one that came counts.
 
     ``device``: what decides, "cpu" or, with an NVIDIA GPU and the package numba-cuda, "cuda"; to within rounding.
+
+    ``altitudes_m``: robots move in three dimensions between two altitudes over the ground, which the middles of their
+    bodies never leave. For "reciprocal" by the exact centroid only, with robots that know all at once; ``filter`` then
+    keeps balls apart. Robots whose footprint grows with height climb as far as it does. None: they move in the plane.
     """
 
     planner: ClassVar[str] = "swarm"
@@ -136,6 +140,7 @@ class SwarmSettings:
     delay_steps: int = 0
     messages_lost: float = 0.0
     device: Device = "cpu"
+    altitudes_m: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         choices = {"controller": Controller, "velocity": VelocityChoice, "boundary": SetBoundary, "device": Device}
@@ -157,6 +162,27 @@ class SwarmSettings:
         require(0 <= self.delay_steps <= MOST_DELAY, "swarm.delay_steps", self.delay_steps, f"0 to {MOST_DELAY}")
         ok = 0 <= self.messages_lost < 1
         require(ok, "swarm.messages_lost", self.messages_lost, "must be a share from 0 on, less than 1")
+        if self.altitudes_m is not None:
+            object.__setattr__(self, "altitudes_m", tuple(float(height) for height in self.altitudes_m))
+            for where, value, allowed in altitude_faults(asdict(self)):
+                raise MissionError(f"swarm.{where}: {value!r} is not allowed; {allowed}")
+
+
+PLANE_ONLY = {"velocity": "centroid", "boundary": "tangent", "delay_steps": 0, "messages_lost": 0.0, "device": "cpu"}
+
+
+def altitude_faults(settings: Mapping[str, Any]) -> Iterator[tuple[str, object, str]]:
+    """What is wrong with the settings of a swarm that has altitudes_m: the field, its value and what is allowed."""
+    heights = settings["altitudes_m"]
+    ok = len(heights) == 2 and all(math.isfinite(height) for height in heights) and 0 < heights[0] <= heights[1]
+    if not ok:
+        yield "altitudes_m", list(heights), "give the lowest and the highest altitude, metres above 0"
+    controller = settings.get("controller", "settle")
+    if controller != "reciprocal":
+        yield "controller", controller, "robots with altitudes_m are moved by reciprocal only"
+    for name, only in PLANE_ONLY.items():
+        if settings.get(name, only) != only:
+            yield name, settings[name], f"with altitudes_m only {only}"
 
 
 @dataclass(frozen=True, kw_only=True)

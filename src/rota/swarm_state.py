@@ -19,10 +19,10 @@ class SwarmState:
     """A mission, a seed, and where n robots stand after so many ``steps``; the last ``steps_at_rest`` of them at rest.
 
     names (n,): numbers in the fleet, in the order in which robots are computed, which rounding depends on; so are
-    places_m and velocities_m_s (n, 2). thinned_m: by how much trajectories may err. Trajectories so far: kept_steps and
-    kept_robots (k,) with kept_places_m (k, 2), and recent_m (r, n, 2), the places since, which are not thinned yet. The
-    last of these come in the order of the fleet, and so does past (h, 4, n): what messages may still tell, places and
-    velocities.
+    places_m and velocities_m_s (n, 2), or (n, 3) with altitudes, as all places here. thinned_m: by how much
+    trajectories may err. Trajectories so far: kept_steps and kept_robots (k,) with kept_places_m (k, 2), and recent_m
+    (r, n, 2), the places since, which are not thinned yet. The last of these come in the order of the fleet, and so
+    does past (h, 4, n): what messages may still tell, places and velocities.
     """
 
     mission: Mission
@@ -40,11 +40,11 @@ class SwarmState:
     past: Floats
 
     def __post_init__(self) -> None:
-        n = len(self.mission.fleet.robots or ())
-        shapes = {"names": (n,), "places_m": (n, 2), "velocities_m_s": (n, 2)}
-        shapes |= {"recent_m": (len(self.recent_m), n, 2), "kept_robots": self.kept_steps.shape}
+        n, axes = len(self.mission.fleet.robots or ()), 2 if self.mission.swarm.altitudes_m is None else 3
+        shapes = {"names": (n,), "places_m": (n, axes), "velocities_m_s": (n, axes)}
+        shapes |= {"recent_m": (len(self.recent_m), n, axes), "kept_robots": self.kept_steps.shape}
         shapes["past"] = (len(self.past), 4, n)
-        shapes["kept_places_m"] = (len(self.kept_robots), 2)
+        shapes["kept_places_m"] = (len(self.kept_robots), axes)
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
                 raise RunError(f"{name}: has the shape {getattr(self, name).shape}; {shape} is needed")

@@ -152,3 +152,52 @@ def test_matches_sampled_times(seed: int) -> None:
     assert at == pytest.approx(found.value, abs=1e-6)
     if closest > 0.05:
         assert violations(*trajectories, body=closest / 2 - 0.01) == []
+
+
+# ---------------------------------------------------------------- in space
+
+
+def test_a_robot_above_another_touches_it_only_within_two_radii() -> None:
+    # crossing under one that holds, 1 m apart in height with bodies of 0.5 m, and then 0.9 m
+    for height, wrong in ((1.0, False), (0.9, True)):
+        stays = track("a", [0], [(5, 0, height)])
+        passes = track("b", [0, 1], [(0, 0, 0), (10, 0, 0)], 1)
+        found = violations(stays, passes)
+        assert bool(found) == wrong
+        if found:
+            assert (found[0].value, found[0].place_m) == (pytest.approx(0.9), pytest.approx((5, 0)))
+            assert found[0].time_s == pytest.approx(0.5)
+
+
+def test_robots_that_hold_above_each_other_touch_by_their_distance_in_space() -> None:
+    # 3-4-5: 0.6 m along x and 0.8 m up is 1 m
+    assert not violations(track("a", [0], [(0, 0, 0)]), track("b", [0], [(0.6, 0, 0.8)]))
+    found = violations(track("a", [0], [(0, 0, 0)]), track("b", [0], [(0.6, 0, 0.7)]))
+    assert [v.value for v in found] == [pytest.approx(math.hypot(0.6, 0.7))]
+
+
+def test_a_robot_without_a_height_is_judged_as_if_at_the_other_s() -> None:
+    assert violations(track("a", [0], [(0, 0)]), track("b", [0], [(0.6, 0, 50)]))
+
+
+def test_loops_that_share_no_period_meet_by_their_lines_in_space() -> None:
+    # askew: one along x at height 0, the other along y at height h, with periods that have no common measure
+    along_x = track("a", [0, 1, 2], [(-5, 0, 0), (5, 0, 0), (-5, 0, 0)])
+    for height, wrong in ((1.5, False), (0.7, True)):
+        time = math.sqrt(2)
+        along_y = track("b", [0, time, 2 * time], [(0, -5, height), (0, 5, height), (0, -5, height)])
+        found = violations(along_x, along_y)
+        assert bool(found) == wrong
+        assert not found or found[0].value == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_contact_in_space_is_that_of_brute_force_in_time(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tracks, times = [], np.linspace(0, 4, 40_001)
+    for name in "ab":
+        places = rng.uniform(-3, 3, (5, 3))
+        tracks.append((np.stack([np.interp(times, range(5), axis) for axis in places.T], axis=1), places, name))
+    least = float(np.linalg.norm(tracks[0][0] - tracks[1][0], axis=1).min())
+    found = violations(*(track(name, np.arange(5.0), places, 4) for _, places, name in tracks), body=3.0)
+    assert found[0].value == pytest.approx(least, abs=1e-3)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rota.check.report import Violation
 from rota.check.routes import lines_of, segments_of
-from rota.mission import Robot
+from rota.mission import Mission, Robot, SwarmSettings
 from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
@@ -36,6 +36,26 @@ def motion_violations(plan: Plan) -> list[Violation]:
         found += place_violations(trajectory, robot, blocked, "obstacle")
         found += speed_violations(trajectory, robot)
         found += turn_violations(trajectory, robot)
+        found += altitude_violations(trajectory, robot, mission)
+    return found
+
+
+def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) -> list[Violation]:
+    """Timed points more than 1e-6 m out of the altitudes that a swarm's mission allows, or without a height.
+
+    Straight legs between points in the band stay in it.
+    """
+    if not isinstance(mission.planning, SwarmSettings) or mission.planning.altitudes_m is None:
+        return []
+    low, high = mission.planning.altitudes_m
+    places = trajectory.positions_m
+    z = places[:, 2] if places.shape[1] == 3 else np.zeros(len(places))
+    found = []
+    wrong = (("below altitudes", z < low - TOUCH_M, low), ("above altitudes", z > high + TOUCH_M, high))
+    for kind, out, limit in wrong:
+        for m in np.flatnonzero(out)[:MOST_PER_ROBOT]:
+            x, y = places[m, :2]
+            found.append(_violation(kind, robot, (x, y), float(trajectory.times_s[m]), float(z[m]), limit, "m"))
     return found
 
 

@@ -37,6 +37,7 @@ def seeing_routes(routes: Routes, plan: Plan) -> Routes:
     return replace(
         routes,
         legs_m=np.ascontiguousarray(routes.legs_m[seeing]),
+        heights_m=routes.heights_m[seeing],
         times_s=np.ascontiguousarray(routes.times_s[seeing]),
         robots=routes.robots[seeing],
         kinds=routes.kinds[seeing],

@@ -27,12 +27,14 @@ RATIO_TOLERANCE = 1e-9
 class Routes:
     """All legs of all robots, robot by robot and in the order of time.
 
-    legs_m: (m, 4) x0, y0, x1, y1. times_s: (m, 2). robots: (m,) index of the trajectory. kinds: (m,) 0 before the loop,
-    1 in its first turn, 2 a robot that stays there for ever. durations_s: (k,) of the loops, 0: it stays. classes: (k,)
-    loops with one number share a period; parts: (k,) their durations in units_s[class]. from_s: the latest loop start.
+    legs_m: (m, 4) x0, y0, x1, y1. heights_m: (m, 2) at both ends, nan where the plan has none. times_s: (m, 2). robots:
+    (m,) index of the trajectory. kinds: (m,) 0 before the loop, 1 in its first turn, 2 a robot that stays there for
+    ever. durations_s: (k,) of the loops, 0: it stays. classes: (k,) loops with one number share a period; parts: (k,)
+    their durations in units_s[class]. from_s: the latest loop start.
     """
 
     legs_m: Floats
+    heights_m: Floats
     times_s: Floats
     robots: Ints
     kinds: Ints
@@ -45,17 +47,20 @@ class Routes:
 
 def routes_of(plan: Plan) -> Routes:
     """The legs of every trajectory of a plan; a robot that stays has a last leg of no length."""
-    legs, times = [np.empty((0, 4))], [np.empty((0, 2))]
+    legs, heights, times = [np.empty((0, 4))], [np.empty((0, 2))], [np.empty((0, 2))]
     robots: list[int] = []
     kinds: list[int] = []
     for k, trajectory in enumerate(plan):
         xy, t = trajectory.positions_m[:, :2], trajectory.times_s
+        z = trajectory.positions_m[:, 2] if trajectory.positions_m.shape[1] == 3 else np.full(len(t), np.nan)
         legs.append(np.hstack([xy[:-1], xy[1:]]))
+        heights.append(np.stack([z[:-1], z[1:]], axis=1))
         times.append(np.stack([t[:-1], t[1:]], axis=1))
         start = trajectory.loop_index
         kinds += [TRANSIENT] * start + [LOOP] * (len(t) - 1 - start)
         if trajectory.loop_duration_s == 0:
             legs.append(np.hstack([xy[-1:], xy[-1:]]))
+            heights.append(np.array([[z[-1], z[-1]]]))
             times.append(np.array([[t[-1], t[-1]]]))
             kinds.append(HOLD)
         robots += [k] * (len(kinds) - len(robots))
@@ -63,6 +68,7 @@ def routes_of(plan: Plan) -> Routes:
     classes, parts, units = commensurable_classes(durations)
     return Routes(
         legs_m=np.ascontiguousarray(np.vstack(legs)),
+        heights_m=np.vstack(heights),
         times_s=np.ascontiguousarray(np.vstack(times)),
         robots=np.array(robots, np.int64),
         kinds=np.array(kinds, np.int64),

@@ -1,4 +1,8 @@
-"""Whether bodies touch: the closest approach of any two legs that two robots are ever on at once, in closed form."""
+"""Whether bodies touch: the closest approach of any two legs that two robots are ever on at once, in closed form.
+
+Bodies are balls where both robots have heights, so that one may pass above another. Where one has none, nothing is
+known of that, and both are judged as if they were at one height.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +99,7 @@ def _note_pairs(closest: dict[tuple[int, int], _Closest], routes: Routes, bodies
     for k in range(0, len(pair), CHUNK):
         chosen = pair[k : k + CHUNK]
         _note_meetings(closest, routes, bodies, a[chosen], b[chosen], shift[k : k + CHUNK], both[chosen])
-    _note_any_phase(closest, routes, a[free], b[free])
+    _note_any_phase(closest, routes, bodies, a[free], b[free])
 
 
 def _shift_range(routes: Routes, a: Ints, b: Ints, step: Floats, both: NDArray[np.bool_]) -> tuple[Floats, Floats]:
@@ -130,15 +134,15 @@ def _note_meetings(
     end = np.where(np.isfinite(end), end, start)
     place_a, speed_a = _motion(routes, a, start)
     place_b, speed_b = _motion(routes, b, start - shift_s)
-    gap, drift = place_b - place_a, speed_b - speed_a
+    gap, drift = np.nan_to_num(place_b - place_a), np.nan_to_num(speed_b - speed_a)
     drift2 = (drift**2).sum(axis=1)
     wait = np.clip(-(gap * drift).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, end - start)
     nearest = gap + wait[:, None] * drift
-    distance = np.hypot(nearest[:, 0], nearest[:, 1])
+    distance = np.sqrt((nearest**2).sum(axis=1))
     allowed = bodies[routes.robots[a]] + bodies[routes.robots[b]] - TOUCH_M
     for k in _worst_of_pairs(routes, a, b, distance, distance < allowed):
         time = float(start[k] + wait[k])
-        middle = place_a[k] + wait[k] * speed_a[k] + nearest[k] / 2
+        middle = (place_a[k] + wait[k] * speed_a[k] + nearest[k] / 2)[:2]
         # turns of a are counted by shifting b backwards
         absolute: float | None = time - min(float(shift_s[k]), 0.0)
         if in_loops[k]:
@@ -147,11 +151,47 @@ def _note_meetings(
 
 
 def _motion(routes: Routes, legs: Ints, time_s: Floats) -> tuple[Floats, Floats]:
-    """Places (n, 2) on the legs at the times and velocities (n, 2); a leg of no duration stands still."""
+    """Places (n, 3) on the legs at the times and velocities (n, 3); a leg of no duration stands still."""
     start, length = routes.times_s[legs, 0], np.diff(routes.times_s[legs], axis=1)[:, 0]
-    along = routes.legs_m[legs, 2:] - routes.legs_m[legs, :2]
-    speed = along / np.where(length > 0, length, 1.0)[:, None]
-    return routes.legs_m[legs, :2] + np.where(length > 0, time_s - start, 0.0)[:, None] * speed, speed
+    begin, end = _ends(routes, legs)
+    speed = (end - begin) / np.where(length > 0, length, 1.0)[:, None]
+    return begin + np.where(length > 0, time_s - start, 0.0)[:, None] * speed, speed
+
+
+def _ends(routes: Routes, legs: Ints) -> tuple[Floats, Floats]:
+    """Both ends (n, 3) of legs; heights are nan where there are none."""
+    flat, heights = routes.legs_m[legs], routes.heights_m[legs]
+    return np.column_stack([flat[:, :2], heights[:, 0]]), np.column_stack([flat[:, 2:], heights[:, 1]])
+
+
+def _line_distances(routes: Routes, a: Ints, b: Ints) -> tuple[Floats, Floats]:
+    """Distance of the legs a and b (n,) as lines, and where along a it is reached, in 0..1."""
+    p, p_end = _ends(routes, a)
+    q, q_end = _ends(routes, b)
+    if np.isnan(p[:, 2] + q[:, 2]).all():
+        return segment_distances(routes.legs_m[a], routes.legs_m[b])
+    unknown = np.isnan(p[:, 2] + q[:, 2])
+    for end in (p, p_end, q, q_end):
+        end[unknown, 2] = 0.0
+    d, e, w = p_end - p, q_end - q, q - p
+    dd, de, ee, dw, ew = ((u * v).sum(axis=1) for u, v in ((d, d), (d, e), (e, e), (d, w), (e, w)))
+    best, where = np.full(len(a), np.inf), np.zeros(len(a))
+
+    def note(u: Floats, v: Floats) -> None:
+        distance = np.sqrt(((w + v[:, None] * e - u[:, None] * d) ** 2).sum(axis=1))
+        where[:] = np.where(distance < best, u, where)
+        best[:] = np.minimum(distance, best)
+
+    # nearest to each of the four ends, and within both lines where they are askew
+    some_d, some_e, ends = np.where(dd > 0, dd, 1.0), np.where(ee > 0, ee, 1.0), (np.zeros(len(a)), np.ones(len(a)))
+    for end in ends:
+        note(end, np.clip((end * de - ew) / some_e, 0.0, 1.0))
+        note(np.clip((end * de + dw) / some_d, 0.0, 1.0), end)
+    askew = dd * ee - de * de
+    ok = askew > 0
+    u = np.clip(np.where(ok, (dw * ee - de * ew) / np.where(ok, askew, 1.0), 0.0), 0.0, 1.0)
+    note(u, np.clip((u * de - ew) / some_e, 0.0, 1.0))
+    return best, where
 
 
 def _absolute_time(routes: Routes, a: int, b: int, time_s: float, shift_s: float) -> float | None:
@@ -171,10 +211,11 @@ def _absolute_time(routes: Routes, a: int, b: int, time_s: float, shift_s: float
     return None
 
 
-def _note_any_phase(closest: dict[tuple[int, int], _Closest], routes: Routes, a: Ints, b: Ints) -> None:
+def _note_any_phase(closest: dict[tuple[int, int], _Closest], routes: Routes, bodies: Floats, a: Ints, b: Ints) -> None:
     """Legs that are met in every phase: as close as their lines."""
-    distance, along = segment_distances(routes.legs_m[a], routes.legs_m[b])
-    for k in _worst_of_pairs(routes, a, b, distance, np.ones(len(a), bool)):
+    distance, along = _line_distances(routes, a, b)
+    allowed = bodies[routes.robots[a]] + bodies[routes.robots[b]] - TOUCH_M
+    for k in _worst_of_pairs(routes, a, b, distance, distance < allowed):
         leg = routes.legs_m[a[k]]
         place = leg[:2] + along[k] * (leg[2:] - leg[:2])
         _note(closest, routes, a[k], b[k], float(distance[k]), place, None)

@@ -15,6 +15,7 @@ from rota.mission import DiscSensor, Mission, Sensor
 Floats = NDArray[np.float64]
 
 EDGE_ON_M = 1e-9
+LEAST_M = 1e-9  # radius of what a sensor on the ground sees
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +47,14 @@ def _distances_m(walls: Walls, place_m: Floats) -> Floats:
     offset = to_start - part[:, None] * along
     distances_m: Floats = np.hypot(offset[:, 0], offset[:, 1])
     return distances_m
+
+
+def sensor_from(sensor: Sensor, places_m: Floats) -> Sensor:
+    """The sensor as it is from places (n, 2) or (n, 3): a disc that grows with height as from the lowest of them."""
+    if not isinstance(sensor, DiscSensor) or sensor.half_angle_deg is None:
+        return sensor
+    height_m = float(places_m[:, 2].min()) if places_m.shape[1] == 3 else 0.0
+    return DiscSensor(radius_m=max(sensor.radius_at_m(height_m), LEAST_M))
 
 
 def open_footprint(sensor: Sensor, place_m: Floats) -> BaseGeometry:

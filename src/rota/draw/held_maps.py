@@ -45,7 +45,7 @@ def filled(shape: BaseGeometry) -> Path:
 
 
 def ends_m(plan: Plan) -> Floats:
-    """(n, 2) metres: where the robots hold."""
+    """(n, 2) metres: where the robots hold in the plane."""
     return np.array([trajectory.positions_m[-1, :2] for trajectory in plan])
 
 
@@ -112,7 +112,8 @@ def draw_range(plan: Plan, ax: Axes) -> None:
     """The mission on ``ax`` in metres, and the footprints and bodies of all robots where they hold."""
     ground = draw_mission(plan.mission, ax)
     places, robots = ends_m(plan), [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
-    seeing = [(robot, place) for robot, place in zip(robots, places, strict=True) if robot.leaves_s is None]
+    last = [trajectory.positions_m[-1] for trajectory in plan]
+    seeing = [(robot, place) for robot, place in zip(robots, last, strict=True) if robot.leaves_s is None]
     paths = [filled(range_from(robot.sensor, place)) for robot, place in seeing]
     width = 0.3 if len(paths) > NUMBERED_ROBOTS else 0.7
     discs = PathCollection(paths, facecolors=to_rgba(COVERED, COVERED_ALPHA), edgecolors="none", zorder=1.3)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
-from rota.draw.footprint import cut_footprint, open_footprint, walls_of
+from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
 from rota.draw.ground import Ground
-from rota.draw.routes import corner_times_s, positions_at
+from rota.draw.routes import corner_times_s, places_at
 from rota.mission import DiscSensor, Sensor
 from rota.plan import Plan
 
@@ -63,11 +63,12 @@ class Sightings:
             even_s = np.linspace(from_s, to_s, max(1, math.ceil((to_s - from_s) / step_s)) + 1)
             times_s = np.union1d(even_s, corner_times_s(trajectory, from_s, to_s))
             times_s = times_s if len(times_s) > 1 else np.repeat(times_s, 2)
-            places_m = positions_at(trajectory, times_s)
+            places_m = places_at(trajectory, times_s)
             # of a wait only its end counts
             moves = np.append((places_m[2:] != places_m[1:-1]).any(axis=1), True)
             for k in np.flatnonzero(moves):
-                self._look(robot.sensor, places_m[k : k + 2], float(times_s[k + 1]))
+                leg_m = places_m[k : k + 2]
+                self._look(sensor_from(robot.sensor, leg_m), leg_m[:, :2], float(times_s[k + 1]))
 
     def footprints(self, time_s: float) -> list[BaseGeometry]:
         """What each robot sees at ``time_s``, in the order of the plan; nothing while it takes no part."""
@@ -76,9 +77,10 @@ class Sightings:
             if time_s < robot.joins_s or (robot.leaves_s is not None and time_s > robot.leaves_s):
                 shapes.append(GeometryCollection())
                 continue
-            place_m = positions_at(trajectory, np.array([time_s]))[0]
-            cut = cut_footprint(self._walls, robot.sensor, place_m)
-            shapes.append(open_footprint(robot.sensor, place_m) if cut is None else cut)
+            places_m = places_at(trajectory, np.array([time_s]))
+            sensor, place_m = sensor_from(robot.sensor, places_m), places_m[0, :2]
+            cut = cut_footprint(self._walls, sensor, place_m)
+            shapes.append(open_footprint(sensor, place_m) if cut is None else cut)
         return shapes
 
     def age_in_periods(self, time_s: float) -> Floats:

@@ -265,6 +265,6 @@ def _robot(fleet: Fleet, block: RobotBlock) -> Robot:
 
 def _sensor(block: SensorBlock) -> Sensor:
     if block.radius_m is not None:
-        return DiscSensor(radius_m=block.radius_m)
+        return DiscSensor(radius_m=block.radius_m, half_angle_deg=block.half_angle_deg)
     assert block.side_m is not None
     return SquareSensor(side_m=block.side_m)

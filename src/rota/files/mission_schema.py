@@ -15,7 +15,13 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from rota.files.planner_faults import MOST_ROBOTS, unused_by_bounce, unused_by_patrol, unused_by_swarm
+from rota.files.planner_faults import (
+    MOST_ROBOTS,
+    growing_footprints,
+    unused_by_bounce,
+    unused_by_patrol,
+    unused_by_swarm,
+)
 from rota.files.rings import ring_fault
 from rota.files.schema_block import Block, NotNegative, Positive, Where, given_of
 from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
@@ -205,10 +211,13 @@ class SensorBlock(Block):
     shape: Literal["disc", "square"]
     radius_m: Positive | None = None
     side_m: Positive | None = None
+    half_angle_deg: Annotated[Positive, Field(lt=90)] | None = Field(
+        None, description="of a swarm with altitudes_m: the disc grows with height, height x tan, up to radius_m"
+    )
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A disc has a radius and nothing else, a square a side."""
+        """A disc has a radius, and perhaps an angle, and nothing else; a square a side."""
         shape = data.get("shape")
         if shape not in ("disc", "square"):
             return
@@ -217,6 +226,8 @@ class SensorBlock(Block):
             yield (needed,), f"is missing; a {shape} sensor needs it, in metres"
         if data.get(other) is not None:
             yield (other,), f"does not belong to a {shape} sensor; it has {needed}"
+        if shape == "square" and data.get("half_angle_deg") is not None:
+            yield ("half_angle_deg",), "does not belong to a square sensor; remove it"
 
 
 class Start(Block):
@@ -333,6 +344,9 @@ class MissionFile(Block):
             yield from unused_by_patrol(data)
         if planner == "swarm":
             yield from unused_by_swarm(data)
+        swarm = data.get("swarm")
+        if planner != "swarm" or not isinstance(swarm, dict) or swarm.get("altitudes_m") is None:
+            yield from growing_footprints(data)
         if planner == "bounce":
             yield from unused_by_bounce(data)
         if data.get("coordinates") == "wgs84" and data.get("origin") is not None:

@@ -164,7 +164,8 @@ def _start_to_json(start: StartBox | StartPoints | None) -> Json | None:
 
 def _sensor_to_json(sensor: Sensor) -> Json:
     if isinstance(sensor, DiscSensor):
-        return {"shape": "disc", "radius_m": float(sensor.radius_m)}
+        angle = {} if sensor.half_angle_deg is None else {"half_angle_deg": float(sensor.half_angle_deg)}
+        return {"shape": "disc", "radius_m": float(sensor.radius_m), **angle}
     return {"shape": "square", "side_m": float(sensor.side_m)}
 
 
@@ -328,7 +329,8 @@ def _planning(fields: MissionFields) -> PatrolSettings | SwarmSettings | BounceS
         with _at("mission"):
             return BounceSettings(**fields.bounce.model_dump())
     if fields.swarm is not None:
-        return SwarmSettings(**fields.swarm.model_dump())
+        with _at("mission"):
+            return SwarmSettings(**fields.swarm.model_dump())
     if fields.patrol is None:
         return PatrolSettings()
     values = fields.patrol.model_dump(exclude={"sun2019"})
@@ -380,7 +382,7 @@ def _start(fields: StartFields | None) -> StartBox | StartPoints | None:
 
 def _sensor(fields: DiscSensorFields | SquareSensorFields) -> Sensor:
     if isinstance(fields, DiscSensorFields):
-        return DiscSensor(radius_m=fields.radius_m)
+        return DiscSensor(radius_m=fields.radius_m, half_angle_deg=fields.half_angle_deg)
     return SquareSensor(side_m=fields.side_m)
 
 

@@ -46,10 +46,11 @@ class _Strict(BaseModel):
 
 
 class DiscSensorFields(_Strict):
-    """A disc of this radius round the robot."""
+    """A disc of this radius round the robot, or one that grows with height, height x tan(half angle), up to it."""
 
     shape: Literal["disc"]
     radius_m: Positive
+    half_angle_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
 
 
 class SquareSensorFields(_Strict):
@@ -172,6 +173,7 @@ class SwarmFields(_Strict):
     delay_steps: Annotated[int, Field(ge=0, le=20)] = 0
     messages_lost: Annotated[float, Field(ge=0, lt=1)] = 0.0
     device: Device = "cpu"
+    altitudes_m: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
 
 
 class BounceFields(_Strict):

@@ -24,12 +24,38 @@ def unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         yield ("fleet", "sensor", "shape"), "square is not allowed: patrol.method sun2019 is made for discs; give disc"
 
 
-def _coming_and_going(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+def _coming_and_going(
+    data: dict[str, Any], message: str = "only robots of a swarm join or leave: remove it"
+) -> Iterator[tuple[Where, str]]:
     listed = _inner(data, "fleet", "robots")
     for k, robot in enumerate(listed if isinstance(listed, list) else []):
         for name in ("joins_s", "leaves_s"):
             if _inner(robot, name):
-                yield ("fleet", "robots", k, name), "only robots of a swarm join or leave: remove it"
+                yield ("fleet", "robots", k, name), message
+
+
+def growing_footprints(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Footprints that grow with height where there are no heights."""
+    listed = _inner(data, "fleet", "robots")
+    places: list[tuple[Where, Any]] = [(("fleet",), data.get("fleet"))]
+    places += [(("fleet", "robots", k), robot) for k, robot in enumerate(listed if isinstance(listed, list) else [])]
+    for where, block in places:
+        if _inner(block, "sensor", "half_angle_deg") is not None:
+            yield (*where, "sensor", "half_angle_deg"), "is for a swarm with altitudes_m only: remove it"
+
+
+def _unused_in_space(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """What swarms with altitudes cannot use."""
+    if data.get("moving_obstacles"):
+        yield ("moving_obstacles",), "a swarm with altitudes_m has no use for moving_obstacles: remove them"
+    yield from _coming_and_going(data, "robots with altitudes_m neither join nor leave: remove it")
+    message = "a swarm with altitudes_m is asked no periods, since footprints grow with height: remove it"
+    if data.get("period_s") is not None:
+        yield ("period_s",), message
+    zones = data.get("zones")
+    for k, zone in enumerate(zones if isinstance(zones, list) else []):
+        if _inner(zone, "period_s") is not None:
+            yield ("zones", k, "period_s"), message
 
 
 def unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -46,6 +72,8 @@ def unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
             yield (*where, "sensor", "shape"), "square is not allowed: the swarm planner is made for discs; give disc"
         if _inner(block, "turn_rate_rad_s") is not None:
             yield (*where, "turn_rate_rad_s"), "robots of a swarm turn at once: remove it"
+    if _inner(data, "swarm", "altitudes_m") is not None:
+        yield from _unused_in_space(data)
 
 
 def unused_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -27,7 +27,7 @@ from rota.mission import (
     SetBoundary,
     VelocityChoice,
 )
-from rota.planner_settings import MOST_BOUNCE_STEPS, angle_faults
+from rota.planner_settings import MOST_BOUNCE_STEPS, altitude_faults, angle_faults
 
 
 class Sun2019Block(Block):
@@ -80,6 +80,18 @@ class SwarmBlock(Block):
     delay_steps: Annotated[int, Field(strict=True, ge=0, le=20)] = Field(0, description="age of what robots hear")
     messages_lost: Annotated[NotNegative, Field(lt=1)] = Field(0.0, description="share of messages that never arrive")
     device: Device = Field("cpu", description="cuda: decisions on an NVIDIA GPU, with the package numba-cuda")
+    altitudes_m: tuple[Positive, Positive] | None = Field(
+        None, description="of reciprocal: robots move in space, between the lowest and the highest altitude"
+    )
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Altitudes with what is for the plane only."""
+        heights = data.get("altitudes_m")
+        if heights is None or len(_numbers(heights)) != 2:
+            return
+        for where, value, allowed in altitude_faults(data):
+            yield (where,), f"{value} is not allowed; {allowed}"
 
 
 Angle = Annotated[float, Field(strict=True, allow_inf_nan=False)]

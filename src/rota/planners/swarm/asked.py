@@ -24,6 +24,7 @@ from rota.planners.swarm.presence import Presence, holding_from_joining
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
@@ -40,6 +41,7 @@ DECIDE: dict[str, Callable[..., None]] = {
 # momentum carries robots through places where they stand still for a moment and are not at rest
 STEPS_AT_REST = {"reciprocal": 1, "voronoi": 1, "virtual_force": 1, "settle": 2}
 ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
+HEIGHTS = 1  # the stream of random numbers that starts in space take their heights from
 LARGEST_SEED = 2**63  # that compiled code can hold
 RANGE_PER_SENSOR = 2.04  # Table 2: 51 m for sensors of 25 m
 
@@ -74,7 +76,8 @@ def run_mission(
     ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
     is promised. ``observed``: measure every step. ``resume``: go on from there, to the plan that the same run comes to
     without a stop, bit for bit; what is observed is then the rest. Raises MissionError for starts without room and for
-    a time step that jumps through walls, RunError for a run of another mission or seed.
+    a time step that jumps through walls, RunError for a run of another mission or seed. Swarms in space are not
+    observed, and run on one thread.
     """
     settings = mission.swarm
     ground = free_ground(mission)
@@ -84,19 +87,26 @@ def run_mission(
         resume.require_same(mission, seed)
         _require_past(resume)
     reserve_m = resume.thinned_m if settings.filter else 0.0
-    swarm = make_swarm(mission, ground, resume.places_m, seed=seed, reserve_m=reserve_m, threads=threads, resume=resume)
+    if settings.altitudes_m is None:
+        swarm: Swarm | SpaceSwarm = make_swarm(
+            mission, ground, resume.places_m, seed=seed, reserve_m=reserve_m, threads=threads, resume=resume
+        )
+    else:
+        swarm = make_space_swarm(mission, ground, resume, reserve_m=reserve_m)
     kept = (Kept(resume.kept_steps, resume.kept_robots, resume.kept_places_m),)
     log = TrajectoryLog(resume.recent_m, resume.thinned_m, begin=resume.recent_from, kept=kept)
     still, needed = resume.steps_at_rest, STEPS_AT_REST[settings.controller]
     presence = Presence(mission)
-    presence.begin(swarm)
-    observer = Observer(swarm, ground, settings.stop_m) if observed else None
+    observer = None
+    if isinstance(swarm, Swarm):
+        presence.begin(swarm)
+        observer = Observer(swarm, ground, settings.stop_m) if observed else None
     while (
         swarm.steps < settings.most_steps
         and (still < needed or swarm.steps <= presence.last_change)
         and not should_stop()
     ):
-        if presence.update(swarm):
+        if isinstance(swarm, Swarm) and presence.update(swarm):
             log.keep_last()
         began_s = time.perf_counter()
         still = still + 1 if swarm.step() <= settings.stop_m else 0
@@ -124,6 +134,10 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
     wish_m = settings.thinning_m if settings.filter else 0.0
     starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
     reserve_m = min(wish_m, _spare_room(mission, ground, starts, wish_m))
+    if settings.altitudes_m is not None:
+        # apart in the plane, they are apart at any heights
+        heights = np.random.default_rng([seed, HEIGHTS]).uniform(*settings.altitudes_m, len(starts))
+        starts = np.column_stack([starts, heights])
     none = np.empty(0, np.int64)
     return SwarmState(
         mission=mission,
@@ -136,7 +150,7 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
         velocities_m_s=np.zeros_like(starts),
         kept_steps=none,
         kept_robots=none,
-        kept_places_m=np.empty((0, 2)),
+        kept_places_m=np.empty((0, starts.shape[1])),
         recent_m=starts[None],
         past=np.empty((0, 4, len(starts))),
     )
@@ -149,16 +163,18 @@ def _require_past(state: SwarmState) -> None:
         raise RunError(f"past: messages of {len(state.past)} steps; {needed} are needed")
 
 
-def _state_of(before: SwarmState, mission: Mission, swarm: Swarm, log: TrajectoryLog, still: int) -> SwarmState:
-    robots, kept = swarm.robots, log.kept
+def _state_of(
+    before: SwarmState, mission: Mission, swarm: Swarm | SpaceSwarm, log: TrajectoryLog, still: int
+) -> SwarmState:
+    names, kept = swarm.robots.name.copy(), log.kept
     return replace(
         before,
         mission=mission,
         steps=swarm.steps,
         steps_at_rest=still,
-        names=robots.name.copy(),
-        places_m=np.stack([robots.x, robots.y], axis=1),
-        velocities_m_s=np.stack([robots.vx, robots.vy], axis=1),
+        names=names,
+        places_m=swarm.places_m[names],
+        velocities_m_s=swarm.velocities_m_s[names],
         kept_steps=kept.steps,
         kept_robots=kept.robots,
         kept_places_m=kept.places_m,
@@ -219,6 +235,41 @@ def make_swarm(
     )
 
 
+def make_space_swarm(
+    mission: Mission, ground: MultiPolygon, state: SwarmState, *, reserve_m: float = 0.0
+) -> SpaceSwarm:
+    """The robots of a mission with altitudes as ``state`` has them; their bodies are wider by ``reserve_m``.
+
+    Ranges that are not given follow from the footprints that robots have at the ceiling.
+    """
+    settings, band = mission.swarm, mission.swarm.altitudes_m
+    assert band is not None
+    robots = mission.fleet.robots or ()
+    widest = _sensors(mission)
+    full = np.array([robot.sensor.full_height_m for robot in robots if isinstance(robot.sensor, DiscSensor)])
+    kinds, kind = kinds_of(
+        len(robots),
+        body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
+        sensor_m=widest,
+        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
+        neighbour_range_m=settings.neighbour_range_m or RANGE_PER_SENSOR * widest.max(),
+        wall_range_m=settings.wall_range_m or widest,
+    )
+    return SpaceSwarm(
+        state.places_m,
+        kinds=kinds,
+        kind=kind,
+        full_m=np.minimum(full, band[1]),
+        walls=walls_of(ground),
+        band=band,
+        rule=rule_of(settings, state.seed),
+        safe=settings.filter,
+        velocities_m_s=state.velocities_m_s,
+        names=state.names,
+        steps=state.steps,
+    )
+
+
 def _begun(state: SwarmState | None) -> dict[str, Any]:
     """Where a swarm begins that is not at its starts any more."""
     if state is None:
@@ -248,7 +299,10 @@ def hearing_of(settings: SwarmSettings) -> Hearing | None:
 
 
 def _sensors(mission: Mission) -> Floats:
-    return np.array([r.sensor.radius_m for r in mission.fleet.robots or () if isinstance(r.sensor, DiscSensor)])
+    """Radius of each robot's footprint, at the ceiling where it grows with height."""
+    discs = [robot.sensor for robot in mission.fleet.robots or () if isinstance(robot.sensor, DiscSensor)]
+    ceiling_m = (mission.swarm.altitudes_m or (0.0, 0.0))[1]
+    return np.array([disc.radius_at_m(ceiling_m) for disc in discs])
 
 
 def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:

@@ -82,7 +82,7 @@ class Swarm:
         self._decide = decide
         x, y, vx, vy = (np.array(values, np.float64) for values in (*places_m.T, *speeds.T))
         self._robots = Robots(x, y, vx, vy, self._present_kind[names], names, self._member_kinds)
-        self._spare = _room_for(n, self._member_kinds)
+        self._spare = room_for(n, self._member_kinds)
         self._cell = np.empty(n, np.int64)
         self._nearest2 = np.empty(n)
         self._widest_m = widest_m(kinds, rule.time_step_s) + unheard_m
@@ -251,7 +251,8 @@ class Swarm:
         return values
 
 
-def _room_for(n: int, member_kinds: int) -> Robots:
+def room_for(n: int, member_kinds: int) -> Robots:
+    """A state of n robots that is yet to be written."""
     x, y, vx, vy = np.empty((4, n))
     return Robots(x, y, vx, vy, np.empty(n, np.int64), np.empty(n, np.int64), member_kinds)
 

@@ -17,7 +17,7 @@ MOST_PLACES = 16_000_000  # in a block, so that many robots take little memory
 
 
 class Kept(NamedTuple):
-    """Places that thinning has kept: the step of each and the robot, (k,), and the place, (k, 2)."""
+    """Places that thinning has kept: the step of each and the robot, (k,), and the place, (k, 2) or (k, 3)."""
 
     steps: Ints
     robots: Ints
@@ -25,15 +25,15 @@ class Kept(NamedTuple):
 
 
 class TrajectoryLog:
-    """recent_m: (r, n, 2) places since the last block, from step ``begin`` on; kept: of the blocks before.
+    """recent_m: (r, n, 2 or 3) places since the last block, from step ``begin`` on; kept: of the blocks before.
 
     Thinning errs by no more than allowed_m at any time.
     """
 
     def __init__(self, recent_m: Floats, allowed_m: float, *, begin: int = 0, kept: tuple[Kept, ...] = ()) -> None:
-        n = recent_m.shape[1]
+        n, axes = recent_m.shape[1:]
         steps = min(max(MOST_PLACES // n, SHORTEST_BLOCK), LONGEST_BLOCK)
-        self._block = np.empty((steps + 1, n, 2))
+        self._block = np.empty((steps + 1, n, axes))
         self._block[: len(recent_m)] = recent_m
         self._filled, self._begin = len(recent_m), begin
         self._allowed_m = allowed_m
@@ -41,17 +41,17 @@ class TrajectoryLog:
 
     @property
     def recent_m(self) -> Floats:
-        """Places (r, n, 2) that are not thinned yet; the first of them are the last that are."""
+        """Places (r, n, 2 or 3) that are not thinned yet; the first of them are the last that are."""
         return self._block[: self._filled]
 
     @property
     def kept(self) -> Kept:
         """All that thinning has kept so far."""
-        none = Kept(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)))
+        none = Kept(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, self._block.shape[2])))
         return Kept(*(np.concatenate(parts) for parts in zip(none, *self._kept, strict=True)))
 
     def add(self, places_m: Floats) -> None:
-        """Places (n, 2) after one step more."""
+        """Places (n, 2) or (n, 3) after one step more."""
         self._block[self._filled] = places_m
         self._filled += 1
         if self._filled == len(self._block):

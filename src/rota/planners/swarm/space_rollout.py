@@ -1,0 +1,135 @@
+"""A swarm that moves in three dimensions, in a band of altitudes; all decide from one snapshot, then all move."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.swarm.kernels import Grid, Kinds, Near, Robots, Rule, move_and_sort
+from rota.planners.swarm.rollout import room_for
+from rota.planners.swarm.space_kernels import decide_in_space, filter_in_space
+from rota.planners.swarm.space_set_kernels import MOST_PLANES
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
+from rota.planners.swarm.world import make_grid
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Heights(NamedTuple):
+    """Heights of n robots and how fast they climb, (n,) each, in the order of the fleet."""
+
+    z: Floats
+    vz: Floats
+
+
+class Band(NamedTuple):
+    """Heights between which the middles of bodies stay."""
+
+    low_m: float
+    high_m: float
+
+
+class SpaceSwarm:
+    """n robots in space, bodies and velocities balls; ``step`` moves them by the reciprocal controller, on one thread.
+
+    places_m: (n, 3) starts in the band, of heights low_m to high_m, which may be equal. kinds, kind: what robots are
+    like, and which of it each robot is, (n,). full_m: (n,) for each robot the height from which on its footprint grows
+    no more; -inf for one that never grows. walls: (m, 4) segments, at least one. rule: samples, circle and alpha are
+    of no use here. safe: whether the last filter is applied.
+
+    velocities_m_s (n, 3), names and steps: to go on with a run, as ``rollout.Swarm`` takes them.
+    """
+
+    def __init__(
+        self,
+        places_m: Floats,
+        *,
+        kinds: Kinds,
+        kind: Ints,
+        full_m: Floats,
+        walls: Floats,
+        band: tuple[float, float],
+        rule: Rule,
+        safe: bool = True,
+        velocities_m_s: Floats | None = None,
+        names: Ints | None = None,
+        steps: int = 0,
+    ) -> None:
+        n = len(places_m)
+        speeds = np.zeros((n, 3)) if velocities_m_s is None else velocities_m_s
+        names = np.arange(n, dtype=np.int64) if names is None else names.copy()
+        self.steps, self.rule, self.kinds = steps, rule, kinds
+        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s)
+        self._band, self._safe, self._full_m = Band(*map(float, band)), safe, np.asarray(full_m, np.float64)
+        x, y, z, vx, vy, vz = (np.array(values, np.float64) for values in (*places_m.T, *speeds.T))
+        self._robots = Robots(x, y, vx, vy, kind.astype(np.int64)[names], names, len(kinds.body_m))
+        self._spare = room_for(n, len(kinds.body_m))
+        self._heights, self._new_vz = Heights(np.empty(n), np.empty(n)), np.empty(n)
+        self._heights.z[names], self._heights.vz[names] = z, vz
+        self._cell = np.empty(n, np.int64)
+        most = max(rule.neighbours, 1)
+        self._near = Near(np.empty(most, np.int64), np.empty(most))
+        self._planes = np.empty((MOST_PLANES, 4))
+        self._outlines = [Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS)) for _ in range(2)]
+        self._sort(0.0)
+
+    def __len__(self) -> int:
+        return len(self._cell)
+
+    @property
+    def robots(self) -> Robots:
+        """The state in the plane in the order of the grid; only to look at, and only until the next step."""
+        return self._robots
+
+    @property
+    def past(self) -> Floats:
+        """(0, 4, n): what messages may still tell, which is nothing, since everybody knows all."""
+        return np.empty((0, 4, len(self)))
+
+    @property
+    def places_m(self) -> Floats:
+        """(n, 3) in the order of the fleet."""
+        return self._in_order(self._robots.x, self._robots.y, self._heights.z)
+
+    @property
+    def velocities_m_s(self) -> Floats:
+        """(n, 3) of the last step, in the order of the fleet."""
+        return self._in_order(self._robots.vx, self._robots.vy, self._heights.vz)
+
+    def step(self) -> float:
+        """Decide and move once; returns the longest way of any robot in metres."""
+        new, time_step_s = self._spare, self.rule.time_step_s
+        decide_in_space(
+            self._robots, self._heights, self.kinds, self._full_m, self.grid, self._band, self.rule, new.vx, new.vy,
+            self._new_vz, self._near, self._planes, *self._outlines,
+        )  # fmt: skip
+        if self._safe:
+            filter_in_space(
+                self._robots, self._heights, self.kinds, self.grid, self._band, time_step_s, new.vx, new.vy,
+                self._new_vz,
+            )  # fmt: skip
+        decided = self._robots._replace(vx=new.vx, vy=new.vy)
+        self._spare = new._replace(vx=self._robots.vx, vy=self._robots.vy)
+        self._robots = decided
+        self.steps += 1
+        heights = self._heights
+        heights.vz[:] = self._new_vz
+        # rounding must not carry anybody out of the band
+        np.clip(heights.z + heights.vz * time_step_s, self._band.low_m, self._band.high_m, out=heights.z)
+        farthest2 = decided.vx**2 + decided.vy**2 + heights.vz[decided.name] ** 2
+        self._sort(time_step_s)
+        return float(np.sqrt(farthest2.max())) * time_step_s
+
+    def _sort(self, time_step_s: float) -> None:
+        move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
+        self._robots, self._spare = self._spare, self._robots
+
+    def _in_order(self, x: Floats, y: Floats, of_fleet: Floats) -> Floats:
+        values = np.empty((len(self), 3))
+        values[self._robots.name, 0] = x
+        values[self._robots.name, 1] = y
+        values[:, 2] = of_fleet
+        return values
