@@ -231,6 +231,7 @@ def test_what_cannot_be_is_refused_with_its_reason() -> None:
     refused(r"robot b: start: is missing", mission_on(ROOM, one, ZONES))
     refused("fits at the centre of none", mission_on(ROOM, 1, task="cover", body_radius_m=4.6, corners="pass"))
     refused(r"there are only 2 free cells", mission_on("..", 3, task="cover"))
+    refused(r"2 robots are not allowed; there is only 1 free cell$", mission_on(".", 2, task="cover"))
     both = [Robot(name="a", start=(0.5, 0.5), **at), Robot(name="b", start=(0.5 + 2e-6, 0.5), **at)]
     refused(r"start", mission_on(ROOM, both, task="cover"))
     with pytest.raises(MissionError, match="bouncing_angles_deg: 2 angles"):
