@@ -45,6 +45,6 @@ def decide_settle(
         gain = STIFFNESS * MANY_CAUSES / max(MANY_CAUSES, causes)
         again, speed = MOMENTUM * rule.time_step_s, kinds.speed_m_s[robots.kind[i]]
         dx, dy = gain * fx + again * robots.vx[i], gain * fy + again * robots.vy[i]
-        last_m = math.sqrt(robots.vx[i] ** 2 + robots.vy[i] ** 2) * rule.time_step_s
+        last_m = math.sqrt(robots.vx[i] * robots.vx[i] + robots.vy[i] * robots.vy[i]) * rule.time_step_s
         dx, dy = rubbed(dx, dy, last_m, kinds.sensor_m[robots.kind[i]])
         new_vx[i], new_vy[i] = towards(dx, dy, speed, rule.time_step_s)
