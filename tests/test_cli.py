@@ -23,7 +23,7 @@ from rota.cli import run
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan, write_plan
-from rota.mission import Mission
+from rota.mission import Mission, SwarmSettings
 from rota.plan import Plan, Trajectory
 
 MAKE_PLAN = importlib.import_module("rota.make_plan")
@@ -521,6 +521,22 @@ def test_a_cold_cache_is_told(
     assert "rota: compiling, once: about a minute" in capsys.readouterr().err
 
 
+def test_what_needs_no_compiled_check_says_nothing_of_compiling(
+    plan_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = read_plan(plan_path)
+    alone = replace(plan.mission.fleet, robots=(plan.mission.fleet.equal_robot("robot-1"),))
+    asks_nothing = replace(plan.mission, period_s=None, fleet=alone, planning=SwarmSettings())
+    write_plan(replace(plan, mission=asks_nothing), plan_path)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
+    assert run(["check", str(plan_path)]) == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    assert not (tmp_path / "empty").exists()  # nothing was compiled indeed
+    # no table of no demands, and nobody is said to have seen all of nothing
+    assert told.out == "verdict: met\nrobots: 1 (lower bound: 1); nothing is asked of the ground\n"
+
+
 # ---------------------------------------------------------------- runs of a swarm
 
 
@@ -545,6 +561,9 @@ def test_a_swarm_that_is_stopped_goes_on_from_its_file(
     assert "--resume few.rota-run and swarm.most_steps of more than 20 goes on" in err
     assert run(["plan", "few.yaml", "--resume", "few.rota-run", "--seed", "4"]) == 2
     assert "seed: 4 is not allowed; the run has the seed 3" in capsys.readouterr().err
+    (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "90").replace("[40, 40]", "[50, 40]"))
+    assert run(["plan", "few.yaml", "--resume", "few.rota-run"]) == 2
+    assert "the run is of another mission: fleet differs; only" in capsys.readouterr().err
     (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "90"))
     assert run(["plan", "few.yaml", "--seed", "3", "-o", "whole.rota.json"]) == 0
     assert run(["plan", "few.yaml", "--resume", "few.rota-run"]) == 0

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from shapely import box
 
+from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.make_plan import PlanSearch, make_plan, search_plan
 from rota.mission import DiscSensor, Fleet, Mission
@@ -117,6 +118,8 @@ def test_a_plan_that_the_check_does_not_pass_is_no_plan(monkeypatch: pytest.Monk
     with pytest.raises(NoPlanFound, match="the check says 'violated'") as caught:
         make_plan(MISSION)
     assert caught.value.best is TOO_FAST
+    # what is wrong is said, not only that something is
+    assert f"({check_plan(TOO_FAST).violations[0].text()}" in str(caught.value)
 
 
 def looping(_mission: Mission, *, should_stop: Callable[[], bool], **_: Any) -> Plan:

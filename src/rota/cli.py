@@ -20,6 +20,7 @@ from rota.study_command import app as study_app
 from rota.terminal import STANDARD_STREAM, mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
+    from rota.mission import Mission
     from rota.plan import Plan
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -115,7 +116,7 @@ def plan(
     asked = read.mission if effort is None else read.mission.with_effort(effort)
     patrol = asked.planning.planner == "patrol"
     kernels = ("planners/patrol/annealing", "geometry") if patrol else (f"planners/{asked.planning.planner}",)
-    mention_compiling(*kernels, "check")
+    mention_compiling(*kernels, *_compiled_for_check(asked))
     by_two = patrol and not is_compiled("planners/patrol/annealing", "check")
     run = None if resume is None else read_run(resume)
     seed = seed if seed is not None else run.seed if run is not None else 0
@@ -168,6 +169,12 @@ def _read_plan(path: str) -> Plan:
     return plan_from_text(sys.stdin.buffer.read(), "stdin") if path == STANDARD_STREAM else read_plan(path)
 
 
+def _compiled_for_check(mission: Mission) -> tuple[str, ...]:
+    """The package whose loops the check of a mission's plans runs: none where no period asks for every point."""
+    every_point = any(zone.period_s is not None and zone.demand == "every_point" for zone in mission.zones)
+    return ("check",) if every_point or mission.period_s is not None else ()
+
+
 @app.command()
 def check(
     plan: PlanPath, as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False
@@ -176,7 +183,7 @@ def check(
     from rota.check import check_plan, report_table, report_to_json
 
     answer = _read_plan(plan)
-    mention_compiling("check")
+    mention_compiling(*_compiled_for_check(answer.mission))
     report = check_plan(answer)
     typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else report_table(report))
     raise typer.Exit(DONE if report.verdict == "met" else VIOLATED)
@@ -197,7 +204,7 @@ def draw(
     if cells:
         draw_cells(answer, output)
     else:
-        mention_compiling("check")
+        mention_compiling(*_compiled_for_check(answer.mission))
         draw_plan(answer, output)
     typer.echo(output)
 

@@ -90,11 +90,18 @@ def search_plan(
         raise
     report = judge(plan)
     if report.verdict != "met":
-        reason = f"the best plan found is not shown to meet the demand: the check says {report.verdict!r}"
+        reason = f"the best plan found is not shown to meet the demand: {_judged(report)}"
         raise NoPlanFound(
             reason + (" (stopped early)" if stop.stopped else ""), best=plan, run=runs[0] if runs else None
         )
     return PlanSearch(plan=plan, report=report, stopped_early=stop.stopped, run=runs[0] if runs else None)
+
+
+def _judged(report: Report) -> str:
+    """The verdict, and the first thing that is wrong."""
+    verdict, wrong = f"the check says {report.verdict!r}", report.violations
+    more = f", and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+    return f"{verdict} ({wrong[0].text()}{more})" if wrong else verdict
 
 
 def _planner(mission: Mission) -> Callable[..., Plan]:

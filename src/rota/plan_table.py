@@ -231,8 +231,10 @@ def groups_sentence(plan: Plan) -> str | None:
     groups, n = groups_of(plan.mission, len(plan.trajectories)), len(plan.trajectories)
     if groups is None:
         return None
-    robots = "1 robot has" if n == 1 else f"{n} robots have"
-    return f"{robots} {groups:,} periodic groups in which every zone is visited and no two meet."
+    many = f"{groups:,} periodic group" + ("s" if groups != 1 else "")
+    if n == 1:
+        return f"1 robot has {many} in which every zone is visited."
+    return f"{n} robots have {many} in which every zone is visited and no two meet."
 
 
 def approach_sentence(plan: Plan) -> str | None:

@@ -248,7 +248,8 @@ def angle_faults(
     step_deg = 360 / headings
     for k, angle in enumerate(bouncing_deg):
         if not (0 < angle < 360 and _is_multiple(angle, step_deg)):
-            allowed = f"must be a multiple of the heading step, 360 / {headings} = {step_deg:.9g} degrees, below 360"
+            multiple = f"a multiple of the heading step, 360 / {headings} = {step_deg:.9g} degrees"
+            allowed = f"must be {multiple}, from that to below 360"
             yield f"bouncing_angles_deg[{k}]", angle, allowed
     for k, angle in enumerate(starts_deg or ()):
         if not _is_multiple(angle, step_deg):

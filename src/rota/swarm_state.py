@@ -75,8 +75,9 @@ class SwarmState:
             ]
             differ[differ.index("planning")] = ", ".join(f"swarm.{name}" for name in names)
         if differ:
+            verb = "differs" if len(differ) == 1 and "," not in differ[0] else "differ"
             raise RunError(
-                f"the run is of another mission: {', '.join(differ)} differ; only swarm.most_steps may be changed"
+                f"the run is of another mission: {', '.join(differ)} {verb}; only swarm.most_steps may be changed"
             )
         if seed != self.seed:
             raise RunError(f"seed: {seed} is not allowed; the run has the seed {self.seed}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,23 @@ def test_what_is_cut_off_or_flipped_is_refused_at_every_place(run: SwarmState, t
     path.write_bytes(data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :])
     with pytest.raises(RunError, match="not a whole one"):
         read_run(path)
+
+
+def test_bytes_that_are_changed_anywhere_are_refused_or_do_no_harm(run: SwarmState, tmp_path: Path) -> None:
+    path = tmp_path / "a.rota-run"
+    write_run(run, path)
+    data, rng = path.read_bytes(), np.random.default_rng(1)
+    # methods of compression, the flag of an encrypted entry, and unclosed brackets in numpy's headers among them
+    places = [*range(60), *range(len(data) - 100, len(data)), *rng.integers(0, len(data), 60)]
+    refused = []
+    for place, value in itertools.product(places, (1, 14, ord("("))):
+        path.write_bytes(data[:place] + bytes([value]) + data[place + 1 :])
+        try:
+            read_run(path)
+        except RunError as error:
+            refused.append(str(error))
+    assert len(refused) > 100
+    assert all(reason.startswith(str(path)) for reason in refused)
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:

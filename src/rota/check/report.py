@@ -205,11 +205,15 @@ def report_table(report: Report) -> str:
     """The report as plain text: the verdict, one row per demand, then every violation on a line of its own."""
     bound = "not known" if report.lower_bound_robots is None else str(report.lower_bound_robots)
     first = "never" if report.first_coverage_s is None else f"within {_number(report.first_coverage_s)} s"
-    lines = [
-        f"verdict: {report.verdict}",
-        f"robots: {report.robots} (lower bound: {bound}); all seen once: {first}",
-        "",
-    ]
+    told = f"all seen once: {first}" if report.demands else "nothing is asked of the ground"
+    lines = [f"verdict: {report.verdict}", f"robots: {report.robots} (lower bound: {bound}); {told}"]
+    lines += _demand_rows(report) if report.demands else []
+    return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
+
+
+def _demand_rows(report: Report) -> list[str]:
+    """An empty line, a table with a row per demand, and what each of them leaves out."""
+    lines = [""]
     rows = [
         ("demand", "asks", "period s", "worst gap s", "area m2", "unseen m2", "excluded m2", "undecided", "outcome")
     ]
@@ -235,8 +239,7 @@ def report_table(report: Report) -> str:
     for d in report.demands:
         for x, y, area in d.excluded_places:
             lines.append(f"nobody can see ({x:.2f}, {y:.2f}) in {d.name}: {_number(area)} m2 excluded")
-    lines += [f"violation: {violation.text()}" for violation in report.violations]
-    return "\n".join(lines)
+    return lines
 
 
 def _bracket(d: DemandVerdict) -> str:

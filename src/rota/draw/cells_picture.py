@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from shapely import MultiPolygon, union_all
 
@@ -140,7 +141,8 @@ def cells_figure(plan: Plan) -> Figure:
     right = axes_at(fig, x + wide + GAP, y, wide, high)
     image = draw_entries(plan, right)
     right.set_title(f"Times entered; {int((entries > 0).sum())} cells", fontsize=9, loc="left", pad=4)
-    bar = fig.colorbar(image, cax=axes_at(fig, x + wide + GAP, y - AXIS - BAR, wide, BAR), orientation="horizontal")
+    place = axes_at(fig, x + wide + GAP, y - AXIS - BAR, wide, BAR)
+    bar = fig.colorbar(image, cax=place, orientation="horizontal", ticks=MaxNLocator(integer=True))
     bar.ax.tick_params(labelsize=LEGEND_PT, length=2.5, pad=2)
     bar.outline.set_linewidth(0.5)
     return fig

@@ -17,6 +17,7 @@ coordinates: metres
 #   {outer: [[x, y], ...], holes: [[[x, y], ...], ...]}
 #   {geojson: parcel.geojson, feature: NAME}      without feature: all polygons of the file
 #   {map: depot.yaml, inside: [3.0, 4.0]}         a ROS map: the free part that holds this point
+#   {text: ..., cell_m: 0.5}                      a small map, typed as lines of . (free) and # (obstacle)
 # Paths of files start at the folder of this file.
 area: [[0, 0], [80, 0], [80, 60], [50, 60], [50, 40], [0, 40]]
 
@@ -48,7 +49,7 @@ fleet:
 # What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
 unseeable: exclude
 
-planner: patrol
+planner: patrol                      # or swarm (robots spread and hold), bounce (a bump sensor and a clock)
 patrol:
   effort: normal                     # quick | normal | high
   period_margin: 0                   # reserve against wind: 0.05 plans with periods shorter by 5 %

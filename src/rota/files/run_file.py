@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import io
 import json
+import lzma
 import os
+import struct
+import tokenize
 import zipfile
+import zlib
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -24,7 +28,11 @@ MADE_BY = "'rota plan' writes one when a swarm is stopped"
 NUMBERS = ("steps", "steps_at_rest", "thinned_m")
 WHOLE = ("names", "kept_steps", "kept_robots")
 ARRAYS = tuple(field.name for field in fields(SwarmState) if field.name not in ("mission", "seed", *NUMBERS))
-UNREADABLE = (ValueError, EOFError, KeyError, MemoryError, OverflowError, zipfile.BadZipFile, NotImplementedError)
+# what zipfile, its decompressors and numpy's reader of headers raise at damaged bytes
+UNREADABLE = (
+    ValueError, EOFError, KeyError, MemoryError, OverflowError, OSError, RuntimeError, SyntaxError, TypeError,
+    lzma.LZMAError, struct.error, tokenize.TokenError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
 
 
 def write_run(run: SwarmState, path: str | os.PathLike[str]) -> None:

@@ -16,7 +16,7 @@ from rota.files.text_map import text_map
 from rota.make_plan import make_plan
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan
-from rota.plan_table import entered_sentence
+from rota.plan_table import entered_sentence, groups_sentence
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.trajectories import loops_in_step, step_duration_s
 from rota.planners.bounce.visited_cells import visited_cells
@@ -107,10 +107,23 @@ def test_sixteen_headings_and_a_turn_rate_give_longer_steps_and_a_plan_that_pass
     slow = replace(
         mission, fleet=replace(mission.fleet, robots=(replace(mission.fleet.robots[0], turn_rate_rad_s=0.1),))
     )
-    assert step_duration_s(slow, cells) == pytest.approx(math.radians(112.5) / 0.1)
+    # 5 of 16 headings: from east to (-1, 2), which is more than 112.5 degrees
+    assert step_duration_s(slow, cells) == pytest.approx((math.pi / 2 + math.atan(1 / 2)) / 0.1)
     alone = replace(mission, fleet=replace(mission.fleet, robots=mission.fleet.robots[:1]))
     plan = make_plan(replace(alone, zones=(visit("west", 400, 0, 0, 5, 10),)))
     assert check_plan(plan).verdict == "met"
+
+
+@pytest.mark.parametrize("angle_deg", [22.5, 112.5])
+def test_robots_that_turn_slowly_have_time_for_turns_to_headings_that_are_a_little_off(angle_deg: float) -> None:
+    mission = mission_on(ROOM, 1, turn_rate_rad_s=0.05, task="cover", headings=16, bouncing_angles_deg=(angle_deg,))
+    assert check_plan(make_plan(mission)).verdict == "met"
+
+
+def test_groups_are_counted_in_words_that_fit_their_number() -> None:
+    zones = (visit("west", 34, 0, 0, 1, 1), visit("east", 34, 5, 0, 6, 1))
+    plan = make_plan(mission_on("......", 1, zones, bouncing_angles_deg=(180,)))
+    assert groups_sentence(plan) == "1 robot has 1 periodic group in which every zone is visited."
 
 
 def test_as_few_robots_as_possible_are_enough() -> None:
@@ -218,6 +231,7 @@ def test_what_cannot_be_is_refused_with_its_reason() -> None:
     refused(r"robot b: start: is missing", mission_on(ROOM, one, ZONES))
     refused("fits at the centre of none", mission_on(ROOM, 1, task="cover", body_radius_m=4.6, corners="pass"))
     refused(r"there are only 2 free cells", mission_on("..", 3, task="cover"))
+    refused(r"2 robots are not allowed; there is only 1 free cell$", mission_on(".", 2, task="cover"))
     both = [Robot(name="a", start=(0.5, 0.5), **at), Robot(name="b", start=(0.5 + 2e-6, 0.5), **at)]
     refused(r"start", mission_on(ROOM, both, task="cover"))
     with pytest.raises(MissionError, match="bouncing_angles_deg: 2 angles"):

@@ -8,9 +8,10 @@ from scipy.spatial.distance import pdist
 from shapely import MultiPolygon, box
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
-from rota.planners.swarm.asked import ALL_NEIGHBOURS
+from rota.planners.swarm.asked import ALL_NEIGHBOURS, run_mission
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.settle_kernels import decide_settle
+from rota.studies.chen2018.maps import square
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
 SQUARE = MultiPolygon([box(0, 0, 250, 250)])
@@ -33,7 +34,30 @@ def test_a_step_is_a_share_of_the_overlap_and_of_the_step_before() -> None:
     )  # fmt: skip
     swarm.step()
     # 20 m of overlap: 6 m each; and 0.92 of 0.25 s at (2, 4) m/s
-    assert swarm.places_m == pytest.approx(np.array([[110 - 6 + 0.46, 100.92], [146, 100]]))
+    wished = np.array([[-6 + 0.46, 0.92], [6.0, 0.0]])
+    length = np.hypot(*wished.T)[:, None]
+    # friction of 25 m: 2e-5 of it for the first, which moves; 1e-4 for the second, which sets out from rest
+    wished *= 1 - np.array([[0.0005], [0.0025]]) / length
+    assert swarm.places_m == pytest.approx(np.array([[110, 100], [140, 100]]) + wished, abs=1e-9)
+
+
+def test_friction_lets_overlaps_of_millimetres_stand_and_no_greater_ones() -> None:
+    def step_m(overlap_m: float) -> float:
+        apart = in_box([[100, 100], [150 - overlap_m, 100]], rule=ALL, decide=decide_settle, neighbour_range_m=50)
+        return apart.step()
+
+    assert step_m(0.008) == 0.0  # 0.3 of it is less than 2.5 mm
+    assert step_m(0.009) == pytest.approx(0.3 * 0.009 - 0.0025, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_49_robots_rest_whose_rows_buckle_slowly(seed: int) -> None:
+    """Without friction these are not at rest after 4,000 steps, and cover 0.1 % of the area more at most."""
+    run = run_mission(square(49, "between"), seed=seed)
+    places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
+    assert run.at_rest
+    assert run.steps < 2000
+    assert covered_share(places, np.full(49, 25.0), MultiPolygon([box(0, 0, 350, 350)])) > 0.784
 
 
 @pytest.mark.parametrize(("low", "most_steps"), [(100.0, 1000), (1.0, 1600)], ids=["centre", "corner"])

@@ -1,7 +1,7 @@
 """Algorithm 2 of Alam & Bobadilla 2020: all periodic groups of a team that watch target zones without contact.
 
-A group without contact is a product of single robots' limit cycles, so none of this needs the joint map; ``printed.py``
-enumerates that, as published.
+A group without contact is a product of single robots' limit cycles, so none of this needs the joint map, all of which
+``enumeration.py`` goes through, as published.
 """
 
 from __future__ import annotations

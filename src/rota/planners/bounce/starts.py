@@ -69,7 +69,8 @@ def random_starts(
     rng = np.random.default_rng(seed)
     given, facing = start_cells(cells, robots), start_headings(mission, len(robots))
     if len(robots) > cells.count:
-        message = f"{len(robots)} robots are not allowed; there are only {cells.count} free cells"
+        free_cells = "there is only 1 free cell" if cells.count == 1 else f"there are only {cells.count} free cells"
+        message = f"{len(robots)} robots are not allowed; {free_cells}"
         raise MissionError(f"fleet.robots: {message}")
     taken = [cell for cell in given if cell is not None]
     free = np.setdiff1d(np.arange(cells.count), taken)

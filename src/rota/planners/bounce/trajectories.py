@@ -20,9 +20,14 @@ LONGEST_LOOP = 100_000  # steps
 
 
 def step_duration_s(mission: Mission, cells: Cells) -> float:
-    """How long a step lasts: the longest move at the slowest robot's speed, and no less than any turn takes."""
+    """How long a step lasts: the longest move at the slowest robot's speed, and no less than any turn takes.
+
+    Moves with more than 8 headings are a little off these, and so is what a robot turns by.
+    """
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
-    turns_rad = [math.radians(angle) for angle in (*mission.bounce.bouncing_angles_deg, 360 / cells.headings)]
+    steps = {1, *(round(angle * cells.headings / 360) for angle in mission.bounce.bouncing_angles_deg)}
+    true_rad = cells.headings_rad
+    turns_rad = [float(((np.roll(true_rad, -count) - true_rad) % math.tau).max()) for count in steps]
     turning_s = [max(turns_rad) / robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]
     return max(cells.longest_move_m / min(robot.speed_m_s for robot in robots), *turning_s, 0.0)
 
