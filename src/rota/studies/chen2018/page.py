@@ -33,9 +33,7 @@ LEFT_OPEN = (
     "**The set.** Eq. 2 is a union over t of discs that all touch the origin, hence a half-plane in which τ drops out: "
     "the tangent. Figures 2 and 3 also show the circle of t = τ. Responsibilities are applied with both signs of u.",
     "**The centre of the set.** Algorithm 1 draws its random velocity once, before the loop; it must be drawn anew "
-    "each "
-    "time. Its mean is noisy, and with the stop rule of Table 2 no run of ours by it comes to rest but a few that stop "
-    "with all sets empty.",
+    "each time. Its mean is noisy, and with the stop rule of Table 2 few of our runs by it come to rest.",
     "**Deadweight loss** is not defined; ours is 1 − area covered / sum of the areas of the discs.",
     "**The baselines** are told by reference only; ours are made as well as we could.",
     "**Table 3.** Which cases it has is not told. RD's average is printed as 14.807 ms, its three cases make 14.801.",
