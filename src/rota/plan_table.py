@@ -215,13 +215,16 @@ def covered_sentence(plan: Plan) -> str:
 
 def entered_sentence(plan: Plan) -> str:
     """How many of their cells bouncing robots enter, and what that takes."""
-    from rota.planners.bounce.visited_cells import visited_cells
+    from rota.planners.bounce.asked import coverage_of
 
-    found = visited_cells(plan)
-    entered, count, n = int((found.visits > 0).sum()), found.cells.count, len(plan.trajectories)
+    found, step_s = coverage_of(plan)
+    entered, count, n = int(found.covered.sum()), len(found.covered), len(plan.trajectories)
     robots = f"{n} robot" + ("s enter" if n != 1 else " enters")
-    taken = f"{found.steps} steps of {rounded(found.step_s)} s, with {found.turns} turns on the spot"
-    return f"{robots} {entered} of {count} cells ({entered / count:.1%}) in {taken}."
+    touched, jumped = int(found.contacts.sum()), int((found.jumps >= 0).sum())
+    contacts = f"{touched} contact" + "s" * (touched != 1) + " of two robots"
+    turns = f"{jumped} turn" + "s" * (jumped != 1) + " by the clock"
+    taken = f"{found.steps} steps of {rounded(step_s)} s, with {contacts} and {turns}"
+    return f"{robots} {entered} of {count} cells ({found.share:.1%}) in {taken}."
 
 
 def groups_sentence(plan: Plan) -> str | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -189,8 +190,35 @@ def test_robots_cover_the_room_and_then_stay(robots: int, method: str) -> None:
     assert all(entered.covers(Point(centre)) for centre in cells.centres_m)
     found = visited_cells(plan)
     assert (found.visits > 0).all()
-    assert f"enter{'s' * (robots == 1)} 88 of 88 cells (100.0%) in {found.steps} steps" in entered_sentence(plan)
+    told = entered_sentence(plan)
+    assert f"enter{'s' * (robots == 1)} 88 of 88 cells (100.0%) in {found.steps} steps" in told
+    contacts, jumps = (int(re.search(rf"(\d+) {what}", told)[1]) for what in ("contact", "turn"))  # type: ignore[index]
+    assert jumps > 0  # bumps alone leave cells out here
+    assert robots > 1 or contacts == 0
     assert make_plan(mission, seed=1) == plan
+
+
+def test_zones_that_no_robot_comes_to_from_its_start_are_named() -> None:
+    # the pocket has a limit cycle of its own, to turn in it for ever, but nobody gets in
+    rows = ("......", "......", "..##..", "..#.#.", "..####", "......")
+    walls = [
+        box(x / 2, y / 2, x / 2 + 0.5, y / 2 + 0.5)
+        for y, row in enumerate(rows[::-1])
+        for x, c in enumerate(row)
+        if c == "#"
+    ]
+    robot = Robot(name="a", speed_m_s=0.2, sensor=DiscSensor(radius_m=0.3), body_radius_m=0.17, start=(0.25, 0.25))
+    zones = [("pocket", box(1.5, 1, 2, 1.5)), ("corner", box(0, 0, 0.5, 0.5))]
+    mission = Mission(
+        name="room",
+        area=MultiPolygon([box(0, 0, 3, 3)]),
+        obstacles=tuple(Obstacle(shape=MultiPolygon([wall])) for wall in walls),
+        zones=tuple(Zone(name=n, period_s=300, demand="visit", shape=MultiPolygon([s])) for n, s in zones),
+        fleet=Fleet(speed_m_s=0.2, sensor=robot.sensor, robots=(robot,)),
+        planning=BounceSettings(cell_m=0.5, bouncing_angles_deg=(90,)),
+    )
+    with pytest.raises(NoPlanFound, match=r"no team of 1 robot goes .* a limit cycle that enters pocket$"):
+        make_plan(mission)
 
 
 def test_what_is_walled_off_is_told_and_the_rest_is_covered() -> None:

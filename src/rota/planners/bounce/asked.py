@@ -13,13 +13,13 @@ from rota.mission import Mission, Robot
 from rota.plan import Plan
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells, make_cells
-from rota.planners.bounce.chosen_group import Chosen, choose_group
+from rota.planners.bounce.chosen_group import Chosen, choose_group, out_of_reach
 from rota.planners.bounce.coverage import Coverage, cover
 from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles, zone_cells
 from rota.planners.bounce.monitoring import Watch
-from rota.planners.bounce.starts import random_starts, robots_of
+from rota.planners.bounce.starts import random_starts, robots_of, start_cells
 from rota.planners.bounce.trajectories import loops_in_step, step_duration_s, trajectory
 
 Floats = NDArray[np.float64]
@@ -86,6 +86,12 @@ def covered_by(bouncing: Bouncing, *, seed: int) -> Coverage:
     return cover(bouncing.cells, bouncing.team, starts.tolist(), method=settings.method, most_steps=settings.most_steps)
 
 
+def coverage_of(plan: Plan) -> tuple[Coverage, float]:
+    """The joint trajectory of a plan that covers, found again from its seed, and how long a step takes in seconds."""
+    bouncing = bouncing_robots(plan.mission, make_cells(plan.mission))
+    return covered_by(bouncing, seed=plan.seed), bouncing.step_s
+
+
 def uncovered_reason(bouncing: Bouncing, found: Coverage) -> str:
     """How much stays uncovered, where, and why."""
     settings, parts = bouncing.mission.bounce, []
@@ -133,10 +139,23 @@ def plan_monitoring(
         if should_stop():
             break
     if best is None:
-        most = len(mission.fleet.robots or ()) or f"up to {MOST_FEWEST}"
-        where = " from where they start" if any(r.start is not None for r in mission.fleet.robots or ()) else ""
-        raise NoPlanFound(f"no {most} robots go their rounds{where} without contact so that each zone is visited")
+        raise NoPlanFound(unwatched_reason(bouncing))
     return best
+
+
+def unwatched_reason(bouncing: Bouncing) -> str:
+    """Why no team was found: how many robots were tried, and which zones they cannot come to from where they start."""
+    robots, listed = bouncing.robots, bouncing.mission.fleet.robots
+    most = "up to " * (listed is None) + f"{len(robots)} robot" + "s" * (len(robots) != 1)
+    if all(robot.start is None for robot in robots):
+        return f"no team of {most} goes its rounds without contact so that each zone is visited"
+    watch = watch_of(bouncing)
+    names = [zone.name for zone in bouncing.mission.zones if zone.period_s is not None]
+    starts = [cell for cell in start_cells(bouncing.cells, robots) if cell is not None]
+    left_out = out_of_reach(watch, bouncing.team, starts, bouncing.mission, bouncing.cells)
+    missed = ", ".join(name for name, out in zip(names, left_out, strict=True) if out)
+    why = f"; left alone, no robot comes from its start to a limit cycle that enters {missed}" if missed else ""
+    return f"no team of {most} goes its rounds from its starts without contact so that each zone is visited{why}"
 
 
 def watch_of(bouncing: Bouncing) -> Watch:

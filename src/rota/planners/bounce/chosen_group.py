@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.mission import Mission, Robot
-from rota.planners.bounce.bounce_map import joint_states
+from rota.planners.bounce.bounce_map import joint_states, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import settle
 from rota.planners.bounce.enumeration import JointGroups, enumerate_groups, nodes_of, printed
@@ -156,6 +156,21 @@ def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cell
             if ratio <= 1 and settings.purpose != "worst_gap":
                 break
     return best
+
+
+def out_of_reach(watch: Watch, team: Team, at: Sequence[int], mission: Mission, cells: Cells) -> NDArray[np.bool_]:
+    """(z,) zones that no robot, left alone, enters on the limit cycles that it comes to from its start cell ``at``."""
+    cycles, given = watch.cycles, start_headings(mission, len(at))
+    out = np.ones(watch.sees.shape[1], np.bool_)
+    for robot, cell in enumerate(at):
+        facing = np.arange(cells.headings) if given is None else np.array([given[robot]])
+        states, successor = cell * cells.headings + facing, single_map(team, robot)
+        node_of = cycles.node_of[cycles.kind_of_robot[robot]]
+        while (node_of[states] < 0).any():  # every state comes to a cycle
+            states = successor[states]
+        for cycle in np.unique(cycles.cycle[node_of[states]]):
+            out &= ~watch.sees[cycles.start[cycle] : cycles.start[cycle] + cycles.length[cycle]].any(axis=0)
+    return out
 
 
 def _headings(given: list[int] | None, headings: int, robots: int, seed: int) -> Iterator[Sequence[int]]:

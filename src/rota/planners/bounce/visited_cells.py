@@ -18,14 +18,13 @@ Ints = NDArray[np.int64]
 class VisitedCells:
     """The cells of a plan's mission and (n,) how many steps robots are in each, until the last one's points end.
 
-    steps: the most that a robot takes until then; turns: on the spot, of all robots.
+    steps: the most that a robot takes until then.
     """
 
     cells: Cells
     visits: Ints
     step_s: float
     steps: int
-    turns: int
 
 
 def visited_cells(plan: Plan) -> VisitedCells:
@@ -33,16 +32,14 @@ def visited_cells(plan: Plan) -> VisitedCells:
     cells = make_cells(plan.mission)
     step_s = step_duration_s(plan.mission, cells)
     visits = np.zeros(cells.count, np.int64)
-    steps = turns = 0
+    steps = 0
     number = np.full((cells.row.max() + 2, cells.column.max() + 2), cells.count)
     number[cells.row, cells.column] = np.arange(cells.count)
     for trajectory in plan:
         at = np.floor((_places_at_steps(trajectory, step_s) - cells.corner_m) / cells.cell_m).astype(np.int64)
         visits += np.bincount(number[at[:, 1], at[:, 0]], minlength=cells.count + 1)[: cells.count]
         steps = max(steps, len(at) - 1)
-        if trajectory.headings_rad is not None:
-            turns += int((np.diff(trajectory.headings_rad) != 0).sum())
-    return VisitedCells(cells=cells, visits=visits, step_s=step_s, steps=steps, turns=turns)
+    return VisitedCells(cells=cells, visits=visits, step_s=step_s, steps=steps)
 
 
 def _places_at_steps(trajectory: Trajectory, step_s: float) -> NDArray[np.float64]:
