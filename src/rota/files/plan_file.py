@@ -4,54 +4,21 @@ from __future__ import annotations
 
 import json
 import os
-import reprlib
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import asdict
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
-from shapely import MultiPolygon, Polygon
+from pydantic import ValidationError
 
-from rota.errors import MissionError, PlanError, RotaError
+from rota.errors import MissionError, PlanError
 from rota.files.atomic_write import write_atomically
 from rota.files.local_file import read_bytes
-from rota.files.plan_schema import (
-    PLAN_VERSION,
-    DiscSensorFields,
-    FleetFields,
-    MissionFields,
-    MovingObstacleFields,
-    PlanFields,
-    SquareSensorFields,
-    StartFields,
-    TrajectoryFields,
-)
-from rota.mission import (
-    BounceSettings,
-    DiscSensor,
-    Fleet,
-    GeoPoint,
-    Mission,
-    MovingObstacle,
-    Obstacle,
-    PatrolSettings,
-    Robot,
-    Sensor,
-    SquareSensor,
-    StartBox,
-    StartPoints,
-    Sun2019,
-    SwarmSettings,
-    Zone,
-)
+from rota.files.mission_json import mission_from_fields, mission_to_json
+from rota.files.plan_faults import named_field, plan_faults
+from rota.files.plan_schema import PLAN_VERSION, PlanFields, TrajectoryFields
 from rota.plan import Plan, Trajectory
 
 Json = dict[str, Any]
-MOST_FAULTS = 20
 MADE_BY = "'rota plan' writes one"
 
 
@@ -77,6 +44,7 @@ def plan_text(plan: Plan, *, meets_demand: bool = True) -> str:
 
 
 def _line(value: object) -> str:
+    """A value on one line, with all its digits."""
     return json.dumps(value, allow_nan=False)
 
 
@@ -90,86 +58,13 @@ def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
         "lower_bound_robots": None if plan.lower_bound_robots is None else int(plan.lower_bound_robots),
         **reason,
         **mark,
-        "mission": _mission_to_json(plan.mission),
+        "mission": mission_to_json(plan.mission),
         "robots": [_trajectory_to_json(trajectory) for trajectory in plan.trajectories],
     }
 
 
-def _mission_to_json(mission: Mission) -> Json:
-    origin = mission.origin
-    return {
-        "name": mission.name,
-        "area": _polygons_to_json(mission.area),
-        "obstacles": [{"shape": _polygons_to_json(o.shape), "blocks": o.blocks} for o in mission.obstacles],
-        "zones": [
-            {
-                "name": zone.name,
-                "period_s": _number(zone.period_s),
-                "demand": zone.demand,
-                "shape": _polygons_to_json(zone.shape),
-            }
-            for zone in mission.zones
-        ],
-        "period_s": _number(mission.period_s),
-        "unseeable": mission.unseeable,
-        "origin": None if origin is None else {"lat": float(origin.lat), "lon": float(origin.lon)},
-        "fleet": _fleet_to_json(mission.fleet),
-        **_planner_to_json(mission),
-    }
-
-
-def _planner_to_json(mission: Mission) -> Json:
-    # lists in place of tuples, as reading gives them
-    values = {
-        key: list(value) if isinstance(value, tuple) else value for key, value in asdict(mission.planning).items()
-    }
-    settings = {"planner": mission.planning.planner, mission.planning.planner: values}
-    if not isinstance(mission.planning, SwarmSettings):
-        return settings
-    moving = [
-        {"radius_m": float(m.radius_m), "times_s": list(m.times_s), "positions_m": [list(at) for at in m.positions_m]}
-        for m in mission.moving_obstacles
-    ]
-    return {"moving_obstacles": moving, **settings}
-
-
-def _fleet_to_json(fleet: Fleet) -> Json:
-    def robot_to_json(robot: Robot) -> Json:
-        return {
-            "name": robot.name,
-            "speed_m_s": float(robot.speed_m_s),
-            "sensor": _sensor_to_json(robot.sensor),
-            "body_radius_m": float(robot.body_radius_m),
-            "turn_rate_rad_s": _number(robot.turn_rate_rad_s),
-            "start": None if robot.start is None else [float(robot.start[0]), float(robot.start[1])],
-            **({} if robot.stays else {"joins_s": float(robot.joins_s), "leaves_s": _number(robot.leaves_s)}),
-        }
-
-    return {
-        "robots": "fewest" if fleet.robots is None else [robot_to_json(robot) for robot in fleet.robots],
-        "speed_m_s": float(fleet.speed_m_s),
-        "sensor": _sensor_to_json(fleet.sensor),
-        "body_radius_m": float(fleet.body_radius_m),
-        "turn_rate_rad_s": _number(fleet.turn_rate_rad_s),
-        "altitude_m": float(fleet.altitude_m),
-        "start": _start_to_json(fleet.start),
-    }
-
-
-def _start_to_json(start: StartBox | StartPoints | None) -> Json | None:
-    if isinstance(start, StartBox):
-        return {"box": [list(start.low_m), list(start.high_m)]}
-    return None if start is None else {"points": [list(point) for point in start.points_m]}
-
-
-def _sensor_to_json(sensor: Sensor) -> Json:
-    if isinstance(sensor, DiscSensor):
-        angle = {} if sensor.half_angle_deg is None else {"half_angle_deg": float(sensor.half_angle_deg)}
-        return {"shape": "disc", "radius_m": float(sensor.radius_m), **angle}
-    return {"shape": "square", "side_m": float(sensor.side_m)}
-
-
 def _trajectory_to_json(trajectory: Trajectory) -> Json:
+    """One robot's trajectory. Raises PlanError for a heading that is not finite."""
     headings = trajectory.headings_rad
     if headings is not None and not np.isfinite(headings).all():
         k = int(np.flatnonzero(~np.isfinite(headings))[0])
@@ -181,17 +76,6 @@ def _trajectory_to_json(trajectory: Trajectory) -> Json:
         "positions_m": trajectory.positions_m.tolist(),
         "headings_rad": None if headings is None else headings.tolist(),
     }
-
-
-def _polygons_to_json(shape: MultiPolygon) -> list[list[list[list[float]]]]:
-    def ring_to_json(ring: Any) -> list[list[float]]:
-        return [[float(x), float(y)] for x, y, *_ in ring.coords[:-1]]
-
-    return [[ring_to_json(ring) for ring in (polygon.exterior, *polygon.interiors)] for polygon in shape.geoms]
-
-
-def _number(value: float | None) -> float | None:
-    return None if value is None else float(value)
 
 
 # ---------------------------------------------------------------- reading
@@ -228,6 +112,7 @@ def plan_from_text(text: str | bytes, source: str) -> Plan:
 
 
 def _refuse_constant(constant: str) -> NoReturn:
+    """For NaN and Infinity, which Python reads though JSON has none."""
     raise PlanError(f"{constant} is no number that a plan may hold; numbers must be finite")
 
 
@@ -244,10 +129,10 @@ def plan_from_json(document: object) -> Plan:
     try:
         fields = PlanFields.model_validate(document)
     except ValidationError as error:
-        raise PlanError("\n".join(_faults(error))) from error
-    mission = _mission(fields.mission)
+        raise PlanError("\n".join(plan_faults(error))) from error
+    mission = mission_from_fields(fields.mission)
     trajectories = tuple(_trajectory(robot, f"robots[{k}]") for k, robot in enumerate(fields.robots))
-    with _at("robots"):
+    with named_field("robots"):
         return Plan(
             mission=mission,
             trajectories=trajectories,
@@ -257,152 +142,15 @@ def plan_from_json(document: object) -> Plan:
         )
 
 
-def _faults(error: ValidationError) -> Iterator[str]:
-    found = error.errors(include_url=False)
-    for fault in found[:MOST_FAULTS]:
-        message = f"{_path(fault['loc'])}: {fault['msg']}"
-        if fault["type"] == "extra_forbidden":
-            known = get_close_matches(str(fault["loc"][-1]), _all_keys(), n=1)
-            message = f"{_path(fault['loc'])}: unknown key" + (f"; did you mean {known[0]}?" if known else "")
-        elif isinstance(fault["input"], str | int | float) and fault["type"] != "missing":
-            message += f", not {reprlib.repr(fault['input'])}"
-        yield message
-    if len(found) > MOST_FAULTS:
-        yield f"and {len(found) - MOST_FAULTS} more faults"
-
-
-def _path(location: tuple[int | str, ...]) -> str:
-    # pydantic names the member of a union it tried; that is no part of the file
-    parts = [part for part in location if part not in ("disc", "square", "fewest", "list")]
-    return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parts).lstrip(".") or "plan"
-
-
-def _all_keys() -> list[str]:
-    models: list[type[BaseModel]] = [
-        PlanFields,
-        MissionFields,
-        FleetFields,
-        StartFields,
-        TrajectoryFields,
-        DiscSensorFields,
-        SquareSensorFields,
-    ]
-    return [key for model in models for key in model.model_fields]
-
-
-@contextmanager
-def _at(field: str) -> Iterator[None]:
-    try:
-        yield
-    except RotaError as error:
-        raise PlanError(f"{field}: {error}") from error
-
-
-def _mission(fields: MissionFields) -> Mission:
-    area = _polygons(fields.area, "mission.area")
-    obstacles = []
-    for k, obstacle in enumerate(fields.obstacles):
-        shape = _polygons(obstacle.shape, f"mission.obstacles[{k}].shape")
-        obstacles.append(Obstacle(shape=shape, blocks=obstacle.blocks))
-    zones = []
-    for k, zone in enumerate(fields.zones):
-        shape = _polygons(zone.shape, f"mission.zones[{k}].shape")
-        zones.append(Zone(name=zone.name, shape=shape, period_s=zone.period_s, demand=zone.demand))
-    fleet = _fleet(fields.fleet)
-    with _at("mission"):
-        return Mission(
-            name=fields.name,
-            area=area,
-            obstacles=tuple(obstacles),
-            zones=tuple(zones),
-            period_s=fields.period_s,
-            fleet=fleet,
-            origin=None if fields.origin is None else GeoPoint(lat=fields.origin.lat, lon=fields.origin.lon),
-            unseeable=fields.unseeable,
-            planning=_planning(fields),
-            moving_obstacles=tuple(_moving_obstacle(moving) for moving in fields.moving_obstacles),
-        )
-
-
-def _planning(fields: MissionFields) -> PatrolSettings | SwarmSettings | BounceSettings:
-    if fields.bounce is not None:
-        with _at("mission"):
-            return BounceSettings(**fields.bounce.model_dump())
-    if fields.swarm is not None:
-        with _at("mission"):
-            return SwarmSettings(**fields.swarm.model_dump())
-    if fields.patrol is None:
-        return PatrolSettings()
-    values = fields.patrol.model_dump(exclude={"sun2019"})
-    return PatrolSettings(**values, sun2019=Sun2019(**fields.patrol.sun2019.model_dump()))
-
-
-def _moving_obstacle(fields: MovingObstacleFields) -> MovingObstacle:
-    positions = tuple((at[0], at[1]) for at in fields.positions_m)
-    return MovingObstacle(radius_m=fields.radius_m, times_s=tuple(fields.times_s), positions_m=positions)
-
-
-def _fleet(fields: FleetFields) -> Fleet:
-    robots = None
-    if not isinstance(fields.robots, str):
-        robots = tuple(
-            Robot(
-                name=robot.name,
-                speed_m_s=robot.speed_m_s,
-                sensor=_sensor(robot.sensor),
-                body_radius_m=robot.body_radius_m,
-                turn_rate_rad_s=robot.turn_rate_rad_s,
-                start=None if robot.start is None else (robot.start[0], robot.start[1]),
-                joins_s=robot.joins_s,
-                leaves_s=robot.leaves_s,
-            )
-            for robot in fields.robots
-        )
-    with _at("mission.fleet"):
-        return Fleet(
-            robots=robots,
-            speed_m_s=fields.speed_m_s,
-            sensor=_sensor(fields.sensor),
-            body_radius_m=fields.body_radius_m,
-            turn_rate_rad_s=fields.turn_rate_rad_s,
-            altitude_m=fields.altitude_m,
-            start=_start(fields.start),
-        )
-
-
-def _start(fields: StartFields | None) -> StartBox | StartPoints | None:
-    if fields is None:
-        return None
-    if fields.box is not None:
-        low, high = fields.box
-        return StartBox(low_m=(low[0], low[1]), high_m=(high[0], high[1]))
-    assert fields.points is not None
-    return StartPoints(points_m=tuple((point[0], point[1]) for point in fields.points))
-
-
-def _sensor(fields: DiscSensorFields | SquareSensorFields) -> Sensor:
-    if isinstance(fields, DiscSensorFields):
-        return DiscSensor(radius_m=fields.radius_m, half_angle_deg=fields.half_angle_deg)
-    return SquareSensor(side_m=fields.side_m)
-
-
-def _polygons(polygons: list[list[list[list[float]]]], field: str) -> MultiPolygon:
-    # the first point is repeated here and not by shapely, which leaves rings alone that look closed already
-    closed = [[[*ring, ring[0]] for ring in polygon] for polygon in polygons]
-    shape = MultiPolygon([Polygon(rings[0], rings[1:]) for rings in closed])
-    if not shape.is_valid:
-        raise PlanError(f"{field}: an invalid shape; rings may not cross themselves or each other")
-    return shape
-
-
 def _trajectory(fields: TrajectoryFields, field: str) -> Trajectory:
+    """One robot's trajectory. Raises PlanError naming the field that makes none."""
     n, widths = len(fields.times_s), {len(position) for position in fields.positions_m}
     if len(widths) > 1:
         raise PlanError(f"{field}.positions_m: [x, y] and [x, y, z] mixed; all must have as many numbers")
     for name, values in (("positions_m", fields.positions_m), ("headings_rad", fields.headings_rad)):
         if values is not None and len(values) != n:
             raise PlanError(f"{field}.{name}: {len(values)} entries; {n} are needed, one per time in times_s")
-    with _at(field):
+    with named_field(field):
         return Trajectory(
             robot=fields.name,
             times_s=np.array(fields.times_s, dtype=np.float64),

@@ -1,0 +1,244 @@
+"""A plan file's mission <-> JSON, bit for bit: its shapes in local metres, its defaults filled in."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from shapely import MultiPolygon, Polygon
+
+from rota.errors import PlanError
+from rota.files.plan_faults import named_field
+from rota.files.plan_schema import (
+    DiscSensorFields,
+    FleetFields,
+    MissionFields,
+    MovingObstacleFields,
+    SquareSensorFields,
+    StartFields,
+)
+from rota.mission import (
+    BounceSettings,
+    DiscSensor,
+    Fleet,
+    GeoPoint,
+    Mission,
+    MovingObstacle,
+    Obstacle,
+    PatrolSettings,
+    Robot,
+    Sensor,
+    SquareSensor,
+    StartBox,
+    StartPoints,
+    Sun2019,
+    SwarmSettings,
+    Zone,
+)
+
+Json = dict[str, Any]
+
+# ---------------------------------------------------------------- writing
+
+
+def mission_to_json(mission: Mission) -> Json:
+    """The mission as plain dicts, lists, strings and numbers, with its shapes resolved to rings."""
+    origin = mission.origin
+    return {
+        "name": mission.name,
+        "area": _polygons_to_json(mission.area),
+        "obstacles": [{"shape": _polygons_to_json(o.shape), "blocks": o.blocks} for o in mission.obstacles],
+        "zones": [
+            {
+                "name": zone.name,
+                "period_s": _number(zone.period_s),
+                "demand": zone.demand,
+                "shape": _polygons_to_json(zone.shape),
+            }
+            for zone in mission.zones
+        ],
+        "period_s": _number(mission.period_s),
+        "unseeable": mission.unseeable,
+        "origin": None if origin is None else {"lat": float(origin.lat), "lon": float(origin.lon)},
+        "fleet": _fleet_to_json(mission.fleet),
+        **_planner_to_json(mission),
+    }
+
+
+def _planner_to_json(mission: Mission) -> Json:
+    """The planner's name and settings, and what moves in the way of a swarm."""
+    # lists in place of tuples, as reading gives them
+    values = {
+        key: list(value) if isinstance(value, tuple) else value for key, value in asdict(mission.planning).items()
+    }
+    settings = {"planner": mission.planning.planner, mission.planning.planner: values}
+    if not isinstance(mission.planning, SwarmSettings):
+        return settings
+    moving = [
+        {"radius_m": float(m.radius_m), "times_s": list(m.times_s), "positions_m": [list(at) for at in m.positions_m]}
+        for m in mission.moving_obstacles
+    ]
+    return {"moving_obstacles": moving, **settings}
+
+
+def _fleet_to_json(fleet: Fleet) -> Json:
+    """The fleet's common values and its robots, each with values of its own; "fewest" where none are listed."""
+
+    def robot_to_json(robot: Robot) -> Json:
+        """One robot, with when it joins and leaves only if it does not stay all the time."""
+        return {
+            "name": robot.name,
+            "speed_m_s": float(robot.speed_m_s),
+            "sensor": _sensor_to_json(robot.sensor),
+            "body_radius_m": float(robot.body_radius_m),
+            "turn_rate_rad_s": _number(robot.turn_rate_rad_s),
+            "start": None if robot.start is None else [float(robot.start[0]), float(robot.start[1])],
+            **({} if robot.stays else {"joins_s": float(robot.joins_s), "leaves_s": _number(robot.leaves_s)}),
+        }
+
+    return {
+        "robots": "fewest" if fleet.robots is None else [robot_to_json(robot) for robot in fleet.robots],
+        "speed_m_s": float(fleet.speed_m_s),
+        "sensor": _sensor_to_json(fleet.sensor),
+        "body_radius_m": float(fleet.body_radius_m),
+        "turn_rate_rad_s": _number(fleet.turn_rate_rad_s),
+        "altitude_m": float(fleet.altitude_m),
+        "start": _start_to_json(fleet.start),
+    }
+
+
+def _start_to_json(start: StartBox | StartPoints | None) -> Json | None:
+    """Where the fleet begins; None: wherever the planner likes."""
+    if isinstance(start, StartBox):
+        return {"box": [list(start.low_m), list(start.high_m)]}
+    return None if start is None else {"points": [list(point) for point in start.points_m]}
+
+
+def _sensor_to_json(sensor: Sensor) -> Json:
+    """A sensor's shape and size, with the half angle only where the footprint grows with height."""
+    if isinstance(sensor, DiscSensor):
+        angle = {} if sensor.half_angle_deg is None else {"half_angle_deg": float(sensor.half_angle_deg)}
+        return {"shape": "disc", "radius_m": float(sensor.radius_m), **angle}
+    return {"shape": "square", "side_m": float(sensor.side_m)}
+
+
+def _polygons_to_json(shape: MultiPolygon) -> list[list[list[list[float]]]]:
+    """A list of polygons, each a list of rings, the outer one first, whose first point is not repeated."""
+
+    def ring_to_json(ring: Any) -> list[list[float]]:
+        """One ring's corners in the plane."""
+        return [[float(x), float(y)] for x, y, *_ in ring.coords[:-1]]
+
+    return [[ring_to_json(ring) for ring in (polygon.exterior, *polygon.interiors)] for polygon in shape.geoms]
+
+
+def _number(value: float | None) -> float | None:
+    """A plain float of any kind of number, where there is one."""
+    return None if value is None else float(value)
+
+
+# ---------------------------------------------------------------- reading
+
+
+def mission_from_fields(fields: MissionFields) -> Mission:
+    """The mission that ``mission_to_json`` wrote. Raises PlanError naming the field that makes none."""
+    area = _polygons(fields.area, "mission.area")
+    obstacles = []
+    for k, obstacle in enumerate(fields.obstacles):
+        shape = _polygons(obstacle.shape, f"mission.obstacles[{k}].shape")
+        obstacles.append(Obstacle(shape=shape, blocks=obstacle.blocks))
+    zones = []
+    for k, zone in enumerate(fields.zones):
+        shape = _polygons(zone.shape, f"mission.zones[{k}].shape")
+        zones.append(Zone(name=zone.name, shape=shape, period_s=zone.period_s, demand=zone.demand))
+    fleet = _fleet(fields.fleet)
+    with named_field("mission"):
+        return Mission(
+            name=fields.name,
+            area=area,
+            obstacles=tuple(obstacles),
+            zones=tuple(zones),
+            period_s=fields.period_s,
+            fleet=fleet,
+            origin=None if fields.origin is None else GeoPoint(lat=fields.origin.lat, lon=fields.origin.lon),
+            unseeable=fields.unseeable,
+            planning=_planning(fields),
+            moving_obstacles=tuple(_moving_obstacle(moving) for moving in fields.moving_obstacles),
+        )
+
+
+def _planning(fields: MissionFields) -> PatrolSettings | SwarmSettings | BounceSettings:
+    """The chosen planner's settings."""
+    if fields.bounce is not None:
+        with named_field("mission"):
+            return BounceSettings(**fields.bounce.model_dump())
+    if fields.swarm is not None:
+        with named_field("mission"):
+            return SwarmSettings(**fields.swarm.model_dump())
+    if fields.patrol is None:
+        return PatrolSettings()
+    values = fields.patrol.model_dump(exclude={"sun2019"})
+    return PatrolSettings(**values, sun2019=Sun2019(**fields.patrol.sun2019.model_dump()))
+
+
+def _moving_obstacle(fields: MovingObstacleFields) -> MovingObstacle:
+    """One moving obstacle with its course."""
+    positions = tuple((at[0], at[1]) for at in fields.positions_m)
+    return MovingObstacle(radius_m=fields.radius_m, times_s=tuple(fields.times_s), positions_m=positions)
+
+
+def _fleet(fields: FleetFields) -> Fleet:
+    """The fleet; robots None where the file says "fewest"."""
+    robots = None
+    if not isinstance(fields.robots, str):
+        robots = tuple(
+            Robot(
+                name=robot.name,
+                speed_m_s=robot.speed_m_s,
+                sensor=_sensor(robot.sensor),
+                body_radius_m=robot.body_radius_m,
+                turn_rate_rad_s=robot.turn_rate_rad_s,
+                start=None if robot.start is None else (robot.start[0], robot.start[1]),
+                joins_s=robot.joins_s,
+                leaves_s=robot.leaves_s,
+            )
+            for robot in fields.robots
+        )
+    with named_field("mission.fleet"):
+        return Fleet(
+            robots=robots,
+            speed_m_s=fields.speed_m_s,
+            sensor=_sensor(fields.sensor),
+            body_radius_m=fields.body_radius_m,
+            turn_rate_rad_s=fields.turn_rate_rad_s,
+            altitude_m=fields.altitude_m,
+            start=_start(fields.start),
+        )
+
+
+def _start(fields: StartFields | None) -> StartBox | StartPoints | None:
+    """Where the fleet begins: in a box, or at points."""
+    if fields is None:
+        return None
+    if fields.box is not None:
+        low, high = fields.box
+        return StartBox(low_m=(low[0], low[1]), high_m=(high[0], high[1]))
+    assert fields.points is not None
+    return StartPoints(points_m=tuple((point[0], point[1]) for point in fields.points))
+
+
+def _sensor(fields: DiscSensorFields | SquareSensorFields) -> Sensor:
+    """A disc or a square."""
+    if isinstance(fields, DiscSensorFields):
+        return DiscSensor(radius_m=fields.radius_m, half_angle_deg=fields.half_angle_deg)
+    return SquareSensor(side_m=fields.side_m)
+
+
+def _polygons(polygons: list[list[list[list[float]]]], field: str) -> MultiPolygon:
+    """The shape of a field. Raises PlanError naming it where rings cross."""
+    # the first point is repeated here and not by shapely, which leaves rings alone that look closed already
+    closed = [[[*ring, ring[0]] for ring in polygon] for polygon in polygons]
+    shape = MultiPolygon([Polygon(rings[0], rings[1:]) for rings in closed])
+    if not shape.is_valid:
+        raise PlanError(f"{field}: an invalid shape; rings may not cross themselves or each other")
+    return shape
