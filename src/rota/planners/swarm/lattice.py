@@ -24,6 +24,7 @@ def lattice_starts(
     tried are triangular, in both directions, and square; the widest spacing that holds enough is taken, places are
     drawn from it, and each is shaken by no more than half of what lies between neighbours.
     """
+    shapely.prepare(room)  # it is asked for every place of every lattice
     x0, y0, x1, y1 = room.bounds
     # tiny bodies in a huge room have more places than anybody needs
     fine_m = max(math.sqrt((x1 - x0) * (y1 - y0) / MOST_PLACES), (x1 - x0 + y1 - y0) / MOST_PLACES)
@@ -65,7 +66,7 @@ def _places(room: BaseGeometry, taken_m: Floats, apart_m: Floats, spacing_m: flo
 
 def _clear(room: BaseGeometry, taken_m: Floats, apart_m: Floats, points_m: Floats) -> NDArray[np.bool_]:
     """Which points (n, 2) lie in the room and as far from each taken place (k, 2) as asked, (k,)."""
-    ok = np.asarray(shapely.distance(room, shapely.points(points_m)) <= ON_THE_BORDER_M)
+    ok = np.asarray(shapely.dwithin(room, shapely.points(points_m), ON_THE_BORDER_M))
     for place, least_m in zip(taken_m, apart_m, strict=True):
         ok &= np.hypot(*(points_m - place).T) >= least_m
     return ok
