@@ -13,6 +13,7 @@ from shapely import MultiPolygon, box
 from rota.check import check_plan
 from rota.errors import MissionError
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
+from rota.planners.swarm import starts
 from rota.planners.swarm.asked import free_ground, run_mission
 from rota.planners.swarm.starts import place_starts
 
@@ -56,6 +57,41 @@ def test_a_lattice_is_shaken_by_what_room_it_leaves() -> None:
     assert np.abs(one - two).max() > 1
     distances = np.sort(pdist(one))
     assert 2 <= distances[0] < distances[20] - 1e-3  # no lattice any more
+
+
+@pytest.mark.parametrize(
+    ("robots", "side_m", "tried", "laid"),
+    [
+        (1270, 50, True, False),
+        (1500, 50, True, True),
+        (1650, 50, False, True),
+        (2500, 50, False, True),
+        (36, 6, True, True),
+    ],
+)
+def test_no_place_is_tried_at_random_where_many_would_fill_more_than_that_can(
+    robots: int, side_m: float, tried: bool, laid: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Discs of one size at random fill 0.547 of a wide room (Feder 1980); 1500, 1650 and 2500 of 1.1 m 0.55 to 0.91."""
+    asked = mission(robots, (side_m, side_m), body_m=0.5)
+    random: list[Any] = []
+    lattices: list[Any] = []
+    monkeypatch.setattr(starts, "_free_place", noting(starts._free_place, random))
+    monkeypatch.setattr(starts, "lattice_starts", noting(starts.lattice_starts, lattices))
+    places = place_starts(asked, free_ground(asked), seed=0, reserve_m=0.05)
+    assert pdist(places).min() >= 1 - 1e-12
+    assert (len(random) > 0, len(lattices) > 0) == (tried, laid)
+    assert laid or len(random) == robots == len(places)
+
+
+def noting(function: Any, calls: list[Any]) -> Any:
+    """The function, with a list that grows at each call."""
+
+    def noted(*args: Any, **named: Any) -> Any:
+        calls.append(args)
+        return function(*args, **named)
+
+    return noted
 
 
 def test_a_lattice_keeps_clear_of_obstacles_and_of_robots_with_starts() -> None:

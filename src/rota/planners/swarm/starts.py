@@ -18,6 +18,10 @@ Floats = NDArray[np.float64]
 TRIES = 2000  # random places for one robot
 DENSEST = math.pi / math.sqrt(12)  # share of the plane that equal discs can fill
 BATCH = 64
+# Random places for equal discs run out when these fill 0.547 of a wide room (Feder, J. Theor. Biol. 87:237, 1980), or
+# 0.7476 pi / 4 = 0.587 of a lane as wide as they are (Renyi 1958); many of them never fill this share of any room.
+JAMMED = 0.6
+MANY = 1000  # robots; fewer may fill more of a small room by luck, and are soon tried
 
 
 class _Placed:
@@ -28,14 +32,17 @@ class _Placed:
         self._cells: dict[tuple[int, int], list[tuple[float, float, float]]] = defaultdict(list)
 
     def has_room(self, x: float, y: float, radius_m: float) -> bool:
+        """Whether a body of this radius would touch none of them there."""
         i, j = self._cell(x, y)
         beside = (other for a in (i - 1, i, i + 1) for b in (j - 1, j, j + 1) for other in self._cells.get((a, b), ()))
         return all(math.hypot(x - ox, y - oy) >= max(radius_m + other_m, TOUCH_M) for ox, oy, other_m in beside)
 
     def add(self, x: float, y: float, radius_m: float) -> None:
+        """Place one more robot."""
         self._cells[self._cell(x, y)].append((x, y, radius_m))
 
     def _cell(self, x: float, y: float) -> tuple[int, int]:
+        """The cell of a point."""
         return int(x // self._cell_m), int(y // self._cell_m)
 
 
@@ -44,7 +51,8 @@ def place_starts(mission: Mission, ground: MultiPolygon, *, seed: int, reserve_m
 
     Robots without a start of their own begin at random places of the fleet's box, or of the area, where a body that is
     wider by ``reserve_m`` touches nothing. Where it is too tight for that they begin on a lattice, with less reserve if
-    need be. Raises MissionError when that has not places enough.
+    need be, at once when they are many equal bodies and the box is surely too tight. Raises MissionError when the
+    lattice has not places enough.
     """
     robots = mission.fleet.robots or ()
     rng = np.random.default_rng(seed)
@@ -62,6 +70,8 @@ def place_starts(mission: Mission, ground: MultiPolygon, *, seed: int, reserve_m
                 rooms[radius_m] = _room(mission, ground, radius_m)
                 shapely.prepare(rooms[radius_m])
                 _require_to_fit(mission, rooms[radius_m], robot)
+                if _is_jammed(mission, rooms[radius_m], radius_m):
+                    return _on_lattice(mission, ground, reserve_m, seed)
             place = _free_place(rooms[radius_m], placed, radius_m, rng)
             if place is None:
                 return _on_lattice(mission, ground, reserve_m, seed)
@@ -71,18 +81,21 @@ def place_starts(mission: Mission, ground: MultiPolygon, *, seed: int, reserve_m
 
 
 def _room(mission: Mission, ground: MultiPolygon, radius_m: float) -> MultiPolygon:
+    """Where the centre of such a body may be at the start."""
     room = ground.buffer(-radius_m) if radius_m > 0 else ground
     start = mission.fleet.start
     return room.intersection(shapely.box(*start.low_m, *start.high_m)) if isinstance(start, StartBox) else room
 
 
 def _where(mission: Mission) -> tuple[str, str]:
+    """What is too small for its robots, and what would help."""
     if isinstance(mission.fleet.start, StartBox):
         return "fleet.start.box", "a larger box"
     return "fleet.robots", "a larger area"
 
 
 def _require_to_fit(mission: Mission, room: MultiPolygon, robot: Robot) -> None:
+    """Raises MissionError where the robot fits nowhere, or all bodies together cannot."""
     where, larger = _where(mission)
     if room.is_empty:
         raise MissionError(f"{where}: robot {robot.name} with its body of {robot.body_radius_m:.6g} m fits nowhere")
@@ -96,9 +109,18 @@ def _require_to_fit(mission: Mission, room: MultiPolygon, robot: Robot) -> None:
         )
 
 
+def _is_jammed(mission: Mission, room: MultiPolygon, radius_m: float) -> bool:
+    """Whether random places cannot be found for all that wait, many bodies of one radius, reserve included."""
+    waiting = [robot.body_radius_m for robot in mission.fleet.robots or () if robot.start is None]
+    if len(waiting) < MANY or len(set(waiting)) > 1:
+        return False
+    return len(waiting) * math.pi * radius_m**2 > JAMMED * float(room.buffer(radius_m).area)
+
+
 def _free_place(
     room: MultiPolygon, placed: _Placed, radius_m: float, rng: np.random.Generator
 ) -> tuple[float, float] | None:
+    """The first of some TRIES random places in the room where the body touches nothing, or None."""
     low, high = np.array(room.bounds[:2]), np.array(room.bounds[2:])
     for _ in range(TRIES // BATCH):
         points = rng.uniform(low, high, (BATCH, 2))
