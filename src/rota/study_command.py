@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -13,7 +12,7 @@ from rota.terminal import mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
     from rota.mission import Mission
-    from rota.studies.study import Study
+    from rota.studies.study import AnyRuns, AnySettings, PaperStudy
 
 app = typer.Typer(help="Run a study of how the planners do.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -58,20 +57,25 @@ def patrol_progress(
     raise typer.Exit(INTERRUPTED if stop.raised else DONE if found.reason is None else NO_PLAN)
 
 
+def _folder(page_file: str) -> Any:
+    """The option that names where a study's page and pictures go."""
+    return typer.Option(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        help=f"Write the page ({page_file}) and its pictures there; default: only print the tables.",
+    )
+
+
+def _some(figures: str) -> Any:
+    """The option that chooses among a study's figures."""
+    return typer.Option(metavar="NUMBER,...", help=f"{figures}: make only some; default all.")
+
+
 @app.command("sun2019", short_help="The figures and tables of Sun 2019, ours beside the paper's.")
 def sun2019(
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FOLDER",
-            help="Write the page (sun2019.md) and its pictures there; default: only print the tables.",
-        ),
-    ] = None,
-    figures: Annotated[
-        str | None, typer.Option(metavar="NUMBER,...", help="6,8,12,13,14,15,16: make only some; default all.")
-    ] = None,
+    output: Annotated[Path | None, _folder("sun2019.md")] = None,
+    figures: Annotated[str | None, _some("6,8,12,13,14,15,16")] = None,
     seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page.")] = 0,
     effort: Annotated[
         Literal["quick", "normal", "high"],
@@ -83,34 +87,17 @@ def sun2019(
     Takes some minutes; Figures 14 and 16 take most of them. Table 5 comes with Figure 13, Table 6 with 14, Table 8 with
     16. Ctrl-C writes nothing.
     """
-    from rota.studies.study import listed_figures, require_study_folder
     from rota.studies.sun2019.runs import StudySettings
-    from rota.studies.sun2019.study import FIGURES, PAGE, PICTURES, sun2019_study
+    from rota.studies.sun2019.study import sun2019_study
 
-    asked = listed_figures(figures, FIGURES)
-    if output is not None:
-        require_study_folder(output, PAGE, PICTURES)
-    mention_compiling("planners/patrol/annealing", "geometry", "check")
-    settings = StudySettings(effort=effort)
-    _tell_study(
-        lambda tell, stop: sun2019_study(asked, settings=settings, seed=seed, progress=tell, should_stop=stop), output
-    )
+    compiled = ("planners/patrol/annealing", "geometry", "check")
+    _tell_study(sun2019_study, figures, output, seed, compiled, settings=StudySettings(effort=effort))
 
 
 @app.command("chen2018", short_help="The figures and tables of Chen 2018, ours beside the paper's.")
 def chen2018(
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FOLDER",
-            help="Write the page (chen2018.md) and its pictures there; default: only print the tables.",
-        ),
-    ] = None,
-    figures: Annotated[
-        str | None, typer.Option(metavar="NUMBER,...", help="9,11,12,...,21: make only some; default all.")
-    ] = None,
+    output: Annotated[Path | None, _folder("chen2018.md")] = None,
+    figures: Annotated[str | None, _some("9,11,12,...,21")] = None,
     seed: Annotated[
         int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page but for measured times.")
     ] = 0,
@@ -120,31 +107,15 @@ def chen2018(
     Takes some minutes; Figures 20 and 21 take most of them. Table 2 comes with Figure 12, Table 3 with 20. Ctrl-C
     writes nothing.
     """
-    from rota.studies.chen2018.study import FIGURES, PAGE, PICTURES, chen2018_study
-    from rota.studies.study import listed_figures, require_study_folder
+    from rota.studies.chen2018.study import chen2018_study
 
-    asked = listed_figures(figures, FIGURES)
-    if output is not None:
-        require_study_folder(output, PAGE, PICTURES)
-    mention_compiling("planners/swarm")
-    _tell_study(lambda tell, stop: chen2018_study(asked, seed=seed, progress=tell, should_stop=stop), output)
+    _tell_study(chen2018_study, figures, output, seed, ("planners/swarm",))
 
 
 @app.command("alam2020", short_help="The figures of Alam & Bobadilla 2020 on maps of the same kind.")
 def alam2020(
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FOLDER",
-            help="Write the page (alam2020.md) and its pictures there; default: only print the tables.",
-        ),
-    ] = None,
-    figures: Annotated[
-        str | None,
-        typer.Option(metavar="NUMBER,...", help="6,7,...,11, and 12,13 beyond the paper: make only some; default all."),
-    ] = None,
+    output: Annotated[Path | None, _folder("alam2020.md")] = None,
+    figures: Annotated[str | None, _some("6,7,...,11, and 12,13 beyond the paper")] = None,
     seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page.")] = 0,
 ) -> None:
     """Alam & Bobadilla 2020, figure by figure: what the paper says beside its algorithms and ours.
@@ -152,24 +123,34 @@ def alam2020(
     Its maps are not published; ours are of the same size and kind. 12: robots that turn inexactly. 13: polygons without
     a grid. Ctrl-C writes nothing.
     """
-    from rota.studies.alam2020.study import FIGURES, PAGE, PICTURES, alam2020_study
-    from rota.studies.study import listed_figures, require_study_folder
+    from rota.studies.alam2020.study import alam2020_study
 
-    asked = listed_figures(figures, FIGURES)
-    if output is not None:
-        require_study_folder(output, PAGE, PICTURES)
-    mention_compiling("planners/bounce")
-    _tell_study(lambda tell, stop: alam2020_study(asked, seed=seed, progress=tell, should_stop=stop), output)
+    _tell_study(alam2020_study, figures, output, seed, ("planners/bounce",))
 
 
-def _tell_study(make: Callable[[Callable[[float, str], None], Callable[[], bool]], Study], output: Path | None) -> None:
-    """Make a study, given what to tell of its progress and what says when to stop; print its tables and write it."""
+def _tell_study(
+    make: PaperStudy[AnySettings, AnyRuns],
+    figures: str | None,
+    output: Path | None,
+    seed: int,
+    compiled: tuple[str, ...],
+    *,
+    settings: AnySettings | None = None,
+) -> None:
+    """Make the listed figures of a study, print their tables and write them to a folder, where one is given.
+
+    compiled: packages whose loops it needs. settings: None for those of the page in docs.
+    """
     from rota.interrupt import stop_on_interrupt
-    from rota.studies.study import StudyStopped, write_study
+    from rota.studies.study import StudyStopped, listed_figures, require_study_folder, write_study
 
+    asked = listed_figures(figures, make.figures)
+    if output is not None:
+        require_study_folder(output, make.page_file, make.pictures)
+    mention_compiling(*compiled)
     with progress_bar() as bar, stop_on_interrupt(lambda: bar.announce_stop("with nothing written")) as stop:
         try:
-            study = make(bar.show, stop)
+            study = make(asked, settings=settings, seed=seed, progress=bar.show, should_stop=stop)
         except StudyStopped:
             raise typer.Exit(INTERRUPTED) from None
         # within the block, so that Ctrl-C does not leave half of the files
@@ -180,6 +161,7 @@ def _tell_study(make: Callable[[Callable[[float, str], None], Callable[[], bool]
 
 
 def _mission(path: Path | None) -> Mission:
+    """The mission of a file, or the map of Sun 2019's Figure 13."""
     if path is None:
         from rota.studies.sun2019 import figure_13
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from rota.errors import RotaError
 from rota.files.atomic_write import replaced_file, require_writable, require_writable_folder
 from rota.studies.section import Section
 from rota.studies.tables import joined
 
+AnySettings = TypeVar("AnySettings")
 AnyRuns = TypeVar("AnyRuns")
+SettingsTaken = TypeVar("SettingsTaken", contravariant=True)
+RunsMade = TypeVar("RunsMade", covariant=True)
 # how a figure is made from runs, and about how many parts of the whole work it is
 Makers = Mapping[int, tuple[Callable[[AnyRuns], Section], float]]
 
@@ -41,6 +44,65 @@ class Study:
         return found | {self.page_file: self.page.encode()}
 
 
+class RunsMaker(Protocol[SettingsTaken, RunsMade]):
+    """What makes the set of runs that figures share.
+
+    tell: called with words for what is being done. should_stop: asked before every run; True raises StudyStopped.
+    """
+
+    def __call__(
+        self, settings: SettingsTaken, *, seed: int, tell: Callable[[str], None], should_stop: Callable[[], bool]
+    ) -> RunsMade:
+        """Make it, before any run."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperStudy(Generic[AnySettings, AnyRuns]):
+    """How a paper's figures are made again; called, it makes those that are asked for.
+
+    page_file: the page's name; pictures: a pattern that the names of its pictures match. figures: how each is made.
+    settings: makes those of the page in docs. runs: makes what the figures are made of. page: the page's Markdown of
+    sections, a seed and settings.
+    """
+
+    page_file: str
+    pictures: str
+    figures: Makers[AnyRuns]
+    settings: Callable[[], AnySettings]
+    runs: RunsMaker[AnySettings, AnyRuns]
+    page: Callable[[Sequence[Section], int, AnySettings], str]
+
+    def __call__(
+        self,
+        figures: tuple[int, ...] | None = None,
+        *,
+        settings: AnySettings | None = None,
+        seed: int = 0,
+        progress: Callable[[float, str], None] | None = None,
+        should_stop: Callable[[], bool] | None = None,
+    ) -> Study:
+        """Make figures of the paper again, all from one set of runs.
+
+        figures: their numbers; None for all. settings: how much is run; None for the page in docs. seed: the same seed
+        gives the same study. progress: called with a fraction 0..1 and what is being done. should_stop: asked before
+        every run at least; raises StudyStopped when it says so, since a study of half the runs is none.
+        """
+        asked = self.settings() if settings is None else settings
+        chosen = tuple(self.figures) if figures is None else figures
+        hear = progress or (lambda fraction, doing: None)
+        whole = sum(self.figures[figure][1] for figure in chosen)
+        done = 0.0
+        runs = self.runs(
+            asked, seed=seed, tell=lambda doing: hear(done / whole, doing), should_stop=should_stop or (lambda: False)
+        )
+        sections = []
+        for figure in chosen:
+            make, share = self.figures[figure]
+            sections.append(make(runs))
+            done += share
+        return Study(sections=tuple(sections), page_file=self.page_file, page=self.page(sections, seed, asked))
+
+
 def listed_figures(listed: str | None, known: Makers[AnyRuns]) -> tuple[int, ...]:
     """The figures of a list of numbers with commas, in their order; all for None. Raises RotaError for another one."""
     if listed is None:
@@ -51,28 +113,6 @@ def listed_figures(listed: str | None, known: Makers[AnyRuns]) -> tuple[int, ...
         if not name.isdecimal() or int(name) not in known:
             raise RotaError(f"figures: {name!r} is none of them; {allowed} are")
     return tuple(figure for figure in known if figure in {int(name) for name in names})
-
-
-def made_sections(
-    makers: Makers[AnyRuns],
-    figures: tuple[int, ...],
-    make_runs: Callable[[Callable[[str], None]], AnyRuns],
-    tell: Callable[[float, str], None] | None,
-) -> tuple[Section, ...]:
-    """The sections of these figures, all from one set of runs; ``tell`` hears the fraction done and what is being done.
-
-    make_runs: makes the set of runs, given what to call with words for what is being done.
-    """
-    hear = tell or (lambda fraction, doing: None)
-    whole = sum(makers[figure][1] for figure in figures)
-    done = 0.0
-    runs = make_runs(lambda doing: hear(done / whole, doing))
-    sections = []
-    for figure in figures:
-        make, share = makers[figure]
-        sections.append(make(runs))
-        done += share
-    return tuple(sections)
 
 
 def require_study_folder(folder: str | Path, page_file: str, pictures: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from rota.planners.bounce.cells import make_cells
 from rota.studies.alam2020 import maps, study as study_module
 from rota.studies.alam2020.monitoring_figures import group_counts, shown_group
 from rota.studies.alam2020.runs import StudySettings, steps_until
-from rota.studies.alam2020.study import FIGURES, alam2020_study
+from rota.studies.alam2020.study import alam2020_study
 from rota.studies.study import Study, StudyStopped
 
 SMALL = StudySettings(starts=2, layouts=1, layout_steps=500, region_pairs=5, error_steps=30, walks=2000)
@@ -28,7 +29,9 @@ def study() -> Study:
 
 
 def test_every_figure_has_its_section(study: Study) -> None:
-    assert [section.figure for section in study.sections] == list(FIGURES) == [6, 7, 8, 9, 10, 11, 12, 13]
+    assert (
+        [section.figure for section in study.sections] == list(alam2020_study.figures) == [6, 7, 8, 9, 10, 11, 12, 13]
+    )
     assert [section.figure for section in study.sections if section.extra] == [12, 13]
     assert "## Figure 11: " in study.page
     assert "## Extra figure 12: " in study.page
@@ -125,7 +128,7 @@ def test_progress_grows_and_a_stop_ends_the_study() -> None:
 @pytest.fixture
 def _small(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(study_module, "StudySettings", lambda: SMALL)
+    monkeypatch.setattr(study_module, "alam2020_study", replace(alam2020_study, settings=lambda: SMALL))
 
 
 @pytest.mark.usefixtures("_small")

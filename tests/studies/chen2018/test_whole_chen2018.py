@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from PIL import Image
 from rota.cli import run
 from rota.studies.chen2018 import maps, runs as runs_module, study as study_module
 from rota.studies.chen2018.runs import EXACT, READINGS, Runs, StudySettings
-from rota.studies.chen2018.study import FIGURES, chen2018_study
+from rota.studies.chen2018.study import chen2018_study
 from rota.studies.study import Study, StudyStopped, write_study
 
 
@@ -23,8 +24,8 @@ def study(settings: StudySettings) -> Study:
 
 
 def test_every_figure_has_its_section(study: Study) -> None:
-    assert tuple(FIGURES) == (9, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21)
-    assert [section.figure for section in study.sections] == list(FIGURES)
+    assert tuple(chen2018_study.figures) == (9, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21)
+    assert [section.figure for section in study.sections] == list(chen2018_study.figures)
     titles = [table.title for section in study.sections for table in section.tables]
     assert "Table 2: parameters" in titles
     assert any(title.startswith("Table 3: ") for title in titles)
@@ -92,7 +93,7 @@ def test_progress_grows_and_a_stop_ends_the_study(settings: StudySettings) -> No
 def small(settings: StudySettings, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The command with small settings, in an empty folder."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(study_module, "StudySettings", lambda: settings)
+    monkeypatch.setattr(study_module, "chen2018_study", replace(chen2018_study, settings=lambda: settings))
 
 
 @pytest.mark.usefixtures("small")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from rota.cli import run
 from rota.studies.section import Section
 from rota.studies.sun2019 import runs as runs_module, study as study_module
 from rota.studies.sun2019.runs import Runs, StudySettings
+from rota.studies.sun2019.study import sun2019_study
 
 STAGED = ["study", "sun2019", "--figures", "8,15"]
 
@@ -60,7 +62,7 @@ def test_what_cannot_be_is_refused_before_any_run(
     def never(*_: Any, **__: Any) -> None:
         raise AssertionError("ran all the same")
 
-    monkeypatch.setattr(study_module, "Runs", never)
+    monkeypatch.setattr(study_module, "sun2019_study", replace(sun2019_study, runs=never))
     Path("file").write_text("mine")
     Path("full/sun2019.md").mkdir(parents=True)
     Path("taken/figure-6.png").mkdir(parents=True)
@@ -71,14 +73,16 @@ def test_what_cannot_be_is_refused_before_any_run(
 
 @pytest.mark.usefixtures("small")
 def test_ctrl_c_writes_nothing(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    make, share = study_module.FIGURES[15]
+    figures = sun2019_study.figures
+    make, share = figures[15]
 
     def interrupted(runs: Runs) -> Section:
         section = make(runs)
         os.kill(os.getpid(), signal.SIGINT)
         return section
 
-    monkeypatch.setitem(study_module.FIGURES, 6, (interrupted, share))
+    changed = replace(sun2019_study, figures={**figures, 6: (interrupted, share)})
+    monkeypatch.setattr(study_module, "sun2019_study", changed)
     assert run(["study", "sun2019", "--figures", "6,8", "-o", "out"]) == 130
     told = capsys.readouterr()
     assert "stopping with nothing written; Ctrl-C again ends at once" in told.err

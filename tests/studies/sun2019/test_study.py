@@ -18,7 +18,7 @@ from rota.studies.study import Study, StudyStopped, listed_figures, write_study
 from rota.studies.sun2019.result_figures import AS_THE_PAPER
 from rota.studies.sun2019.runs import Runs, StudySettings
 from rota.studies.sun2019.stage_figures import figure_8_section
-from rota.studies.sun2019.study import FIGURES, sun2019_study
+from rota.studies.sun2019.study import sun2019_study
 
 STAGES = (6, 8, 12, 15)
 
@@ -116,15 +116,15 @@ def test_progress_grows_to_the_last_figure(settings: StudySettings) -> None:
 
 
 def test_every_figure_of_the_study_can_be_named() -> None:
-    assert tuple(FIGURES) == (6, 8, 12, 13, 14, 15, 16)
-    assert listed_figures(None, FIGURES) == tuple(FIGURES)
-    assert listed_figures("13, 6,13", FIGURES) == (6, 13)
+    assert tuple(sun2019_study.figures) == (6, 8, 12, 13, 14, 15, 16)
+    assert listed_figures(None, sun2019_study.figures) == tuple(sun2019_study.figures)
+    assert listed_figures("13, 6,13", sun2019_study.figures) == (6, 13)
 
 
 @pytest.mark.parametrize("listed", ["", "7", "6,", "six", "6;8", "-6"])
 def test_other_figures_are_refused(listed: str) -> None:
     with pytest.raises(RotaError, match=r"figures: .* is none of them; 6, 8, 12, 13, 14, 15 and 16 are"):
-        listed_figures(listed, FIGURES)
+        listed_figures(listed, sun2019_study.figures)
 
 
 def test_what_figures_share_runs_once(settings: StudySettings) -> None:
