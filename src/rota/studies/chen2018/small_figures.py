@@ -53,7 +53,7 @@ def rests(steps: Sequence[int]) -> str:
 
 def rest_cells(runs: Sequence[Outcome]) -> tuple[str, str, str]:
     """How many rest, their steps as mean and deviation, and from least to most; dashes where none does."""
-    steps = [run.steps for run in runs if run.at_rest]
+    steps = _steps_at_rest(runs)
     rested = f"{len(steps)} of {len(runs)}"
     if not steps:
         return rested, NOTHING, NOTHING
@@ -63,6 +63,16 @@ def rest_cells(runs: Sequence[Outcome]) -> tuple[str, str, str]:
 def coverage_cell(runs: Sequence[Outcome]) -> str:
     """Exact coverage in the end, in percent."""
     return plus_minus([100 * run.coverage for run in runs], ".2f")
+
+
+def _steps_at_rest(runs: Sequence[Outcome]) -> list[int]:
+    """After how many steps each run rests that does."""
+    return [run.steps for run in runs if run.at_rest]
+
+
+def _is_among(printed: int, steps: Sequence[int]) -> bool:
+    """Whether the paper's number lies between the least and the most of ours."""
+    return bool(steps) and min(steps) <= printed <= max(steps)
 
 
 def figure_12_section(runs: Runs) -> Section:
@@ -82,18 +92,14 @@ def figure_12_section(runs: Runs) -> Section:
         rows=(("not printed", "**the paper**", "1 of 1", f"{paper.STEPS_FIGURE_12}", "", "not printed", ""), *rows),
         words=(0, 1),
     )
-    steps = {start: [run.steps for run in by_start[start, EXACT.name] if run.at_rest] for start in maps.STARTS}
-    within = [start for start, taken in steps.items() if taken and min(taken) <= paper.STEPS_FIGURE_12 <= max(taken)]
+    steps = {start: _steps_at_rest(by_start[start, EXACT.name]) for start in maps.STARTS}
+    within = [start for start, taken in steps.items() if _is_among(paper.STEPS_FIGURE_12, taken)]
     covered = np.mean([run.coverage for run in by_start[SHOWN, EXACT.name]])
     return Section(
         figure=12,
         heading="25 robots without obstacles",
-        pictures=(
-            Picture(
-                "chen2018-figure-12.png",
-                "25 robots in a box, their ways, and their discs over the square in the end",
-                study_picture(_three(mission, shown), columns=3),
-            ),
+        pictures=_courses(
+            12, "25 robots in a box, their ways, and their discs over the square in the end", mission, shown
         ),
         caption="Figure 12, by RD with the exact centroid from the box “between” centre and corner, 50 m to 100 m "
         "along "
@@ -112,17 +118,31 @@ def figure_12_section(runs: Runs) -> Section:
 
 
 def _within(starts: Sequence[str]) -> str:
+    """From which starts our seeds take such a number of steps, in words."""
     if not starts:
         return "outside what our seeds take from any start"
     return f"among what our seeds take from the start {' and '.join(starts)}"
 
 
-def _three(mission: Mission, shown: Outcome) -> list[MapPanel]:
-    return [
+def _courses(figure: int, shows: str, mission: Mission, shown: Outcome) -> tuple[Picture]:
+    """A run in three maps: its start, the ways of its robots, and its end."""
+    panels: list[MapPanel] = [
         coverage_panel("(a) Start", mission, shown, 0),
         ways_panel("(b) Ways", mission, shown, shown.steps),
         coverage_panel("(c) End", mission, shown, shown.steps),
     ]
+    return (Picture(f"chen2018-figure-{figure}.png", shows, study_picture(panels, columns=3)),)
+
+
+def _distances(figure: int, shows: str, shown: Outcome) -> tuple[Picture]:
+    """The least distance between two robots over a run's steps."""
+    panel = distance_panel("Least distance between two robots", shown)
+    return (Picture(f"chen2018-figure-{figure}.png", shows, study_picture([panel])),)
+
+
+def _least_m(runs: Sequence[Outcome]) -> float:
+    """The least distance of two robots' middles in any of these runs, in metres."""
+    return min(float(run.history.body_gap_m.min()) for run in runs) + 2 * paper.BODY_M
 
 
 def _parameters() -> Table:
@@ -154,7 +174,7 @@ def figure_13_section(runs: Runs) -> Section:
     for reading in READINGS:
         found = [run for start in maps.STARTS for run in runs.seeds(maps.small(start), reading)]
         touching = sum(float(run.history.body_gap_m.min()) < 0 for run in found)
-        least = min(float(run.history.body_gap_m.min()) for run in found) + 2 * paper.BODY_M
+        least = _least_m(found)
         runs.stop_if_asked()
         dense[reading.name] = dense_contacts(reading.settings, seed=runs.seed)
         contacts, smallest = dense[reading.name]
@@ -168,12 +188,8 @@ def figure_13_section(runs: Runs) -> Section:
     return Section(
         figure=13,
         heading="the least distance between robots",
-        pictures=(
-            Picture(
-                "chen2018-figure-13.png",
-                "The least distance between two robots never falls below the 1 m at which bodies touch",
-                study_picture([distance_panel("Least distance between two robots", shown)]),
-            ),
+        pictures=_distances(
+            13, "The least distance between two robots never falls below the 1 m at which bodies touch", shown
         ),
         caption="Figure 13, for the run of Figure 12. Bodies touch at r_A + r_B = 1 m.",
         paper="Robots avoid collisions; Corollary 1 is said to prove it.",
@@ -213,17 +229,13 @@ def figure_14_section(runs: Runs) -> Section:
         head=("controller", "at rest", "steps", "least to most", "covered %"),
         rows=(("**the paper**", "1 of 1", f"{paper.STEPS_FIGURE_14:,}", "", "not printed"), *rows),
     )
-    taken = [run.steps for run in found[EXACT.name] if run.at_rest]
-    inside = bool(taken) and min(taken) <= paper.STEPS_FIGURE_14 <= max(taken)
+    taken = _steps_at_rest(found[EXACT.name])
+    inside = _is_among(paper.STEPS_FIGURE_14, taken)
     return Section(
         figure=14,
         heading="25 robots and an obstacle",
-        pictures=(
-            Picture(
-                "chen2018-figure-14.png",
-                "25 robots in a box, their ways round a square obstacle, and their discs in the end",
-                study_picture(_three(mission, shown), columns=3),
-            ),
+        pictures=_courses(
+            14, "25 robots in a box, their ways round a square obstacle, and their discs in the end", mission, shown
         ),
         caption="Figure 14, by RD from the box between centre and corner; that the obstacle of 10 m stands in the "
         "middle "
@@ -241,17 +253,11 @@ def figure_15_section(runs: Runs) -> Section:
     """Figure 15: the least distance between bodies with the obstacle."""
     shown = runs(maps.with_obstacle(SHOWN), EXACT)
     found = runs.seeds(maps.with_obstacle(SHOWN), EXACT)
-    least = min(float(run.history.body_gap_m.min()) for run in found) + 2 * paper.BODY_M
+    least = _least_m(found)
     return Section(
         figure=15,
         heading="the least distance between robots, with the obstacle",
-        pictures=(
-            Picture(
-                "chen2018-figure-15.png",
-                "The least distance between two robots stays above 1 m",
-                study_picture([distance_panel("Least distance between two robots", shown)]),
-            ),
-        ),
+        pictures=_distances(15, "The least distance between two robots stays above 1 m", shown),
         caption="Figure 15, for the run of Figure 14.",
         paper="No two robots touch.",
         found=f"Holds: {least:.3f} m is the least in {len(found)} runs, where 1 m is contact.",
