@@ -49,13 +49,9 @@ def _unused_in_space(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     if data.get("moving_obstacles"):
         yield ("moving_obstacles",), "a swarm with altitudes_m has no use for moving_obstacles: remove them"
     yield from _coming_and_going(data, "robots with altitudes_m neither join nor leave: remove it")
-    message = "a swarm with altitudes_m is asked no periods, since footprints grow with height: remove it"
-    if data.get("period_s") is not None:
-        yield ("period_s",), message
-    zones = data.get("zones")
-    for k, zone in enumerate(zones if isinstance(zones, list) else []):
-        if _inner(zone, "period_s") is not None:
-            yield ("zones", k, "period_s"), message
+    yield from _periods(
+        data, "a swarm with altitudes_m is asked no periods, since footprints grow with height: remove it"
+    )
 
 
 def unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -100,7 +96,7 @@ def unused_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     if task == "monitor":
         yield from _unwatched_by_bounce(data)
     elif task == "cover":
-        yield from _asked_of_covering(data)
+        yield from _periods(data, "covering happens once: remove the period, or write bounce.task: monitor")
 
 
 def _unwatched_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -113,8 +109,8 @@ def _unwatched_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
             yield ("zones", k, "demand"), "every_point is not allowed: bouncing robots visit zones; write demand: visit"
 
 
-def _asked_of_covering(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    message = "covering happens once: remove the period, or write bounce.task: monitor"
+def _periods(data: dict[str, Any], message: str) -> Iterator[tuple[Where, str]]:
+    """Every period that is asked for, with what to say of it where none may be."""
     if data.get("period_s") is not None:
         yield ("period_s",), message
     zones = data.get("zones")
