@@ -27,7 +27,7 @@ FEWEST_PER_CHUNK = 256
 EXACT = np.empty(0)  # nobody has gone on unheard
 
 
-class _Room(NamedTuple):
+class DecidingRoom(NamedTuple):
     """What one thread writes to while it decides."""
 
     near: Near
@@ -89,7 +89,7 @@ class Swarm:
         self._threads = threads
         chunks = min(CHUNKS_PER_THREAD * threads, n // FEWEST_PER_CHUNK) if threads > 1 else 1
         self._cuts = [n * k // max(chunks, 1) for k in range(max(chunks, 1) + 1)]
-        self._rooms = [_room(max(rule.neighbours, 1)) for _ in self._cuts[1:]]
+        self._rooms = [deciding_room(rule) for _ in self._cuts[1:]]
         self._pool = ThreadPoolExecutor(threads) if len(self._cuts) > 2 else None
         self._device = None if device == "cpu" else CudaStep(decide, self.kinds, rule)
         if self._device is not None and hearing is not None:
@@ -245,10 +245,7 @@ class Swarm:
         return float(np.sqrt(farthest2))
 
     def _in_order(self, x: Floats, y: Floats) -> Floats:
-        values = np.empty((len(self), 2))
-        values[self._robots.name, 0] = x
-        values[self._robots.name, 1] = y
-        return values
+        return in_fleet_order(self._robots, x, y)
 
 
 def room_for(n: int, member_kinds: int) -> Robots:
@@ -257,6 +254,16 @@ def room_for(n: int, member_kinds: int) -> Robots:
     return Robots(x, y, vx, vy, np.empty(n, np.int64), np.empty(n, np.int64), member_kinds)
 
 
-def _room(most: int) -> _Room:
+def in_fleet_order(robots: Robots, x: Floats, y: Floats) -> Floats:
+    """(n, 2) in the order of the fleet: values (n,) each that stand in the order of the state."""
+    values = np.empty((len(robots.name), 2))
+    values[robots.name, 0] = x
+    values[robots.name, 1] = y
+    return values
+
+
+def deciding_room(rule: Rule) -> DecidingRoom:
+    """Room for one thread that decides by this rule."""
+    most = max(rule.neighbours, 1)
     outlines = [Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS)) for _ in range(2)]
-    return _Room(Near(np.empty(most, np.int64), np.empty(most)), *outlines)
+    return DecidingRoom(Near(np.empty(most, np.int64), np.empty(most)), *outlines)

@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.swarm.kernels import Grid, Kinds, Near, Robots, Rule, move_and_sort
-from rota.planners.swarm.rollout import room_for
+from rota.planners.swarm.kernels import Grid, Kinds, Robots, Rule, move_and_sort
+from rota.planners.swarm.rollout import deciding_room, in_fleet_order, room_for
 from rota.planners.swarm.space_kernels import decide_in_space, filter_in_space
 from rota.planners.swarm.space_set_kernels import MOST_PLANES
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
 from rota.planners.swarm.world import make_grid
 
 Floats = NDArray[np.float64]
@@ -70,10 +69,7 @@ class SpaceSwarm:
         self._heights, self._new_vz = Heights(np.empty(n), np.empty(n)), np.empty(n)
         self._heights.z[names], self._heights.vz[names] = z, vz
         self._cell = np.empty(n, np.int64)
-        most = max(rule.neighbours, 1)
-        self._near = Near(np.empty(most, np.int64), np.empty(most))
-        self._planes = np.empty((MOST_PLANES, 4))
-        self._outlines = [Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS)) for _ in range(2)]
+        self._room, self._planes = deciding_room(rule), np.empty((MOST_PLANES, 4))
         self._sort(0.0)
 
     def __len__(self) -> int:
@@ -101,10 +97,10 @@ class SpaceSwarm:
 
     def step(self) -> float:
         """Decide and move once; returns the longest way of any robot in metres."""
-        new, time_step_s = self._spare, self.rule.time_step_s
+        new, room, time_step_s = self._spare, self._room, self.rule.time_step_s
         decide_in_space(
             self._robots, self._heights, self.kinds, self._full_m, self.grid, self._band, self.rule, new.vx, new.vy,
-            self._new_vz, self._near, self._planes, *self._outlines,
+            self._new_vz, room.near, self._planes, room.outline, room.spare,
         )  # fmt: skip
         if self._safe:
             filter_in_space(
@@ -128,8 +124,4 @@ class SpaceSwarm:
         self._robots, self._spare = self._spare, self._robots
 
     def _in_order(self, x: Floats, y: Floats, of_fleet: Floats) -> Floats:
-        values = np.empty((len(self), 3))
-        values[self._robots.name, 0] = x
-        values[self._robots.name, 1] = y
-        values[:, 2] = of_fleet
-        return values
+        return np.column_stack([in_fleet_order(self._robots, x, y), of_fleet])
