@@ -84,6 +84,16 @@ def test_no_place_is_tried_at_random_where_many_would_fill_more_than_that_can(
     assert laid or len(random) == robots == len(places)
 
 
+def test_a_room_of_many_parts_is_tried_at_random_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Parts with room for one body each are filled by it, so that shares of wide rooms say nothing."""
+    parts = [box(20 + x, 20 + y, 21.15 + x, 21.15 + y) for x in 1.17 * np.arange(34) for y in 1.17 * np.arange(34)]
+    asked = mission(1000, (40, 40), body_m=0.5, area=MultiPolygon(parts))
+    room_m2 = free_ground(asked).buffer(-0.5).buffer(0.5).area
+    assert 1000 * np.pi * 0.5**2 > 0.61 * room_m2
+    monkeypatch.setattr(starts, "lattice_starts", lambda *_, **__: (np.empty((0, 2)), 0))
+    assert pdist(place_starts(asked, free_ground(asked), seed=0, reserve_m=0.0)).min() >= 1
+
+
 def noting(function: Any, calls: list[Any]) -> Any:
     """The function, with a list that grows at each call."""
 

@@ -19,9 +19,9 @@ TRIES = 2000  # random places for one robot
 DENSEST = math.pi / math.sqrt(12)  # share of the plane that equal discs can fill
 BATCH = 64
 # Random places for equal discs run out when these fill 0.547 of a wide room (Feder, J. Theor. Biol. 87:237, 1980), or
-# 0.7476 pi / 4 = 0.587 of a lane as wide as they are (Renyi 1958); many of them never fill this share of any room.
+# 0.7476 pi / 4 = 0.587 of a lane as wide as they are (Renyi 1958); many of them never fill this share of a room.
 JAMMED = 0.6
-MANY = 1000  # robots; fewer may fill more of a small room by luck, and are soon tried
+MANY = 1000  # robots for each part of a room; fewer may fill more of a small part, since one body can fill its own
 
 
 class _Placed:
@@ -112,7 +112,7 @@ def _require_to_fit(mission: Mission, room: MultiPolygon, robot: Robot) -> None:
 def _is_jammed(mission: Mission, room: MultiPolygon, radius_m: float) -> bool:
     """Whether random places cannot be found for all that wait, many bodies of one radius, reserve included."""
     waiting = [robot.body_radius_m for robot in mission.fleet.robots or () if robot.start is None]
-    if len(waiting) < MANY or len(set(waiting)) > 1:
+    if len(waiting) < MANY * shapely.get_num_geometries(room) or len(set(waiting)) > 1:
         return False
     return len(waiting) * math.pi * radius_m**2 > JAMMED * float(room.buffer(radius_m).area)
 
