@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from shapely import MultiPolygon, box
+from tests.planners.patrol.test_annealing import assert_books_are_true
 
 from rota.check import check_plan
 from rota.mission import DiscSensor, Fleet, Mission, Zone
@@ -17,12 +18,14 @@ from rota.planners.patrol.annealing.tour import (
     driven,
     excesses,
     hubs_and_petals,
+    meeting,
     nests,
     over_budget_share,
     room_m,
+    rounds_more,
     tour_length_m,
 )
-from rota.planners.patrol.nesting import nested, petals_of, spare_m
+from rota.planners.patrol.nesting import excursions, nested, petals_of, scattered_petals, spare_m
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, plan_of, prepared_with
 from rota.planners.patrol.splits import nest_bases, starts
@@ -111,6 +114,75 @@ def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem
     assert over_budget_share(found) < 0.01
 
 
+def test_petals_from_different_vertices_take_one_round_more(problem: Problem) -> None:
+    slow = {"serves": 1, "period_s": 60.0, "robots": 0, "nest": 4}
+    tours = [
+        ring(problem, [[9, 3], [3, 3], [3, 9], [9, 9]], nest=4),
+        ring(problem, [[3, 9], [3, 11]], **slow),
+        ring(problem, [[9, 3], [15, 3]], **slow),
+    ]
+    assert rounds_more(tours, [1, 2]) == 1
+    assert rounds_more(nest(problem), [1, 2, 3]) == 0
+    # 24 m of hub in every round, petals of 4 and 12 m, and 24 m more to come to both of them
+    assert [excess for excess, _ in excesses(tours)] == pytest.approx([28 - 40, 36 - 40, 88 - 120], abs=1e-3)
+    [loop] = driven(tours)
+    from_first, from_third = [[9, 3], [3, 3], [3, 9], [9, 9]], [[3, 9], [9, 9], [9, 3], [3, 3]]
+    first, third = [[9, 3], [15, 3]], [[3, 9], [3, 11]]
+    on_to_first, on_to_third = [[3, 9], [9, 9]], [[9, 3], [3, 3]]
+    expected = [*on_to_first, *from_first, *first, *on_to_third, *from_third, *third]
+    assert loop.vertices_m.tolist() == expected
+    assert tour_length_m(loop) == pytest.approx(88)
+    # what only the hub sees of the gate waits for its longest round, 36 m at 2 m/s, and no longer
+    gate = next(d for d in check_plan(plan_of(problem, tours, seed=0)).demands if d.name == "gate")
+    assert gate.outcome == "met"
+    assert gate.worst_gap_s <= 18.01
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_place_of_the_hub_waits_for_more_than_a_round_and_a_petal(problem: Problem, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(3, 9))
+    hub = ring(problem, rng.uniform(0, 10, (n, 2)).tolist(), nest=0)
+    petals = [
+        ring(problem, [hub.vertices_m[rng.integers(n)].tolist(), *rng.uniform(0, 10, (2, 2)).tolist()], nest=0)
+        for _ in range(int(rng.integers(1, 6)))
+    ]
+    [loop] = driven([hub, *petals])
+    hub_m, petals_m = tour_length_m(hub), [tour_length_m(petal) for petal in petals]
+    more = rounds_more([hub, *petals], range(1, 1 + len(petals)))
+    assert more == (len({meeting(hub.vertices_m, petal.vertices_m) for petal in petals}) > 1)
+    whole_m = (len(petals) + more) * hub_m + sum(petals_m)
+    assert tour_length_m(loop) == pytest.approx(whole_m)
+    # when the robot passes each vertex of the hub, wherever in its loop
+    legs_m = np.hypot(*(np.roll(loop.vertices_m, -1, axis=0) - loop.vertices_m).T)
+    at_m = np.concatenate([[0.0], np.cumsum(legs_m)[:-1]])
+    for vertex in hub.vertices_m:
+        passed_m = at_m[(loop.vertices_m == vertex).all(axis=1)]
+        assert np.diff([*passed_m, passed_m[0] + whole_m]).max() <= hub_m + max(petals_m) + 1e-9
+
+
+def test_petals_find_their_own_vertices_of_the_hub(problem: Problem) -> None:
+    _, samples = prepared_with(problem, no_points())
+    tours = nest(problem)[:4]
+    tours[2] = replace(tours[2], vertices_m=np.array([[3.0, 9.0], [12.0, 10.0]]))
+    begins: list[list[int]] = []
+    for seed in (1, 2, 3):
+        search = Annealing(
+            tours, samples, problem.space_grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=seed,
+            range_margin_m=problem.range_margin_m,
+        )  # fmt: skip
+        before = search.unseen_share
+        assert search.run(60_000, hot_m=1.5, cold_m=0.02, should_stop=lambda: False)
+        assert search.unseen_share < 0.7 * before
+        assert over_budget_share(search.tours) < 0.01
+        assert_books_are_true(search)
+        hub, *petals = search.tours
+        # each of them begins at a vertex of the hub: where it does not, there is none to be found
+        begins.append([meeting(hub.vertices_m, petal.vertices_m) for petal in petals])
+    assert max(len(set(one)) for one in begins) > 1
+    assert len({tuple(one) for one in begins}) > 1
+
+
 def test_spare_metres_by_hand(problem: Problem) -> None:
     hub = nest(problem)[0]
     # three rounds of 40 m less 1.15 x 20 m, four fifths of which are spent on the ground
@@ -121,6 +193,21 @@ def test_spare_metres_by_hand(problem: Problem) -> None:
     # two robots have 80 m for each of their rounds, and still begin one every 20 s
     assert spare_m(replace(hub, robots=2), 20.0, 60.0) == pytest.approx(0.8 * 3 * (80 - 23), rel=1e-4)
     assert spare_m(hub, 60.0, 60.0) == 0
+
+
+def test_metres_for_petals_from_different_vertices_by_hand(problem: Problem) -> None:
+    hub = nest(problem)[0]
+    # hub rounds of 1.15 x 20 = 23 m: two petals have 17 m each, for 120 m less three rounds leave 51; three have 28
+    petals, metres = scattered_petals(hub, 20.0, 60.0)
+    assert (petals, metres) == (2, pytest.approx(34, rel=1e-4))
+    # with rounds of 11.5 m three petals have 28.5 m each, and 120 m less four rounds are 74 m; two have 57
+    assert scattered_petals(hub, 10.0, 60.0) == (3, pytest.approx(74, rel=1e-4))
+    assert scattered_petals(hub, 10.0, 39.0) == (0, 0.0)  # time for one round
+    assert scattered_petals(replace(hub, robots=2), 10.0, 60.0) == (0, 0.0)  # these keep in step
+    # 0.95 x 74 m are worth it beside 0.8 x 3 x 28.5, 0.95 x 34 m beside 0.8 x 3 x 17 as well
+    assert excursions(hub, 10.0, 60.0, scattered=True)[1:] == (pytest.approx(0.95 * 74, rel=1e-4), True)
+    assert excursions(hub, 20.0, 60.0, scattered=True)[0] == 2
+    assert excursions(hub, 10.0, 60.0, scattered=False)[1:] == (spare_m(hub, 10.0, 60.0), False)
 
 
 @pytest.mark.parametrize("robots", [2, 3, 4])
@@ -161,6 +248,24 @@ def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> 
     assert (hub.serves, slow.serves, slow.robots) == (0, 1, 1)
     nearest = min(petal.vertices_m[:, 0].max() for petal in petals)
     assert nearest < slow.vertices_m[:, 0].max()
+
+
+def test_scattered_excursions_begin_where_their_ground_is(problem: Problem) -> None:
+    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
+    one_each = [replace(t, robots=1) for t in way.tours]
+    found = nested(problem, way.grounds, one_each, way.ideal_m, 1.0, scattered=True)
+    assert found is not None
+    room, (hub, *petals, _) = found
+    count, spare = scattered_petals(one_each[0], way.ideal_m[0], 60.0)
+    assert room == pytest.approx((one_each[1].budget_m + 0.95 * spare) / way.ideal_m[1])
+    assert len(petals) == count
+    for petal in petals:
+        away_m = np.hypot(*(hub.vertices_m - petal.vertices_m[1:].mean(axis=0)).T)
+        own = meeting(hub.vertices_m, petal.vertices_m)
+        assert away_m[own] < away_m.min() + problem.swath_m  # as near as any vertex is, but for the way there
+    # where they cannot: robots that keep in step
+    two = [replace(way.tours[0], robots=2), one_each[1]]
+    assert nested(problem, way.grounds, two, way.ideal_m, 1.0, scattered=True) is None
 
 
 def test_quick_ground_with_two_robots_gives_one_hub_or_two(problem: Problem) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -150,8 +151,9 @@ def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iter
 
     The way to every piece of slow ground and back makes them longer than a tour of it all.
     """
-    for base in bases:
-        nest = nested(problem, base.grounds, base.tours, base.ideal_m, least_squeeze)
+    ways = (False, True) if problem.mission.patrol.effort == "high" else (False,)
+    for base, scattered in itertools.product(bases, ways):
+        nest = nested(problem, base.grounds, base.tours, base.ideal_m, least_squeeze, scattered=scattered)
         latest = max(tour.serves for tour in base.tours)
         hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < latest]
         if nest is not None and min(hubs, default=math.inf) >= least_squeeze:

@@ -59,6 +59,8 @@ class Tours(NamedTuple):
     over_price: Floats
     hub: Ints
     petals: Ints
+    meets: Ints
+    more: Ints
     whole_m: Floats
     seen: NDArray[np.int32]
     seen_n: Ints
@@ -165,7 +167,7 @@ def over_budget_cost(h: int, t: Tours) -> float:
     first, last = t.petals[h, 0], t.petals[h, 1]
     if first == last:
         return t.over_price[h] * max(0.0, t.length[h] - t.budget_m[h])
-    over, whole = 0.0, 0.0
+    over, whole = 0.0, t.more[h] * t.length[h]
     for petal in range(first, last):
         round_m = t.length[h] + t.length[petal]
         over += max(0.0, round_m - t.budget_m[h])
@@ -397,4 +399,10 @@ def set_up(x: Any, y: Any, tour: Any, s: Samples, t: Tours) -> bool:
         t.slot[v] = t.tried_new[0]
     for k in range(t.n.shape[0]):
         t.length[k] = tour_length(k, t)
+        h = t.hub[k]
+        if h != k:  # a petal begins at the vertex of its hub that lies where its own first one does
+            a, u = t.anchor[k], t.anchor[h]
+            while t.x[u] != t.x[a] or t.y[u] != t.y[a]:
+                u = t.after[u]
+            t.meets[k] = u
     return True

@@ -129,6 +129,50 @@ def test_a_nest_keeps_its_meeting_place_and_all_its_budgets(field: Problem) -> N
     assert over_budget_share(search.tours) < 0.5 * over_budget_share(nest)
 
 
+def test_petals_keep_the_vertices_of_the_hub_at_which_they_begin(field: Problem) -> None:
+    nest = [
+        tour(field, [[30, 30], [20, 30], [20, 20], [30, 20]], period_s=40.0, nest=2),
+        tour(field, [[30, 20], [50, 30], [50, 40]], nest=2, robots=0),
+        tour(field, [[20, 30], [30, 55]], nest=2, robots=0),
+        tour(field, [[20, 30]], nest=2, robots=0),
+    ]
+    layout, places = laid_out(nest, 4.0)
+    lengths = layout.lengths_m(places)
+    assert lengths == pytest.approx([tour_length_m(one) for one in nest])
+    assert layout.counts @ lengths - layout.budget_m == pytest.approx([over for over, _ in excesses(nest)])
+    ends = [[20, 20], [50, 40], [30, 55]]
+    search = Polish(field, nest, samples_at(field, ends)[1], reserve=1e-6)  # type: ignore[arg-type]
+    assert over_budget_share(nest) > 0.1
+    search.run(100, should_stop=lambda: False)
+    hub, *petals = (one.vertices_m for one in search.tours)
+    assert all((hub == petal[0]).all(axis=1).any() for petal in petals)
+    assert (petals[1][0] == petals[2][0]).all()
+    assert (petals[0][0] != petals[1][0]).any()
+    assert over_budget_share(search.tours) < 0.5 * over_budget_share(nest)
+
+
+def test_what_others_nearly_see_is_handed_over_by_who_has_nothing_to_spare(field: Problem) -> None:
+    # one drives 40 m there and back to see both ends, and has 39.98 m for it; another passes 0.03 m out of range
+    r = sight_m(field)
+    tours = [
+        tour(field, [[10, 30], [30, 30]], period_s=19.99),
+        tour(field, [[30 + 2 * r + 0.03, 20], [30 + 2 * r + 0.03, 40]]),
+    ]
+    ends = samples_at(field, [[10 - r, 30], [30 + r, 30], [30 + 2 * r + 0.03, 20 - r]])[1]
+    search = Polish(field, tours, ends, reserve=1e-6)  # type: ignore[arg-type]
+    search.run(60, should_stop=lambda: False)
+    assert over_budget_share(search.tours) > 2e-4  # each keeps to what it sees best
+    search.hand_over(60, should_stop=lambda: False)
+    assert over_budget_share(search.tours) == 0
+    layout, places = laid_out(search.tours, 10.0)
+    assert (look(field, layout, places, ends) < 1e-6).all()
+    # with nobody to take it, everything stays as it is
+    alone = Polish(field, tours[:1], ends, reserve=1e-6)  # type: ignore[arg-type]
+    before = alone.tours[0].vertices_m
+    alone.hand_over(60, should_stop=lambda: False)
+    assert (alone.tours[0].vertices_m == before).all()
+
+
 def test_nobody_leaves_the_space() -> None:
     problem = problem_of(box(20, 20, 40, 40))
     # the short way leads through the obstacle, and everything pulls there

@@ -1,4 +1,4 @@
-"""Compiled moves of the vertex where a hub and its petals meet: all of them go along, or none."""
+"""Compiled moves of the vertices where a hub and its petals meet: all that meet there go along, or none."""
 
 from __future__ import annotations
 
@@ -20,18 +20,31 @@ from rota.planners.patrol.tour_kernels import (
 
 @compiled
 def pinned(v: int, t: Tours) -> bool:
-    """Whether vertex v is where a hub and its petals meet: it moves only with all of them."""
+    """Whether vertex v is where a hub and petals of it meet: it moves only with all of them."""
     k = t.tour[v]
-    h = t.hub[k]
-    return bool(t.anchor[k] == v and t.petals[h, 0] < t.petals[h, 1])
+    if t.hub[k] != k:
+        return bool(t.anchor[k] == v)
+    meets = False
+    for petal in range(t.petals[k, 0], t.petals[k, 1]):
+        meets = meets or t.meets[petal] == v
+    return meets
+
+
+@compiled
+def meeting_with(k: int, meets: int, t: Tours) -> int:
+    """The vertex of tour k, a hub or a petal of it, that lies at vertex ``meets`` of the hub; -1: none of it does."""
+    if t.hub[k] == k:
+        return meets
+    return int(t.anchor[k]) if t.meets[k] == meets else -1
 
 
 @compiled
 def move_together(
     v: int, x: float, y: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours
 ) -> bool:
-    """Move the only vertex of a tour, or that where a hub and its petals meet, if that costs at most ``limit``."""
+    """Move the only vertex of a tour, or one where a hub and petals of it meet, if that costs at most ``limit``."""
     h = t.hub[t.tour[v]]
+    meets = v if t.tour[v] == h else t.meets[t.tour[v]]
     first, last = t.petals[h, 0], t.petals[h, 1]
     was = over_budget_cost(h, t)
     unseen = t.unseen[0]
@@ -41,7 +54,9 @@ def move_together(
     fair = True
     for member in range(first - 1, last):
         k = h if member < first else member
-        a = t.anchor[k]
+        a = meeting_with(k, meets, t)
+        if a < 0:
+            continue
         p, q = t.before[a], t.after[a]
         if p == a:
             fair = fair and new_leg(x, y, x, y, k, s, t)
@@ -60,13 +75,18 @@ def move_together(
             return False
     for member in range(first - 1, last):
         k = h if member < first else member
-        a = t.anchor[k]
+        a = meeting_with(k, meets, t)
+        if a < 0:
+            continue
         if t.before[a] != a:
             old_leg(t.slot[t.before[a]], s, t)
         old_leg(t.slot[a], s, t)
     for member in range(first - 1, last):
         k = h if member < first else member
-        t.x[t.anchor[k]], t.y[t.anchor[k]] = x, y
+        a = meeting_with(k, meets, t)
+        if a < 0:
+            continue
+        t.x[a], t.y[a] = x, y
         now_m = tour_length(k, t)
         metres += t.price[k] * (now_m - t.length[k])
         t.length[k] = now_m
@@ -79,7 +99,9 @@ def move_together(
     made = 0
     for member in range(first - 1, last):
         k = h if member < first else member
-        a = t.anchor[k]
+        a = meeting_with(k, meets, t)
+        if a < 0:
+            continue
         t.x[a], t.y[a] = kept
         leave_bucket(a, t)
         t.x[a], t.y[a] = x, y

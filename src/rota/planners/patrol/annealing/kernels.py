@@ -12,10 +12,12 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, point_in_space
 from rota.planners.patrol.annealing.anchor_kernels import move_together, pinned
+from rota.planners.patrol.annealing.meeting_kernels import try_meeting_near
 from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
 from rota.planners.patrol.kernels import Samples, compiled, norm
 from rota.planners.patrol.tour_kernels import FULL, UNSEEN, VERTICES, Tours, apart, tour_length, uniform
 
+MEETINGS = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
 MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg
 
 
@@ -213,6 +215,10 @@ def one_move(
         if a >= 0:
             change_legs(a, none, new_x, new_y, one, limit, most_m, space, s, t)
     elif kind < 0.30:
+        h = t.hub[t.tour[v]]
+        if t.more[h] > 0 and h != t.tour[v] and uniform(t.rng) < MEETINGS:
+            try_meeting_near(v, limit, most_m, space, s, t)
+            return
         c = crossing_leg(v, t, most_m)
         if c >= 0:
             try_two_opt(v, c, limit, space, s, t)

@@ -15,6 +15,7 @@ from rota.planners.patrol.annealing.tour import (
     Tour,
     hubs_and_petals,
     over_budget_share,
+    rounds_more,
     split_legs,
     whole_budget_m,
     without_repeats,
@@ -88,6 +89,7 @@ class Annealing:
         hub, petals = hubs_and_petals(tours)
         whole_m = np.array([whole_budget_m(tours, h, petals[h]) for h in range(len(tours))])
 
+        more = [rounds_more(tours, range(*petals[h])) for h in range(len(tours))]
         heaviest_m = self._samples.weight.max(initial=0.0)
 
         def numbers(n: int) -> Ints:
@@ -106,7 +108,8 @@ class Annealing:
             price=np.asarray(self._price, dtype=np.float64),
             budget_m=np.array([t.budget_m for t in tours]) * (1 - self._reserve),
             over_price=np.asarray(self._over_price, dtype=np.float64),
-            hub=hub, petals=petals, whole_m=whole_m * (1 - self._reserve),
+            hub=hub, petals=petals, meets=numbers(len(tours)), more=np.array(more, dtype=np.int64),
+            whole_m=whole_m * (1 - self._reserve),
             seen=np.zeros((slots, self._room), dtype=np.int32), seen_n=numbers(slots), free_slots=numbers(slots),
             times_seen=np.zeros(count, dtype=np.int32), unseen_item=numbers(count), unseen_place=numbers(count),
             bucket_of_sample=buckets_of(self._samples, grid, grid_n), unseen_in=numbers(int(grid_n.prod())),

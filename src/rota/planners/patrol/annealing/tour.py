@@ -35,8 +35,10 @@ class Tour:
     vertices_m: (n, 2), n >= 1; the last leg leads back to the first vertex. serves: the shortest period class whose
     points it may count as seen; ``period_s`` is that class's period; part: the part of the standing space it lies in.
     nest: tours of one number (not -1), which follow each other, belong together: in each period the first, the hub, is
-    gone round once, and after each round one of the others, its petals, in turn. All begin at the same vertex; petals
-    have no robots of their own. Several robots of a hub begin its rounds in turn.
+    gone round once, and after each round one of the others, its petals, in turn. Petals begin at vertices of the hub
+    and have no robots of their own. Several robots of a hub begin its rounds in turn; then all petals begin at its
+    first vertex. A robot alone whose petals begin at different vertices goes on along the hub from one to the next,
+    which takes it once more round the hub until all have had their turn.
     pace: only of a tour as it is driven, by one robot, in step with others.
     """
 
@@ -117,6 +119,16 @@ def hubs_and_petals(tours: Sequence[Tour]) -> tuple[Ints, Ints]:
     return hub, petals
 
 
+def meeting(hub_m: Floats, petal_m: Floats) -> int:
+    """The vertex of a hub (n, 2) at which a petal (m, 2) begins."""
+    return int(np.flatnonzero((hub_m == petal_m[0]).all(axis=1))[0])
+
+
+def rounds_more(tours: Sequence[Tour], petals: Sequence[int]) -> int:
+    """Rounds of a hub beyond one for each of its petals: one where these begin at different vertices."""
+    return int(len({tuple(tours[k].vertices_m[0].tolist()) for k in petals}) > 1)
+
+
 def whole_budget_m(tours: Sequence[Tour], hub: int, petals: Ints) -> float:
     """Metres in which all rounds of a nest may be driven: the shortest period of a petal; inf without petals."""
     per_s = tours[hub].budget_m / tours[hub].period_s
@@ -134,7 +146,7 @@ def excesses(tours: Sequence[Tour]) -> list[tuple[float, float]]:
         rounds_m = [hub_m + tour_length_m(tours[k]) for k in petals]
         whole_m = whole_budget_m(tours, hub, np.array([petals[0], petals[-1] + 1]))
         found += [(round_m - tours[hub].budget_m, tours[hub].budget_m) for round_m in rounds_m]
-        found.append((sum(rounds_m) - whole_m, whole_m))
+        found.append((sum(rounds_m) + rounds_more(tours, petals) * hub_m - whole_m, whole_m))
     return found
 
 
@@ -169,11 +181,24 @@ def driven(tours: Sequence[Tour]) -> list[Tour]:
         if tours[hub].robots > 1:
             found += in_step(tours, hub, all_petals)
             continue
-        ring = tours[hub].vertices_m
-        vertices_m = np.vstack([part for k in petals for part in (ring, tours[k].vertices_m)])
+        vertices_m = np.vstack(list(in_turn(tours[hub].vertices_m, [tours[k].vertices_m for k in petals])))
         slow_s = min(tours[k].period_s for k in petals)
         found.append(replace(tours[hub], vertices_m=without_repeats(vertices_m), period_s=slow_s, nest=-1))
     return found
+
+
+def in_turn(hub_m: Floats, petals_m: Sequence[Floats]) -> Iterator[Floats]:
+    """The parts of the tour of a robot alone: on along the hub to where a petal begins, once round, then the petal.
+
+    Between two visits to a place of the hub there is at most one petal and just one round of the hub, wherever the
+    petals begin, because they take their turns in the order of the hub.
+    """
+    at = [meeting(hub_m, petal_m) for petal_m in petals_m]
+    order = sorted(range(len(at)), key=lambda k: at[k])
+    for before, k in zip(order[-1:] + order[:-1], order, strict=True):
+        yield np.roll(hub_m, -at[before], axis=0)[: (at[k] - at[before]) % len(hub_m)]
+        yield np.roll(hub_m, -at[k], axis=0)
+        yield petals_m[k]
 
 
 def in_step(tours: Sequence[Tour], hub: int, petals: Sequence[int]) -> Iterator[Tour]:

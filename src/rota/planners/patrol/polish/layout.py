@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.mission import DiscSensor
 from rota.planners.patrol.annealing.search import in_range_m
-from rota.planners.patrol.annealing.tour import Tour, nests, whole_budget_m
+from rota.planners.patrol.annealing.tour import Tour, meeting, nests, rounds_more, whole_budget_m
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.polish.kernels import best_looks
 
@@ -22,9 +22,10 @@ Ints = NDArray[np.int64]
 class Layout:
     """The legs of all tours, without their places.
 
-    start, end (m,): vertices of each leg; tours of one nest share the vertex at which they meet. tour (m,): whose leg
-    it is. before, after, share (n,): vertices that cut a long leg lie on the way between two others, so far along it;
-    corners between themselves. counts (b, k): how often the length of each tour counts in each budget; budget_m (b,).
+    start, end (m,): vertices of each leg; a petal shares the vertex at which it begins with its hub. tour (m,): whose
+    leg it is. before, after, share (n,): vertices that cut a long leg lie on the way between two others, so far along
+    it; corners between themselves. counts (b, k): how often the length of each tour counts in each budget; budget_m
+    (b,).
     """
 
     tours: list[Tour]
@@ -65,12 +66,12 @@ def laid_out(tours: Sequence[Tour], longest_m: float) -> tuple[Layout, Floats]:
     start, end, owner, ends, shares = [], [], [], [], []
     n = 0
     for nest in nests(tours):
-        meeting = n
+        hub_m, first = cut_legs(tours[nest[0]].vertices_m, longest_m)[0], n
         for k in nest:
             ring, share = cut_legs(tours[k].vertices_m, longest_m)
             ids = np.arange(n, n + len(ring))
             if k != nest[0]:
-                ids = np.concatenate([[meeting], ids[:-1]])
+                ids = np.concatenate([[first + meeting(hub_m, ring)], ids[:-1]])
                 ring, share = ring[1:], share[1:]
             corners = np.flatnonzero(np.concatenate([[0.0], share] if k != nest[0] else [share]) == 0)
             which = np.searchsorted(corners, np.arange(len(ids)), side="right") - 1
@@ -119,13 +120,26 @@ def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
             whole += counts
             yield counts, tours[hub].budget_m
         if petals:
+            whole[hub] += rounds_more(tours, petals)
             yield whole, whole_budget_m(tours, hub, np.array([petals[0], petals[-1] + 1]))
 
 
-def looks(layout: Layout, places_m: Floats, samples: Samples, *, range_margin_m: float, further_m: float) -> Looks:
-    """Who sees which sample, the vertices at these places (n, 2); ``further_m``: how far beyond reach is looked."""
+def looks(
+    layout: Layout,
+    places_m: Floats,
+    samples: Samples,
+    *,
+    range_margin_m: float,
+    further_m: float,
+    behind_m: Floats | float = 0.0,
+) -> Looks:
+    """Who sees which sample, the vertices at these places (n, 2); ``further_m``: how far beyond reach is looked.
+
+    behind_m: by how much more range to spare a leg of each tour (k,) must see a sample than others do, to have it.
+    """
+    behind_m = np.broadcast_to(behind_m, len(layout.tours))
     robots = [tour.robot for tour in layout.tours]
-    reach_m = np.array([in_range_m(robot) for robot in robots]) - range_margin_m
+    reach_m = np.array([in_range_m(robot) for robot in robots]) - range_margin_m - behind_m
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
     serves = np.array([tour.serves for tour in layout.tours], dtype=np.int64)
     n = len(samples.x)
@@ -137,4 +151,5 @@ def looks(layout: Layout, places_m: Floats, samples: Samples, *, range_margin_m:
         np.empty(room, dtype=np.int32), leg, at, lack_m,
     ):  # fmt: skip
         room *= 2
+    lack_m -= np.where(leg >= 0, behind_m[layout.tour[leg]], 0.0)
     return Looks(leg=leg, at=at, lack_m=lack_m)

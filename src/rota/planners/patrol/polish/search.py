@@ -31,6 +31,8 @@ FURTHER = 0.1  # of the reach: samples that lack more are not pulled at
 FIRST_TRUST, MOST_TRUST, LEAST_TRUST = 0.04, 0.1, 1e-4  # of the reach: how far vertices move in a step
 GAIN = 1e-3  # steps that promise less, as a share of what everything costs, are not worth their time
 SHORTER_M = 0.003  # nor are those that only make tours shorter, and by less
+HANDED = 0.02  # of the reach: range that others lack at most for what is handed over to them
+SPARE = 0.003  # of a budget: a tour that leaves less has nothing to spare
 SURE = 1e-7  # costs below this are rounding
 
 
@@ -65,6 +67,7 @@ class Polish:
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
         self._layout, self._places_m = laid_out(tours, LONGEST_LEG * self._reach_m)
+        self._behind_m = np.zeros(len(tours))
         self._looks = self._look(self._places_m)
         self._cost = self._cost_of(self._places_m, self._looks)
         self._trust_m = FIRST_TRUST * self._reach_m
@@ -84,6 +87,25 @@ class Polish:
         for _ in range(steps):
             if should_stop() or not self.step():
                 return
+
+    def hand_over(self, steps: int, *, should_stop: Callable[[], bool]) -> None:
+        """Leave to others what tours with nothing to spare see and those nearly do, then go on as ``run`` does.
+
+        Nothing changes when that is no gain.
+        """
+        layout, kept = self._layout, (self._places_m, self._looks, self._cost)
+        left_m = layout.budget_m * (1 - self._reserve) - layout.counts @ layout.lengths_m(self._places_m)
+        tight = (layout.counts[left_m < SPARE * layout.budget_m] > 0).any(axis=0)
+        if tight.all() or not tight.any():
+            return
+        for behind_m in (HANDED * self._reach_m, 0.0):
+            self._behind_m = np.where(tight, behind_m, 0.0)
+            self._looks = self._look(self._places_m)
+            self._cost = self._cost_of(self._places_m, self._looks)
+            self._trust_m = FIRST_TRUST * self._reach_m
+            self.run(steps, should_stop=should_stop)
+        if self._cost >= kept[2]:
+            self._places_m, self._looks, self._cost = kept
 
     def step(self) -> bool:
         """Take one step, if it is one ahead; False when no further step is worth its time."""
@@ -113,7 +135,7 @@ class Polish:
     def _look(self, places_m: Floats) -> Looks:
         return looks(
             self._layout, places_m, self._samples,
-            range_margin_m=self._problem.range_margin_m, further_m=FURTHER * self._reach_m,
+            range_margin_m=self._problem.range_margin_m, further_m=FURTHER * self._reach_m, behind_m=self._behind_m,
         )  # fmt: skip
 
     @property
