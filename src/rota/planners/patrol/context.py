@@ -115,20 +115,35 @@ class Work:
     """Bounds of the work.
 
     moves: of one annealing, for tours of a few hundred corners; most_moves: for any. screened: splits of the ground for
-    one number of robots, the roomiest, that are annealed a little. tries: those of them that are annealed in full, each
-    up to ``coolings`` times, cooler and cooler. repairs: rounds of mending. groupings: of the period classes.
-    least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is not tried.
-    stretches: of the periods, tried for the best that a fixed number of robots can do, until one that failed and one
-    that passed differ by no more than the factor ``nearness``. begins_anew: whether from new tours too, after some
-    have passed.
+    one number of robots, the roomiest, that are annealed a little, with ``screening_moves``. whole: the best of these,
+    from each of which ``seeds`` annealings are made in full. cooled: those of them that see most, which are annealed up
+    to ``coolings`` times more, with ``cooling_moves``, cooler and cooler. later_heat, later_dear: of the reach, twice
+    the heat of the first of these that begins from mended tours, and how many times more than usual it is worth then to
+    see anything. tries: numbers of robots tried one by one. repairs: rounds of mending; mends_over: the share of a
+    budget by which tours may be over it meanwhile; tight_margin, tight_bend: where budgets are tight, the share of the
+    range margin that is kept, and how much farther than to what is missed tours are bent, of the reach. groupings: of
+    the period classes. least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is
+    not tried. stretches: of the periods, tried for the best that a fixed number of robots can do, until one that failed
+    and one that passed differ by no more than the factor ``nearness``. begins_anew: whether from new tours too, after
+    some have passed.
     """
 
     moves: int
     most_moves: int
     screened: int
+    screening_moves: int
+    whole: int
+    seeds: int
+    cooled: int
     tries: int
     coolings: int
+    cooling_moves: int
+    later_heat: float
+    later_dear: float
     repairs: int
+    mends_over: float
+    tight_margin: float
+    tight_bend: float
     groupings: int
     least_squeeze: float
     stretches: int
@@ -141,9 +156,19 @@ WORK: dict[Effort, Work] = {
         moves=300_000,
         most_moves=2_000_000,
         screened=6,
+        screening_moves=50_000,
+        whole=2,
+        seeds=1,
+        cooled=2,
         tries=2,
         coolings=4,
+        cooling_moves=150_000,
+        later_heat=1 / 8,
+        later_dear=6.0,
         repairs=12,
+        mends_over=0.0,
+        tight_margin=1.0,
+        tight_bend=0.005,
         groupings=4,
         least_squeeze=1.15,
         stretches=4,
@@ -154,9 +179,19 @@ WORK: dict[Effort, Work] = {
         moves=1_200_000,
         most_moves=10_000_000,
         screened=8,
+        screening_moves=50_000,
+        whole=2,
+        seeds=1,
+        cooled=2,
         tries=2,
         coolings=4,
+        cooling_moves=600_000,
+        later_heat=1 / 8,
+        later_dear=6.0,
         repairs=20,
+        mends_over=0.0,
+        tight_margin=1.0,
+        tight_bend=0.005,
         groupings=8,
         least_squeeze=1.1,
         stretches=6,
@@ -164,12 +199,22 @@ WORK: dict[Effort, Work] = {
         begins_anew=True,
     ),
     "high": Work(
-        moves=10_000_000,
+        moves=2_400_000,
         most_moves=100_000_000,
         screened=16,
+        screening_moves=100_000,
+        whole=4,
+        seeds=4,
+        cooled=6,
         tries=8,
-        coolings=12,
+        coolings=6,
+        cooling_moves=1_200_000,
+        later_heat=1 / 16,
+        later_dear=20.0,
         repairs=30,
+        mends_over=0.001,
+        tight_margin=0.1,
+        tight_bend=0.002,
         groupings=16,
         least_squeeze=1.05,
         stretches=9,

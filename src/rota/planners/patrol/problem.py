@@ -316,3 +316,19 @@ def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, ask
         f"{lost} of what is asked) cannot be seen from anywhere a robot can stand,"
         f" for instance round {places}; {allowed}"
     )
+
+
+def stretched(problem: Problem, stretch: float) -> Problem:
+    """The same problem with all periods multiplied by ``stretch`` (its lower bound is still that of the periods)."""
+    mission = problem.mission
+    zones = tuple(
+        zone if zone.period_s is None else replace(zone, period_s=stretch * zone.period_s) for zone in mission.zones
+    )
+    outside_s = None if mission.period_s is None else stretch * mission.period_s
+    return replace(
+        problem,
+        mission=replace(mission, zones=zones, period_s=outside_s),
+        periods_s=tuple(stretch * period_s for period_s in problem.periods_s),
+        regions=tuple(replace(region, period_s=stretch * region.period_s) for region in problem.regions),
+        ideal_robots=problem.ideal_robots / stretch,
+    )

@@ -9,22 +9,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.annealing.tour import Tour, driven, over_budget_share, room_m, tour_length_m
+from rota.planners.patrol.annealing.tour import Tour, driven, over_budget_share, tour_length_m
 from rota.planners.patrol.bodies.reroutes import rerouted
 from rota.planners.patrol.bodies.timing import timed_rounds
 from rota.planners.patrol.context import Context, Verdict
+from rota.planners.patrol.detours import ON_ROUTE_M, led_past, nearby_place, visit_places
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.polish.search import Polish, can_polish
-from rota.planners.patrol.problem import Problem
+from rota.planners.patrol.problem import Problem, stretched
 from rota.planners.patrol.rims import along_the_rim, with_reach_for
 from rota.planners.patrol.samples import SamplePoints, joined, points_of, prepare, thinned
 from rota.planners.patrol.start.nearest_places import nearest_places
 from rota.planners.patrol.start.standing import over_prices
-from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, what_places_see
 from rota.planners.patrol.timetable import as_trajectories
 
 Floats = NDArray[np.float64]
@@ -36,13 +35,11 @@ DEAR = 20.0  # times what a sample is worth, while tours are tightened
 TIGHTER = 0.01  # share of the budgets to which they are tightened below them
 MOST_NEW_POINTS = 1_500
 MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
-BEND, ROOMY_BEND = 0.005, 0.02  # of the reach: how much farther than to what is missed tours are bent
+ROOMY_BEND = 0.02  # of the reach: how much farther than to what is missed tours are bent
 CREEP, TIGHT_CREEP = 0.25, 0.03  # of the range margin: how much farther in every round
 TIGHT = 0.02  # share of the budgets: tours that leave less of theirs are tight
 POLISHING = 25  # steps of linear programs in one round
 ROUNDING = 1e-6  # share of the budgets that sums of many legs may be off
-ON_ROUTE_M = 1e-7  # a place so near a route is on it
-MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
 MOST_REROUTES = 3  # for the sake of bodies
 MOST_VISITS = 12  # places that are gone to in one round for the sake of stubborn points
 
@@ -141,15 +138,20 @@ def settle(
         elif not polishes and over_budget_share(tours) > 0:
             tours = tightened(context, tours, samples, seed=context.seed + turn)
         plan = plan_of(problem, tours, context.seed)
-        verdict = context.judge(plan)
+        over = over_budget_share(tours)
+        mends = polishes and over <= context.work.mends_over
+        # who is late by a little sees everything late: what is missed shows when there is so much more time
+        shown = plan_of(stretched(problem, 1 + 2 * over), tours, context.seed) if mends and over > 0 else plan
+        verdict = context.judge(shown)
         turn += 1
-        found = new_points(problem, tours, verdict, turn, shorter_m=shorter_m(problem, tours, turn, bends=polishes))
+        shorter = shorter_m(context, tours, turn, bends=polishes)
+        found = new_points(problem, tours, verdict, turn, shorter_m=shorter)
         settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
         stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
         complaints = len(verdict.unmet_points_m)
         if settled.met or turn == rounds or stuck == MOST_STUCK or context.should_stop():
             return settled
-        if not may_add and not settled.fits:
+        if not may_add and over > 0 and not mends:
             return settled
         if not len(found):
             # all is seen, but bodies touch
@@ -169,15 +171,25 @@ def settle(
 
 def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
-    problem = context.problem
+    problem = as_near_as_tight(context, tours)
     search = Polish(problem, tours, samples, reserve=ROUNDING)
     search.run(POLISHING, should_stop=context.should_stop)
+    if context.work.mends_over > 0 and over_budget_share(search.tours) > 0:
+        search.hand_over(POLISHING, should_stop=context.should_stop)
     if not search.some_far:
         return search.tours
     longer = see_the_rest(context, search.tours, points, samples, seed=seed)
     search = Polish(problem, longer, samples, reserve=ROUNDING)
     search.run(POLISHING, should_stop=context.should_stop)
     return search.tours
+
+
+def as_near_as_tight(context: Context, tours: Sequence[Tour]) -> Problem:
+    """The problem, with a smaller range margin where budgets are tight: what is missed then takes rounds of mending."""
+    problem = context.problem
+    if over_budget_share(tours, TIGHT) == 0:
+        return problem
+    return replace(problem, range_margin_m=context.work.tight_margin * problem.range_margin_m)
 
 
 def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bool) -> list[Tour] | None:
@@ -187,34 +199,22 @@ def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bo
     return rerouted(driven(tours), problem.robot.body_radius_m, problem.space, problem.paths, may_add=may_add)
 
 
-def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:
-    """A place from where the point is seen well: in the middle of its view, of a view cut shorter every turn."""
-    margin_m = problem.reach_m * (1 - 0.6**turn) + problem.range_margin_m
-    place = place_that_sees(point_m, visit_m, problem.space, problem.walls, problem.robot, margin_m)
-    return border_place(problem, point_m) if place is None and visit_m == 0 else place
-
-
-def border_place(problem: Problem, point_m: Floats) -> Floats | None:
-    """The place that sees the point from least far, on the border of where robots can stand; None out of reach."""
-    nearest_m, ranges_m = nearest_places(point_m, problem.space, problem.walls, problem.robot)
-    return nearest_m[0] if ranges_m[0] <= problem.reach_m else None
-
-
 def with_robots(tour: Tour) -> Tour:
     """The tour with as many robots as its length needs, and no fewer than it has."""
     needed = math.ceil(tour_length_m(tour) / replace(tour, robots=1).budget_m)
     return replace(tour, robots=max(tour.robots, needed))
 
 
-def shorter_m(problem: Problem, tours: Sequence[Tour], turn: int, *, bends: bool) -> float:
+def shorter_m(context: Context, tours: Sequence[Tour], turn: int, *, bends: bool) -> float:
     """By how much less than they reach sensors are taken to reach for what was missed, the more in every round.
 
     bends: by linear programs, which go no further than they are asked to; one bend should close all of a sliver, not
     just the part of it round the point that was found. Tight tours are asked for little, since every metre counts, and
     for hardly more in later rounds.
     """
+    problem = context.problem
     if bends and over_budget_share(tours, TIGHT) > 0:
-        return BEND * problem.reach_m + TIGHT_CREEP * turn * problem.range_margin_m
+        return context.work.tight_bend * problem.reach_m + TIGHT_CREEP * turn * problem.range_margin_m
     return (ROOMY_BEND * problem.reach_m if bends else 0.0) + CREEP * turn * problem.range_margin_m
 
 
@@ -289,7 +289,7 @@ def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: in
         reserve=TIGHTER,
     )
     heat_m = problem.reach_m / 1000
-    search.run(context.work.moves // 4, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
+    search.run(context.work.cooling_moves // 2, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
     return search.tours
 
 
@@ -311,92 +311,3 @@ def see_the_rest(
         tours = longer
         search = mending(problem, tours, samples, seed)
     return tours
-
-
-def visit_places(
-    problem: Problem, tours: list[Tour], points: SamplePoints, samples: Samples, unseen: Ints
-) -> list[Tour] | None:
-    """Tours led along shortest paths past places that see the unseen samples; None when nobody can see any of them."""
-    wanted = np.zeros(len(points), dtype=bool)
-    wanted[unseen] = True
-    places_m = near_places(problem, points.xy_m[unseen])
-    start, items = what_places_see(places_m, problem.robot, problem.range_margin_m, samples)
-    chosen, hidden = choose_viewpoints(start, items, wanted, points.area_m2)
-    stops = [(places_m[i], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen]
-    for i in np.flatnonzero(hidden):
-        place = last_place(problem, points, int(i))
-        if place is not None:
-            stops.append((place, int(points.period[i])))
-    if not stops:
-        return None
-    for place_m, period in stops:
-        tours = led_past(problem, tours, place_m, int(period))
-    return tours
-
-
-def last_place(problem: Problem, points: SamplePoints, i: int) -> Floats | None:
-    """A place for a sample that no candidate sees: with room all round if there is any, or at the border."""
-    space, walls, robot = problem.space, problem.walls, problem.robot
-    place = None
-    if points.shrink_m[i] >= 0:
-        place = place_that_sees(points.xy_m[i], points.visit_m[i], space, walls, robot, problem.range_margin_m)
-    return border_place(problem, points.xy_m[i]) if place is None and points.visit_m[i] == 0 else place
-
-
-def near_places(problem: Problem, xy_m: Floats) -> Floats:
-    """The candidate places within reach of any of the points (n, 2)."""
-    tree = cKDTree(problem.places_m)
-    near = tree.query_ball_point(xy_m, problem.robot.sensor.reach_m)
-    return problem.places_m[sorted({int(i) for row in near for i in row})].reshape(-1, 2)
-
-
-def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple[int, float]:
-    """The leg of a closed tour (n, 2) from which the way past the place is shortest, the first of several; its metres.
-
-    inf where no way leads there. Legs are looked at by their straight detours, for no way is shorter than straight.
-    """
-    ends_m = np.roll(vertices_m, -1, axis=0)
-    legs_m = np.hypot(*(ends_m - vertices_m).T)
-    away_m = np.hypot(*(vertices_m - place_m).T)
-    straight_m = away_m + np.roll(away_m, -1) - legs_m
-    order = np.argsort(straight_m, kind="stable")
-    best = (math.inf, 0)
-    for first in range(0, len(order), MOST_DETOURS):
-        some = order[first : first + MOST_DETOURS]
-        if straight_m[some[0]] > best[0] + ON_ROUTE_M:
-            break
-        ways_m = problem.paths.distances(np.vstack([vertices_m[some], ends_m[some]]), place_m[None])[:, 0]
-        detours_m = ways_m[: len(some)] + ways_m[len(some) :] - legs_m[some]
-        best = min(best, *zip(detours_m.tolist(), some.tolist(), strict=True))
-    return best[1], best[0]
-
-
-def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
-    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there.
-
-    A robot of its own is posted there also where the detour would take more than one robot travels in a period.
-    """
-    part = int(problem.paths.part_of(place_m[None])[0])
-    best: tuple[float, int, int] | None = None
-    for k, tour in enumerate(tours):
-        if tour.serves > period or tour.part != part:
-            continue
-        i, detour_m = least_detour(problem, tour.vertices_m, place_m)
-        room = room_m(tours, k)
-        if min(detour_m, detour_m - room) > replace(tour, robots=1).budget_m:
-            continue
-        cost = detour_m + 3 * max(0.0, detour_m - room)
-        if math.isfinite(cost) and (best is None or cost < best[0]):
-            best = (cost, k, i)
-    if best is None:
-        alone = Tour(
-            vertices_m=place_m[None], serves=period, period_s=problem.periods_s[period], robots=1,
-            robot=problem.robot, part=part,
-        )  # fmt: skip
-        return [*tours, alone]
-    _, k, i = best
-    vertices = tours[k].vertices_m
-    after = vertices[(i + 1) % len(vertices)]
-    way = problem.paths.paths_along(np.vstack([vertices[i], place_m, after]))[1:-1]
-    longer = np.vstack([vertices[: i + 1], way, vertices[i + 1 :]])
-    return [*tours[:k], replace(tours[k], vertices_m=longer), *tours[k + 1 :]]

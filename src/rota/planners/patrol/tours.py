@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,57 +16,31 @@ from rota.errors import NoPlanFound
 from rota.mission import Effort, Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.annealing.tour import Tour, over_budget_share
+from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.classic.methods import METHODS
 from rota.planners.patrol.classic.search import fewest_robots_of
 from rota.planners.patrol.context import Context, Judge
+from rota.planners.patrol.cooling import annealed_all, cool_and_settle, shaped
 from rota.planners.patrol.districts.search import fewest_on_large, is_large
 from rota.planners.patrol.fixed_fleet import counted, worst_reached
-from rota.planners.patrol.polish.search import Polish, can_polish
 from rota.planners.patrol.problem import Problem, bounded_as_asked, set_up_problem
 from rota.planners.patrol.proved_bound import ProvedBound
-from rota.planners.patrol.repair import TIGHT, Settled, no_points, prepared_with, settle
-from rota.planners.patrol.samples import SamplePoints
+from rota.planners.patrol.repair import Settled, no_points, settle
 from rota.planners.patrol.splits import Split, Start, robots_each, splits, squeeze, starts, winding
-from rota.planners.patrol.start.standing import over_prices
 from rota.planners.patrol.sun2019.search import fewest_robots_by_stages
-from rota.planners.patrol.watching import searched
 from rota.search_state import Watch
 
 Floats = NDArray[np.float64]
 
 EFFORTS: tuple[Effort, ...] = ("quick", "normal", "high")
-# of a metre of the slowest tour, of any metre at most, of a metre over budget; unseen ground costs UNSEEN_WEIGHT
-PRICE, MOST_PRICE, OVER_PRICE = 0.3, 0.8, 4.0
-RESERVE = 0.03  # share of the budgets left for the mending while most of the tour's shape is found
-UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
-HALFWAY = 0.033  # share of the ground unseen after half of the moves, of which the others bring down half at best
 HOPELESS = 0.045  # share of the ground unseen after a quarter of the moves: all of them bring down a fifth of it
 NEST_HOPELESS = 0.09  # the same for loops within loops, of which they bring down four fifths
 COMFORT = 1.3  # budgets of the robots tried first, as a multiple of the ideal lengths
-COOLEST = 1 / 32  # of the reach: heat of the last annealings
 OPEN = 1.5  # first tours on open ground are at most so many times longer than ideal
-COOL, DEAR, LAST_RESERVE = 1 / 8, 6.0, 0.0075  # of annealings that begin from mended tours
-GAINING = 0.8  # of what tours are over budget after the last mending: more, and they will not come within it
-CLOSE = 0.006  # share of the budgets that another annealing gains or not, as luck has it
-SHORTENING = 40  # steps of linear programs before the first mending
-SCREENING = 50_000  # moves that all splits get before the best of them get all
-COARSE = 0.167  # of the reach: spacing of samples while most of the tours' shape is found, where they are dense
+MOST_DEAR = 6.0  # times more than there that it is worth to see anything where the ways wind
+WORTH_SEEDS = 1.5  # what others than the most promising split may lack then, as a multiple, to be begun with many seeds
+DEARER = (1.0, 2.0)  # times what it is worth to see anything, in turn
 NEST_GAIN = 0.8  # what loops within loops lack then, over what others lack that come as far in the end
-
-
-class Stage(NamedTuple):
-    """Of an annealing: its heat, of the reach; how many times more than usual it is worth to see anything; the reserve.
-
-    The heat is that of its beginning.
-    """
-
-    heat: float
-    dear: float
-    reserve: float
-
-
-LAST_STAGES = (Stage(1 / 4, 3.0, 0.01), Stage(1 / 16, 12.0, 0.005))  # before the first mending
 
 
 def plan_patrol(
@@ -182,7 +156,7 @@ def with_fewer(context: Context, best: Settled | None) -> Settled:
 
 def worth_of_seeing(ways: list[Start]) -> float:
     """How many times more than on open ground it is worth to see anything: the more, the more the ways wind."""
-    return min(DEAR, max(1.0, winding(ways) / OPEN))
+    return min(MOST_DEAR, max(1.0, winding(ways) / OPEN))
 
 
 def comfortably(context: Context, ways: list[Start], robots: int, best: Settled | None) -> Settled:
@@ -231,17 +205,19 @@ def with_so_many(context: Context, ways: list[Start], robots: int, *, least_sque
     All splits are annealed a little; then the most promising ones in full, as many at a time as there are cores. Of
     those that pass, the most promising one is taken, whichever was ready first.
     """
-    begun = promising(context, splits(context.problem, ways, robots, least_squeeze), seed=context.seed + 1000 * robots)
-    passed = [False] * context.work.tries
+    seed = context.seed + 1000 * robots
+    begun = promising(context, splits(context.problem, ways, robots, least_squeeze), seed=seed)
+    searches = in_full(context, begun, seed=seed)
+    passed = [False] * len(searches)
 
     def settled(turn: int) -> Settled | None:
         here = replace(context, should_stop=lambda: context.should_stop() or any(passed[:turn]))
-        found = anneal_and_settle(here, begun[turn], seed=context.seed + 1000 * robots + 100 * turn)
+        found = cool_and_settle(here, searches[turn], seed=seed + 100 * turn)
         passed[turn] = found is not None
         return found
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for found in pool.map(settled, range(min(len(begun), context.work.tries))):
+        for found in pool.map(settled, range(len(searches))):
             if found is not None:
                 return found
     return None
@@ -259,126 +235,36 @@ def promising(context: Context, begun: list[Split], *, seed: int) -> list[list[T
         *[split for split in begun if not split.nests][:some],
         *[split for split in begun if split.nests][:some],
     ]
-    searches = annealed_all(context, [split.tours for split in begun], moves=SCREENING, seed=seed)
+    work = context.work
+    tours = [split.tours for split in begun]
+    searches = annealed_all(context, tours, moves=work.screening_moves, seed=seed, coarse=work.seeds > 1)
     ranked = []
     for split, search in zip(begun, searches, strict=True):
         if search.unseen_share <= (NEST_HOPELESS if split.nests else HOPELESS):
             ranked.append(((NEST_GAIN if split.nests else 1.0) * search.shortfall_m, search.tours))
-    return [tours for _, tours in sorted(ranked, key=lambda one: one[0])]
+    ranked.sort(key=lambda one: one[0])
+    most = math.inf if work.seeds == 1 else WORTH_SEEDS * min((short for short, _ in ranked), default=0.0)
+    return [tours for short, tours in ranked if short <= most]
 
 
-def annealed_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: int) -> list[Annealing]:
-    """Each of the splits after annealing, in their order, whatever the number of threads."""
-    heat_m = context.problem.reach_m / 2
+def in_full(context: Context, begun: list[list[Tour]], *, seed: int) -> list[Annealing]:
+    """The searches from these tours, the most promising first, that come nearest to what is asked, in their order.
+
+    Several seeds begin from one, and every second makes it dearer to leave anything unseen: now this, now that finds
+    the better shape. Neither kind is preferred.
+    """
+    work = context.work
+    few = min(len(begun), work.whole)
+    turns = range(few if work.seeds == 1 else work.whole * work.seeds)
+    kind = [0 if few == 0 else turn // few % 2 for turn in turns]
+
+    def search(turn: int) -> Annealing:
+        here = replace(context, dear=DEARER[kind[turn]] * context.dear)
+        return shaped(here, begun[turn % few], seed=seed + 100 * turn)
+
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        jobs = [
-            pool.submit(annealed, context, tours, no_points(), heat_m=heat_m, moves=moves, seed=seed + i)
-            for i, tours in enumerate(begun)
-        ]
-        return [job.result() for job in jobs]
-
-
-def anneal_and_settle(context: Context, tours: list[Tour], *, seed: int) -> Settled | None:
-    """Anneal, then mend; while that fails narrowly, anneal again from there, cooler, knowing what the judge missed.
-
-    The settled plan if the judge passed it within the budgets. What is unseen becomes dearer and the reserve smaller as
-    it cools: mending takes many times the metres that a little more annealing does.
-    """
-    extra = no_points()
-    problem, work = context.problem, context.work
-    reach_m = problem.reach_m
-    search = annealed(
-        context, tours, extra, heat_m=reach_m / 2, moves=work.moves, seed=seed, halfway=HALFWAY, coarse=True
-    )
-    least_over = math.inf
-    stages = [*LAST_STAGES, *(Stage(COOL / 2**turn, DEAR, LAST_RESERVE / 2**turn) for turn in range(1, work.coolings))]
-    for turn, stage in enumerate(stages):
-        if search.unseen_share > UNSEEN or search.over_budget_share > OVER:
-            break
-        search = annealed(
-            context, search.tours, extra,
-            heat_m=max(stage.heat, COOLEST) * reach_m, moves=work.moves // 2, seed=seed + 1 + turn, stage=stage,
-        )  # fmt: skip
-        if turn + 1 < len(LAST_STAGES):
-            continue
-        tours = shortened(context, search.tours, extra)
-        found = settle(context, tours, extra, may_add=False, rounds=work.repairs, annealed=True)
-        if found.met and found.fits:
-            return found
-        if context.should_stop() or over_budget_share(found.tours) > OVER:
-            break
-        if found.fits and not len(found.verdict.unmet_points_m):
-            break  # everything is seen in time, but bodies meet: they would on any tour much like this
-        over = over_budget_share(found.tours)
-        if over > max(GAINING * least_over, CLOSE):
-            break
-        least_over, extra = over, found.extra
-    return None
-
-
-def shortened(context: Context, tours: list[Tour], extra: SamplePoints) -> list[Tour]:
-    """The tours as short as they can be bent while they see as much, so that mending has most to spend."""
-    problem = context.problem
-    if not can_polish(problem) or over_budget_share(tours, TIGHT) == 0:
-        return tours
-    _, samples = prepared_with(problem, extra)
-    search = Polish(problem, tours, samples, length_price=PRICE)
-    search.run(SHORTENING, should_stop=context.should_stop)
-    return search.tours
-
-
-def annealed(
-    context: Context,
-    tours: list[Tour],
-    extra: SamplePoints,
-    *,
-    heat_m: float,
-    moves: int,
-    seed: int,
-    stage: Stage | None = None,
-    halfway: float = math.inf,
-    coarse: bool = False,
-) -> Annealing:
-    """The search after annealing: everything seen if it can be, within the budgets if it can be, then short.
-
-    stage: how many times more than usual it is worth to see anything, for corners are not worth their detours
-    otherwise, and the reserve (None: as the context says, and ``RESERVE``). halfway: the share of the ground that may
-    be unseen after half of the moves; with more the others are not made. coarse: with a quarter of the samples, where
-    they are dense, and twice the moves, which then take the same time.
-    """
-    dear = context.dear if stage is None else max(context.dear, stage.dear)
-    problem = context.problem
-    coarse = coarse and can_be_thinned(problem)
-    points, samples = prepared_with(problem, extra, coarse=coarse)
-    search = Annealing(
-        tours,
-        samples._replace(weight=dear * samples.weight),
-        problem.space_grid,
-        price=prices(tours),
-        over_price=over_prices(tours, OVER_PRICE),
-        seed=seed,
-        range_margin_m=problem.range_margin_m,
-        reserve=RESERVE if stage is None else stage.reserve,
-    )
-    corners = sum(len(tour.vertices_m) for tour in tours)
-    moves = min(context.work.most_moves, int((2 if coarse else 1) * moves * max(1.0, corners / 300)))
-    cold_m = problem.reach_m / 200
-    tell = searched(context, search, points)
-
-    def stop() -> bool:
-        hopeless = search.moves_made >= moves / 2 and search.unseen_share > halfway
-        return hopeless or context.should_stop()
-
-    search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=stop, done=tell)
-    return search
-
-
-def can_be_thinned(problem: Problem) -> bool:
-    """Whether the samples are so dense that a quarter of them shows well enough which way tours should run."""
-    return problem.spacing_m <= COARSE / 2 * problem.reach_m
-
-
-def prices(tours: list[Tour]) -> Floats:
-    """Price (k,) of a metre of each tour: the shorter its period, the more of a robot a metre takes."""
-    slowest_s = max(tour.period_s for tour in tours)
-    return np.array([min(MOST_PRICE, PRICE * slowest_s / tour.period_s) for tour in tours])
+        found = list(pool.map(search, turns if few else ()))
+    nearest = sorted(turns, key=lambda turn: found[turn].shortfall_m) if few else []
+    alike = [[turn for turn in nearest if kind[turn] == one] for one in range(len(DEARER))]
+    best = [turn for pair in itertools.zip_longest(*alike) for turn in pair if turn is not None]
+    return [found[turn] for turn in sorted(best[: work.cooled])]

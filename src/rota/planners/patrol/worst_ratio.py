@@ -19,6 +19,7 @@ from rota.mission import AREA, Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.tour import Tour, driven, tour_length_m
 from rota.planners.patrol.context import Context, Verdict
+from rota.planners.patrol.cooling import cool_and_settle, shaped
 from rota.planners.patrol.fixed_fleet import (
     busiest_helped,
     counted,
@@ -29,12 +30,12 @@ from rota.planners.patrol.fixed_fleet import (
     with_so_many as joined_or_helped,
 )
 from rota.planners.patrol.lower_bound import area_rate, strongest_robot, sweep_m2_s
-from rota.planners.patrol.problem import Problem
+from rota.planners.patrol.problem import Problem, stretched
 from rota.planners.patrol.rate_bound import swept_robots
 from rota.planners.patrol.repair import Settled, no_points, plan_of, settle
 from rota.planners.patrol.rims import surely_seeable_m2
 from rota.planners.patrol.splits import Start, robots_each, squeeze, starts
-from rota.planners.patrol.tours import COMFORT, anneal_and_settle, fewest_by_method, with_so_many, worth_of_seeing
+from rota.planners.patrol.tours import COMFORT, fewest_by_method, with_so_many, worth_of_seeing
 
 GROWTH = 1.25  # of the stretch after failing
 TOWARDS_MET = 0.65  # of the way (of logarithms) from what failed to what passed: failing takes more work
@@ -134,22 +135,6 @@ def as_asked(context: Context, best: Reached) -> Plan:
     problem = context.problem
     plan = plan_of(stretched(problem, best.stretch), best.settled.tours, context.seed)
     return replace(plan, mission=problem.mission)
-
-
-def stretched(problem: Problem, stretch: float) -> Problem:
-    """The same problem with all periods multiplied by ``stretch`` (its lower bound is still that of the periods)."""
-    mission = problem.mission
-    zones = tuple(
-        zone if zone.period_s is None else replace(zone, period_s=stretch * zone.period_s) for zone in mission.zones
-    )
-    outside_s = None if mission.period_s is None else stretch * mission.period_s
-    return replace(
-        problem,
-        mission=replace(mission, zones=zones, period_s=outside_s),
-        periods_s=tuple(stretch * period_s for period_s in problem.periods_s),
-        regions=tuple(replace(region, period_s=stretch * region.period_s) for region in problem.regions),
-        ideal_robots=problem.ideal_robots / stretch,
-    )
 
 
 def worst_ratio(verdict: Verdict) -> float:
@@ -280,7 +265,8 @@ def tried(
         return reached(found, stretch) if found is not None else None
     if best is not None:
         tours = [replace(tour, period_s=problem.periods_s[tour.serves]) for tour in best.settled.tours]
-        found = anneal_and_settle(here, tours, seed=context.seed + 1000 * robots)
+        seed = context.seed + 1000 * robots
+        found = cool_and_settle(here, shaped(here, tours, seed=seed), seed=seed)
         if found is not None and len(found.plan.trajectories) == robots:
             return reached(found, stretch)
         if not (context.work.begins_anew or stretch == 1.0):
