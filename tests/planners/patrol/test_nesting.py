@@ -28,7 +28,7 @@ from rota.planners.patrol.annealing.tour import (
 from rota.planners.patrol.nesting import excursions, nested, petals_of, scattered_petals, spare_m
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, plan_of, prepared_with
-from rota.planners.patrol.splits import nest_bases, starts
+from rota.planners.patrol.splits import nest_bases, nests_on, starts
 from rota.planners.patrol.timetable import paced_timetable
 
 
@@ -281,6 +281,17 @@ def test_quick_ground_with_two_robots_gives_one_hub_or_two(problem: Problem) -> 
     assert third.ideal_m[2] == way.ideal_m[1]
     # with two robots nothing would be left for the rest
     assert len(nest_bases(problem, way, [1, 1], 2)) == 1
+
+
+def test_quick_ground_that_takes_no_sweeping_may_have_a_nest_too(problem: Problem) -> None:
+    # a zone that is visited, say: no budget can be too tight for its lanes
+    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
+    one_each = [replace(t, robots=1) for t in way.tours]
+    visited = replace(way, tours=one_each, ideal_m=[0.0, way.ideal_m[1]])
+    [split] = nests_on(problem, [visited], 1.0)
+    found = nested(problem, visited.grounds, one_each, visited.ideal_m, 1.0)
+    assert found is not None
+    assert split.room == found[0]
 
 
 def test_no_nest_where_the_slow_ground_is_one_place(problem: Problem) -> None:

@@ -157,7 +157,7 @@ def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iter
         latest = max(tour.serves for tour in base.tours)
         hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < latest]
         if nest is not None and min(hubs, default=math.inf) >= least_squeeze:
-            yield Split(room=min(nest[0], *hubs), tours=nest[1], nests=True)
+            yield Split(room=min([nest[0], *hubs]), tours=nest[1], nests=True)
 
 
 @dataclass(frozen=True, kw_only=True)
