@@ -1,4 +1,4 @@
-"""The seven cases of Sun et al. 2019 on the reconstructed map: robots beside the paper's and the proved bound."""
+"""The cases of Sun et al. 2019 on the reconstructed map: robots beside the paper's and the proved bound."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ from ruamel.yaml import YAML
 from benchmarks.missions import EXAMPLES
 from benchmarks.planning import Planned, plan_and_check, told, worst_ratio
 from benchmarks.row import Options, Row
+from benchmarks.shell import PATIENCE_S
 from benchmarks.warm_cache import measured_warm
 
 ROBOTS_IN_ALL, ONE_CASE_S = 35, 60
+HIGH_PATIENCE_S = 3600.0
 
 
 class Case(NamedTuple):
@@ -41,6 +43,7 @@ CASES = (
     Case("Table 6, case 6", (12, 10, 10), 11, paper_late=4),
     Case("Section 5.1", (8, 20, 40), 5, at_most=4),
 )
+FIGURE_16 = Case("Section 5.3, Figure 16", (10, 12, 45), 7, at_most=5)
 
 
 def write_case(case: Case, folder: Path) -> Path:
@@ -57,29 +60,36 @@ def write_case(case: Case, folder: Path) -> Path:
 
 
 def sun_cases(options: Options) -> Iterator[Row]:
-    """Each case as a row, then all of them together."""
+    """Each case as a row, then the seven of Table 6 and Section 5.1 together, then the one of Figure 16."""
     found: list[Planned] = []
     for case in CASES:
-        mission = write_case(case, options.folder)
-        (planned,) = measured_warm(
-            lambda mission=mission: plan_and_check(mission, options.folder, effort=options.effort),
-            lambda run: run.wall_s,
-            repeats=1,
-        )
-        found.append(planned)
-        yield case_row(case, planned, options.effort)
+        found.append(planned_case(write_case(case, options.folder), options))
+        yield case_row(case, found[-1], options.effort)
     yield total_row(found, options.effort)
+    yield case_row(FIGURE_16, planned_case(EXAMPLES / "sun2019-fig16.yaml", options), options.effort)
+
+
+def planned_case(mission: Path, options: Options) -> Planned:
+    """A case planned and checked once, with a warm cache."""
+    patience_s = HIGH_PATIENCE_S if options.effort == "high" else PATIENCE_S
+    (planned,) = measured_warm(
+        lambda: plan_and_check(mission, options.folder, effort=options.effort, patience_s=patience_s),
+        lambda run: run.wall_s,
+        repeats=1,
+    )
+    return planned
 
 
 def case_row(case: Case, planned: Planned, effort: str) -> Row:
     """What came of one case."""
     periods = ", ".join(f"{period_s:g}" for period_s in case.periods_s)
     paper = f"the paper: {case.paper_robots}" + (f", {case.paper_late} of them late" if case.paper_late else "")
-    reached = planned.met and planned.report["robots"] <= case.asked_robots and planned.wall_s < ONE_CASE_S
+    in_time = effort == "high" or planned.wall_s < ONE_CASE_S  # at high no time is asked for
+    reached = planned.met and planned.report["robots"] <= case.asked_robots and in_time
     measured = told([planned])
     if planned.report is not None:
         measured += f"; worst gap / period {worst_ratio(planned.report):.3f}; CPU {planned.cpu_s:.0f} s"
-    asked = f"met, at most {case.asked_robots} robots ({paper}), < {ONE_CASE_S} s"
+    asked = f"met, at most {case.asked_robots} robots ({paper})" + ("" if effort == "high" else f", < {ONE_CASE_S} s")
     return Row(f"Sun 2019, {case.name} ({periods} s), {effort}", asked, measured, reached)
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from benchmarks.missions import EXAMPLES
 from benchmarks.row import Options, Row
-from benchmarks.sun_cases import CASES, Case, write_case
+from benchmarks.sun_cases import CASES, FIGURE_16, Case, write_case
 from rota.check import check_plan
 from rota.check.report import Report
 from rota.errors import NoPlanFound
@@ -26,7 +26,6 @@ from rota.planners.patrol.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
 
 OURS, REPAIRED = Sun2019(), Sun2019(routes="repaired")
-FIGURE_16 = Case("Section 5.3, Figure 16", (10, 12, 45), 7)
 PRINTED = {CASES[-1]: ("Tables 2, 3 and 4", AS_PRINTED), FIGURE_16: ("Tables 7, 3 and 4", AS_PRINTED_FIGURE_16)}
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from shapely import LineString, Polygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_way, unseen_near
 from rota.planners.patrol.annealing.move_kernels import range_m
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, split_legs, tour_length_m, turns_rad, without_repeats
@@ -29,11 +30,8 @@ from rota.planners.patrol.tour_kernels import (
     Tours,
     bucket_of,
     corner_m,
-    lost_at_least,
-    note_way,
     tour_length,
     uniform,
-    unseen_near,
 )
 
 Floats = NDArray[np.float64]

@@ -11,6 +11,13 @@ from typing import Any
 import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
+from rota.planners.patrol.annealing.estimate_kernels import (
+    gain_at_most,
+    lost_at_least,
+    note_chain,
+    note_way,
+    unseen_near,
+)
 from rota.planners.patrol.kernels import Samples, compiled, norm
 from rota.planners.patrol.tour_kernels import (
     FULL,
@@ -25,13 +32,10 @@ from rota.planners.patrol.tour_kernels import (
     keep,
     leave_bucket,
     length_cost,
-    lost_at_least,
     new_leg,
     new_vertex,
-    note_way,
     old_leg,
     undo,
-    unseen_near,
 )
 
 
@@ -75,30 +79,6 @@ def way_m(p: int, q: int, t: Tours) -> float:
     if t.turn_m[k] > 0:
         total += corner_at(t.before[q], q, t.after[q], t)
     return total
-
-
-@compiled
-def gain_at_most(p: int, q: int, new_x: Any, new_y: Any, added: int, t: Tours) -> float:
-    """What the way from vertex p past the new places to vertex q may gain: no more than is unseen near it.
-
-    Most hopeless moves end with this, before any geometry.
-    """
-    x0, x1 = min(t.x[p], t.x[q]), max(t.x[p], t.x[q])
-    y0, y1 = min(t.y[p], t.y[q]), max(t.y[p], t.y[q])
-    for i in range(added):
-        x0, x1 = min(x0, new_x[i]), max(x1, new_x[i])
-        y0, y1 = min(y0, new_y[i]), max(y1, new_y[i])
-    return float(unseen_near(x0, y0, x1, y1, t))
-
-
-@compiled
-def note_chain(number: int, p: int, q: int, new_x: Any, new_y: Any, added: int, t: Tours) -> None:
-    """Note the legs from vertex p past the new places to vertex q, the first with this number."""
-    x, y = t.x[p], t.y[p]
-    for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
-        note_way(number + i, x, y, cx, cy, t)
-        x, y = cx, cy
 
 
 @compiled
