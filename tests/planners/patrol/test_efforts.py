@@ -11,11 +11,13 @@ from shapely import MultiPolygon, box
 
 from rota.check import check_plan
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Obstacle, PatrolSettings
-from rota.planners.patrol import tours
+from rota.planners.patrol import cooling, tours
+from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.problem import set_up_problem
-from rota.planners.patrol.repair import Settled
+from rota.planners.patrol.repair import Settled, no_points, prepared_with
+from rota.planners.patrol.splits import Split
 
 YARD = Mission(
     name="yard", area=MultiPolygon([box(0, 0, 30, 20)]), obstacles=(Obstacle(shape=MultiPolygon([box(8, 5, 12, 9)])),),
@@ -65,6 +67,76 @@ def test_the_best_of_less_effort_is_kept_when_more_finds_no_better(monkeypatch: 
     assert tours.with_fewer(here, quick) is quick
 
 
+class Little(NamedTuple):
+    """What ``sifted`` reads of a search."""
+
+    shortfall_m: float
+
+
+@pytest.mark.parametrize(
+    ("begun", "most", "rounds"),
+    [
+        (8, 8, []),
+        (9, 8, [(9, 1)]),
+        (13, 2, [(13, 3), (7, 2), (4, 1)]),  # the better half goes on, to annealings twice as long
+        (0, 8, []),
+    ],
+)
+def test_of_many_nests_the_better_half_goes_on(
+    monkeypatch: pytest.MonkeyPatch, begun: int, most: int, rounds: list[tuple[int, int]]
+) -> None:
+    made: list[tuple[int, int]] = []
+    here = context(YARD.with_effort("high"))
+
+    def annealed_all(
+        _context: Context, given: list[list[Tour]], *, moves: int, seed: int, coarse: bool
+    ) -> list[Little]:
+        assert (seed, coarse) == (5, True)
+        made.append((len(given), moves))
+        return [Little(shortfall_m=(7 * one[0].serves) % 13) for one in given]
+
+    monkeypatch.setattr(tours, "annealed_all", annealed_all)
+    spot = Tour(vertices_m=np.zeros((1, 2)), serves=0, period_s=60, robots=1, robot=here.problem.robot)
+    splits = [Split(room=1.0, tours=[replace(spot, serves=k)], nests=True) for k in range(begun)]
+    kept = [split.tours[0].serves for split in tours.sifted(here, splits, most, seed=5)]
+    assert made == [(n, here.work.screening_moves >> turn) for n, turn in rounds]
+    best = sorted(range(begun), key=lambda k: 7 * k % 13)[:most]
+    assert kept == (best if rounds else list(range(begun)))
+
+
+@pytest.mark.parametrize(
+    ("effort", "overs", "made"),
+    [
+        ("high", [0.002, 0.001, 0.0], [5, 15, 25]),  # close, closer, within the budgets
+        ("high", [0.001, 0.003, 0.0], [5, 15]),  # with these tours it is luck no more
+        ("high", [0.001] * 9, [5, 15, 25, 35, 45, 55]),
+        ("normal", [0.001, 0.0], [5]),
+    ],
+)
+def test_tours_that_come_close_have_more_chances(
+    monkeypatch: pytest.MonkeyPatch, effort: Effort, overs: list[float], made: list[int]
+) -> None:
+    tried: list[int] = []
+    within = object()
+
+    def cooled(_context: Context, _search: Annealing, *, seed: int) -> tuple[object | None, float]:
+        tried.append(seed)
+        over = overs[len(tried) - 1]
+        return (within if over == 0 else None), over
+
+    monkeypatch.setattr(cooling, "cooled_and_settled", cooled)
+    here = context(YARD.with_effort(effort))
+    _, samples = prepared_with(here.problem, no_points())
+    spot = Tour(vertices_m=np.array([[3.0, 3.0]]), serves=0, period_s=60, robots=1, robot=here.problem.robot)
+    search = Annealing(
+        [spot], samples, here.problem.space_grid,
+        price=np.ones(1), over_price=np.ones(1), seed=0, range_margin_m=here.problem.range_margin_m,
+    )  # fmt: skip
+    found = cooling.cool_and_settle(here, search, seed=5)
+    assert tried == made
+    assert found is (within if overs[len(made) - 1] == 0 else None)
+
+
 class Shaped(NamedTuple):
     """What ``in_full`` reads of a search, and what it was asked for."""
 
@@ -80,9 +152,17 @@ class Shaped(NamedTuple):
         ("quick", 3, [(0, 5, 1), (1, 105, 1)]),  # one each of the two most promising, in their order
         ("quick", 1, [(0, 5, 1)]),
         ("quick", 0, []),
-        # of each kind the three that lack least
-        ("high", 4, [(0, 5, 1), (1, 105, 1), (3, 305, 1), (0, 405, 2), (2, 605, 2), (1, 505, 2)]),
-        ("high", 1, [(0, 5, 1), (0, 105, 2), (0, 405, 1), (0, 305, 2), (0, 605, 1), (0, 505, 2)]),
+        # of each kind the four that lack least
+        (
+            "high",
+            4,
+            [(0, 5, 1), (1, 105, 1), (3, 305, 1), (0, 405, 2), (2, 605, 2), (1, 505, 2), (0, 805, 1), (0, 1205, 2)],
+        ),
+        (
+            "high",
+            1,
+            [(0, 5, 1), (0, 105, 2), (0, 405, 1), (0, 305, 2), (0, 605, 1), (0, 505, 2), (0, 805, 1), (0, 905, 2)],
+        ),
     ],
 )
 def test_of_many_seeds_those_that_lack_least_go_on(

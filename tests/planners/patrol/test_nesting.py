@@ -25,7 +25,7 @@ from rota.planners.patrol.annealing.tour import (
     rounds_more,
     tour_length_m,
 )
-from rota.planners.patrol.nesting import excursions, nested, petals_of, scattered_petals, spare_m
+from rota.planners.patrol.nesting import HANDINGS, Handing, excursions, nested, petals_of, scattered_petals, spare_m
 from rota.planners.patrol.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import no_points, plan_of, prepared_with
 from rota.planners.patrol.splits import nest_bases, nests_on, starts
@@ -210,6 +210,16 @@ def test_metres_for_petals_from_different_vertices_by_hand(problem: Problem) -> 
     assert excursions(hub, 10.0, 60.0, scattered=False)[1:] == (spare_m(hub, 10.0, 60.0), False)
 
 
+def test_metres_of_excursions_as_generously_as_the_handing_says(problem: Problem) -> None:
+    hub, generous = nest(problem)[0], Handing(winding=0.5, travel=0.6)
+    # rounds of 0.5 x 20 m leave 30 m, of which excursions from one vertex spend three fifths on their ground
+    assert spare_m(hub, 20.0, 60.0, generous) == pytest.approx(0.6 * 3 * 30, rel=1e-4)
+    # four rounds of 10 m leave 80 of 120 m for three that begin elsewhere; they spend a fifth more or so
+    assert scattered_petals(hub, 20.0, 60.0, 0.5) == (3, pytest.approx(80, rel=1e-4))
+    spent = excursions(hub, 20.0, 60.0, scattered=True, handing=generous)
+    assert spent == (3, pytest.approx(0.6 * 0.95 / 0.8 * 80, rel=1e-4), True)
+
+
 @pytest.mark.parametrize("robots", [2, 3, 4])
 def test_robots_of_one_hub_begin_its_rounds_in_turn(problem: Problem, robots: int) -> None:
     hub, *petals, _ = nest(problem)
@@ -292,6 +302,21 @@ def test_quick_ground_that_takes_no_sweeping_may_have_a_nest_too(problem: Proble
     found = nested(problem, visited.grounds, one_each, visited.ideal_m, 1.0)
     assert found is not None
     assert split.room == found[0]
+
+
+def test_every_handing_gives_a_nest_of_its_own(problem: Problem) -> None:
+    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
+    # so much slow ground that no excursions sweep it all
+    base = replace(way, tours=[replace(t, robots=1) for t in way.tours], ideal_m=[way.ideal_m[0], 200.0])
+    [usual] = nests_on(problem, [base], 0.1)
+    found = list(nests_on(problem, [base], 0.1, handings=3, scattered=True))
+    assert len(found) == 6  # from one vertex, then from several
+    assert all(split.nests for split in found)
+    assert [tour.vertices_m.tolist() for tour in found[0].tours] == [t.vertices_m.tolist() for t in usual.tours]
+    # what a handing promises is what its excursions are handed, and the slow tour is left with the rest
+    spare = [spare_m(base.tours[0], base.ideal_m[0], 60.0, handing) for handing in HANDINGS[:3]]
+    left = [len(split.tours[-1].vertices_m) for split in found[:3]]
+    assert left[np.argmax(spare)] < left[np.argmin(spare)]
 
 
 def test_no_nest_where_the_slow_ground_is_one_place(problem: Problem) -> None:

@@ -114,10 +114,13 @@ Judge = Callable[[Plan], Verdict]
 class Work:
     """Bounds of the work.
 
-    moves: of one annealing, for tours of a few hundred corners; most_moves: for any. screened: splits of the ground for
-    one number of robots, the roomiest, that are annealed a little, with ``screening_moves``. whole: the best of these,
+    moves: of one annealing, for tours of a few hundred corners; most_moves: for any. handings: ways to hand ground to
+    loops within loops; scattered: whether their excursions may begin at different vertices. screened: splits of the
+    ground for one number of robots, the roomiest, that are annealed a little, with ``screening_moves``; of loops within
+    loops, those that do best of ``sifted`` with less. whole: the best of these,
     from each of which ``seeds`` annealings are made in full. cooled: those of them that see most, which are annealed up
-    to ``coolings`` times more, with ``cooling_moves``, cooler and cooler. later_heat, later_dear: of the reach, twice
+    to ``coolings`` times more, with ``cooling_moves``, cooler and cooler; those that come close have so many
+    ``chances``, with other seeds. later_heat, later_dear: of the reach, twice
     the heat of the first of these that begins from mended tours, and how many times more than usual it is worth then to
     see anything. tries: numbers of robots tried one by one. repairs: rounds of mending; mends_over: the share of a
     budget by which tours may be over it meanwhile; tight_margin, tight_bend: where budgets are tight, the share of the
@@ -130,6 +133,9 @@ class Work:
 
     moves: int
     most_moves: int
+    handings: int
+    scattered: bool
+    sifted: int
     screened: int
     screening_moves: int
     whole: int
@@ -138,6 +144,7 @@ class Work:
     tries: int
     coolings: int
     cooling_moves: int
+    chances: int
     later_heat: float
     later_dear: float
     repairs: int
@@ -155,6 +162,9 @@ WORK: dict[Effort, Work] = {
     "quick": Work(
         moves=300_000,
         most_moves=2_000_000,
+        handings=1,
+        scattered=False,
+        sifted=0,
         screened=6,
         screening_moves=50_000,
         whole=2,
@@ -163,6 +173,7 @@ WORK: dict[Effort, Work] = {
         tries=2,
         coolings=4,
         cooling_moves=150_000,
+        chances=1,
         later_heat=1 / 8,
         later_dear=6.0,
         repairs=12,
@@ -178,6 +189,9 @@ WORK: dict[Effort, Work] = {
     "normal": Work(
         moves=1_200_000,
         most_moves=10_000_000,
+        handings=1,
+        scattered=False,
+        sifted=0,
         screened=8,
         screening_moves=50_000,
         whole=2,
@@ -186,6 +200,7 @@ WORK: dict[Effort, Work] = {
         tries=2,
         coolings=4,
         cooling_moves=600_000,
+        chances=1,
         later_heat=1 / 8,
         later_dear=6.0,
         repairs=20,
@@ -199,16 +214,20 @@ WORK: dict[Effort, Work] = {
         begins_anew=True,
     ),
     "high": Work(
-        moves=2_400_000,
+        moves=800_000,
         most_moves=100_000_000,
+        handings=7,
+        scattered=True,
+        sifted=56,
         screened=16,
         screening_moves=100_000,
         whole=4,
-        seeds=4,
-        cooled=6,
+        seeds=6,
+        cooled=8,
         tries=8,
-        coolings=6,
+        coolings=8,
         cooling_moves=1_200_000,
+        chances=6,
         later_heat=1 / 16,
         later_dear=20.0,
         repairs=30,

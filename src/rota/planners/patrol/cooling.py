@@ -31,6 +31,8 @@ COOLEST = 1 / 32  # of the reach: heat of the last annealings
 LAST_RESERVE = 0.0075  # of annealings that begin from mended tours
 GAINING = 0.8  # of what tours are over budget after the last mending: more, and they will not come within it
 CLOSE = 0.006  # share of the budgets that another annealing gains or not, as luck has it
+LUCK = 0.002  # the same of all annealings from cold on: as much nearer may they come with other seeds
+SEEDS_APART = 10  # the annealings of one cooling take seeds of their own
 SHORTENING = 40  # steps of linear programs before the first mending
 COARSE = 0.167  # of the reach: spacing of samples while most of the tours' shape is found, where they are dense
 
@@ -69,15 +71,29 @@ def shaped(context: Context, tours: list[Tour], *, seed: int) -> Annealing:
 
 
 def cool_and_settle(context: Context, search: Annealing, *, seed: int) -> Settled | None:
+    """The settled plan, if the judge passed it within the budgets, after cooling from the same tours as often as pays.
+
+    Tours that come nearly within their budgets may do so with other seeds.
+    """
+    for turn in range(context.work.chances):
+        found, over = cooled_and_settled(context, search, seed=seed + SEEDS_APART * turn)
+        if found is not None or over > LUCK or context.should_stop():
+            return found
+    return None
+
+
+def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> tuple[Settled | None, float]:
     """Anneal cooler, then mend; while that fails narrowly, anneal again, cooler still, knowing what the judge missed.
 
-    The settled plan if the judge passed it within the budgets. What is unseen becomes dearer and the reserve smaller as
-    it cools: mending takes many times the metres that a little more annealing does.
+    The settled plan if the judge passed it within the budgets, and the least share by which the tours were over them
+    after mending. What is unseen becomes dearer and the reserve smaller as it cools: mending takes many times the
+    metres that a little more annealing does.
     """
     extra = no_points()
     problem, work = context.problem, context.work
     reach_m = problem.reach_m
     least_over = math.inf
+    near = CLOSE if work.chances == 1 else LUCK  # who has other chances does not hang on to a poor one
     stages = [*LAST_STAGES, *(later_stage(work, turn) for turn in range(1, work.coolings))]
     for turn, stage in enumerate(stages):
         if search.unseen_share > UNSEEN or search.over_budget_share > OVER:
@@ -91,16 +107,16 @@ def cool_and_settle(context: Context, search: Annealing, *, seed: int) -> Settle
         tours = shortened(context, search.tours, extra)
         found = settle(context, tours, extra, may_add=False, rounds=work.repairs, annealed=True)
         if found.met and found.fits:
-            return found
-        if context.should_stop() or over_budget_share(found.tours) > OVER:
+            return found, 0.0
+        over = over_budget_share(found.tours)
+        if context.should_stop() or over > OVER:
             break
         if found.fits and not len(found.verdict.unmet_points_m):
-            break  # everything is seen in time, but bodies meet: they would on any tour much like this
-        over = over_budget_share(found.tours)
-        if over > max(GAINING * least_over, CLOSE):
+            return None, math.inf  # all is seen in time, but bodies meet: they would on any tour much like this
+        if over > max(GAINING * least_over, near):
             break
-        least_over, extra = over, found.extra
-    return None
+        least_over, extra = min(over, least_over), found.extra
+    return None, least_over
 
 
 def later_stage(work: Work, turn: int) -> Stage:

@@ -17,10 +17,33 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 WINDING = 1.15  # real tours over ideal ones
-TRAVEL = 0.8  # share of what a hub leaves free that an excursion spends on its ground rather than on the way there
-SCATTERED_TRAVEL = 0.95  # the same where each excursion begins at a vertex of its own
+SCATTERED = 1.1875  # times the share of their metres on their ground that excursions have from vertices of their own
 SCATTERED_WORTH = 0.7  # of what excursions from one vertex spend, that scattered ones must; they are shorter ways
 MOST_PETALS = 12
+
+
+class Handing(NamedTuple):
+    """How much slow ground is handed to excursions at first: by what they are taken to be able to spend on it.
+
+    winding: real hubs over ideal ones. travel: share of what a hub leaves free that an excursion spends on its ground
+    rather than on the way there, when it begins where the others do.
+    """
+
+    winding: float
+    travel: float
+
+
+USUAL = Handing(WINDING, 0.8)
+# annealing hardly moves ground from one robot to another: which of these comes out best is luck, and is tried
+HANDINGS = (
+    USUAL,
+    Handing(1.15, 0.67),
+    Handing(1.05, 0.55),
+    Handing(1.05, 0.67),
+    Handing(1.25, 0.8),
+    Handing(1.05, 0.8),
+    Handing(0.95, 0.55),
+)
 
 
 def can_nest(problem: Problem) -> bool:
@@ -35,14 +58,14 @@ def petals_of(tour: Tour, slow_s: float) -> int:
     return petals if petals > 1 else 0
 
 
-def scattered_petals(tour: Tour, ideal_m: float, slow_s: float) -> tuple[int, float]:
+def scattered_petals(tour: Tour, ideal_m: float, slow_s: float, winding: float = WINDING) -> tuple[int, float]:
     """As many excursions from different vertices of the hub as spend most metres in the slow period, and these metres.
 
     They take one more round of the hub. 0: fewer than two have room.
     """
     if tour.robots > 1:
         return 0, 0.0
-    hub_m, per_s = WINDING * ideal_m, tour.budget_m / tour.period_s
+    hub_m, per_s = winding * ideal_m, tour.budget_m / tour.period_s
     best = 0, 0.0
     for petals in range(2, petals_of(tour, slow_s) + 1):
         metres = min(petals * (tour.budget_m - hub_m), slow_s * per_s - (petals + 1) * hub_m)
@@ -51,9 +74,9 @@ def scattered_petals(tour: Tour, ideal_m: float, slow_s: float) -> tuple[int, fl
     return best
 
 
-def spare_m(tour: Tour, ideal_m: float, slow_s: float) -> float:
+def spare_m(tour: Tour, ideal_m: float, slow_s: float, handing: Handing = USUAL) -> float:
     """Metres per slow period that the robots of a tour can spend on slow ground, by excursions or by a longer tour."""
-    return TRAVEL * max(1, petals_of(tour, slow_s)) * max(0.0, tour.budget_m - WINDING * ideal_m)
+    return handing.travel * max(1, petals_of(tour, slow_s)) * max(0.0, tour.budget_m - handing.winding * ideal_m)
 
 
 class Excursions(NamedTuple):
@@ -64,13 +87,13 @@ class Excursions(NamedTuple):
     scattered: bool
 
 
-def excursions(tour: Tour, ideal_m: float, slow_s: float, *, scattered: bool) -> Excursions:
+def excursions(tour: Tour, ideal_m: float, slow_s: float, *, scattered: bool, handing: Handing = USUAL) -> Excursions:
     """What a tour can do between rounds; ``scattered``: from different vertices, where that spends not much less."""
-    together = Excursions(petals_of(tour, slow_s), spare_m(tour, ideal_m, slow_s), False)
+    together = Excursions(petals_of(tour, slow_s), spare_m(tour, ideal_m, slow_s, handing), False)
     if not scattered:
         return together
-    petals, metres = scattered_petals(tour, ideal_m, slow_s)
-    apart = Excursions(petals, SCATTERED_TRAVEL * metres, True)
+    petals, metres = scattered_petals(tour, ideal_m, slow_s, handing.winding)
+    apart = Excursions(petals, SCATTERED * handing.travel * metres, True)
     return apart if petals and apart.spare_m > SCATTERED_WORTH * together.spare_m else together
 
 
@@ -82,6 +105,7 @@ def nested(
     least_squeeze: float,
     *,
     scattered: bool = False,
+    handing: Handing = USUAL,
 ) -> tuple[float, list[Tour]] | None:
     """The tours with part of the slowest tour's ground handed to excursions of the others; None when it is no use.
 
@@ -94,7 +118,10 @@ def nested(
     if load[slow] == 0 or grounds[slow].stands is not None:
         return None
     part, slow_s = tours[slow].part, tours[slow].period_s
-    most = [excursions(tour, m, slow_s, scattered=scattered) for tour, m in zip(tours, ideal_m, strict=True)]
+    most = [
+        excursions(tour, m, slow_s, scattered=scattered, handing=handing)
+        for tour, m in zip(tours, ideal_m, strict=True)
+    ]
     may = [tour.part == part and tour.serves < tours[slow].serves for tour in tours]
     spare = [each.spare_m if allowed else 0.0 for each, allowed in zip(most, may, strict=True)]
     room = (tours[slow].budget_m + sum(spare)) / ideal_m[slow]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rota.planners.patrol.annealing.tour import Tour, tour_length_m
-from rota.planners.patrol.nesting import WINDING, can_nest, nested, slowest
+from rota.planners.patrol.nesting import HANDINGS, WINDING, can_nest, nested, slowest
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.start.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
 from rota.planners.patrol.start.standing import robots_stand
@@ -146,18 +146,25 @@ def hubs_apart(problem: Problem, start: Start, needed: list[int], slow: int) -> 
     return Start(grounds=[g for g, _, _ in hubs], tours=[t for _, t, _ in hubs], ideal_m=[m for *_, m in hubs])
 
 
-def nests_on(problem: Problem, bases: list[Start], least_squeeze: float) -> Iterator[Split]:
+def nests_on(
+    problem: Problem, bases: list[Start], least_squeeze: float, *, handings: int = 1, scattered: bool = False
+) -> Iterator[Split]:
     """The loops within loops on these bases, where neither the quick tours nor the rest are too tight.
 
-    The way to every piece of slow ground and back makes them longer than a tour of it all.
+    The way to every piece of slow ground and back makes them longer than a tour of it all. handings: how many ways to
+    hand ground to excursions are tried; scattered: with excursions from different vertices, too.
     """
-    ways = (False, True) if problem.mission.patrol.effort == "high" else (False,)
-    for base, scattered in itertools.product(bases, ways):
-        nest = nested(problem, base.grounds, base.tours, base.ideal_m, least_squeeze, scattered=scattered)
+    for base, apart in itertools.product(bases, (False, True) if scattered else (False,)):
         latest = max(tour.serves for tour in base.tours)
         hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < latest]
-        if nest is not None and min(hubs, default=math.inf) >= least_squeeze:
-            yield Split(room=min([nest[0], *hubs]), tours=nest[1], nests=True)
+        if min(hubs, default=math.inf) < least_squeeze:
+            continue
+        for handing in HANDINGS[:handings]:
+            nest = nested(
+                problem, base.grounds, base.tours, base.ideal_m, least_squeeze, scattered=apart, handing=handing
+            )
+            if nest is not None:
+                yield Split(room=min([nest[0], *hubs]), tours=nest[1], nests=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,10 +176,19 @@ class Split:
     nests: bool
 
 
-def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: float) -> list[Split]:
+def splits(
+    problem: Problem,
+    ways: list[Start],
+    robots: int,
+    least_squeeze: float,
+    *,
+    handings: int = 1,
+    scattered: bool = False,
+) -> list[Split]:
     """The tours to begin with for so many robots, every way in which they might suffice; the roomiest first.
 
-    Robots that would share a tour are tried on tours of their own too, and where budgets are tight loops within loops.
+    Robots that would share a tour are tried on tours of their own too, and where budgets are tight loops within loops,
+    of which ``handings`` and ``scattered`` tell how many (see ``nests_on``).
     """
     found: list[Split] = []
     nests: list[Split] = []
@@ -184,7 +200,8 @@ def splits(problem: Problem, ways: list[Start], robots: int, least_squeeze: floa
         room = squeeze(start, counts)
         shared = with_counts(start, counts).tours
         if can_nest(problem) and room < NEST_BELOW:
-            nests += nests_on(problem, nest_bases(problem, start, counts, robots), least_squeeze)
+            bases = nest_bases(problem, start, counts, robots)
+            nests += nests_on(problem, bases, least_squeeze, handings=handings, scattered=scattered)
         if room < least_squeeze:
             continue
         found.append(Split(room=room, tours=shared, nests=False))

@@ -206,7 +206,9 @@ def with_so_many(context: Context, ways: list[Start], robots: int, *, least_sque
     those that pass, the most promising one is taken, whichever was ready first.
     """
     seed = context.seed + 1000 * robots
-    begun = promising(context, splits(context.problem, ways, robots, least_squeeze), seed=seed)
+    work = context.work
+    tried = splits(context.problem, ways, robots, least_squeeze, handings=work.handings, scattered=work.scattered)
+    begun = promising(context, tried, seed=seed)
     searches = in_full(context, begun, seed=seed)
     passed = [False] * len(searches)
 
@@ -230,12 +232,10 @@ def promising(context: Context, begun: list[Split], *, seed: int) -> list[list[T
     """
     if len(begun) < 2:
         return [split.tours for split in begun]
-    some = (context.work.screened + 1) // 2
-    begun = [
-        *[split for split in begun if not split.nests][:some],
-        *[split for split in begun if split.nests][:some],
-    ]
     work = context.work
+    some = (work.screened + 1) // 2
+    nests = sifted(context, [split for split in begun if split.nests][: max(some, work.sifted)], some, seed=seed)
+    begun = [*[split for split in begun if not split.nests][:some], *nests]
     tours = [split.tours for split in begun]
     searches = annealed_all(context, tours, moves=work.screening_moves, seed=seed, coarse=work.seeds > 1)
     ranked = []
@@ -245,6 +245,20 @@ def promising(context: Context, begun: list[Split], *, seed: int) -> list[list[T
     ranked.sort(key=lambda one: one[0])
     most = math.inf if work.seeds == 1 else WORTH_SEEDS * min((short for short, _ in ranked), default=0.0)
     return [tours for short, tours in ranked if short <= most]
+
+
+def sifted(context: Context, begun: list[Split], most: int, *, seed: int) -> list[Split]:
+    """So many of the splits at most, those that come best out of annealings that the better half of them goes through.
+
+    The last is half as long as those of the screening, each before it half as long as the next.
+    """
+    rounds = max(0, math.ceil(math.log2(len(begun) / most))) if begun else 0
+    for turn in range(rounds, 0, -1):
+        moves = context.work.screening_moves >> turn
+        searches = annealed_all(context, [split.tours for split in begun], moves=moves, seed=seed, coarse=True)
+        order = sorted(range(len(begun)), key=lambda k: searches[k].shortfall_m)
+        begun = [begun[k] for k in order[: max(most, (len(begun) + 1) // 2)]]
+    return begun
 
 
 def in_full(context: Context, begun: list[list[Tour]], *, seed: int) -> list[Annealing]:
