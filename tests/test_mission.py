@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 import shapely
 from shapely import box
 
 from rota.errors import MissionError
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Zone
+from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, SquareSensor, Zone
 
 
 def with_zones(*names: str) -> Mission:
@@ -27,6 +29,14 @@ def test_no_zone_takes_the_name_of_the_ground_outside_zones() -> None:
 def test_names_of_zones_are_unique() -> None:
     with pytest.raises(MissionError, match="zones: 'gate' is not allowed; names must be unique"):
         with_zones("gate", "gate")
+
+
+@pytest.mark.parametrize("side_m", [0.0, -1.0, math.nan, math.inf, 5e-324])
+def test_a_square_sensor_sees_some_way_in_every_direction(side_m: float) -> None:
+    # the last is the smallest number above 0: half of it is 0
+    with pytest.raises(MissionError, match=rf"^sensor\.side_m: {side_m!r} is not allowed; .* greater than 0"):
+        SquareSensor(side_m=side_m)
+    assert SquareSensor(side_m=1e-323).reach_m > 0
 
 
 def test_a_shape_on_a_grid_is_taken_off_it() -> None:

@@ -58,6 +58,7 @@ class SquareSensor:
 
     def __post_init__(self) -> None:
         require_positive("sensor.side_m", self.side_m)
+        require(self.side_m / 2 > 0, "sensor.side_m", self.side_m, "half of it must be greater than 0, too")
 
     @property
     def reach_m(self) -> float:
