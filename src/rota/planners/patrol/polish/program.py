@@ -20,6 +20,7 @@ OVER_PRICE = 2.0  # of a metre over a budget
 LACK_PRICE = 5.0  # of a metre of range that a sample lacks
 MOVE_PRICE = 1e-3  # of a metre that a vertex moves along an axis: what need not move stays
 AIM_M = 1e-6  # nearer than asked, so that rounding hides nothing
+NEEDED = 0.25  # of a step: ranges with less to spare are limits from the start, others once a step breaks them
 
 
 class Rows(NamedTuple):
@@ -45,32 +46,38 @@ def best_step(
     ranges: what samples may lose, for a price. clearances: how near vertices may come to the border, at no price.
     fixed (n,): vertices that stay. reserve: share of the budgets that is left alone. length_price: of every metre.
     """
-    n, b, r = len(places_m), len(layout.budget_m), len(ranges.most_m)
+    n, b = len(places_m), len(layout.budget_m)
     moved = moves_of(layout, fixed)
     by_tour = length_rows(layout, places_m)
     lengths_m = layout.lengths_m(places_m)
     budgets = csr_array(csr_array(layout.counts) @ by_tour)
     left_m = layout.budget_m * (1 - reserve) - layout.counts @ lengths_m
-    # a variable is the difference of two numbers that are not negative, so that its size has a price
-    used, nearer, closer = budgets @ moved, ranges.along @ moved, clearances.along @ moved
-    blocks = [[used, -used, -eye_array(b), None], [nearer, -nearer, None, -eye_array(r)]]
-    if len(clearances.most_m):
-        blocks.append([closer, -closer, None, None])
     longer = length_price * np.asarray((by_tour @ moved).sum(axis=0)).ravel()
-    price = np.concatenate([MOVE_PRICE + longer, MOVE_PRICE - longer, np.full(b, OVER_PRICE), np.full(r, LACK_PRICE)])
     most_m = np.repeat(np.where(fixed, 0.0, trust_m), 2)
-    upper = np.concatenate([most_m, most_m, np.full(b + r, np.inf)])
-    found = linprog(
-        price,
-        A_ub=csr_array(block_array(blocks)),
-        b_ub=np.concatenate([left_m, ranges.most_m, clearances.most_m]),
-        bounds=np.column_stack([np.zeros(len(upper)), upper]),
-        method="highs-ds",
-    )
-    if found.x is None:
-        return None
-    moves_m = (moved @ (found.x[: 2 * n] - found.x[2 * n : 4 * n])).reshape(n, 2)
-    return Step(moves_m, float(found.fun) + length_price * float(lengths_m.sum()))
+    used, nearer, closer = budgets @ moved, ranges.along @ moved, clearances.along @ moved
+    needed = ranges.most_m < NEEDED * trust_m
+    while True:
+        # a variable is the difference of two numbers that are not negative, so that its size has a price
+        r = np.count_nonzero(needed)
+        some = nearer[needed]
+        blocks = [[used, -used, -eye_array(b), None], [some, -some, None, -eye_array(r)], [closer, -closer, None, None]]
+        price = [MOVE_PRICE + longer, MOVE_PRICE - longer, np.full(b, OVER_PRICE), np.full(r, LACK_PRICE)]
+        upper = np.concatenate([most_m, most_m, np.full(b + r, np.inf)])
+        found = linprog(
+            np.concatenate(price),
+            A_ub=csr_array(block_array([row for row in blocks if row[0].shape[0]])),
+            b_ub=np.concatenate([left_m, ranges.most_m[needed], clearances.most_m]),
+            bounds=np.column_stack([np.zeros(len(upper)), upper]),
+            method="highs-ds",
+            options={"presolve": False},
+        )
+        if found.x is None:
+            return None
+        variables = found.x[: 2 * n] - found.x[2 * n : 4 * n]
+        beyond_m = nearer @ variables - ranges.most_m
+        if not (beyond_m[~needed] > AIM_M).any():
+            return Step((moved @ variables).reshape(n, 2), float(found.fun) + length_price * float(lengths_m.sum()))
+        needed |= beyond_m > -NEEDED * trust_m
 
 
 def moves_of(layout: Layout, fixed: Flags) -> csr_array:
