@@ -217,7 +217,7 @@ class SensorBlock(Block):
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A disc has a radius, and perhaps an angle, and nothing else; a square a side."""
+        """A disc has a radius, and perhaps an angle, and nothing else; a square a side that can be halved."""
         shape = data.get("shape")
         if shape not in ("disc", "square"):
             return
@@ -228,6 +228,9 @@ class SensorBlock(Block):
             yield (other,), f"does not belong to a {shape} sensor; it has {needed}"
         if shape == "square" and data.get("half_angle_deg") is not None:
             yield ("half_angle_deg",), "does not belong to a square sensor; remove it"
+        side_m = data.get("side_m")
+        if isinstance(side_m, float) and side_m > 0 and side_m / 2 == 0:
+            yield ("side_m",), f"{side_m} is not allowed; half of it must be greater than 0, too"
 
 
 class Start(Block):
