@@ -70,13 +70,12 @@ def clear_from(
 
 
 @compiled
-def best_look(ax: float, ay: float, dx: float, dy: float, reach: float, square: int, i: int, s: Samples) -> float:
-    """The leg parameter from which sample i is in sight and nearest, of a leg from a along d that sees it."""
+def clear_look(
+    ax: float, ay: float, dx: float, dy: float, near: float, reach: float, square: int, i: int, s: Samples
+) -> float:
+    """The leg parameter nearest to ``near`` from which sample i is not hidden, of a leg from a along d that sees it."""
     cx, cy = s.x[i], s.y[i]
     px, py = ax - cx, ay - cy
-    near: float = nearest_parameter(px, py, dx, dy, square)
-    if s.visit_m[i] > 0 or s.wall_start[i] == s.wall_start[i + 1]:
-        return near
     first, last = range_interval(px, py, dx, dy, reach, square)
     after: float = clear_from(px, py, dx, dy, near, max(near, last), cx, cy, i, s)
     if after == near:
@@ -101,6 +100,7 @@ def best_looks(
     be in range if sensors reached so much further. lack (n,): by how much range is short, less than 0 where it is not.
     Returns -1 when ``runs`` is too short for what one leg sees.
     """
+    xs, ys, visit, shrink, wall_start = s.x, s.y, s.visit_m, s.shrink_m, s.wall_start
     for i in range(leg.shape[0]):
         leg[i], at[i], lack[i] = -1, 0.0, math.inf
     for k in range(legs.shape[0]):
@@ -111,10 +111,18 @@ def best_looks(
             return -1
         for run in range(0, found, 2):
             for i in range(runs[run], runs[run + 1]):
-                wide = 0 if s.visit_m[i] > 0 else square[k]
-                t = best_look(ax, ay, dx, dy, reach[k] + further, wide, i, s)
-                far = range_at(ax - s.x[i], ay - s.y[i], dx, dy, t, wide)
-                short = far - (s.visit_m[i] if s.visit_m[i] > 0 else reach[k] - s.shrink_m[i])
+                px, py = ax - xs[i], ay - ys[i]
+                wide, limit = square[k], reach[k] - shrink[i]
+                if visit[i] > 0:
+                    wide, limit = 0, visit[i]
+                t = nearest_parameter(px, py, dx, dy, wide)
+                short = range_at(px, py, dx, dy, t, wide) - limit
+                if short >= lack[i]:
+                    continue
+                if visit[i] == 0 and wall_start[i] < wall_start[i + 1]:
+                    # never nearer than where walls are left aside
+                    t = clear_look(ax, ay, dx, dy, t, reach[k] + further, wide, i, s)
+                    short = range_at(px, py, dx, dy, t, wide) - limit
                 if short < lack[i]:
                     leg[i], at[i], lack[i] = k, t, short
     return 0
