@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import time
+from collections.abc import Generator, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -119,10 +122,11 @@ def test_tours_that_come_close_have_more_chances(
     tried: list[int] = []
     within = object()
 
-    def cooled(_context: Context, _search: Annealing, *, seed: int) -> tuple[object | None, float]:
+    def cooled(_context: Context, _search: Annealing, *, seed: int) -> Generator[object, None, float]:
         tried.append(seed)
         over = overs[len(tried) - 1]
-        return (within if over == 0 else None), over
+        yield within if over == 0 else None
+        return over or math.inf
 
     monkeypatch.setattr(cooling, "cooled_and_settled", cooled)
     here = context(YARD.with_effort(effort))
@@ -132,9 +136,42 @@ def test_tours_that_come_close_have_more_chances(
         [spot], samples, here.problem.space_grid,
         price=np.ones(1), over_price=np.ones(1), seed=0, range_margin_m=here.problem.range_margin_m,
     )  # fmt: skip
-    found = cooling.cool_and_settle(here, search, seed=5)
+    found = list(cooling.cool_and_settle(here, search, seed=5))
     assert tried == made
-    assert found is (within if overs[len(made) - 1] == 0 else None)
+    assert found == [None if over > 0 else within for over in overs[: len(made)]]
+
+
+@pytest.mark.parametrize(
+    ("mendings", "winner"),
+    [
+        ([[None, None, "a"], [None, "b"], [None, "c"]], "b"),  # after the fewest mendings, the first of several
+        ([[None, None], [None, None, None, "b"]], "b"),
+        ([["a"], ["b"]], "a"),
+        ([[None], []], None),
+        ([], None),
+    ],
+)
+@pytest.mark.parametrize("cores", [1, 2, 8])
+def test_the_first_to_pass_wins_on_any_number_of_cores(
+    monkeypatch: pytest.MonkeyPatch, mendings: list[list[str | None]], winner: str | None, cores: int
+) -> None:
+    made: list[int] = []
+
+    def cooled(here: Context, search: int, *, seed: int) -> Iterator[str | None]:
+        assert seed == 7 + 100 * search
+        for found in mendings[search]:
+            time.sleep(0.002 * (len(mendings) - search))  # the less promising are ahead of the others
+            if here.should_stop():
+                return
+            made.append(search)
+            yield found
+
+    monkeypatch.setattr(tours, "cool_and_settle", cooled)
+    monkeypatch.setattr(tours.os, "cpu_count", lambda: cores)
+    found = tours.first_to_pass(context(YARD), list(range(len(mendings))), seed=7)  # type: ignore[arg-type]
+    assert found == winner
+    if cores == 1 and winner == "b" and len(mendings) == 3:
+        assert made == [0, 0, 0, 1, 1, 2]  # the last one is beaten once it failed to pass at first
 
 
 class Shaped(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Generator, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -70,24 +71,23 @@ def shaped(context: Context, tours: list[Tour], *, seed: int) -> Annealing:
     )
 
 
-def cool_and_settle(context: Context, search: Annealing, *, seed: int) -> Settled | None:
-    """The settled plan, if the judge passed it within the budgets, after cooling from the same tours as often as pays.
+def cool_and_settle(context: Context, search: Annealing, *, seed: int) -> Iterator[Settled | None]:
+    """After every mending None, or at last the settled plan that the judge passed within the budgets.
 
-    Tours that come nearly within their budgets may do so with other seeds.
+    Tours that come nearly within their budgets may do so with other seeds: they are cooled as often as pays.
     """
     for turn in range(context.work.chances):
-        found, over = cooled_and_settled(context, search, seed=seed + SEEDS_APART * turn)
-        if found is not None or over > LUCK or context.should_stop():
-            return found
-    return None
+        over = yield from cooled_and_settled(context, search, seed=seed + SEEDS_APART * turn)
+        if over > LUCK or context.should_stop():
+            return
 
 
-def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> tuple[Settled | None, float]:
+def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> Generator[Settled | None, None, float]:
     """Anneal cooler, then mend; while that fails narrowly, anneal again, cooler still, knowing what the judge missed.
 
-    The settled plan if the judge passed it within the budgets, and the least share by which the tours were over them
-    after mending. What is unseen becomes dearer and the reserve smaller as it cools: mending takes many times the
-    metres that a little more annealing does.
+    Yields as ``cool_and_settle`` does, and returns the least share by which the tours were over their budgets after a
+    mending (inf: no other cooling is called for). What is unseen becomes dearer and the reserve smaller as it cools: mending takes many
+    times the metres that a little more annealing does.
     """
     extra = no_points()
     problem, work = context.problem, context.work
@@ -96,7 +96,7 @@ def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> tup
     near = CLOSE if work.chances == 1 else LUCK  # who has other chances does not hang on to a poor one
     stages = [*LAST_STAGES, *(later_stage(work, turn) for turn in range(1, work.coolings))]
     for turn, stage in enumerate(stages):
-        if search.unseen_share > UNSEEN or search.over_budget_share > OVER:
+        if context.should_stop() or search.unseen_share > UNSEEN or search.over_budget_share > OVER:
             break
         search = annealed(
             context, search.tours, extra,
@@ -107,16 +107,18 @@ def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> tup
         tours = shortened(context, search.tours, extra)
         found = settle(context, tours, extra, may_add=False, rounds=work.repairs, annealed=True)
         if found.met and found.fits:
-            return found, 0.0
+            yield found
+            return math.inf
+        yield None
         over = over_budget_share(found.tours)
-        if context.should_stop() or over > OVER:
+        if over > OVER:
             break
         if found.fits and not len(found.verdict.unmet_points_m):
-            return None, math.inf  # all is seen in time, but bodies meet: they would on any tour much like this
+            return math.inf  # all is seen in time, but bodies meet: they would on any tour much like this
         if over > max(GAINING * least_over, near):
             break
         least_over, extra = min(over, least_over), found.extra
-    return None, least_over
+    return least_over
 
 
 def later_stage(work: Work, turn: int) -> Stage:

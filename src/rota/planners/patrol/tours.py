@@ -202,27 +202,39 @@ def surely_enough(ways: list[Start]) -> int:
 def with_so_many(context: Context, ways: list[Start], robots: int, *, least_squeeze: float) -> Settled | None:
     """A plan with so many robots that the judge passes, or None.
 
-    All splits are annealed a little; then the most promising ones in full, as many at a time as there are cores. Of
-    those that pass, the most promising one is taken, whichever was ready first.
+    All splits are annealed a little; then the most promising ones in full, as many at a time as there are cores.
     """
     seed = context.seed + 1000 * robots
     work = context.work
     tried = splits(context.problem, ways, robots, least_squeeze, handings=work.handings, scattered=work.scattered)
     begun = promising(context, tried, seed=seed)
-    searches = in_full(context, begun, seed=seed)
-    passed = [False] * len(searches)
+    return first_to_pass(context, in_full(context, begun, seed=seed), seed=seed)
 
-    def settled(turn: int) -> Settled | None:
-        here = replace(context, should_stop=lambda: context.should_stop() or any(passed[:turn]))
-        found = cool_and_settle(here, searches[turn], seed=seed + 100 * turn)
-        passed[turn] = found is not None
-        return found
+
+def first_to_pass(context: Context, searches: list[Annealing], *, seed: int) -> Settled | None:
+    """The plan of the search that passes after the fewest mendings, the first of several; None when none passes.
+
+    One stops as soon as another is ahead of it for good, so that the answer is the same on any number of cores.
+    """
+    passed_after: list[float] = [math.inf] * len(searches)
+
+    def raced(turn: int) -> Settled | None:
+        mended = 0
+
+        def beaten() -> bool:
+            return any((after, other) < (mended, turn) for other, after in enumerate(passed_after))
+
+        here = replace(context, should_stop=lambda: context.should_stop() or beaten())
+        for found in cool_and_settle(here, searches[turn], seed=seed + 100 * turn):
+            if found is not None:
+                passed_after[turn] = mended
+                return found
+            mended += 1
+        return None
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for found in pool.map(settled, range(len(searches))):
-            if found is not None:
-                return found
-    return None
+        found = list(pool.map(raced, range(len(searches))))
+    return min(zip(passed_after, found, strict=True), key=lambda one: one[0], default=(math.inf, None))[1]
 
 
 def promising(context: Context, begun: list[Split], *, seed: int) -> list[list[Tour]]:

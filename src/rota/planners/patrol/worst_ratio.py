@@ -266,7 +266,8 @@ def tried(
     if best is not None:
         tours = [replace(tour, period_s=problem.periods_s[tour.serves]) for tour in best.settled.tours]
         seed = context.seed + 1000 * robots
-        found = cool_and_settle(here, shaped(here, tours, seed=seed), seed=seed)
+        mended = cool_and_settle(here, shaped(here, tours, seed=seed), seed=seed)
+        found = next((settled for settled in mended if settled is not None), None)
         if found is not None and len(found.plan.trajectories) == robots:
             return reached(found, stretch)
         if not (context.work.begins_anew or stretch == 1.0):
