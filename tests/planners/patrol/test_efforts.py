@@ -111,7 +111,8 @@ def test_of_many_nests_the_better_half_goes_on(
     ("effort", "overs", "made"),
     [
         ("high", [0.002, 0.001, 0.0], [5, 15, 25]),  # close, closer, within the budgets
-        ("high", [0.001, 0.003, 0.0], [5, 15]),  # with these tours it is luck no more
+        ("high", [0.001, 0.003, 0.0], [5, 15, 25]),  # one poor chance ends nothing
+        ("high", [0.003, 0.0], [5]),  # with these tours it would be more than luck
         ("high", [0.001] * 9, [5, 15, 25, 35, 45, 55]),
         ("normal", [0.001, 0.0], [5]),
     ],

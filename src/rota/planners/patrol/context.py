@@ -117,18 +117,17 @@ class Work:
     moves: of one annealing, for tours of a few hundred corners; most_moves: for any. handings: ways to hand ground to
     loops within loops; scattered: whether their excursions may begin at different vertices. screened: splits of the
     ground for one number of robots, the roomiest, that are annealed a little, with ``screening_moves``; of loops within
-    loops, those that do best of ``sifted`` with less. whole: the best of these,
-    from each of which ``seeds`` annealings are made in full. cooled: those of them that see most, which are annealed up
-    to ``coolings`` times more, with ``cooling_moves``, cooler and cooler; those that come close have so many
-    ``chances``, with other seeds. later_heat, later_dear: of the reach, twice
-    the heat of the first of these that begins from mended tours, and how many times more than usual it is worth then to
-    see anything. tries: numbers of robots tried one by one. repairs: rounds of mending; mends_over: the share of a
-    budget by which tours may be over it meanwhile; tight_margin, tight_bend: where budgets are tight, the share of the
-    range margin that is kept, and how much farther than to what is missed tours are bent, of the reach. groupings: of
-    the period classes. least_squeeze: budgets, as a multiple of the ideal lengths, below which a number of robots is
-    not tried. stretches: of the periods, tried for the best that a fixed number of robots can do, until one that failed
-    and one that passed differ by no more than the factor ``nearness``. begins_anew: whether from new tours too, after
-    some have passed.
+    loops, those that do best of ``sifted`` with less. whole: the best of these, from each of which ``seeds`` annealings
+    are made in full. cooled: those of them that see most, which are annealed up to ``coolings`` times more, with
+    ``cooling_moves``, cooler and cooler; those that come close have so many ``chances``, with other seeds. later_heat,
+    later_dear: of the reach, twice the heat of the first of these that begins from mended tours, and how many times
+    more than usual it is worth then to see anything. tries: numbers of robots tried one by one. repairs: rounds of
+    mending; mends_over: the share of a budget by which tours may be over it meanwhile; tight_margin, tight_bend: where
+    budgets are tight, the share of the range margin that is kept, and how much farther than to what is missed tours are
+    bent, of the reach. groupings: of the period classes. least_squeeze: budgets, as a multiple of the ideal lengths,
+    below which a number of robots is not tried. stretches: of the periods, tried for the best that a fixed number of
+    robots can do, until one that failed and one that passed differ by no more than the factor ``nearness``.
+    begins_anew: whether from new tours too, after some have passed.
     """
 
     moves: int

@@ -74,11 +74,13 @@ def shaped(context: Context, tours: list[Tour], *, seed: int) -> Annealing:
 def cool_and_settle(context: Context, search: Annealing, *, seed: int) -> Iterator[Settled | None]:
     """After every mending None, or at last the settled plan that the judge passed within the budgets.
 
-    Tours that come nearly within their budgets may do so with other seeds: they are cooled as often as pays.
+    Tours that come nearly within their budgets once may do so with other seeds: they are cooled as often as pays.
     """
+    least_over = math.inf
     for turn in range(context.work.chances):
         over = yield from cooled_and_settled(context, search, seed=seed + SEEDS_APART * turn)
-        if over > LUCK or context.should_stop():
+        least_over = min(over, least_over)
+        if math.isinf(over) or least_over > LUCK or context.should_stop():
             return
 
 
