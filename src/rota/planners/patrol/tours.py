@@ -219,6 +219,7 @@ def first_to_pass(context: Context, searches: list[Annealing], *, seed: int) -> 
     passed_after: list[float] = [math.inf] * len(searches)
 
     def raced(turn: int) -> Settled | None:
+        """What comes of one search; None, too, when another wins."""
         mended = 0
 
         def beaten() -> bool:
