@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
-from scipy.sparse import block_array, coo_array, csr_array, eye_array, kron
+from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
 
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.polish.layout import Layout, Looks
+from rota.planners.patrol.polish.solver import GrowingProgram
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -54,30 +54,28 @@ def best_step(
     left_m = layout.budget_m * (1 - reserve) - layout.counts @ lengths_m
     longer = length_price * np.asarray((by_tour @ moved).sum(axis=0)).ravel()
     most_m = np.repeat(np.where(fixed, 0.0, trust_m), 2)
-    used, nearer, closer = budgets @ moved, ranges.along @ moved, clearances.along @ moved
-    needed = ranges.most_m < NEEDED * trust_m
+    used, nearer, closer = budgets @ moved, csr_array(ranges.along @ moved), clearances.along @ moved
+    # a variable is the difference of two numbers that are not negative, so that its size has a price
+    hard = [[used, -used, -eye_array(b)], *([[closer, -closer, None]] if closer.shape[0] else [])]
+    program = GrowingProgram(
+        np.concatenate([MOVE_PRICE + longer, MOVE_PRICE - longer, np.full(b, OVER_PRICE)]),
+        np.concatenate([most_m, most_m, np.full(b, np.inf)]),
+        csr_array(block_array(hard)),
+        np.concatenate([left_m, clearances.most_m]),
+    )
+    taken = new = ranges.most_m < NEEDED * trust_m
     while True:
-        # a variable is the difference of two numbers that are not negative, so that its size has a price
-        r = np.count_nonzero(needed)
-        some = nearer[needed]
-        blocks = [[used, -used, -eye_array(b), None], [some, -some, None, -eye_array(r)], [closer, -closer, None, None]]
-        price = [MOVE_PRICE + longer, MOVE_PRICE - longer, np.full(b, OVER_PRICE), np.full(r, LACK_PRICE)]
-        upper = np.concatenate([most_m, most_m, np.full(b + r, np.inf)])
-        found = linprog(
-            np.concatenate(price),
-            A_ub=csr_array(block_array([row for row in blocks if row[0].shape[0]])),
-            b_ub=np.concatenate([left_m, ranges.most_m[needed], clearances.most_m]),
-            bounds=np.column_stack([np.zeros(len(upper)), upper]),
-            method="highs-ds",
-            options={"presolve": False},
-        )
-        if found.x is None:
+        program.add_soft_rows(csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=LACK_PRICE)
+        found = program.solve()
+        if found is None:
             return None
-        variables = found.x[: 2 * n] - found.x[2 * n : 4 * n]
+        values, cost = found
+        variables = values[: 2 * n] - values[2 * n : 4 * n]
         beyond_m = nearer @ variables - ranges.most_m
-        if not (beyond_m[~needed] > AIM_M).any():
-            return Step((moved @ variables).reshape(n, 2), float(found.fun) + length_price * float(lengths_m.sum()))
-        needed |= beyond_m > -NEEDED * trust_m
+        if not (beyond_m[~taken] > AIM_M).any():
+            return Step((moved @ variables).reshape(n, 2), cost + length_price * float(lengths_m.sum()))
+        new = ~taken & (beyond_m > -NEEDED * trust_m)
+        taken = taken | new
 
 
 def moves_of(layout: Layout, fixed: Flags) -> csr_array:
