@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
+KEPT = {"PYTHONDONTWRITEBYTECODE": ""}  # empty: not set
 PATIENCE_S = 900.0  # a command that takes longer is ended, unless told otherwise: its figure is missed many times over
 
 
@@ -45,11 +46,14 @@ def run(
     environment: Mapping[str, str] | None = None,
     patience_s: float = PATIENCE_S,
 ) -> Run:
-    """Run ``command`` to its end, and no longer than ``patience_s``; ``environment`` is added to the inherited one."""
+    """Run ``command`` to its end, and no longer than ``patience_s``; ``environment`` is added to the inherited one.
+
+    Python keeps what it compiled, as it does for users: where the shell forbids that, every start would take seconds.
+    """
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         started_s = time.perf_counter()
         process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env={**os.environ, **(environment or {})}
+            command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env={**os.environ, **KEPT, **(environment or {})}
         )
         patience = threading.Timer(patience_s, process.kill)
         patience.start()
