@@ -29,6 +29,7 @@ def inlined(function: Callable[..., Any]) -> Any:
     return njit(**OPTIONS, inline="always")(function)
 
 
+Index = np.uint64  # in the hottest loops: each index that may be negative costs a look whether it is
 STANDING_M2 = 1e-18  # a leg with less length (squared) is a place where the robot stands
 TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not hide it
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.kernels import Samples, compiled, leg_sees, norm
+from rota.planners.patrol.kernels import Index, Samples, compiled, leg_sees, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -95,27 +95,27 @@ def uniform(rng: Any) -> float:
 def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
     """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
     runs = t.seen[slot]
-    last = 0 if step > 0 else 1  # the count before, at which a sample begins or ceases to be seen
+    times = t.times_seen
+    last = np.int32(0 if step > 0 else 1)  # the count before, at which a sample begins or ceases to be seen
     change = np.int32(step)
-    for j in range(0, t.seen_n[slot], 2):
-        first = np.int64(runs[j])
-        part = t.times_seen[first : np.int64(runs[j + 1])]
+    now = np.int32(last + change)
+    for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
+        first, end = Index(runs[j]), Index(runs[j + Index(1)])
         turned = 0
-        for i in range(part.shape[0]):
-            turned += part[i] == last
-            part[i] += change
+        for i in range(first, end):
+            turned += times[i] == last
+            times[i] += change
         if turned == 0:
             continue
-        now = last + step
-        for i in range(part.shape[0]):
-            if part[i] != now:
+        for i in range(first, end):
+            if times[i] != now:
                 continue
-            sample = first + i
+            sample = np.int64(i)
             if step > 0:
                 t.ints[UNSEEN] -= 1
-                end = t.unseen_item[t.ints[UNSEEN]]
-                t.unseen_item[t.unseen_place[sample]] = end
-                t.unseen_place[end] = t.unseen_place[sample]
+                back = t.unseen_item[t.ints[UNSEEN]]
+                t.unseen_item[t.unseen_place[sample]] = back
+                t.unseen_place[back] = t.unseen_place[sample]
                 t.unseen_in[t.bucket_of_sample[sample]] -= 1
                 t.unseen[0] -= s.weight[sample]
             else:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from rota.planners.patrol.kernels import Samples, compiled
+from rota.planners.patrol.kernels import Index, Samples, compiled
 from rota.planners.patrol.tour_kernels import RANGE, SURE_M, WEIGHT, Tours, bucket_of
 
 
@@ -69,9 +67,10 @@ def lost_at_least(slot: int, ways: int, reach: float, most: float, s: Samples, t
     """
     runs = t.seen[slot]
     lost: float = 0.0
-    for j in range(0, t.seen_n[slot], 2):
-        for i in range(np.int64(runs[j]), np.int64(runs[j + 1])):
-            if t.times_seen[i] != 1:
+    times = t.times_seen
+    for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
+        for i in range(Index(runs[j]), Index(runs[j + Index(1)])):
+            if times[i] != 1:
                 continue
             x, y = s.x[i], s.y[i]
             far = s.visit_m[i] if s.visit_m[i] > 0 else reach - s.shrink_m[i]
