@@ -107,6 +107,68 @@ def test_of_many_nests_the_better_half_goes_on(
     assert kept == (best if rounds else list(range(begun)))
 
 
+class Cooled(NamedTuple):
+    """What ``cooled_and_settled`` reads of a search."""
+
+    unseen_share: float
+    over_budget_share: float
+    tours: list[Tour]
+
+
+class Late(NamedTuple):
+    """What it reads of tours that failed."""
+
+    tours: list[Tour]
+    met: bool
+    fits: bool
+    extra: object
+
+
+ALL = ["anneal", "anneal", "bend", "mend"]
+
+
+@pytest.mark.parametrize(
+    ("effort", "turn_rate_rad_s", "unseen", "over", "done"),
+    [
+        ("normal", None, 0.0009, 0.0, ALL[:1]),  # bending would not find so much
+        ("normal", None, 0.0007, 0.006, ALL[:3]),  # nor would mending make up for as many metres
+        ("normal", None, 0.0007, 0.004, ALL),
+        ("normal", 1.0, 0.014, 0.02, ALL),  # who is not bent is mended in another way
+        ("normal", 1.0, 0.016, 0.0, ALL[:1]),
+        ("quick", None, 0.014, 0.02, ALL),
+        ("high", None, 0.014, 0.02, ALL),
+        ("high", None, 0.016, 0.0, ALL[:1]),
+    ],
+)
+def test_tours_without_hope_are_not_mended(
+    monkeypatch: pytest.MonkeyPatch,
+    effort: Effort,
+    turn_rate_rad_s: float | None,
+    unseen: float,
+    over: float,
+    done: list[str],
+) -> None:
+    made: list[str] = []
+
+    def told(name: str, answer: object) -> object:
+        made.append(name)
+        return answer
+
+    here = context(replace(YARD, fleet=replace(YARD.fleet, turn_rate_rad_s=turn_rate_rad_s)).with_effort(effort))
+    points = no_points()
+    spot = Tour(vertices_m=np.zeros((1, 2)), serves=0, period_s=60, robots=1, robot=here.problem.robot)
+    bent, late = [spot], Late(tours=[spot], met=False, fits=False, extra=points)
+    cooled = Cooled(unseen_share=unseen, over_budget_share=0.0, tours=[spot])
+    monkeypatch.setattr(cooling, "annealed", lambda *_args, **_kinds: told("anneal", cooled))
+    monkeypatch.setattr(cooling, "shortened", lambda *_args: told("bend", bent))
+    monkeypatch.setattr(cooling, "settle", lambda *_args, **_kinds: told("mend", late))
+    monkeypatch.setattr(cooling, "over_budget_share", lambda given: over if given is bent else 0.04)
+    begun = Cooled(unseen_share=0.01, over_budget_share=0.0, tours=[spot])
+    settled = list(cooling.cooled_and_settled(here, begun, seed=0))  # type: ignore[arg-type]
+    assert made == done
+    assert settled == ([None] if done == ALL else [])
+
+
 @pytest.mark.parametrize(
     ("effort", "overs", "made"),
     [

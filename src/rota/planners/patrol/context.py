@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -119,14 +120,17 @@ class Work:
     ground for one number of robots, the roomiest, that are annealed a little, with ``screening_moves``; of loops within
     loops, those that do best of ``sifted`` with less. whole: the best of these, from each of which ``seeds`` annealings
     are made in full. cooled: those of them that see most, which are annealed up to ``coolings`` times more, with
-    ``cooling_moves``, cooler and cooler; those that come close have so many ``chances``, with other seeds. later_heat,
-    later_dear: of the reach, twice the heat of the first of these that begins from mended tours, and how many times
-    more than usual it is worth then to see anything. tries: numbers of robots tried one by one. repairs: rounds of
-    mending; mends_over: the share of a budget by which tours may be over it meanwhile; tight_margin, tight_bend: where
-    budgets are tight, the share of the range margin that is kept, and how much farther than to what is missed tours are
-    bent, of the reach. groupings: of the period classes. least_squeeze: budgets, as a multiple of the ideal lengths,
-    below which a number of robots is not tried. stretches: of the periods, tried for the best that a fixed number of
-    robots can do, until one that failed and one that passed differ by no more than the factor ``nearness``.
+    ``cooling_moves``, cooler and cooler; those that come close have so many ``chances``, with other seeds.
+    cooled_unseen, bent_over: the share of the ground that may be unseen after the first of these, and that by which
+    bent tours may be over their budgets before the first mending: with more, mending would not find the rest.
+    later_heat, later_dear: of the reach, twice the heat of the first of these that begins from mended tours, and how
+    many times more than usual it is worth then to see anything. tries: numbers of robots tried one by one. repairs:
+    rounds of mending; mends_over: the share of a budget by which tours may be over it meanwhile; tight_margin,
+    tight_bend: where budgets are tight, the share of the range margin that is kept, and how much farther than to what
+    is missed tours are bent, of the reach. groupings: of the period classes. least_squeeze: budgets, as a multiple of
+    the ideal lengths, below which a number of robots is not tried. stretches: of the periods, tried for the best that a
+    fixed number of robots can do, until one that failed and one that passed differ by no more than the factor
+    ``nearness``.
     begins_anew: whether from new tours too, after some have passed.
     """
 
@@ -144,6 +148,8 @@ class Work:
     coolings: int
     cooling_moves: int
     chances: int
+    cooled_unseen: float
+    bent_over: float
     later_heat: float
     later_dear: float
     repairs: int
@@ -173,6 +179,8 @@ WORK: dict[Effort, Work] = {
         coolings=4,
         cooling_moves=150_000,
         chances=1,
+        cooled_unseen=0.015,
+        bent_over=math.inf,
         later_heat=1 / 8,
         later_dear=6.0,
         repairs=12,
@@ -200,6 +208,8 @@ WORK: dict[Effort, Work] = {
         coolings=4,
         cooling_moves=600_000,
         chances=1,
+        cooled_unseen=0.0008,
+        bent_over=0.005,
         later_heat=1 / 8,
         later_dear=6.0,
         repairs=20,
@@ -227,6 +237,8 @@ WORK: dict[Effort, Work] = {
         coolings=8,
         cooling_moves=1_200_000,
         chances=6,
+        cooled_unseen=0.015,
+        bent_over=math.inf,
         later_heat=1 / 16,
         later_dear=20.0,
         repairs=30,

@@ -96,9 +96,11 @@ def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> Gen
     reach_m = problem.reach_m
     least_over = math.inf
     near = CLOSE if work.chances == 1 else LUCK  # who has other chances does not hang on to a poor one
+    bends = can_polish(problem)
     stages = [*LAST_STAGES, *(later_stage(work, turn) for turn in range(1, work.coolings))]
     for turn, stage in enumerate(stages):
-        if context.should_stop() or search.unseen_share > UNSEEN or search.over_budget_share > OVER:
+        unseen = work.cooled_unseen if turn and bends else UNSEEN
+        if context.should_stop() or search.unseen_share > unseen or search.over_budget_share > OVER:
             break
         search = annealed(
             context, search.tours, extra,
@@ -107,6 +109,8 @@ def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> Gen
         if turn + 1 < len(LAST_STAGES):
             continue
         tours = shortened(context, search.tours, extra)
+        if bends and over_budget_share(tours) > work.bent_over:
+            break
         found = settle(context, tours, extra, may_add=False, rounds=work.repairs, annealed=True)
         if found.met and found.fits:
             yield found
