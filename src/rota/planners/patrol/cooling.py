@@ -89,7 +89,8 @@ def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> Gen
 
     Yields as ``cool_and_settle`` does, and returns the least share by which the tours were over their budgets after a
     mending (inf: no other cooling is called for). What is unseen becomes dearer and the reserve smaller as it cools:
-    mending takes many times the metres that a little more annealing does.
+    mending takes many times the metres that a little more annealing does. Where it could not find the rest it is left
+    out, and so is all that comes after it.
     """
     extra = no_points()
     problem, work = context.problem, context.work
