@@ -130,8 +130,7 @@ class Work:
     is missed tours are bent, of the reach. groupings: of the period classes. least_squeeze: budgets, as a multiple of
     the ideal lengths, below which a number of robots is not tried. stretches: of the periods, tried for the best that a
     fixed number of robots can do, until one that failed and one that passed differ by no more than the factor
-    ``nearness``.
-    begins_anew: whether from new tours too, after some have passed.
+    ``nearness``. begins_anew: whether from new tours too, after some have passed.
     """
 
     moves: int
