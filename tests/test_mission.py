@@ -31,6 +31,25 @@ def test_names_of_zones_are_unique() -> None:
         with_zones("gate", "gate")
 
 
+def test_a_name_is_text_that_a_file_can_hold() -> None:
+    # half a character, which JSON's escapes can make
+    with pytest.raises(MissionError, match=r"zone\.name: .*lone surrogates"):
+        with_zones("gate", "\ud800")
+    with pytest.raises(MissionError, match=r"robot\.name: .*lone surrogates"):
+        Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1)).equal_robot("a\udfff")
+    assert with_zones("\U0001f6a2").zones[0].name == "\U0001f6a2"
+
+
+def test_lengths_and_times_that_float64_tells_not_apart_are_refused() -> None:
+    for far in (box(0, 0, 1e40, 1), box(0, -1.1e8, 1, 1)):
+        with pytest.raises(MissionError, match=r"zone gate: .* coordinates must be within 1e\+08 m of 0"):
+            Zone(name="gate", shape=far, period_s=9)
+    with pytest.raises(MissionError, match=r"sensor\.radius_m: 1e\+155 .* at most 1e\+08"):
+        DiscSensor(radius_m=1e155)
+    with pytest.raises(MissionError, match=r"period_s: 1\d+\.0 .* at most 1e\+10"):
+        Zone(name="gate", shape=box(0, 0, 1, 1), period_s=1e11)
+
+
 @pytest.mark.parametrize("side_m", [0.0, -1.0, math.nan, math.inf, 5e-324])
 def test_a_square_sensor_sees_some_way_in_every_direction(side_m: float) -> None:
     # the last is the smallest number above 0: half of it is 0

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rota.errors import MissionError
-from rota.planner_settings import require, require_positive
+from rota.limits import LARGEST_M, LONGEST_S
+from rota.planner_settings import require, require_positive, require_text
 
 Place = tuple[float, float]
+
+COORDINATES = f"coordinates must be within {LARGEST_M:g} m of 0"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +29,7 @@ class DiscSensor:
     half_angle_deg: float | None = None
 
     def __post_init__(self) -> None:
-        require_positive("sensor.radius_m", self.radius_m)
+        require_positive("sensor.radius_m", self.radius_m, LARGEST_M)
         angle = self.half_angle_deg
         ok = angle is None or 0 < angle < 90
         require(ok, "sensor.half_angle_deg", angle, "must be more than 0 and less than 90 degrees")
@@ -57,7 +60,7 @@ class SquareSensor:
     side_m: float
 
     def __post_init__(self) -> None:
-        require_positive("sensor.side_m", self.side_m)
+        require_positive("sensor.side_m", self.side_m, LARGEST_M)
         require(self.side_m / 2 > 0, "sensor.side_m", self.side_m, "half of it must be greater than 0, too")
 
     @property
@@ -92,16 +95,17 @@ class Robot:
     leaves_s: float | None = None
 
     def __post_init__(self) -> None:
-        require(bool(self.name), "robot.name", self.name, "must not be empty")
+        require_text("robot.name", self.name)
         require_positive(f"robot {self.name}: speed_m_s", self.speed_m_s)
-        ok = math.isfinite(self.body_radius_m) and self.body_radius_m >= 0
-        require(ok, f"robot {self.name}: body_radius_m", self.body_radius_m, "must be a finite number, 0 or more")
+        allowed = f"must be 0 to {LARGEST_M:g}"
+        require(0 <= self.body_radius_m <= LARGEST_M, f"robot {self.name}: body_radius_m", self.body_radius_m, allowed)
         if self.turn_rate_rad_s is not None:
             require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
-        ok = math.isfinite(self.joins_s) and self.joins_s >= 0
-        require(ok, f"robot {self.name}: joins_s", self.joins_s, "must be a finite number, 0 or more")
-        ok = self.leaves_s is None or (math.isfinite(self.leaves_s) and self.leaves_s > self.joins_s)
-        require(ok, f"robot {self.name}: leaves_s", self.leaves_s, f"must come after joins_s, {self.joins_s:.6g}")
+        ok = 0 <= self.joins_s <= LONGEST_S
+        require(ok, f"robot {self.name}: joins_s", self.joins_s, f"must be 0 to {LONGEST_S:g}")
+        ok = self.leaves_s is None or self.joins_s < self.leaves_s <= LONGEST_S
+        allowed = f"must come after joins_s, {self.joins_s:.6g}, and by {LONGEST_S:g}"
+        require(ok, f"robot {self.name}: leaves_s", self.leaves_s, allowed)
 
     @property
     def stays(self) -> bool:
@@ -118,8 +122,8 @@ class StartBox:
 
     def __post_init__(self) -> None:
         ends = (self.low_m, self.high_m)
-        ok = all(math.isfinite(value) for end in ends for value in end)
-        require(ok, "fleet.start.box", ends, "coordinates must be finite")
+        ok = all(abs(value) <= LARGEST_M for end in ends for value in end)
+        require(ok, "fleet.start.box", ends, COORDINATES)
         (x0, y0), (x1, y1) = ends
         object.__setattr__(self, "low_m", (float(min(x0, x1)), float(min(y0, y1))))
         object.__setattr__(self, "high_m", (float(max(x0, x1)), float(max(y0, y1))))
@@ -134,8 +138,8 @@ class StartPoints:
     def __post_init__(self) -> None:
         require(len(self.points_m) > 0, "fleet.start.points", self.points_m, "must be at least one point")
         for k, point in enumerate(self.points_m):
-            ok = all(math.isfinite(value) for value in point)
-            require(ok, f"fleet.start.points[{k}]", point, "coordinates must be finite")
+            ok = all(abs(value) <= LARGEST_M for value in point)
+            require(ok, f"fleet.start.points[{k}]", point, COORDINATES)
         object.__setattr__(self, "points_m", tuple((float(x), float(y)) for x, y in self.points_m))
 
 
@@ -161,7 +165,7 @@ class Fleet:
         require(
             ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
         )
-        require_positive("fleet.altitude_m", self.altitude_m)
+        require_positive("fleet.altitude_m", self.altitude_m, LARGEST_M)
         if self.robots is not None:
             require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
             counted = Counter(robot.name for robot in self.robots)

@@ -13,6 +13,7 @@ from shapely import MultiPolygon, Point, Polygon, box, union_all
 
 from rota.errors import MissionError
 from rota.fleet import (
+    COORDINATES,
     DiscSensor as DiscSensor,
     Fleet as Fleet,
     Place as Place,
@@ -23,6 +24,7 @@ from rota.fleet import (
     StartPoints as StartPoints,
     inner_reach_m as inner_reach_m,
 )
+from rota.limits import LARGEST_M, LONGEST_S
 from rota.planner_settings import (
     HEADINGS as HEADINGS,
     METHODS as METHODS,
@@ -48,6 +50,7 @@ from rota.planner_settings import (
     VelocityChoice as VelocityChoice,
     require,
     require_positive,
+    require_text,
 )
 
 Blocks = Literal["both", "motion", "sight"]
@@ -64,6 +67,9 @@ def _as_multipolygon(where: str, shape: Polygon | MultiPolygon) -> MultiPolygon:
         shape = MultiPolygon([shape] if not shape.is_empty else [])
     require(isinstance(shape, MultiPolygon), where, type(shape).__name__, "must be a polygon or a multipolygon")
     require(not shape.is_empty, where, "an empty shape", "must have an area")
+    bounds = np.array(shape.bounds)
+    far = bounds[~(np.abs(bounds) <= LARGEST_M)]
+    require(not len(far), where, far.tolist(), COORDINATES)
     require(shape.is_valid, where, "an invalid shape", "rings may not cross themselves or each other")
     # a shape on a grid would round all that is made from it to that grid
     return shape if shapely.get_precision(shape) == 0 else shapely.set_precision(shape, 0.0)
@@ -116,11 +122,11 @@ class Zone:
     demand: Demand = "every_point"
 
     def __post_init__(self) -> None:
-        require(bool(self.name), "zone.name", self.name, "must not be empty")
+        require_text("zone.name", self.name)
         ok = self.demand in ("every_point", "visit")
         require(ok, f"zone {self.name}: demand", self.demand, "every_point or visit")
         if self.period_s is not None:
-            require_positive(f"zone {self.name}: period_s", self.period_s)
+            require_positive(f"zone {self.name}: period_s", self.period_s, LONGEST_S)
         object.__setattr__(self, "shape", _as_multipolygon(f"zone {self.name}", self.shape))
 
 
@@ -133,14 +139,15 @@ class MovingObstacle:
     positions_m: tuple[Place, ...]
 
     def __post_init__(self) -> None:
-        require_positive("moving obstacle: radius_m", self.radius_m)
+        require_positive("moving obstacle: radius_m", self.radius_m, LARGEST_M)
         object.__setattr__(self, "times_s", tuple(float(time) for time in self.times_s))
         object.__setattr__(self, "positions_m", tuple((float(x), float(y)) for x, y in self.positions_m))
         count = len(self.times_s)
-        ok = count > 0 and all(a < b for a, b in itertools.pairwise(self.times_s)) and math.isfinite(self.times_s[-1])
-        require(ok, "moving obstacle: times_s", self.times_s, "must be finite and rise")
-        ok = len(self.positions_m) == count and all(math.isfinite(value) for at in self.positions_m for value in at)
-        require(ok, "moving obstacle: positions_m", self.positions_m, "must be finite, one for each time")
+        ok = count > 0 and all(a < b for a, b in itertools.pairwise(self.times_s))
+        ok = ok and all(abs(time) <= LONGEST_S for time in self.times_s)
+        require(ok, "moving obstacle: times_s", self.times_s, f"must rise, at most to {LONGEST_S:g}")
+        ok = len(self.positions_m) == count and all(abs(value) <= LARGEST_M for at in self.positions_m for value in at)
+        require(ok, "moving obstacle: positions_m", self.positions_m, f"one for each time; {COORDINATES}")
 
     def at(self, time_s: float) -> Place:
         """Where its centre is."""
@@ -171,11 +178,10 @@ class Mission:
     moving_obstacles: tuple[MovingObstacle, ...] = ()
 
     def __post_init__(self) -> None:
-        require(bool(self.name), "name", self.name, "must not be empty")
+        require_text("name", self.name)
         object.__setattr__(self, "area", _as_multipolygon("area", self.area))
-        require(bool(np.isfinite(self.area.bounds).all()), "area", self.area.bounds, "coordinates must be finite")
         if self.period_s is not None:
-            require_positive("period_s", self.period_s)
+            require_positive("period_s", self.period_s, LONGEST_S)
         require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
         names = [zone.name for zone in self.zones]
         for zone in self.zones:
@@ -323,8 +329,8 @@ def _standing_fault(
     place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: list[MultiPolygon]
 ) -> str | None:
     """Why a body cannot stand with its centre there; None when it can."""
-    if not all(math.isfinite(value) for value in place_m):
-        return "is not allowed; coordinates must be finite"
+    if not all(abs(value) <= LARGEST_M for value in place_m):
+        return f"is not allowed; {COORDINATES}"
     point = Point(place_m)
     if not area.covers(point):
         return f"lies {area.distance(point):.6g} m outside the area; a start must be in the free space"

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import PlanError
-from rota.mission import Mission
+from rota.limits import FAR_FROM_AREA_M, LONGEST_S, SHORTEST_LOOP_S
+from rota.mission import Mission, SwarmSettings
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +29,8 @@ class Trajectory:
     times_s: (n,) seconds, from 0, strictly increasing; n >= 1. positions_m: (n, 2) or (n, 3) metres. headings_rad: (n,)
     or None (the direction of motion). ``loop_start_s`` is one of the times: equal to the last, the robot stays where
     it is; otherwise the position then equals the last position exactly and the robot repeats from there.
+
+    Raises PlanError for all else, for values that are not finite, times beyond 1e10 s and loops of less than 1e-6 s.
     """
 
     robot: str
@@ -54,12 +57,18 @@ class Trajectory:
             raise PlanError(f"robot {self.robot}: headings_rad has shape {self.headings_rad.shape}, not {times.shape}")
         if not (np.isfinite(times).all() and np.isfinite(positions).all()):
             raise PlanError(f"robot {self.robot}: times and positions must be finite")
+        if self.headings_rad is not None and not np.isfinite(self.headings_rad).all():
+            k = int(np.flatnonzero(~np.isfinite(self.headings_rad))[0])
+            raise PlanError(f"robot {self.robot}: headings_rad[{k}] = {self.headings_rad[k]}; headings must be finite")
         if times[0] != 0:
             raise PlanError(f"robot {self.robot}: times_s starts at {times[0]}; it must start at 0")
         late = np.flatnonzero(np.diff(times) <= 0)
         if len(late):
             k = int(late[0])
             raise PlanError(f"robot {self.robot}: times_s[{k + 1}] = {times[k + 1]} does not come after {times[k]}")
+        if times[-1] > LONGEST_S:
+            k = int(np.flatnonzero(times > LONGEST_S)[0])
+            raise PlanError(f"robot {self.robot}: times_s[{k}] = {times[k]}; at most {LONGEST_S:g} s are allowed")
         start = np.flatnonzero(times == self.loop_start_s)
         if not len(start):
             raise PlanError(f"robot {self.robot}: loop_start_s = {self.loop_start_s} is none of the times")
@@ -67,6 +76,12 @@ class Trajectory:
             raise PlanError(
                 f"robot {self.robot}: the loop does not close: at loop_start_s the position is"
                 f" {positions[start[0]].tolist()}, at the end {positions[-1].tolist()}"
+            )
+
+        if 0 < times[-1] - self.loop_start_s < SHORTEST_LOOP_S:
+            raise PlanError(
+                f"robot {self.robot}: its loop takes {times[-1] - self.loop_start_s:.3g} s; loops take"
+                f" {SHORTEST_LOOP_S:g} s or more, or no time where the robot stays"
             )
 
     def __eq__(self, other: object) -> bool:
@@ -99,11 +114,33 @@ class Trajectory:
         return float(np.sqrt((steps**2).sum(axis=1)).sum())
 
 
+def _require_near(trajectory: Trajectory, bounds_m: Floats, flying: bool) -> None:
+    """Raise PlanError for positions too far from the area for the check, or with heights that nothing is said of."""
+    places = trajectory.positions_m
+    if places.shape[1] == 3 and not flying:
+        raise PlanError(
+            f"robot {trajectory.robot}: positions_m[0] has 3 numbers; 2 are needed, since only a swarm with altitudes_m"
+            " has heights"
+        )
+    low, high = bounds_m[:2] - FAR_FROM_AREA_M, bounds_m[2:] + FAR_FROM_AREA_M
+    far = ((places[:, :2] < low) | (places[:, :2] > high)).any(axis=1)
+    far |= (np.abs(places[:, 2:]) > FAR_FROM_AREA_M).any(axis=1)
+    if far.any():
+        k = int(np.flatnonzero(far)[0])
+        raise PlanError(
+            f"robot {trajectory.robot}: positions_m[{k}] = {places[k].tolist()}; at most {FAR_FROM_AREA_M:g} m away"
+            " from the area are allowed"
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Plan:
     """A mission and its answer. ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known.
 
     ``lower_bound_reason``: why, in words that go on after "... robots at least:"; None: not told.
+
+    Raises PlanError for two trajectories of one robot, for positions more than 1e6 m away from the mission's area and
+    for heights in a mission that has none (only a swarm with ``altitudes_m`` has).
     """
 
     mission: Mission
@@ -118,6 +155,11 @@ class Plan:
             if count > 1:
                 raise PlanError(f"robot {name} has more than one trajectory")
             self.mission.fleet.robot(name)
+        planning = self.mission.planning
+        flying = isinstance(planning, SwarmSettings) and planning.altitudes_m is not None
+        bounds_m = np.array(self.mission.area.bounds)
+        for trajectory in self.trajectories:
+            _require_near(trajectory, bounds_m, flying)
 
     def __iter__(self) -> Iterator[Trajectory]:
         return iter(self.trajectories)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, ClassVar, Literal, get_args
 
 from rota.errors import MissionError
+from rota.limits import LARGEST_M
 
 Effort = Literal["quick", "normal", "high"]
 Method = Literal["tours", "parallel", "sequential", "decomposition", "sun2019"]
@@ -36,9 +38,17 @@ def require(ok: bool, where: str, value: object, allowed: str) -> None:
         raise MissionError(f"{where}: {value!r} is not allowed; {allowed}")
 
 
-def require_positive(where: str, value: float) -> None:
-    """Raise MissionError for what is not a finite number greater than 0."""
-    require(math.isfinite(value) and value > 0, where, value, "must be a finite number greater than 0")
+def require_positive(where: str, value: float, most: float = sys.float_info.max) -> None:
+    """Raise MissionError for what is not a finite number greater than 0, and at most ``most``."""
+    allowed = f" and at most {most:g}" if most < sys.float_info.max else ""
+    require(0 < value <= most, where, value, "must be a finite number greater than 0" + allowed)
+
+
+def require_text(where: str, name: str) -> None:
+    """Raise MissionError for a name that is empty, or that no file can hold since half a character is in it."""
+    require(bool(name), where, name, "must not be empty")
+    halves = [letter for letter in name if 0xD800 <= ord(letter) <= 0xDFFF]
+    require(not halves, where, name, "must be text; lone surrogates are half a character each")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,7 +230,7 @@ class BounceSettings:
         object.__setattr__(self, "bouncing_angles_deg", tuple(float(angle) for angle in self.bouncing_angles_deg))
         if self.start_headings_deg is not None:
             object.__setattr__(self, "start_headings_deg", tuple(float(angle) for angle in self.start_headings_deg))
-        require_positive("bounce.cell_m", self.cell_m)
+        require_positive("bounce.cell_m", self.cell_m, LARGEST_M)
         choices = {
             "task": BounceTask,
             "method": BounceMethod,

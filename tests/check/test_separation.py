@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,16 +12,20 @@ from shapely import MultiPolygon, box
 
 from rota.check.report import Violation
 from rota.check.separation import separation_violations
-from rota.mission import DiscSensor, Fleet, Mission
+from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, SwarmSettings
 from rota.plan import Plan, Trajectory
 
 
 def violations(*trajectories: Trajectory, body: float = 0.5) -> list[Violation]:
+    fleet = Fleet(speed_m_s=10.0, sensor=DiscSensor(radius_m=1.0), body_radius_m=body)
+    flying = any(trajectory.positions_m.shape[1] == 3 for trajectory in trajectories)
+    swarm = SwarmSettings(controller="reciprocal", altitudes_m=(1, 2))
     mission = Mission(
         name="m",
         area=MultiPolygon([box(-100, -100, 100, 100)]),
-        fleet=Fleet(speed_m_s=10.0, sensor=DiscSensor(radius_m=1.0), body_radius_m=body),
-        period_s=1.0,
+        fleet=replace(fleet, robots=tuple(fleet.equal_robot(t.robot) for t in trajectories)) if flying else fleet,
+        period_s=None if flying else 1.0,
+        planning=swarm if flying else PatrolSettings(),
     )
     return separation_violations(Plan(mission=mission, trajectories=trajectories))
 

@@ -16,7 +16,7 @@ from shapely.geometry import shape
 from rota.errors import RotaError
 from rota.files.geodesy import Projection
 from rota.files.geojson import geojson_text, plan_to_geojson, write_geojson
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Zone
+from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, SwarmSettings, Zone
 from rota.plan import Plan, Trajectory
 
 ORIGIN = GeoPoint(lat=53.5413871, lon=9.9836)
@@ -43,7 +43,7 @@ def plan(origin: GeoPoint | None = ORIGIN) -> Plan:
         positions_m=[[-250, -150], [-150, -150], [50, -150], [50, -250], [-150, -250], [-150, -150]],
         loop_start_s=10,
     )
-    staying = Trajectory(robot="b", times_s=[0, 5], positions_m=[[410, 10, 3], [450, 50, 4]], loop_start_s=5)
+    staying = Trajectory(robot="b", times_s=[0, 5], positions_m=[[410, 10], [450, 50]], loop_start_s=5)
     return Plan(mission=mission, trajectories=(looping, staying))
 
 
@@ -103,7 +103,17 @@ def test_a_polygon_of_one_part_is_a_polygon() -> None:
 
 
 def test_heights_are_kept() -> None:
-    assert features(plan_to_geojson(plan()), "loop")[1]["geometry"]["coordinates"][2] == 4.0
+    climbing = Trajectory(robot="a", times_s=[0, 5], positions_m=[[410, 10, 3], [450, 50, 4]], loop_start_s=5)
+    robots = (Robot(name="a", speed_m_s=10, sensor=DiscSensor(radius_m=50)),)
+    mission = dataclasses.replace(
+        plan().mission,
+        zones=(),
+        period_s=None,
+        fleet=dataclasses.replace(plan().mission.fleet, robots=robots),
+        planning=SwarmSettings(controller="reciprocal", altitudes_m=(2, 5)),
+    )
+    document = plan_to_geojson(Plan(mission=mission, trajectories=(climbing,)))
+    assert features(document, "loop")[0]["geometry"]["coordinates"][2] == 4.0
 
 
 def test_degrees_come_back_as_metres() -> None:

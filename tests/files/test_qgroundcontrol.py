@@ -8,6 +8,7 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.errors import PlanError, RotaError
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol, write_qgroundcontrol
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
+from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, SwarmSettings, Zone
 from rota.plan import Plan, Trajectory
 
 ORIGIN = GeoPoint(lat=-33.8567844, lon=151.2152967)
@@ -154,7 +155,11 @@ def test_each_leg_is_flown_at_its_own_speed_in_every_round() -> None:
 
 def test_heights_of_their_own_are_flown() -> None:
     climbing = Trajectory(robot="a", times_s=[0, 10, 20], positions_m=[[0, 0, 30], [50, 0, 40], [0, 0, 30]])
-    heights = [item["params"][6] for item in items_of(plan_of(climbing)) if item["command"] in (TAKEOFF, WAYPOINT)]
+    flat = plan_of(square_loop())
+    swarm = SwarmSettings(controller="reciprocal", altitudes_m=(20, 50))
+    flying = replace(flat.mission, zones=(), planning=swarm)
+    plan = Plan(mission=flying, trajectories=(climbing,))
+    heights = [item["params"][6] for item in items_of(plan) if item["command"] in (TAKEOFF, WAYPOINT)]
     assert heights == [25, 30, 40]
 
 

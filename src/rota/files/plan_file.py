@@ -28,7 +28,7 @@ MADE_BY = "'rota plan' writes one"
 def write_plan(plan: Plan, path: str | os.PathLike[str], *, meets_demand: bool = True) -> None:
     """Write ``plan`` to ``path``: whole or not at all. ``meets_demand`` False marks it as the best that was found.
 
-    Raises PlanError for a heading that is not finite, RotaError when the path cannot be written.
+    Raises RotaError when the path cannot be written.
     """
     write_atomically(path, plan_text(plan, meets_demand=meets_demand))
 
@@ -64,11 +64,8 @@ def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
 
 
 def _trajectory_to_json(trajectory: Trajectory) -> Json:
-    """One robot's trajectory. Raises PlanError for a heading that is not finite."""
+    """One robot's trajectory."""
     headings = trajectory.headings_rad
-    if headings is not None and not np.isfinite(headings).all():
-        k = int(np.flatnonzero(~np.isfinite(headings))[0])
-        raise PlanError(f"robot {trajectory.robot}: headings_rad[{k}] = {headings[k]}; headings must be finite")
     return {
         "name": trajectory.robot,
         "loop_start_s": trajectory.loop_start_s,

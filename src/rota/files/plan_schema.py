@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
+from rota.limits import LARGEST_M, LONGEST_S
 from rota.mission import (
     Blocks,
     BounceMethod,
@@ -30,14 +31,19 @@ from rota.mission import (
 
 PLAN_VERSION = 1
 
-Point = Annotated[list[float], Field(min_length=2, max_length=2)]
-Position = Annotated[list[float], Field(min_length=2, max_length=3)]
+Coordinate = Annotated[float, Field(ge=-LARGEST_M, le=LARGEST_M)]
+Point = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+Position = Annotated[list[Coordinate], Field(min_length=2, max_length=3)]
 Ring = Annotated[list[Point], Field(min_length=3, description="[x, y] in metres; the first point is not repeated")]
 Polygons = Annotated[
     list[Annotated[list[Ring], Field(min_length=1, description="outer ring, then holes")]], Field(min_length=1)
 ]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
+Length = Annotated[float, Field(gt=0, le=LARGEST_M)]
+Radius = Annotated[float, Field(ge=0, le=LARGEST_M)]
+Time = Annotated[float, Field(ge=0, le=LONGEST_S)]
+Period = Annotated[float, Field(gt=0, le=LONGEST_S)]
 Name = Annotated[str, Field(min_length=1)]
 
 
@@ -49,7 +55,7 @@ class DiscSensorFields(_Strict):
     """A disc of this radius round the robot, or one that grows with height, height x tan(half angle), up to it."""
 
     shape: Literal["disc"]
-    radius_m: Positive
+    radius_m: Length
     half_angle_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
 
 
@@ -57,7 +63,7 @@ class SquareSensorFields(_Strict):
     """A square of this side round the robot, along the axes."""
 
     shape: Literal["square"]
-    side_m: Positive
+    side_m: Length
 
 
 SensorFields = Annotated[DiscSensorFields | SquareSensorFields, Field(discriminator="shape")]
@@ -69,11 +75,11 @@ class RobotFields(_Strict):
     name: Name
     speed_m_s: Positive
     sensor: SensorFields
-    body_radius_m: NotNegative
+    body_radius_m: Radius
     turn_rate_rad_s: Positive | None
     start: Point | None
-    joins_s: NotNegative = 0.0
-    leaves_s: Positive | None = None
+    joins_s: Time = 0.0
+    leaves_s: Period | None = None
 
 
 RobotList = Annotated[list[RobotFields], Field(min_length=1)]
@@ -105,9 +111,9 @@ class FleetFields(_Strict):
     ]
     speed_m_s: Positive
     sensor: SensorFields
-    body_radius_m: NotNegative
+    body_radius_m: Radius
     turn_rate_rad_s: Positive | None
-    altitude_m: Positive
+    altitude_m: Length
     start: StartFields | None = None
 
 
@@ -122,7 +128,7 @@ class ZoneFields(_Strict):
     """Part of the area with its own period."""
 
     name: Name
-    period_s: Positive | None
+    period_s: Period | None
     demand: Demand
     shape: Polygons
 
@@ -179,7 +185,7 @@ class SwarmFields(_Strict):
 class BounceFields(_Strict):
     """Settings of the bounce planner."""
 
-    cell_m: Positive
+    cell_m: Length
     task: BounceTask
     method: BounceMethod
     headings: int
@@ -195,8 +201,8 @@ class BounceFields(_Strict):
 class MovingObstacleFields(_Strict):
     """A disc that moves along timed points."""
 
-    radius_m: Positive
-    times_s: Annotated[list[float], Field(min_length=1)]
+    radius_m: Length
+    times_s: Annotated[list[Annotated[float, Field(ge=-LONGEST_S, le=LONGEST_S)]], Field(min_length=1)]
     positions_m: Annotated[list[Point], Field(min_length=1)]
 
 
@@ -207,7 +213,7 @@ class MissionFields(_Strict):
     area: Polygons
     obstacles: list[ObstacleFields]
     zones: list[ZoneFields]
-    period_s: Positive | None
+    period_s: Period | None
     unseeable: Unseeable
     origin: OriginFields | None
     fleet: FleetFields
@@ -229,8 +235,8 @@ class TrajectoryFields(_Strict):
     """One robot's timed points: straight legs at constant speed, repeated for ever from ``loop_start_s``."""
 
     name: Name
-    loop_start_s: NotNegative
-    times_s: Annotated[list[NotNegative], Field(min_length=1)]
+    loop_start_s: Time
+    times_s: Annotated[list[Time], Field(min_length=1)]
     positions_m: Annotated[list[Position], Field(min_length=1)]
     headings_rad: list[float] | None
 

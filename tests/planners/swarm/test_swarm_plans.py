@@ -167,7 +167,7 @@ def test_every_kind_of_robot_has_its_own_sizes() -> None:
         ([(10, 10), (10.5, 10)], "is 0.5 m from"),
         ([(-1, 10)], "1 m outside the area"),
         ([(62, 62)], "lies in an obstacle"),
-        ([(math.nan, 3)], "must be finite"),
+        ([(math.nan, 3)], "must be within"),
     ],
 )
 def test_starts_that_cannot_be_are_refused(starts: list[tuple[float, float]], words: str) -> None:

@@ -1,0 +1,8 @@
+"""How large what is read, planned and checked may be: beyond it float64 tells places and times no longer apart."""
+
+from __future__ import annotations
+
+LARGEST_M = 1e8  # coordinates and lengths; float64 then still holds places to 1.5e-8 m
+LONGEST_S = 1e10  # times, periods and durations; some 300 years
+SHORTEST_LOOP_S = 1e-6  # a robot that repeats takes at least so long
+FAR_FROM_AREA_M = 1e6  # that a plan's positions may be away from the mission's area along each axis
