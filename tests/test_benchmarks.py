@@ -33,7 +33,7 @@ from benchmarks.random_runs import Outcome, fault, outcomes, summary
 from benchmarks.row import Options, Row
 from benchmarks.shell import Run
 from benchmarks.sun_cases import CASES, case_row, total_row, write_case
-from benchmarks.swarm_adversarial import dense_states
+from benchmarks.swarm_adversarial import LATTICES, closest, dense_states, lattice_states
 from benchmarks.swarm_coverage import mission as swarm_mission, outcome as swarm_outcome
 from scipy.spatial.distance import pdist
 from shapely import MultiPolygon, box
@@ -301,6 +301,24 @@ def test_dense_states_are_dense_and_nothing_overlaps_in_them() -> None:
     beside = np.minimum(states.places_m - low, high - states.places_m).min(axis=2) - states.bodies_m
     assert beside.min() > -1e-12
     assert np.median(beside.min(axis=1)) < 1e-9  # most boxes touch a body
+
+
+def test_lattices_touch_exactly_and_nothing_overlaps_in_them() -> None:
+    states = lattice_states(10 * len(LATTICES), np.random.default_rng(3))
+    gaps = np.array([_gaps(at, bodies) for at, bodies in zip(states.places_m, states.bodies_m, strict=True)])
+    assert gaps.min() > -1e-12
+    # no fewer touch than in a row
+    assert ((np.abs(gaps) < 1e-12).sum(axis=1) >= states.bodies_m.shape[1] - 1).all()
+
+
+def test_the_closest_approach_of_two_that_pass_is_that_of_fine_steps() -> None:
+    rng = np.random.default_rng(1)
+    begin, end = rng.normal(size=(2, 50, 2))
+    part = np.linspace(0, 1, 20_001)[:, None, None]
+    fine = np.hypot(*np.moveaxis(begin + part * (end - begin), 2, 0)).min(axis=0)
+    assert closest(begin, end) == pytest.approx(fine, abs=1e-4)
+    assert (closest(begin, end) <= fine + 1e-12).all()
+    assert closest(begin, begin) == pytest.approx(np.hypot(*begin.T))
 
 
 def _gaps(places_m: np.ndarray, bodies_m: np.ndarray) -> np.ndarray:

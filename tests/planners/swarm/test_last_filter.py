@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.spatial.distance import pdist, squareform
+from shapely import Point, Polygon
 from tests.planners.swarm.conftest import PAPER, in_box
 
 from rota.planners.swarm.asked import DECIDE
+from rota.planners.swarm.filter_kernels import nearest_allowed
+from rota.planners.swarm.kernels import Hearing
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline, cut, square_round
 
 
 def wishing(velocities_m_s: np.ndarray):
@@ -121,3 +125,78 @@ def test_a_step_longer_than_the_area_jumps_through_no_wall() -> None:
     for _ in range(5):
         swarm.step()
     assert swarm.places_m[0] == pytest.approx([24.5, 20], abs=1e-6)
+
+
+# ---------------------------------------------------------------- the nearest velocity by itself
+
+ROOM = Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS))
+
+
+def allowed(wish: np.ndarray, normals: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    ROOM.x[: len(normals)], ROOM.y[: len(normals)] = normals.T
+    return np.array(nearest_allowed(*wish, float(np.hypot(*wish)), len(normals), ROOM, bounds))
+
+
+def directions(angles: np.ndarray) -> np.ndarray:
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def test_the_nearest_velocity_is_shapely_s_nearest_point() -> None:
+    rng = np.random.default_rng(2)
+    outside = 0
+    for _ in range(300):
+        normals, bounds = directions(rng.uniform(0, 2 * np.pi, 6)), rng.uniform(0, 1, 6)
+        outline, spare = (Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS)) for _ in range(2))
+        corners = square_round(9.0, outline)
+        for (ex, ey), bound in zip(normals, bounds, strict=True):
+            corners = cut(outline, corners, ex, ey, bound, spare)
+            outline, spare = spare, outline
+        shape = Polygon(np.stack([outline.x, outline.y], axis=1)[:corners])
+        wish = rng.uniform(-3, 3, 2)
+        away = np.hypot(*(allowed(wish, normals, bounds) - wish))
+        assert away == pytest.approx(shape.distance(Point(wish)), abs=1e-12)
+        outside += away > 0
+    assert outside > 150
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    planes=st.lists(st.tuples(st.integers(0, 23), st.sampled_from([0.0, 1e-300, 1e-12, 0.3, 1.0])), max_size=20),
+)
+def test_the_nearest_velocity_is_never_longer_than_the_wish_nor_out_of_bounds(seed: int, planes: list) -> None:
+    """Directions of a lattice at any angle, with errors of the last digit, many of them opposite or equal."""
+    rng = np.random.default_rng(seed)
+    angle = rng.choice([0.0, rng.uniform(0, 7)])
+    normals = directions(np.array([np.pi / 12 * k for k, _ in planes]) + angle)
+    normals += rng.choice([0.0, 1e-16, -1e-16], normals.shape)
+    bounds = np.array([bound for _, bound in planes])
+    wish = directions(rng.uniform(0, 7, 1))[0] * 2 if rng.random() < 0.5 else normals[:1].sum(axis=0) * 2
+    if not wish.any():
+        return
+    found = allowed(wish, normals, bounds)
+    assert np.hypot(*found) <= np.hypot(*wish) * (1 + 1e-15)
+    assert (normals @ found <= bounds + 1e-14).all()
+
+
+def test_robots_that_touch_on_both_sides_glide_between_them() -> None:
+    # a column at any angle: only along the column's normals is there a way
+    for angle in np.linspace(0, 2 * np.pi, 50):
+        normals = directions(np.array([angle, angle + np.pi]))
+        wish = directions(np.array([angle + 1.0]))[0]
+        found = allowed(wish, normals, np.zeros(2))
+        across = directions(np.array([angle + np.pi / 2]))[0]
+        assert found == pytest.approx(np.sin(1.0) * across, abs=1e-12)
+
+
+def test_more_half_planes_than_there_is_room_for_are_heeded_all_the_same() -> None:
+    # a ring of 100 robots round one: all but one far enough for a step of any length, that one for none
+    angle = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+    ring = directions(angle) * np.where(np.arange(100) == 70, 1.0, 1.9)[:, None]
+    places = np.vstack([[0.0, 0.0], ring]) + 50
+    bodies = np.concatenate([[0.5], np.where(np.arange(100) == 70, 0.5, 0.001)])
+    wish = np.vstack([ring[70] * 7.0, np.zeros((100, 2))])
+    for hearing in (None, Hearing(delay_steps=1, lost=0.0)):
+        swarm = in_box(places, (100, 100), body_m=bodies, speed_m_s=7, decide=wishing(wish), hearing=hearing)
+        swarm.step()
+        assert np.hypot(*(swarm.places_m[0] - 50)) < 1e-6

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.swarm_adversarial import LATE_AND_LOSSY, dense_states, least_gaps, swarm_of
+from benchmarks.swarm_adversarial import LATE_AND_LOSSY, dense_states, lattice_states, swarm_of, worst_of
 from hypothesis import given, settings, strategies as st
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 from tests.planners.swarm.test_last_filter import apart, packed, wishing
@@ -18,10 +18,19 @@ from rota.planners.swarm.kernels import Hearing
 @pytest.mark.parametrize("controller", DECIDE)
 def test_from_10_000_dense_states_with_random_velocities_bodies_never_touch(controller: str, hearing) -> None:
     states = dense_states(10_000, 5, np.random.default_rng(7))
-    between, beside, way = least_gaps(states, controller, 4, hearing)
-    assert between >= -1e-9
-    assert beside >= -1e-9
-    assert way > 1e-4  # they do move
+    worst = worst_of(states, controller, 4, hearing)
+    assert worst.faultless
+    assert worst.way_m > 1e-4  # they do move
+
+
+@pytest.mark.parametrize("hearing", [None, LATE_AND_LOSSY], ids=["exact", "late and lossy"])
+@pytest.mark.parametrize("controller", DECIDE)
+def test_from_lattices_that_touch_exactly_nobody_is_too_fast_or_touches_at_any_moment(controller: str, hearing) -> None:
+    worst = worst_of(lattice_states(400, np.random.default_rng(3)), controller, 12, hearing)
+    assert worst.faultless
+    assert worst.between_m >= -1e-12
+    assert worst.beside_m >= -1e-12
+    assert worst.way_m > 1e-3
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

@@ -66,6 +66,26 @@ def test_a_plan_holds_at_the_end_and_passes_the_check(controller: Any) -> None:
     assert plan_from_text(plan_text(found.plan), "plan") == found.plan
 
 
+CORNER = [(k + 0.5, 0.5) for k in range(6)] + [(0.5, k + 1.5) for k in range(5)]
+TOUCHING = {
+    "along two walls": (box(0, 0, 60, 60), CORNER),
+    "along a wall": (box(0, 0, 60, 60), [(10.0 + k, 0.5) for k in range(12)]),
+    "in a lane": (box(0, 0, 1.52, 12), [(0.5, k + 0.5) for k in range(8)]),
+    "in a square": (box(0, 0, 60, 60), [(20.5 + k % 4, 30.5 + k // 4) for k in range(16)]),
+}
+
+
+@pytest.mark.parametrize("controller", ["settle", "reciprocal", "voronoi", "virtual_force"])
+@pytest.mark.parametrize("where", TOUCHING)
+def test_bodies_that_touch_exactly_at_the_start_get_a_plan(controller: Any, where: str) -> None:
+    area, starts = TOUCHING[where]
+    robots = (robot(f"r{k}", start, sensor_m=10) for k, start in enumerate(starts))
+    settings = SwarmSettings(controller=controller, most_steps=60)
+    found = search_plan(with_robots(*robots, area=MultiPolygon([area]), planning=settings), seed=0)
+    assert found.report.verdict == "met"
+    assert found.report.violations == ()
+
+
 def test_a_zone_that_the_holding_robots_see_is_met_and_one_beyond_them_is_not() -> None:
     still = robot("a", (50, 50))
     near = Zone(name="near", shape=MultiPolygon([box(45, 45, 55, 55)]), period_s=10)

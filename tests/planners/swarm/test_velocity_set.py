@@ -10,7 +10,7 @@ import pytest
 import shapely
 from shapely import Point, Polygon
 
-from rota.planners.swarm.velocity_set_kernels import Outline, centroid_in_disc, cut, nearest_in, square_round
+from rota.planners.swarm.velocity_set_kernels import Outline, centroid_in_disc, cut, square_round
 
 Room = Callable[[], Outline]
 
@@ -109,16 +109,3 @@ def test_a_tiny_set_far_out_keeps_its_digits(outlines: Room) -> None:
     outline, corners = cut_by(planes, 2.0, outlines)
     _, x, y = centroid_in_disc(outline, corners, 2.0)
     assert (x - 1, y - 1) == pytest.approx((size / 3, size / 3), abs=2e-10)
-
-
-def test_the_nearest_point_is_shapely_s(outlines: Room) -> None:
-    rng = np.random.default_rng(2)
-    for _ in range(100):
-        outline, corners = cut_by(random_planes(rng, 5, 1.0), 1.0, outlines)
-        if corners < 3:
-            continue
-        shape = Polygon(np.stack([outline.x, outline.y], axis=1)[:corners])
-        x, y = rng.uniform(-3, 3, 2)
-        if not shape.contains(Point(x, y)):
-            bx, by = nearest_in(outline, corners, x, y)
-            assert math.hypot(bx - x, by - y) == pytest.approx(shape.distance(Point(x, y)), abs=1e-12)

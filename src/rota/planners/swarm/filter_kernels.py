@@ -1,21 +1,45 @@
 # mypy: disable-error-code="no-any-return"
-"""Compiled last filter: the velocity nearest to the one wished for with which no body can touch another or a wall.
+"""Compiled last filter: a velocity near the one wished for with which no body can touch another or a wall.
 
-For every robot B within r_A + r_B + (v_A + v_B) dt, e the unit vector towards it: v . e <= (distance - r_A - r_B) /
-(2 dt); for every wall, n towards its nearest point: v . n <= (distance - r_A) / dt. Each of two robots takes at most
-half of what lies between them, so they stay apart at every moment of the step, whatever the other does. Velocity 0 is
-always allowed.
+Bounds. For every robot B within r_A + r_B + (v_A + v_B) dt, e the unit vector towards it: v . e <= (distance - r_A -
+r_B) / (2 dt); for every wall, n towards its nearest point: v . n <= (distance - r_A) / dt. Robots and walls farther
+away are out of reach of this step. A bound is 0 for what touches already, and never below: the velocities that are
+allowed are a convex set K that holds 0, and any share s v, 0 <= s <= 1, of one of them is one of them.
 
-A robot that is known from an old message only may have gone s = age v_B dt since: it is somewhere in the disc of
-radius s round the place told. Let d be the distance to that place and D >= d - s the true one, u the true direction. If
-v . u <= (d - s - r_A - r_B) / (2 dt) for every u that leads into the disc, then v . u <= (D - r_A - r_B) / (2 dt) for
-the true one; the other robot, with its own old message and its own bound below D, does the same against -u, so along u
-the two together take no more than lies between them. For s < d the directions are a cone of half-angle p = asin(s / d)
-round e. Each u in it at an angle 0 <= a <= p from e is (sin(p - a) e + sin(a) e_p) / sin(p), e_p the edge of the cone,
-and the two factors add up to cos(a - p / 2) / cos(p / 2) <= 1 / cos(p / 2): three half-planes, towards e and both
-edges, with the bound times cos(p / 2), imply all the others. For s >= d the other robot may be on any side: only
-velocity 0 is left, which all bounds, being 0 or more, always allow. Robots with d - s - r_A - r_B beyond the sum of
-both longest steps cannot meet in this one.
+Claim. Let bodies be apart, or touch, and speeds wished for be at most v_max. Then at every moment of the step
+
+1. every robot drives at v_max or less: the result is never longer than the wish;
+2. every body is clear of every wall: the wall lies in the half-plane p . n >= distance, since n leads to its nearest
+   point and a segment is convex, and t seconds after the step's beginning, t <= dt, the robot has gone no more than
+   t v . n <= distance - r_A towards it;
+3. every two bodies are clear of each other, whatever the other robot does within its own bounds: along e the two come
+   nearer by no more than half of the gap each.
+
+The proof does not lean on the search for the nearest velocity. What the search finds, and the wish, are two candidates
+c; the largest share s is taken with s c . e <= b for all half-planes, which the compiled code compares one by one, and
+of the two results the one nearer to the wish. A candidate longer than the wish is not taken. So rounding may cost a
+robot some way, and never safety.
+
+The search. If the wish w is not in K, the point v of K nearest to it lies on the line of a half-plane that w violates:
+w - v is a sum of the e of lines through v, with factors >= 0, so w . e > b = v . e for one of them. On each such line K
+leaves an interval, and the nearest point of the interval is a candidate. With b = 0 the line runs through the origin,
+which all the others allow, so that the interval holds 0 in floating point too; its nearest point is then no longer than
+the wish. Where bodies touch exactly, in lattices and in rows along walls, all bounds are 0.
+
+Rounding. A gap of g metres counts as g - 1e-9, and as 0 below that. Distances and directions of places no farther than
+1e6 m from the origin err by less than 1e-9 m, so bodies that are 1e-9 m apart stay apart. For bodies that touch, v . e
+may exceed 0 by ROUNDING |w|, without which a robot could not glide along what it touches: bodies may come nearer by
+ROUNDING of a step's way, 1e-15 m for 0.5 m, and by what places round in every step anyway.
+
+Old news. A robot that is known from an old message only may have gone s = age v_B dt since: it is somewhere in the disc
+of radius s round the place told. Let d be the distance to that place and D >= d - s the true one, u the true direction.
+If v . u <= (d - s - r_A - r_B) / (2 dt) for every u that leads into the disc, then v . u <= (D - r_A - r_B) / (2 dt)
+for the true one; the other robot, with its own old message and its own bound below D, does the same against -u, so
+along u the two together take no more than lies between them. For s < d the directions are a cone of half-angle p =
+asin(s / d) round e. Each u in it at an angle 0 <= a <= p from e is (sin(p - a) e + sin(a) e_p) / sin(p), e_p the edge
+of the cone, and the two factors add up to cos(a - p / 2) / cos(p / 2) <= 1 / cos(p / 2): three half-planes, towards e
+and both edges, with the bound times cos(p / 2), imply all the others. For s >= d the other robot may be on any side:
+only velocity 0 is left.
 """
 
 from __future__ import annotations
@@ -24,22 +48,15 @@ import math
 from typing import Any
 
 from rota.planners.swarm.kernels import cell_of, compiled, to_wall
-from rota.planners.swarm.velocity_set_kernels import cut, is_cut, nearest_in, square_round
 
 ROUNDING_M = 1e-9  # kept between bodies, so that rounding of places never makes them touch
+ROUNDING = 2e-15  # share of a velocity by which a half-plane may be exceeded: what rounding leaves of a point on a line
 
 
 @compiled
 def room(gap_m: float, time_s: float) -> float:
     """Greatest speed towards what is gap_m away; 0 for what touches already."""
     return max(gap_m - ROUNDING_M, 0.0) / time_s
-
-
-@compiled
-def scaled(vx: float, vy: float, ex: float, ey: float, bound: float) -> float:
-    """Largest share of a velocity, up to 1, that keeps v . e <= bound; bound >= 0."""
-    towards = vx * ex + vy * ey
-    return bound / towards if towards > bound else 1.0
 
 
 @compiled
@@ -61,93 +78,198 @@ def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float
 
 
 @compiled
+def add_half_plane(
+    ex: float, ey: float, bound: float, count: int, longest: float, normals: Any, bounds: Any
+) -> tuple[int, float]:
+    """Note v . e <= bound; returns how many half-planes there are, and the greatest length that is safe without more.
+
+    ``longest``: no velocity longer than that is asked for, so a greater bound says nothing. Without room the loosest
+    half-plane goes, and its bound becomes the greatest length: shorter velocities do not come to it.
+    """
+    if bound >= longest or (ex == 0.0 and ey == 0.0):
+        return count, longest
+    k = count
+    if count == bounds.shape[0]:
+        k = 0
+        for other in range(1, count):
+            if bounds[other] > bounds[k]:
+                k = other
+        if bounds[k] <= bound:
+            return count, bound
+        longest = bounds[k]
+    normals.x[k], normals.y[k], bounds[k] = ex, ey, bound
+    return max(count, k + 1), longest
+
+
+@compiled
+def bounded_by_robots(
+    i: int, c: int, robots: Any, kinds: Any, grid: Any, time_step_s: float, spread_m: Any, longest: float,
+    normals: Any, bounds: Any,
+) -> tuple[int, float]:  # fmt: skip
+    """The half-planes of the robots round about; returns their number and the greatest length, as add_half_plane."""
+    kind, x, y, count = robots.kind[i], robots.x[i], robots.y[i], 0
+    body, step_m = kinds.body_m[kind], kinds.speed_m_s[kind] * time_step_s
+    stride = grid.columns + 2
+    for row in range(3):
+        first = c + (row - 1) * stride
+        for j in range(grid.start[first - 1], grid.start[first + 2]):
+            dx, dy = robots.x[j] - x, robots.y[j] - y
+            distance = math.sqrt(dx * dx + dy * dy)
+            bodies = body + kinds.body_m[robots.kind[j]]
+            unsure_m = spread_m[j] if spread_m.shape[0] > 0 else 0.0
+            within = bodies + unsure_m + step_m + kinds.speed_m_s[robots.kind[j]] * time_step_s
+            if j == i or distance > within:
+                continue
+            if unsure_m > 0.0 and unsure_m >= distance:
+                return 0, 0.0
+            bound = room(distance - unsure_m - bodies, 2.0 * time_step_s)
+            ex, ey = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
+            if unsure_m > 0.0:
+                along, across, narrower = cone(distance, unsure_m)
+                bound *= narrower
+                for side in (-across, across):
+                    ax, ay = along * ex - side * ey, along * ey + side * ex
+                    count, longest = add_half_plane(ax, ay, bound, count, longest, normals, bounds)
+            count, longest = add_half_plane(ex, ey, bound, count, longest, normals, bounds)
+    return count, longest
+
+
+@compiled
+def bounded_by_walls(
+    i: int, c: int, robots: Any, kinds: Any, grid: Any, time_step_s: float, count: int, longest: float,
+    normals: Any, bounds: Any,
+) -> tuple[int, float]:  # fmt: skip
+    """Add the half-planes of walls; a robot that stands on one may only go along it."""
+    kind, x, y = robots.kind[i], robots.x[i], robots.y[i]
+    body, step_m = kinds.body_m[kind], kinds.speed_m_s[kind] * time_step_s
+    for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
+        wall = grid.walls[grid.wall_item[item]]
+        dx, dy = to_wall(x, y, wall)
+        distance = math.sqrt(dx * dx + dy * dy)
+        if distance > body + step_m:
+            continue
+        bound = room(distance - body, time_step_s)
+        ex, ey = wall_normal(dx, dy, distance, wall)
+        count, longest = add_half_plane(ex, ey, bound, count, longest, normals, bounds)
+        if distance <= 1e-12:
+            count, longest = add_half_plane(-ex, -ey, bound, count, longest, normals, bounds)
+    return count, longest
+
+
+@compiled
+def bounded_by_moving(
+    x: float, y: float, body: float, moving: Any, time_step_s: float, count: int, longest: float,
+    normals: Any, bounds: Any,
+) -> tuple[int, float]:  # fmt: skip
+    """Add the half-planes of discs that move; where one comes nearer than a robot can make way, the bound is 0."""
+    for m in range(moving.x.shape[0]):
+        dx, dy = moving.x[m] - x, moving.y[m] - y
+        distance = math.sqrt(dx * dx + dy * dy)
+        gap = distance - body - moving.radius_m[m]
+        ex, ey = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
+        approach = moving.vx[m] * ex + moving.vy[m] * ey
+        bound = max((gap - ROUNDING_M) / time_step_s + approach, 0.0)
+        count, longest = add_half_plane(ex, ey, bound, count, longest, normals, bounds)
+    return count, longest
+
+
+@compiled
+def share_within(vx: float, vy: float, slack: float, count: int, normals: Any, bounds: Any) -> float:
+    """Largest share of a velocity, up to 1, that all half-planes allow but for the slack."""
+    share = 1.0
+    for k in range(count):
+        towards = vx * normals.x[k] + vy * normals.y[k]
+        if towards > bounds[k] + slack:
+            share = min(share, bounds[k] / towards)
+    return share
+
+
+@compiled
+def nearest_on_lines(wx: float, wy: float, count: int, normals: Any, bounds: Any) -> tuple[float, float]:
+    """The nearest point to a wish on the lines that it lies beyond, as far as the other half-planes leave them.
+
+    (0, 0) where rounding leaves nothing of any line.
+    """
+    best2, bx, by = math.inf, 0.0, 0.0
+    for k in range(count):
+        ex, ey, bound = normals.x[k], normals.y[k], bounds[k]
+        beyond = wx * ex + wy * ey - bound
+        if beyond <= 0.0 or beyond * beyond >= best2:
+            continue
+        low, high = -math.inf, math.inf  # of the places b e + t (-e_y, e_x) on the line
+        for other in range(count):
+            along = normals.y[other] * ex - normals.x[other] * ey
+            left = bounds[other] - bound * (normals.x[other] * ex + normals.y[other] * ey)
+            if along > ROUNDING:
+                high = min(high, left / along)
+            elif along < -ROUNDING:
+                low = max(low, left / along)
+            elif left < -ROUNDING * bound:  # parallel, and the line lies beyond; its own does not
+                high = -math.inf
+        if low > high:
+            continue
+        wished = wy * ex - wx * ey
+        t = min(max(wished, low), high)
+        distance2 = beyond * beyond + (t - wished) * (t - wished)
+        if distance2 < best2:
+            best2, bx, by = distance2, bound * ex - t * ey, bound * ey + t * ex
+    return bx, by
+
+
+@compiled
+def nearest_allowed(wx: float, wy: float, longest: float, count: int, normals: Any, bounds: Any) -> tuple[float, float]:
+    """The velocity no longer than ``longest`` and than the wish, in all half-planes, that is nearest to the wish.
+
+    Bounds are 0 or more. Never longer than the wish, and in all half-planes but for rounding, whatever the search
+    finds; see above.
+    """
+    slack = ROUNDING * math.sqrt(wx * wx + wy * wy)
+    share = share_within(wx, wy, slack, count, normals, bounds)
+    rx, ry = share * wx, share * wy
+    if share < 1.0:
+        vx, vy = nearest_on_lines(wx, wy, count, normals, bounds)
+        share = share_within(vx, vy, slack, count, normals, bounds)
+        vx, vy = share * vx, share * vy
+        nearer = (vx - wx) ** 2 + (vy - wy) ** 2 < (rx - wx) ** 2 + (ry - wy) ** 2
+        if nearer and vx * vx + vy * vy <= wx * wx + wy * wy:
+            rx, ry = vx, vy
+    length = math.sqrt(rx * rx + ry * ry)
+    if length > longest:
+        rx, ry = rx * (longest / length), ry * (longest / length)
+    return rx, ry
+
+
+@compiled
 def filter_velocities(
     begin: int, end: int, robots: Any, kinds: Any, grid: Any, moving: Any, time_step_s: float, widest_m: float,
-    spread_m: Any, new_vx: Any, new_vy: Any, nearest2: Any, outline: Any, spare: Any,
+    spread_m: Any, new_vx: Any, new_vy: Any, nearest2: Any, normals: Any, spare: Any,
 ) -> None:  # fmt: skip
     """Replace the velocities of robots begin..end - 1 by the nearest safe ones.
 
     nearest2: (n,) squared distance of the nearest robot, so that most robots need no second look. widest_m: the largest
     body plus the longest step of any robot. spread_m: how far each robot may have gone from its place, (n,), or (0,)
-    where places are exact. Discs that move are kept clear of as far as they leave a choice.
+    where places are exact. Discs that move are kept clear of as far as they leave a choice. normals, spare: room.
     """
+    bounds = spare.x
     for i in range(begin, end):
         vx, vy = new_vx[i], new_vy[i]
         if vx == 0.0 and vy == 0.0:
             continue
         kind, x, y = robots.kind[i], robots.x[i], robots.y[i]
-        body, step_m = kinds.body_m[kind], kinds.speed_m_s[kind] * time_step_s
+        body = kinds.body_m[kind]
         c = cell_of(x, y, grid)
-        reach = body + step_m + widest_m
+        reach = body + kinds.speed_m_s[kind] * time_step_s + widest_m
         crowded = nearest2[i] <= reach * reach
         if not crowded and grid.wall_start[c] == grid.wall_start[c + 1] and moving.x.shape[0] == 0:
             continue
-        # first the nearest velocity that all half-planes allow, which glides along what is in the way; the polygon
-        # has room for many of them. Then the share of it that really all allow, which rounding cannot harm
-        corners = square_round(2.0 * kinds.speed_m_s[kind], outline)
-        stride = grid.columns + 2
-        for pass_number in range(2):
-            share = 1.0
-            if crowded:
-                for row in range(3):
-                    first = c + (row - 1) * stride
-                    for j in range(grid.start[first - 1], grid.start[first + 2]):
-                        dx, dy = robots.x[j] - x, robots.y[j] - y
-                        distance = math.sqrt(dx * dx + dy * dy)
-                        bodies = body + kinds.body_m[robots.kind[j]]
-                        unsure_m = spread_m[j] if spread_m.shape[0] > 0 else 0.0
-                        within = bodies + unsure_m + step_m + kinds.speed_m_s[robots.kind[j]] * time_step_s
-                        if j == i or distance > within:
-                            continue
-                        bound = room(distance - unsure_m - bodies, 2.0 * time_step_s)
-                        ex, ey = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
-                        if unsure_m > 0.0:
-                            if unsure_m >= distance:
-                                share, corners = 0.0, 0
-                                continue
-                            along, across, narrower = cone(distance, unsure_m)
-                            bound *= narrower
-                            for side in (-across, across):
-                                ax, ay = along * ex - side * ey, along * ey + side * ex
-                                share = min(share, scaled(vx, vy, ax, ay, bound))
-                                if pass_number == 0 and corners > 0 and is_cut(outline, corners, ax, ay, bound):
-                                    corners = cut(outline, corners, ax, ay, bound, spare)
-                                    outline, spare = spare, outline
-                        share = min(share, scaled(vx, vy, ex, ey, bound))
-                        if pass_number == 0 and corners > 0 and is_cut(outline, corners, ex, ey, bound):
-                            corners = cut(outline, corners, ex, ey, bound, spare)
-                            outline, spare = spare, outline
-            for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
-                wall = grid.walls[grid.wall_item[item]]
-                dx, dy = to_wall(x, y, wall)
-                distance = math.sqrt(dx * dx + dy * dy)
-                if distance > body + step_m:
-                    continue
-                bound = room(distance - body, time_step_s)
-                ex, ey = wall_normal(dx, dy, distance, wall)
-                share = min(share, scaled(vx, vy, ex, ey, bound))
-                if distance <= 1e-12:
-                    share = min(share, scaled(vx, vy, -ex, -ey, bound))
-                if pass_number == 0 and is_cut(outline, corners, ex, ey, bound):
-                    corners = cut(outline, corners, ex, ey, bound, spare)
-                    outline, spare = spare, outline
-            for m in range(moving.x.shape[0]):
-                dx, dy = moving.x[m] - x, moving.y[m] - y
-                distance = math.sqrt(dx * dx + dy * dy)
-                gap = distance - body - moving.radius_m[m]
-                ex, ey = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
-                approach = moving.vx[m] * ex + moving.vy[m] * ey
-                bound = max((gap - ROUNDING_M) / time_step_s + approach, 0.0)
-                share = min(share, scaled(vx, vy, ex, ey, bound))
-                if pass_number == 0 and is_cut(outline, corners, ex, ey, bound):
-                    corners = cut(outline, corners, ex, ey, bound, spare)
-                    outline, spare = spare, outline
-            if pass_number == 1:
-                vx, vy = share * vx, share * vy
-            elif share >= 1.0:
-                break
-            elif corners > 0:
-                vx, vy = nearest_in(outline, corners, vx, vy)
-            else:
-                vx, vy = 0.0, 0.0
-        new_vx[i], new_vy[i] = vx, vy
+        count, longest = 0, math.sqrt(vx * vx + vy * vy)
+        if crowded:
+            count, longest = bounded_by_robots(
+                i, c, robots, kinds, grid, time_step_s, spread_m, longest, normals, bounds
+            )  # fmt: skip
+        count, longest = bounded_by_walls(i, c, robots, kinds, grid, time_step_s, count, longest, normals, bounds)
+        count, longest = bounded_by_moving(x, y, body, moving, time_step_s, count, longest, normals, bounds)
+        if longest == 0.0:
+            new_vx[i], new_vy[i] = 0.0, 0.0
+        elif count > 0:
+            new_vx[i], new_vy[i] = nearest_allowed(vx, vy, longest, count, normals, bounds)

@@ -155,23 +155,3 @@ def centroid_in_disc(outline: Any, corners: int, radius: float) -> tuple[bool, f
     if area > SLIVER * r2:
         return True, 2.0 * mx / (3.0 * area), 2.0 * my / (3.0 * area)
     return True, sx / (2 * chords), sy / (2 * chords)
-
-
-@compiled
-def nearest_in(outline: Any, corners: int, x: float, y: float) -> tuple[float, float]:
-    """The point on a polygon's border that is nearest to (x, y), which must not lie inside."""
-    best2, bx, by = math.inf, 0.0, 0.0
-    px, py = outline.x[corners - 1], outline.y[corners - 1]
-    for k in range(corners):
-        qx, qy = outline.x[k], outline.y[k]
-        dx, dy = qx - px, qy - py
-        length2 = dx * dx + dy * dy
-        t = 0.0
-        if length2 > 0.0:
-            t = min(max(((x - px) * dx + (y - py) * dy) / length2, 0.0), 1.0)
-        cx, cy = px + t * dx, py + t * dy
-        distance2 = (cx - x) * (cx - x) + (cy - y) * (cy - y)
-        if distance2 < best2:
-            best2, bx, by = distance2, cx, cy
-        px, py = qx, qy
-    return bx, by
