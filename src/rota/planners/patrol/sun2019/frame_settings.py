@@ -73,28 +73,37 @@ class PartitionSettings:
     """How the frame is cut into segments, one robot each.
 
     method: "exact", the default, is the optimum by dynamic programming; "pso" is the paper's Algorithm 3.
+    times: what Eq. 26 is taken for. "routes": the length of the closed route round the segment over the speed, as it is
+    printed; the exact method then gives what Eq. 28 costs least. "estimate": twice the segment's length and 2 pi r_s,
+    which needs no routes and is what our method begins with.
     joining_legs: whether a segment includes the leg from the last sensor of the segment before to its own first one, as
     Eq. 22 has it (the curve from one termination point to the next). The sensors' discs are covered without it, so that
-    the default leaves it out. The paper's times say that it counts: four robots on its zone 2 (Table 6, case 3) go
-    470.4 m, 11.5 m a leg with 15 legs, near the 10.7 m of its whole frame, but 15.7 m with the 11 legs left otherwise.
+    the default leaves it out. The paper's times say that it counts: the routes of Table 5 are 2,128 m long in all, and
+    a frame of 1,027.40 m without five of its 96 legs has no five routes longer than 2,105 m round it (2 x 974 m and
+    five times 2 pi r_s); with all of them it has routes of up to 2,212 m, less what bends save.
     margin_s: T_m of Eq. 28, by which a route must be shorter than its period.
     too_few: what the exact method makes smallest where the segments asked for are too few to keep all periods: the sum
     of what routes are late, as Eq. 28 has it, "least_late"; or the largest share of a period, "even", for routes that
-    are to be shortened all alike afterwards.
+    are to be shortened all alike afterwards. Only with the estimate.
     weight_late, weight_segments, weight_early: xi_1, xi_2 and xi_3 of Eq. 28. Not given, but T_m = 0.5 s, xi_2 = 1000
     and xi_3 = 100 give the cost 5709.23 of Figure 13 from Table 5 (5709.0, and its times are rounded); the cost 9343.48
-    of Figure 16 would follow (9344) if one of Table 8's times were a second too long (9244 as printed). Of xi_1 one
-    only sees that it is large; with 10,000 a tenth of a second late costs as much as one more robot.
+    of Figure 16 would follow (9344) if one of Table 8's times were a second too long (9244 as printed). xi_1 is
+    bounded by what the paper's plans leave undone. In Case 6 of Table 6 routes are late by 5.76 s, the margin counted,
+    and a plan without that is called dearer: xi_1 is at most 211 if one route more would have been enough, at most 523
+    if two. In Section 5.1 one route instead of two round zone 1 would have saved 1,106 and been late by 4.87 s: at
+    least 227; in Case 3 two of zone 2's four routes, whichever follow each other, at least 261. 10,000 would make Case
+    6 as printed cost 68,807.
     iterations, swarms, particles, least_velocity, most_velocity (shares of the frame), most_inertia, least_inertia,
     own_pull (c_1), swarm_pull (c_2): Table 4. Its 50 iterations contradict the text, whose cost still falls in the
     168th.
     """
 
     method: Literal["exact", "pso"] = "exact"
+    times: Literal["estimate", "routes"] = "estimate"
     joining_legs: bool = False
     margin_s: float = 0.0
     too_few: TooFew = "least_late"
-    weight_late: float = 10_000.0
+    weight_late: float = 300.0
     weight_segments: float = 1_000.0
     weight_early: float = 100.0
     iterations: int = 50
@@ -109,6 +118,7 @@ class PartitionSettings:
 
     def __post_init__(self) -> None:
         _require(self.method in ("exact", "pso"), "method", self.method, "exact or pso")
+        _require(self.times in ("estimate", "routes"), "times", self.times, "estimate or routes")
         _require(self.too_few in get_args(TooFew), "too_few", self.too_few, "least_late or even")
         for name in ("margin_s", "weight_late", "weight_segments", "weight_early", "own_pull", "swarm_pull"):
             _require_share(name, getattr(self, name))
@@ -131,4 +141,4 @@ def _require_share(name: str, value: float) -> None:
 
 TABLE_3 = TourSettings(method="genetic", generations=10_000, population=600)
 
-TABLE_4 = PartitionSettings(method="pso", joining_legs=True, margin_s=0.5)
+TABLE_4 = PartitionSettings(method="pso", times="routes", joining_legs=True, margin_s=0.5)

@@ -1,8 +1,10 @@
 """The frame cut into segments, each with a closed route for one robot (Sun et al. 2019, Section 4.4, Eqs. 20-28).
 
-A robot goes round its segment at the distance r_s: twice along it and once round its ends, 2 x length + 2 pi r_s in
-all (Eq. 26, Figure 9a). That is the length of the widened segment's border up to its bends, where the inner side saves
-a little; routes as they are driven, repaired round obstacles and where lanes merge, differ from it.
+A robot goes round its segment at the distance r_s. Eq. 26 has the length of that closed route, over the speed; where
+the lengths of all segments' routes are given (``route_lengths.py``), times are those. Without them a time is estimated:
+twice the segment and once round its ends, 2 x length + 2 pi r_s, which is the length of the widened segment's border
+but for its bends, where the inner side saves a little, and for obstacles and lanes that merge (7 % more than the routes
+in all on Figure 13's map).
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.planners.patrol.sun2019.cheapest_kernels import cheapest_partition
 from rota.planners.patrol.sun2019.frame_settings import PartitionSettings, TooFew
 from rota.planners.patrol.sun2019.partition_kernels import (
     TIE,
@@ -68,6 +71,7 @@ def partition_frame(
     speed_m_s: float,
     sensor_radius_m: float,
     segments: int | None = None,
+    route_lengths_m: Floats | None = None,
     settings: PartitionSettings | None = None,
     seed: int = 0,
 ) -> Partition:
@@ -76,20 +80,25 @@ def partition_frame(
     legs_m: (n,) metres along the path from each waypoint to the next, from the last to the first; n >= 1.
     waypoint_periods_s: (n,) the period of the sub-region that each waypoint was deployed in. A segment's period is the
     smallest among its waypoints. speed_m_s: V. sensor_radius_m: r_s. segments: how many there shall be; None: as few as
-    are needed. seed: of the particle swarms.
+    are needed. route_lengths_m: (n, n) of the closed route round the k + 1 waypoints from each on; None: estimated by
+    their lengths. seed: of the particle swarms.
 
-    The exact method gives the fewest segments, of these partitions one whose largest (time + margin) / period is the
-    smallest, and of those the one in which its squares have the smallest sum. A waypoint whose route round it alone
-    takes too long gets a segment of its own; ``kept`` tells whether all periods are kept. If they cannot be with the
-    number of segments given, the sum of what routes are late (margin counted) is the smallest possible, and then the
-    sum of squares; with ``settings.too_few`` "even" the largest share of a period is, as above. The swarms' best
-    partition is as good as they find, by Eq. 28.
+    With route lengths the exact method gives the partition that Eq. 28 costs least: a longer segment may have a shorter
+    route, so that the rest of this does not hold. Without, it gives the fewest segments, of these partitions one whose
+    largest (time + margin) / period is the smallest, and of those the one in which its squares have the smallest sum. A
+    waypoint whose route round it alone takes too long gets a segment of its own; ``kept`` tells whether all periods are
+    kept. If they cannot be with the number of segments given, the sum of what routes are late (margin counted) is the
+    smallest possible, and then the sum of squares; with ``settings.too_few`` "even" the largest share of a period is,
+    as above. The swarms' best partition is as good as they find, by Eq. 28.
 
     Raises ValueError when an argument is not finite or not greater than 0 (a leg may be 0), and for more segments than
     waypoints.
     """
     settings = settings or PartitionSettings()
-    ring = ring_of(legs_m, waypoint_periods_s, speed_m_s, sensor_radius_m, joining_legs=settings.joining_legs)
+    ring = ring_of(
+        legs_m, waypoint_periods_s, speed_m_s, sensor_radius_m, joining_legs=settings.joining_legs,
+        route_lengths_m=route_lengths_m,
+    )  # fmt: skip
     n = len(legs_m)
     if segments is not None and not 1 <= segments <= n:
         raise ValueError(f"segments: {segments!r} is not allowed; must be from 1 to the number of waypoints, {n}")
@@ -100,6 +109,8 @@ def partition_frame(
             ring, termination_shares(legs), expected, settings, segments=segments, seed=seed
         )
         return _judged((np.roll(last, 1) + 1) % n, ring, settings, history)
+    if route_lengths_m is not None:
+        return _judged(_cheapest(ring, settings, segments), ring, settings, None)
     first = exact_partition(ring, settings.margin_s, segments, too_few=settings.too_few)
     return _judged(first, ring, settings, None)
 
@@ -177,7 +188,13 @@ def termination_shares(legs_m: Floats) -> Floats:
 
 
 def ring_of(
-    legs_m: Floats, waypoint_periods_s: Floats, speed_m_s: float, sensor_radius_m: float, *, joining_legs: bool
+    legs_m: Floats,
+    waypoint_periods_s: Floats,
+    speed_m_s: float,
+    sensor_radius_m: float,
+    *,
+    joining_legs: bool,
+    route_lengths_m: Floats | None = None,
 ) -> Ring:
     """The frame as the kernels hold it; ValueError names what is wrong with an argument of ``partition_frame``."""
     legs, periods = np.asarray(legs_m, dtype=np.float64), np.asarray(waypoint_periods_s, dtype=np.float64)
@@ -194,6 +211,14 @@ def ring_of(
         if not (math.isfinite(value) and value > 0):
             raise ValueError(f"{name}: {value!r} is not allowed; must be a finite number greater than 0")
     n = len(legs)
+    routes_m = np.empty((0, 0)) if route_lengths_m is None else np.ascontiguousarray(route_lengths_m, dtype=np.float64)
+    if route_lengths_m is not None and not (
+        routes_m.shape == (n, n) and (np.isfinite(routes_m) & (routes_m > 0)).all()
+    ):
+        raise ValueError(
+            f"route_lengths_m: shape {routes_m.shape} or a value is not allowed; must be ({n}, {n}) finite numbers "
+            "greater than 0"
+        )
     along = np.concatenate([[0.0], np.cumsum(np.tile(legs, 2))[: 2 * n - 1]])
     smallest = [np.tile(periods, 2)]
     while 2 ** len(smallest) <= n:
@@ -202,7 +227,7 @@ def ring_of(
         smallest.append(np.minimum(smallest[-1], ahead))
     level = np.array([0] + [k.bit_length() - 1 for k in range(1, n + 1)], dtype=np.int64)
     around_m = route_length_m(0.0, sensor_radius_m)
-    return Ring(along, np.array(smallest), level, float(speed_m_s), around_m, int(joining_legs))
+    return Ring(along, np.array(smallest), level, float(speed_m_s), around_m, int(joining_legs), routes_m / speed_m_s)
 
 
 def _best(ring: Ring, margin_s: float, longest: Ints, segments: int) -> Ints:
@@ -212,6 +237,16 @@ def _best(ring: Ring, margin_s: float, longest: Ints, segments: int) -> Ints:
     need, first = np.empty((2, segments + 1), dtype=np.int64)
     best_partition(segments, margin_s, longest, ring, late, uneven, chosen, need, first)
     return np.sort(first[:segments])
+
+
+def _cheapest(ring: Ring, settings: PartitionSettings, segments: int | None) -> Ints:
+    """The first waypoints (m,) of the partition that Eq. 28 costs least."""
+    n = len(ring.level) - 1
+    layers = segments or 0
+    price, first = np.empty((n, n)), np.empty(n, dtype=np.int64)
+    cost, chosen = np.empty((layers + 1, n + 1)), np.zeros((layers + 1, n + 1), dtype=np.int64)
+    count = cheapest_partition(layers, rules_of(settings), ring, price, cost, chosen, first)
+    return np.sort(first[:count])
 
 
 def _times_and_periods(first: Ints, ring: Ring) -> tuple[Floats, Floats]:

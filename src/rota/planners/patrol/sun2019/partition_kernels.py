@@ -20,7 +20,9 @@ class Ring(NamedTuple):
 
     along_m: (2 n,) metres from waypoint 0. period_s: (levels, 2 n) the smallest period of 2 ** level waypoints from
     each on. level: (n + 1,) the largest level not above log2 of a number. around_m: what the route has besides twice
-    the segment, 2 pi r_s. ints: 1 where the leg before a segment's first waypoint is part of it.
+    the segment, 2 pi r_s. joining: 1 where the leg before a segment's first waypoint is part of it. route_s: (n, n) the
+    time round the segment of k + 1 waypoints from each on, or (0, 0): then it is taken for twice the segment's length
+    and around_m.
     """
 
     along_m: Any
@@ -29,6 +31,7 @@ class Ring(NamedTuple):
     speed_m_s: float
     around_m: float
     joining: int
+    route_s: Any
 
 
 @compiled
@@ -40,7 +43,9 @@ def segment_period_s(first: int, count: int, ring: Ring) -> float:
 
 @compiled
 def segment_time_s(first: int, count: int, ring: Ring) -> float:
-    """Eq. 26: time round the segment, twice its length and 2 pi r_s."""
+    """Eq. 26: time of the closed route round the segment, looked up or taken for twice its length and 2 pi r_s."""
+    if ring.route_s.shape[0] > 0:
+        return ring.route_s[first, count - 1]
     n = ring.level.shape[0] - 1
     long_m = ring.along_m[first + count - 1] - ring.along_m[first]
     if ring.joining:

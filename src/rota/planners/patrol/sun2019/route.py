@@ -22,6 +22,7 @@ from rota.planners.patrol.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.sun2019.tour import Frame
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 TOUCH_M = 1e-6  # so near a segment, a part of its widened shape belongs to it
 STRAIGHT_M = 1e-9  # corners that bend less tell nothing
@@ -32,12 +33,17 @@ def segment_line(frame: Frame, partition: Partition, segment: int, *, joining_le
 
     joining_legs: begin at the last waypoint of the segment before, as Eq. 22 has it.
     """
-    n = len(frame.order)
-    places = partition.places(segment, n).tolist()
+    places = partition.places(segment, len(frame.order))
+    return stretch_line(frame, places, joining_legs=joining_legs)
+
+
+def stretch_line(frame: Frame, places: Ints, *, joining_legs: bool) -> Floats:
+    """The polyline (k, 2) past the waypoints at these places (m,) of the frame, which follow each other."""
+    held = places.tolist()
     if joining_legs:
-        places = [(places[0] - 1) % n, *places]
-    pieces = [frame.path_m[frame.leg_start[k] : frame.leg_start[k + 1]] for k in places[:-1]]
-    return np.vstack([*pieces, frame.path_m[frame.leg_start[places[-1]]]])
+        held = [(held[0] - 1) % len(frame.order), *held]
+    pieces = [frame.path_m[frame.leg_start[k] : frame.leg_start[k + 1]] for k in held[:-1]]
+    return np.vstack([*pieces, frame.path_m[frame.leg_start[held[-1]]]])
 
 
 def route_round(
@@ -55,18 +61,29 @@ def route_round(
     if here < 0:
         raise PlanError(f"the segment at {line_m[0].tolist()} lies outside the space where robots can be")
     space = MultiPolygon([paths.parts[here]])
-    stays = bool((line_m == line_m[0]).all())
-    line = Point(line_m[0]) if stays else LineString(line_m)
+    line = as_line(line_m)
     widened = shapely.intersection(line.buffer(radius_m, quad_segs=settings.arc_corners), space)
-    parts = [part for part in shapely.get_parts(widened) if isinstance(part, Polygon) and part.distance(line) < TOUCH_M]
-    parts = sorted(parts, key=lambda part: -float(part.area))
-    rings = [ring for part in parts for ring in rings_of(part, space, hole_m2=settings.hole * np.pi * radius_m**2)]
+    rings = borders_of(widened, line, space, hole_m2=settings.hole * np.pi * radius_m**2)
     if not rings:
         return paths.paths_along(np.vstack([line_m, line_m[-2:0:-1]]))
     route = inside(rings[0], space, paths)
     for ring in rings[1:]:
         route = joined_rings(route, inside(ring, space, paths), paths)
     return route
+
+
+def as_line(line_m: Floats) -> LineString | Point:
+    """A polyline (k, 2), or the point where all of it lies."""
+    return Point(line_m[0]) if (line_m == line_m[0]).all() else LineString(line_m)
+
+
+def borders_of(widened: BaseGeometry, line: LineString | Point, space: BaseGeometry, *, hole_m2: float) -> list[Floats]:
+    """The rings (n, 2) that the route round a widened segment follows; first the outer one of its largest part."""
+    parts = [part for part in shapely.get_parts(widened) if isinstance(part, Polygon)]
+    if len(parts) > 1:
+        parts = [part for part in parts if part.distance(line) < TOUCH_M]
+        parts = sorted(parts, key=lambda part: -float(part.area))
+    return [ring for part in parts for ring in rings_of(part, space, hole_m2=hole_m2)]
 
 
 def rings_of(part: Polygon, space: BaseGeometry, *, hole_m2: float) -> list[Floats]:

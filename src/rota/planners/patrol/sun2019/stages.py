@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Mission, Robot
+from rota.planners.patrol.problem import common_robot
 from rota.planners.patrol.sun2019.deploy import Deployment, deploy_sensors
 from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.sun2019.partition import Partition, partition_frame, route_length_m
 from rota.planners.patrol.sun2019.route import route_round, segment_line
+from rota.planners.patrol.sun2019.route_lengths import route_lengths_m, segment_lengths_m
 from rota.planners.patrol.sun2019.settings import MethodSettings
 from rota.planners.patrol.sun2019.tour import Frame, find_frame
 
@@ -29,6 +31,7 @@ class PartFrame:
     frame: its order counts the part's sensors, which are those numbered ``sensors`` (n,) of the deployment.
     waypoint_periods_s: (n,) along the frame. part: of ``ShortestPaths.parts``. legs_m: (n,) what each leg counts as in
     the partition: its length, until routes round it are found to be longer or shorter than Eq. 26 has it.
+    route_lengths_m: (n, n) metres round each stretch of the frame; None where the partition estimates them.
     """
 
     frame: Frame
@@ -36,6 +39,7 @@ class PartFrame:
     waypoint_periods_s: Floats
     part: int
     legs_m: Floats
+    route_lengths_m: Floats | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +91,7 @@ def framed_sensors(
     """Deploy sensors and find the frames past them. paths: of the space where the mission's robots can be."""
     deployment = deploy_sensors(mission, deploy, seed=seed, threads=threads)
     positions_m, zone, periods_s = deployment.positions_m, deployment.zone_of, deployment.periods_s
-    parts = paths.part_of(positions_m)
+    parts, robot = paths.part_of(positions_m), common_robot(mission.fleet)
     found = []
     for part in np.unique(parts).tolist():
         here = np.flatnonzero(parts == part)
@@ -95,13 +99,21 @@ def framed_sensors(
             positions_m[here], zone[here], paths, virtual_radius_m=deployment.virtual_radius_m,
             settings=settings.tour, seed=seed,
         )  # fmt: skip
+        along_s = periods_s[here][frame.order]
+        lengths_m = None
+        if settings.partition.times == "routes":
+            lengths_m = route_lengths_m(
+                frame, along_s, paths, speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
+                joining_legs=settings.partition.joining_legs, settings=settings.route,
+            )  # fmt: skip
         found.append(
             PartFrame(
                 frame=frame,
                 sensors=here,
-                waypoint_periods_s=periods_s[here][frame.order],
+                waypoint_periods_s=along_s,
                 part=int(part),
                 legs_m=frame.legs_m,
+                route_lengths_m=lengths_m,
             )
         )
     return Framed(deployment=deployment, parts=tuple(found), seed=seed)
@@ -135,9 +147,16 @@ def partition_of(
     part: PartFrame, robot: Robot, settings: MethodSettings, *, seed: int, segments: int | None = None
 ) -> Partition:
     """The frame of one part cut into segments for a robot, as many as given or needed."""
+    lengths_m = part.route_lengths_m
+    if lengths_m is not None and part.legs_m is not part.frame.legs_m:
+        counted_m, really_m = (
+            segment_lengths_m(legs_m, joining_legs=settings.partition.joining_legs)
+            for legs_m in (part.legs_m, part.frame.legs_m)
+        )
+        lengths_m = lengths_m * np.divide(counted_m, really_m, out=np.ones_like(counted_m), where=really_m > 0)
     return partition_frame(
         part.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
-        segments=segments, settings=settings.partition, seed=seed,
+        segments=segments, route_lengths_m=lengths_m, settings=settings.partition, seed=seed,
     )  # fmt: skip
 
 
@@ -168,7 +187,10 @@ def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
         legs_m = part.legs_m.copy()
         for k in range(len(partition.first)):
             inner = partition.places(k, len(legs_m))[:-1]
-            long_m, really_m = float(part.legs_m[inner].sum()), (driven_m[at] - around_m) / 2
+            if part.route_lengths_m is None:
+                long_m, really_m = float(part.legs_m[inner].sum()), (driven_m[at] - around_m) / 2
+            else:
+                long_m, really_m = float(partition.times_s[k]) * robot.speed_m_s, float(driven_m[at])
             if long_m > 0:
                 legs_m[inner] *= np.clip(really_m / long_m, 1 / MOST_SCALED, MOST_SCALED)
             at += 1
