@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 from benchmarks.create2.plans import TypedMap, bounced_plan
 from PIL import Image
+from shapely import Point, box, union_all
 
 from rota.cli import run
 from rota.errors import NoPlanFound
@@ -573,6 +575,33 @@ def test_a_swarm_that_is_stopped_goes_on_from_its_file(
     (tmp_path / "few.rota-run").write_bytes(b"PK")
     assert run(["plan", "few.yaml", "--resume", "few.rota-run"]) == 2
     assert "few.rota-run: no run file, or not a whole one" in capsys.readouterr().err
+
+
+def test_the_measures_of_every_step_are_written_as_a_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "20"))
+    assert run(["plan", "few.yaml", "--metrics", "steps.csv"]) == 0
+    assert "the run was cut off after 20 steps by swarm.most_steps" in capsys.readouterr().out
+    head, *rows = (tmp_path / "steps.csv").read_text().splitlines()
+    assert head.startswith("step,time_s,coverage,deadweight_loss,body_gap_m,wall_gap_m,way_m,")
+    table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    assert table[:, 0].tolist() == list(range(21))
+    assert table[:, 1] == pytest.approx(0.25 * np.arange(21))
+    plan = read_plan(tmp_path / "few.rota.json")
+    for row, time_s in ((0, 0.0), (20, 5.0)):  # what is in range in the beginning and in the end, of the plan
+        at = [[np.interp(time_s, t.times_s, t.positions_m[:, k]) for k in (0, 1)] for t in plan]
+        discs = union_all([Point(x, y).buffer(25, quad_segs=64) for x, y in at])
+        assert table[row, 2] == pytest.approx(discs.intersection(box(0, 0, 150, 150)).area / 150**2, abs=3e-3)
+    (tmp_path / "few.yaml").write_text(SWARM.replace("MOST", "25"))
+    assert run(["plan", "few.yaml", "--resume", "few.rota-run", "--metrics", "more.csv"]) == 0
+    assert (tmp_path / "more.csv").read_text().splitlines()[1].startswith("20,5.0,")
+    assert run(["plan", "few.yaml", "--metrics", "steps.txt"]) == 2
+    assert "steps.txt: '.txt' is no format for a table; .csv is needed" in capsys.readouterr().err
+    (tmp_path / "few.yaml").write_text(SWARM.partition("planner")[0] + "period_s: 900\n")
+    assert run(["plan", "few.yaml", "--metrics", "steps.csv"]) == 2
+    assert "planner: patrol has no steps to measure; swarm does" in capsys.readouterr().err
 
 
 def test_a_run_that_misses_its_demand_is_kept_without_a_plan(

@@ -82,7 +82,8 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    others = {"building_map", "swarm-port", "swarm-space", "swarm-square", "bounce-cover", "bounce-monitor"}
+    swarms = {"swarm-port", "swarm-space", "swarm-square", "swarm-squares"}
+    others = {"building_map", "bounce-cover", "bounce-monitor", *swarms}
     assert named == {*MISSIONS, *others}
 
 
@@ -238,9 +239,22 @@ def test_the_swarm_s_square_is_planned_and_nothing_is_wrong_with_the_plan(
     assert run(["plan", str(EXAMPLES / "swarm-square.yaml"), "-o", str(plan_file)]) == 0
     told = capsys.readouterr().out
     assert "25 robots hold" in told
-    assert "discs without overlap would have 78.5%" in told
+    assert "footprints without overlap would have 78.5%" in told
     assert "Check: no violations." in told
     assert run(["check", str(plan_file)]) == 0
+
+
+def test_square_sensors_spread_over_the_square_and_hold(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan_file = tmp_path / "plan.json"
+    assert run(["plan", str(EXAMPLES / "swarm-squares.yaml"), "-o", str(plan_file)]) == 0
+    told = capsys.readouterr().out
+    assert "footprints without overlap would have 87.9%" in told
+    plan = read_plan(plan_file)
+    assert plan.run_end is not None
+    assert plan.run_end.at_rest
+    ends = [trajectory.positions_m[-1] for trajectory in plan]
+    squares = union_all([box(x - 15, y - 15, x + 15, y + 15) for x, y in ends])
+    assert squares.intersection(box(0, 0, 128, 128)).area / 128**2 > 0.8
 
 
 def test_the_robots_in_space_climb_and_spread_and_nothing_is_wrong(

@@ -100,9 +100,13 @@ def plan(
     resume: Annotated[
         str | None, typer.Option(metavar="RUN", help="Go on with a swarm's run that was stopped: its .rota-run file.")
     ] = None,
+    metrics: Annotated[
+        str | None, typer.Option(metavar="FILE.csv", help="Write what every step of a swarm came to, as a table.")
+    ] = None,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
     from rota.compiled_cache import compiled_by_two, is_compiled
+    from rota.files.atomic_write import require_suffix
     from rota.files.mission_file import read_mission
     from rota.files.run_file import read_run
 
@@ -110,6 +114,9 @@ def plan(
     _require_target(target, source=mission)
     if resume is not None:
         _require_target(target, source=resume)
+    if metrics is not None:
+        require_suffix(metrics, (".csv",), "a table")
+        _require_target(metrics, source=mission)
     read = read_mission(mission)
     for warning in read.warnings:
         say(f"warning: {warning}")
@@ -121,7 +128,7 @@ def plan(
     run = None if resume is None else read_run(resume)
     seed = seed if seed is not None else run.seed if run is not None else 0
     with compiled_by_two() if by_two else nullcontext():
-        code = plan_and_write(asked, target, seed, time_limit, best, (resume, run))
+        code = plan_and_write(asked, target, seed, time_limit, best, (resume, run), metrics)
     raise typer.Exit(code)
 
 

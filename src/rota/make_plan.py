@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rota.check.report import Report
     from rota.mission import Mission
     from rota.plan import Plan
+    from rota.planners.swarm.metrics import History
     from rota.swarm_state import SwarmState
 
 Progress = Callable[[float, str], None]
@@ -58,6 +59,7 @@ def search_plan(
     should_stop: ShouldStop | None = None,
     watch: Watch | None = None,
     resume: SwarmState | None = None,
+    observe: Callable[[History], None] | None = None,
 ) -> PlanSearch:
     """Plan ``mission`` with the planner that its settings name, and check the outcome.
 
@@ -65,7 +67,8 @@ def search_plan(
     planner is asked to stop; it then gives the best plan so far. progress: called with a fraction 0..1 and what is
     being done. should_stop: asked now and then; True stops like the time limit. watch: called with every state that
     the search comes to, from several threads; it changes nothing of what is found. resume: a swarm's run to go on with;
-    the outcome is the plan of the same run without a stop, bit for bit.
+    the outcome is the plan of the same run without a stop, bit for bit. observe: called with what every step of a swarm
+    in the plane came to, those since the stop of one that goes on.
 
     Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
     is not greater than 0 or a mission that the planner cannot use; RunError for a run of another mission or seed.
@@ -77,9 +80,11 @@ def search_plan(
     runs: list[SwarmState] = []
     more: dict[str, Any] = {}
     if mission.planning.planner == "swarm":
-        more = {"resume": resume, "keep": runs.append}
-    elif resume is not None:
-        raise MissionError(f"planner: {mission.planning.planner} makes no runs that can be gone on with; swarm does")
+        _require_observable(mission, observe)
+        more = {"resume": resume, "keep": runs.append, "observe": observe}
+    elif resume is not None or observe is not None:
+        what = "makes no runs that can be gone on with" if resume is not None else "has no steps to measure"
+        raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
     try:
         plan = _planner(mission)(
             mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch, **more
@@ -95,6 +100,11 @@ def search_plan(
             reason + (" (stopped early)" if stop.stopped else ""), best=plan, run=runs[0] if runs else None
         )
     return PlanSearch(plan=plan, report=report, stopped_early=stop.stopped, run=runs[0] if runs else None)
+
+
+def _require_observable(mission: Mission, observe: object) -> None:
+    if observe is not None and mission.swarm.altitudes_m is not None:
+        raise MissionError("swarm.altitudes_m: swarms in space are not measured step by step")
 
 
 def _judged(report: Report) -> str:

@@ -159,8 +159,8 @@ class MovingObstacle:
 class Mission:
     """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
 
-    ``planning`` chooses the planner by its type. A swarm's fleet is a list of robots with disc sensors, and it may
-    leave out all periods: nothing is asked then but to spread. Only it heeds moving obstacles.
+    ``planning`` chooses the planner by its type. A swarm's fleet is a list of robots, and it may leave out all
+    periods: nothing is asked then but to spread. Only it heeds moving obstacles.
 
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
     than ``AREA``, by which reports call that ground.
@@ -219,8 +219,8 @@ class Mission:
         robots = self.fleet.robots
         require(robots is not None, "fleet.robots", "fewest", "a swarm needs a number of robots, or a list of them")
         for robot in robots or ():
-            ok = isinstance(robot.sensor, DiscSensor)
-            require(ok, f"robot {robot.name}: sensor", "square", "a swarm needs disc sensors")
+            ok = isinstance(robot.sensor, DiscSensor) or self.swarm.altitudes_m is None
+            require(ok, f"robot {robot.name}: sensor", "square", "a swarm with altitudes_m needs disc sensors")
             ok = robot.turn_rate_rad_s is None
             require(ok, f"robot {robot.name}: turn_rate_rad_s", robot.turn_rate_rad_s, "a swarm turns at once; null")
         if self.swarm.altitudes_m is not None:

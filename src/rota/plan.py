@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from rota.limits import FAR_FROM_AREA_M, LONGEST_S, SHORTEST_LOOP_S
 from rota.mission import Mission, SwarmSettings
 
 Floats = NDArray[np.float64]
+EndReason = Literal["rest", "most_steps", "stopped"]
 
 
 def _frozen(values: object) -> Floats:
@@ -134,10 +136,40 @@ def _require_near(trajectory: Trajectory, bounds_m: Floats, flying: bool) -> Non
 
 
 @dataclass(frozen=True, kw_only=True)
+class RunEnd:
+    """How a swarm's run ended that a plan was made from: after so many ``steps``, and whether all robots were at rest.
+
+    ``reason``: "rest", the stop rule held and nothing was to come any more; "most_steps", the mission allows no more;
+    "stopped", by Ctrl-C or a time limit. Raises PlanError for steps below 0 and a reason that says something else of
+    rest.
+    """
+
+    at_rest: bool
+    steps: int
+    reason: EndReason
+
+    def __post_init__(self) -> None:
+        if self.reason not in get_args(EndReason) or self.at_rest != (self.reason == "rest"):
+            allowed = "rest for robots at rest, else most_steps or stopped"
+            raise PlanError(f"reason: {self.reason!r} with at_rest {self.at_rest}; {allowed}")
+        if self.steps < 0:
+            raise PlanError(f"steps: {self.steps} is not allowed; must be 0 or more")
+
+    def text(self) -> str:
+        """The end in words, which go on after "the run was" or the like."""
+        steps = f"after {self.steps:,} step" + ("s" if self.steps != 1 else "")
+        if self.at_rest:
+            return f"at rest {steps}"
+        why = "by swarm.most_steps" if self.reason == "most_steps" else "when it was stopped"
+        return f"cut off {steps} {why}, before all robots were at rest"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Plan:
     """A mission and its answer. ``lower_bound_robots``: no plan with fewer robots exists, proved; None: not known.
 
-    ``lower_bound_reason``: why, in words that go on after "... robots at least:"; None: not told.
+    ``lower_bound_reason``: why, in words that go on after "... robots at least:"; None: not told. ``run_end``: how the
+    run of a swarm ended; None: not told, and for other planners.
 
     Raises PlanError for two trajectories of one robot, for positions more than 1e6 m away from the mission's area and
     for heights in a mission that has none (only a swarm with ``altitudes_m`` has).
@@ -148,6 +180,7 @@ class Plan:
     seed: int = 0
     lower_bound_robots: int | None = None
     lower_bound_reason: str | None = None
+    run_end: RunEnd | None = None
 
     def __post_init__(self) -> None:
         counted = Counter(trajectory.robot for trajectory in self.trajectories)
@@ -156,6 +189,8 @@ class Plan:
                 raise PlanError(f"robot {name} has more than one trajectory")
             self.mission.fleet.robot(name)
         planning = self.mission.planning
+        if self.run_end is not None and not isinstance(planning, SwarmSettings):
+            raise PlanError(f"run_end: only swarms have runs; the planner is {planning.planner}")
         flying = isinstance(planning, SwarmSettings) and planning.altitudes_m is not None
         bounds_m = np.array(self.mission.area.bounds)
         for trajectory in self.trajectories:

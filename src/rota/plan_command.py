@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rota.check import Report
     from rota.mission import Mission
     from rota.plan import Plan
+    from rota.planners.swarm.metrics import History
     from rota.swarm_state import SwarmState
 
 
@@ -26,28 +27,36 @@ def plan_and_write(
     time_limit_s: float | None,
     best: bool,
     resume: tuple[str | None, SwarmState | None],
+    metrics: str | None = None,
 ) -> int:
-    """Plan, check, write and tell the outcome; returns the exit code. resume: a run file's path and what it holds."""
+    """Plan, check, write and tell the outcome; returns the exit code. resume: a run file's path and what it holds.
+
+    metrics: where the measures of every step of a swarm are written to, as CSV.
+    """
     from rota.check import check_plan
     from rota.interrupt import stop_on_interrupt
     from rota.make_plan import search_plan
 
     reason = None
+    histories: list[History] = []
     with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
         try:
             found = search_plan(
-                mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1]
-            )
+                mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1],
+                observe=None if metrics is None else histories.append,
+            )  # fmt: skip
             answer, report, early, run = found.plan, found.report, found.stopped_early, found.run
         except NoPlanFound as failure:
             reason, early, run = failure, False, failure.run  # type: ignore[assignment]
             if not best or failure.best is None:
+                _write_metrics(histories, mission, resume[1], metrics)
                 if run is not None:
                     keep_run(run, target, resume[0])
                 return _say_no_plan(failure, stop.raised, "no plan" if run is not None else "nothing")
             answer = failure.best  # type: ignore[assignment]
             report = check_plan(answer)
     _write_plan(answer, target, meets_demand=reason is None)
+    _write_metrics(histories, mission, resume[1], metrics)
     _show_outcome(answer, report, target)
     if run is not None:
         keep_run(run, target, resume[0])
@@ -78,6 +87,14 @@ def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
         sys.stdout.flush()
     else:
         write_plan(answer, target, meets_demand=meets_demand)
+
+
+def _write_metrics(histories: list[History], mission: Mission, resumed: SwarmState | None, path: str | None) -> None:
+    from rota.files.atomic_write import write_atomically
+
+    for history in histories:
+        first = 0 if resumed is None else resumed.steps
+        write_atomically(str(path), history.csv(time_step_s=mission.swarm.time_step_s, first_step=first))
 
 
 def _show_outcome(answer: Plan, report: Report, target: str) -> None:

@@ -125,6 +125,8 @@ class SwarmSettings:
     What robots know of each other: messages arrive ``delay_steps`` late, and ``messages_lost`` of them never do (at
     most 8 in a row), so that the last one that came counts.
 
+    A robot with a square sensor spreads as if it had the disc within; the check and all measures take the square.
+
     ``device``: what decides, "cpu" or, with an NVIDIA GPU and the package numba-cuda, "cuda"; to within rounding.
 
     ``altitudes_m``: robots move in three dimensions between two altitudes over the ground, which the middles of their

@@ -174,6 +174,15 @@ def test_zones_sticking_out_are_cut_with_a_warning(tmp_path):
     )
 
 
+def test_sensors_that_reach_no_farther_than_their_bodies_are_warned_of(tmp_path):
+    listed = "[{name: a, body_radius_m: 6}, {name: b}, {name: c, body_radius_m: 5}]"
+    _, warnings = read(tmp_path, BASE.replace("fleet: {", f"fleet: {{robots: {listed}, "))
+    assert warnings == (
+        f"{tmp_path / 'mission.yaml'}:5:8: fleet: the sensor of robot a reaches 5 m, no farther than its body of 6 m,"
+        " and so do those of 1 more: it sees no ground but what it stands on",
+    )
+
+
 def test_a_zone_along_the_border_is_no_reason_to_warn(tmp_path):
     ring = "[[0, 0], [20, 13.333333333333334], [20, 0]]"
     text = BASE.replace("[60, 0], [60, 40], [0, 40]", "[60, 0], [60, 40]")

@@ -79,6 +79,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         first_coverage_s=first if math.isfinite(first) else None,
         unmet_points_m=unmet,
         unmet_demand=unmet_demand,
+        run_end=plan.run_end,
     )
 
 

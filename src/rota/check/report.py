@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+
+from rota.plan import EndReason, RunEnd
 
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
@@ -64,7 +66,7 @@ class Report:
 
     ``first_coverage_s``: by then all that is demanded has been seen once (an upper bound; None: some is never seen).
     ``unmet_points_m`` (n, 2) and ``unmet_demand`` (n,): corners and middle of every piece not shown met, and the
-    index of its demand in ``demands``.
+    index of its demand in ``demands``. ``run_end``: what the plan says of the end of a swarm's run; it is not judged.
     """
 
     verdict: Outcome
@@ -75,6 +77,7 @@ class Report:
     first_coverage_s: float | None
     unmet_points_m: NDArray[np.float64] = field(repr=False)
     unmet_demand: NDArray[np.int64] = field(repr=False)
+    run_end: RunEnd | None = None
 
     @property
     def worst_ratio(self) -> float:
@@ -89,12 +92,14 @@ class Report:
 
 def report_to_json(report: Report) -> dict[str, Any]:
     """The report as JSON values, by the schema of ``report_schema``: null for "never" and at most 100 unmet points."""
+    end = report.run_end
     return {
         "rota_report": 1,
         "verdict": report.verdict,
         "robots": report.robots,
         "lower_bound_robots": report.lower_bound_robots,
         "first_coverage_s": report.first_coverage_s,
+        "run_end": None if end is None else {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason},
         "worst_ratio": _finite(report.worst_ratio),
         "worst_ratio_at_least": _finite(report.worst_ratio_at_least),
         "demands": [
@@ -186,6 +191,13 @@ def report_schema() -> dict[str, Any]:
         robots=count,
         lower_bound_robots={"type": ["integer", "null"], "minimum": 0},
         first_coverage_s=maybe,
+        run_end={
+            "description": "what the plan says of the end of a swarm's run; null: nothing",
+            "oneOf": [
+                {"type": "null"},
+                _object(at_rest={"type": "boolean"}, steps=count, reason={"enum": list(get_args(EndReason))}),
+            ],
+        },
         worst_ratio={**ratio, "description": "no gap is longer than so many times its period; null: not shown"},
         worst_ratio_at_least={**ratio, "description": "some gap is so many times its period; null: for ever"},
         demands={"type": "array", "items": demand},
@@ -207,6 +219,8 @@ def report_table(report: Report) -> str:
     first = "never" if report.first_coverage_s is None else f"within {_number(report.first_coverage_s)} s"
     told = f"all seen once: {first}" if report.demands else "nothing is asked of the ground"
     lines = [f"verdict: {report.verdict}", f"robots: {report.robots} (lower bound: {bound}); {told}"]
+    if report.run_end is not None:
+        lines.append(f"the plan says that its run was {report.run_end.text()}")
     lines += _demand_rows(report) if report.demands else []
     return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
 

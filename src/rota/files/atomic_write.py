@@ -72,9 +72,8 @@ def require_suffix(path: str | os.PathLike[str], allowed: tuple[str, ...], what:
     suffix = Path(path).suffix
     if suffix.lower() not in allowed:
         found = repr(suffix) if suffix else "no suffix"
-        raise RotaError(
-            f"{path}: {found} is no format for {what}; {', '.join(allowed[:-1])} or {allowed[-1]} is needed"
-        )
+        needed = " or ".join([", ".join(allowed[:-1]), allowed[-1]] if len(allowed) > 1 else allowed)
+        raise RotaError(f"{path}: {found} is no format for {what}; {needed} is needed")
     return suffix.lower()
 
 

@@ -81,7 +81,20 @@ def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None
         mission = _mission(file, ground)
     except MissionError as error:
         raise MissionError(*(f"{path}: {fault}" for fault in error.faults)) from None
-    return ReadMission(mission, tuple(positioned(document, warnings)))
+    return ReadMission(mission, tuple(positioned(document, [*warnings, *_blind(mission)])))
+
+
+def _blind(mission: Mission) -> list[Fault]:
+    """A warning of sensors that reach no farther than the bodies that carry them."""
+    fleet = mission.fleet
+    robots = fleet.robots if fleet.robots is not None else (fleet.equal_robot("robot-1"),)
+    blind = [robot for robot in robots if inner_reach_m(robot.sensor) <= robot.body_radius_m]
+    if not blind:
+        return []
+    reach_m, body_m = inner_reach_m(blind[0].sensor), blind[0].body_radius_m
+    first = f"the sensor of robot {blind[0].name} reaches {reach_m:.6g} m, no farther than its body of {body_m:.6g} m"
+    others = f", and so do those of {len(blind) - 1} more" if len(blind) > 1 else ""
+    return [Fault(("fleet",), f"{first}{others}: it sees no ground but what it stands on")]
 
 
 def mission_schema() -> dict[str, Any]:

@@ -16,7 +16,7 @@ from rota.files.local_file import read_bytes
 from rota.files.mission_json import mission_from_fields, mission_to_json
 from rota.files.plan_faults import named_field, plan_faults
 from rota.files.plan_schema import PLAN_VERSION, PlanFields, TrajectoryFields
-from rota.plan import Plan, Trajectory
+from rota.plan import Plan, RunEnd, Trajectory
 
 Json = dict[str, Any]
 MADE_BY = "'rota plan' writes one"
@@ -52,12 +52,15 @@ def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
     """The plan as plain dicts, lists, strings and numbers, as the plan file holds it."""
     mark: Json = {} if meets_demand else {"meets_demand": False}
     reason = {} if plan.lower_bound_reason is None else {"lower_bound_reason": plan.lower_bound_reason}
+    end = plan.run_end
+    ended = {} if end is None else {"run_end": {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason}}
     return {
         "rota_plan": PLAN_VERSION,
         "seed": int(plan.seed),
         "lower_bound_robots": None if plan.lower_bound_robots is None else int(plan.lower_bound_robots),
         **reason,
         **mark,
+        **ended,
         "mission": mission_to_json(plan.mission),
         "robots": [_trajectory_to_json(trajectory) for trajectory in plan.trajectories],
     }
@@ -129,6 +132,8 @@ def plan_from_json(document: object) -> Plan:
         raise PlanError("\n".join(plan_faults(error))) from error
     mission = mission_from_fields(fields.mission)
     trajectories = tuple(_trajectory(robot, f"robots[{k}]") for k, robot in enumerate(fields.robots))
+    with named_field("run_end"):
+        end = None if fields.run_end is None else RunEnd(**fields.run_end.model_dump())
     with named_field("robots"):
         return Plan(
             mission=mission,
@@ -136,6 +141,7 @@ def plan_from_json(document: object) -> Plan:
             seed=fields.seed,
             lower_bound_robots=fields.lower_bound_robots,
             lower_bound_reason=fields.lower_bound_reason,
+            run_end=end,
         )
 
 

@@ -28,6 +28,7 @@ from rota.mission import (
     Unseeable,
     VelocityChoice,
 )
+from rota.plan import EndReason
 
 PLAN_VERSION = 1
 
@@ -241,6 +242,14 @@ class TrajectoryFields(_Strict):
     headings_rad: list[float] | None
 
 
+class RunEndFields(_Strict):
+    """How the run of a swarm ended: "rest", or cut off by swarm.most_steps or when it was stopped."""
+
+    at_rest: bool
+    steps: Annotated[int, Field(ge=0)]
+    reason: EndReason
+
+
 class PlanFields(_Strict):
     """A Rota plan: a mission and one timed trajectory per robot. It stands alone."""
 
@@ -252,6 +261,9 @@ class PlanFields(_Strict):
     ] = None
     meets_demand: Annotated[
         bool | None, Field(description="false: written with --best although the check does not pass; else absent")
+    ] = None
+    run_end: Annotated[
+        RunEndFields | None, Field(description="of a swarm: whether its robots were at rest; absent: not told")
     ] = None
     mission: MissionFields
     robots: list[TrajectoryFields]

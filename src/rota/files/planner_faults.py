@@ -9,6 +9,9 @@ from rota.files.schema_block import Where
 
 # a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
 MOST_ROBOTS, MOST_PATROLLING = 100_000, 10_000
+OTHER_CONTROLLERS = ("settle", "voronoi", "virtual_force")
+OF_RECIPROCAL = ("velocity", "samples", "boundary", "horizon_s", "neighbours", "neighbour_range_m", "alpha")
+NEEDED = {"samples": ("velocity", "sampled"), "horizon_s": ("boundary", "circle")}
 
 
 def unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -54,6 +57,17 @@ def _unused_in_space(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     )
 
 
+def _unused_settings(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Settings of a swarm that its others make useless."""
+    block = data.get("swarm")
+    given = [name for name in block if block[name] is not None] if isinstance(block, dict) else []
+    for name in given:
+        if name in OF_RECIPROCAL and _inner(data, "swarm", "controller") in (None, *OTHER_CONTROLLERS):
+            yield ("swarm", name), "only the controller reciprocal uses it: remove it, or choose that controller"
+        elif name in NEEDED and _inner(data, "swarm", NEEDED[name][0]) != NEEDED[name][1]:
+            yield ("swarm", name), f"is for {NEEDED[name][0]}: {NEEDED[name][1]} only: remove it"
+
+
 def unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     """What of a mission file the planner swarm cannot use."""
     fleet = data.get("fleet") if isinstance(data.get("fleet"), dict) else {}
@@ -63,12 +77,14 @@ def unused_by_swarm(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     listed = fleet.get("robots") if isinstance(fleet.get("robots"), list) else []
     places: list[tuple[Where, Any]] = [(("fleet",), fleet)]
     places += [(("fleet", "robots", k), robot) for k, robot in enumerate(listed or [])]
+    flying = _inner(data, "swarm", "altitudes_m") is not None
     for where, block in places:
-        if _inner(block, "sensor", "shape") == "square":
-            yield (*where, "sensor", "shape"), "square is not allowed: the swarm planner is made for discs; give disc"
+        if flying and _inner(block, "sensor", "shape") == "square":
+            yield (*where, "sensor", "shape"), "square is not allowed: a swarm with altitudes_m has discs; give disc"
         if _inner(block, "turn_rate_rad_s") is not None:
             yield (*where, "turn_rate_rad_s"), "robots of a swarm turn at once: remove it"
-    if _inner(data, "swarm", "altitudes_m") is not None:
+    yield from _unused_settings(data)
+    if flying:
         yield from _unused_in_space(data)
 
 

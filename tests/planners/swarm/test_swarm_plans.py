@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapely import MultiPolygon, Point, box
+from shapely import MultiPolygon, Point, box, union_all
 
-from rota.check import check_plan
-from rota.errors import MissionError, NoPlanFound
+from rota.check import check_plan, report_table, report_to_json
+from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.make_plan import search_plan
 from rota.mission import (
@@ -27,7 +27,10 @@ from rota.mission import (
     SwarmSettings,
     Zone,
 )
+from rota.plan import RunEnd
+from rota.plan_table import covered_sentence, holding_sentence
 from rota.planners.swarm.asked import free_ground, make_swarm, run_mission
+from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
 
@@ -157,15 +160,72 @@ def test_robots_that_begin_closer_than_thinning_needs_are_thinned_less() -> None
     assert check_plan(plan).violations == ()
 
 
-def test_moving_obstacles_are_made_way_for() -> None:
-    obstacle = MovingObstacle(radius_m=2, times_s=(0, 100), positions_m=((0, 51), (100, 51)))
-    robots = (robot("a", (50, 50)), robot("b", (70, 52)))
-    moving = with_robots(*robots, moving_obstacles=(obstacle,), planning=SwarmSettings(most_steps=500, stop_m=1e-12))
-    plan = run_mission(moving, seed=0).plan
+def test_moving_obstacles_are_made_way_for_also_by_robots_that_rest() -> None:
+    # both rest, out of each other's range, long before the obstacle sets out
+    obstacle = MovingObstacle(radius_m=2, times_s=(0, 200, 300), positions_m=((-5, 51), (-5, 51), (160, 51)))
+    robots = (robot("a", (40, 50)), robot("b", (105, 52)))
+    moving = with_robots(
+        *robots, moving_obstacles=(obstacle,), planning=SwarmSettings(controller="reciprocal", most_steps=2000)
+    )
+    alone = run_mission(dataclasses.replace(moving, moving_obstacles=()), seed=0)
+    assert alone.at_rest
+    assert alone.steps * 0.25 < 150
+    run = run_mission(moving, seed=0)
+    plan = run.plan
+    assert run.at_rest
+    assert run.steps * 0.25 > 300
     assert check_plan(plan).violations == ()
     assert math.dist(plan.trajectories[0].positions_m[0], plan.trajectories[0].positions_m[-1]) > 1
     still = dataclasses.replace(plan, trajectories=tuple(hold(t) for t in plan))
     assert {v.kind for v in check_plan(still).violations} == {"moving obstacle 1"}
+
+
+def test_a_run_that_ends_before_the_obstacle_has_passed_is_cut_off() -> None:
+    obstacle = MovingObstacle(radius_m=2, times_s=(0, 200, 300), positions_m=((-5, 51), (-5, 51), (-5, 60)))
+    moving = with_robots(
+        robot("a", (75, 75)), moving_obstacles=(obstacle,), planning=SwarmSettings(most_steps=900, neighbours=0)
+    )
+    run = run_mission(moving, seed=0)
+    assert not run.at_rest
+    assert run.plan.run_end == RunEnd(at_rest=False, steps=900, reason="most_steps")
+
+
+def test_a_plan_says_how_its_run_ended_in_its_file_its_table_and_its_report() -> None:
+    asked = mission(planning=SwarmSettings(most_steps=20))
+    ended = {"most_steps": run_mission(asked, seed=0)}
+    ended["stopped"] = run_mission(asked, seed=0, should_stop=iter([False] * 7 + [True]).__next__)
+    ended["rest"] = run_mission(with_robots(robot("a", (75, 75))), seed=0)
+    for reason, run in ended.items():
+        end = run.plan.run_end
+        assert end is not None
+        assert (end.reason, end.at_rest, end.steps) == (reason, run.at_rest, run.steps)
+        assert plan_from_text(plan_text(run.plan), "plan") == run.plan
+        report = check_plan(run.plan)
+        assert f"the plan says that its run was {end.text()}" in report_table(report)
+        assert report_to_json(report)["run_end"] == {"at_rest": end.at_rest, "steps": end.steps, "reason": reason}
+        assert ("cut off" in holding_sentence(run.plan)) == (reason != "rest")
+    assert ended["stopped"].steps == 7
+    text = plan_text(ended["stopped"].plan).replace('"reason": "stopped"', '"reason": "rest"')
+    with pytest.raises(PlanError, match=r"plan: run_end: reason: 'rest' with at_rest False; rest for robots at rest"):
+        plan_from_text(text, "plan")
+
+
+def test_square_sensors_are_planned_as_the_discs_within_and_measured_as_squares() -> None:
+    square = dataclasses.replace(mission().fleet, sensor=SquareSensor(side_m=50), robots=None)
+    listed = tuple(square.equal_robot(f"robot-{k + 1}") for k in range(12))
+    asked = mission(fleet=dataclasses.replace(square, robots=listed))
+    run, discs = (run_mission(one, seed=3, observed=True) for one in (asked, mission()))
+    assert [t.positions_m.tolist() for t in run.plan] == [t.positions_m.tolist() for t in discs.plan]
+    ends = [trajectory.positions_m[-1] for trajectory in run.plan]
+    squares = union_all([box(x - 25, y - 25, x + 25, y + 25) for x, y in ends]).intersection(asked.area)
+    assert run.history is not None
+    assert run.history.coverage[-1] == pytest.approx(squares.area / 150**2, abs=0.002)
+    assert run.history.deadweight_loss[-1] == pytest.approx(1 - squares.area / (12 * 50**2), abs=0.003)
+    assert covered_share(np.array(ends), np.full(12, 25.0), asked.area, np.full(12, True)) == pytest.approx(
+        squares.area / 150**2
+    )
+    assert check_plan(run.plan).verdict == "met"
+    assert f"{squares.area / 150**2:.1%} of the area in range" in covered_sentence(run.plan)
 
 
 def hold(trajectory: Any) -> Any:
@@ -226,7 +286,7 @@ def test_a_fleet_that_no_swarm_can_be_is_refused() -> None:
         mission(fleet=Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=25)))
     square = dataclasses.replace(robot("a", None), sensor=SquareSensor(side_m=9))
     with pytest.raises(MissionError, match="disc sensors"):
-        with_robots(square)
+        with_robots(square, planning=SwarmSettings(controller="reciprocal", altitudes_m=(1, 2)))
     with pytest.raises(MissionError, match="turns at once"):
         with_robots(dataclasses.replace(robot("a", None), turn_rate_rad_s=1.0))
     moving = MovingObstacle(radius_m=1, times_s=(0,), positions_m=((1, 1),))

@@ -14,13 +14,13 @@ from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.errors import MissionError, RunError
-from rota.mission import DiscSensor, Mission, SwarmSettings
-from rota.plan import Plan
+from rota.mission import DiscSensor, Mission, SquareSensor, SwarmSettings, inner_reach_m
+from rota.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.kernels import Hearing, Rule
 from rota.planners.swarm.messages import oldest_steps
 from rota.planners.swarm.metrics import History, Observer
-from rota.planners.swarm.presence import Presence, holding_from_joining
+from rota.planners.swarm.presence import Presence, holding_from_joining, last_motion
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
@@ -72,6 +72,8 @@ def run_mission(
 ) -> SwarmRun:
     """Let the mission's robots spread until they rest, or for as many steps as it allows; then they hold.
 
+    They do not rest for good before all have joined and left, and all moving obstacles have come to a stand.
+
     Bodies are kept so much wider while they move that thinning the trajectories, which errs by no more than
     ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
     is promised. ``observed``: measure every step. ``resume``: go on from there, to the plan that the same run comes to
@@ -97,14 +99,16 @@ def run_mission(
     log = TrajectoryLog(resume.recent_m, resume.thinned_m, begin=resume.recent_from, kept=kept)
     still, needed = resume.steps_at_rest, STEPS_AT_REST[settings.controller]
     presence = Presence(mission)
+    awaited = max(presence.last_change, last_motion(mission))
     observer = None
     if isinstance(swarm, Swarm):
         presence.begin(swarm)
-        observer = Observer(swarm, ground, settings.stop_m) if observed else None
+        observer = Observer(swarm, ground, settings.stop_m, squares_of(mission)) if observed else None
+    stopped = False
     while (
         swarm.steps < settings.most_steps
-        and (still < needed or swarm.steps <= presence.last_change)
-        and not should_stop()
+        and (still < needed or swarm.steps <= awaited)
+        and not (stopped := should_stop())
     ):
         if isinstance(swarm, Swarm) and presence.update(swarm):
             log.keep_last()
@@ -117,11 +121,14 @@ def run_mission(
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
     names = [robot.name for robot in mission.fleet.robots or ()]
     trajectories = holding_from_joining(log.trajectories(names, settings.time_step_s), mission)
-    plan = Plan(mission=mission, trajectories=trajectories, seed=seed)
+    at_rest = still >= needed and swarm.steps > awaited
+    reason: EndReason = "rest" if at_rest else "stopped" if stopped else "most_steps"
+    end = RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason)
+    plan = Plan(mission=mission, trajectories=trajectories, seed=seed, run_end=end)
     return SwarmRun(
         plan=plan,
         steps=swarm.steps,
-        at_rest=still >= needed,
+        at_rest=at_rest,
         history=None if observer is None else observer.history(),
         state=_state_of(resume, mission, swarm, log, still),
     )
@@ -299,10 +306,15 @@ def hearing_of(settings: SwarmSettings) -> Hearing | None:
 
 
 def _sensors(mission: Mission) -> Floats:
-    """Radius of each robot's footprint, at the ceiling where it grows with height."""
-    discs = [robot.sensor for robot in mission.fleet.robots or () if isinstance(robot.sensor, DiscSensor)]
+    """Radius of each robot's footprint, at the ceiling where it grows with height; of a square the disc within it."""
     ceiling_m = (mission.swarm.altitudes_m or (0.0, 0.0))[1]
-    return np.array([disc.radius_at_m(ceiling_m) for disc in discs])
+    sensors = [robot.sensor for robot in mission.fleet.robots or ()]
+    return np.array([s.radius_at_m(ceiling_m) if isinstance(s, DiscSensor) else inner_reach_m(s) for s in sensors])
+
+
+def squares_of(mission: Mission) -> NDArray[np.bool_]:
+    """(n,): which robots have square footprints."""
+    return np.array([isinstance(robot.sensor, SquareSensor) for robot in mission.fleet.robots or ()], np.bool_)
 
 
 def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:

@@ -11,10 +11,11 @@ from rota.planners.swarm.kernels import cell_of, compiled, to_wall
 
 @compiled
 def newly_marked(
-    robots: Any, kinds: Any, free: Any, marks: Any, mark: int, x0: float, y0: float, pixel_m: float
+    robots: Any, kinds: Any, squares: Any, free: Any, marks: Any, mark: int, x0: float, y0: float, pixel_m: float
 ) -> int:
     """Mark the free pixels whose centres are in range of any robot; returns how many there are.
 
+    squares: (n,) in the order of the fleet, whose footprints are squares of that half side, not discs of that radius.
     free: (rows, columns) of 0 and 1; marks: the same shape, where ``mark`` means marked. (x0, y0): the centre of the
     first pixel.
     """
@@ -26,7 +27,7 @@ def newly_marked(
         high = min(math.floor((y + sensor - y0) / pixel_m), rows - 1)
         for j in range(low, high + 1):
             dy = y0 + j * pixel_m - y
-            half = math.sqrt(max(sensor * sensor - dy * dy, 0.0))
+            half = sensor if squares[robots.name[k]] else math.sqrt(max(sensor * sensor - dy * dy, 0.0))
             left = max(math.ceil((x - half - x0) / pixel_m), 0)
             right = min(math.floor((x + half - x0) / pixel_m), columns - 1)
             for i in range(left, right + 1):

@@ -23,9 +23,9 @@ MOST_PIXELS = 1_000_000
 class History:
     """One value for each step, (steps + 1,), the start first.
 
-    coverage: share of the region in range of anybody, by pixels. deadweight_loss: the share of all discs' area that
-    covers nothing new of the region, 1 - covered / sum of the discs. body_gap_m, wall_gap_m: least distance between the
-    rims of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far.
+    coverage: share of the region in range of anybody, by pixels. deadweight_loss: the share of all footprints' area
+    that covers nothing new of the region, 1 - covered / sum of them. body_gap_m, wall_gap_m: least distance between
+    the rims of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far.
     reversals: share of the robots that turned back by more than a right angle. outside: robots that have left the
     region. decision_s: wall time for one robot.
     """
@@ -44,6 +44,14 @@ class History:
         """Steps of the run: the convergence step, where the stop rule ended it."""
         return len(self.coverage) - 1
 
+    def csv(self, *, time_step_s: float, first_step: int = 0) -> str:
+        """A table with a row for each step, the names of the columns first; inf where nothing is near."""
+        lines = [",".join(("step", "time_s", *_NAMES))]
+        for k, row in enumerate(zip(*(getattr(self, name).tolist() for name in _NAMES), strict=True)):
+            step = first_step + k
+            lines.append(",".join((str(step), repr(step * time_step_s), *map(repr, row))))
+        return "\n".join(lines) + "\n"
+
     def settled_step(self, within: float = 0.005) -> int:
         """From which step on the coverage stays within a share of its last value: half a point, unless told."""
         away = np.flatnonzero(np.abs(self.coverage - self.coverage[-1]) > within)
@@ -54,10 +62,15 @@ class Observer:
     """Measures a swarm after every step; ``history`` gives what it saw.
 
     region: what is to be covered. rest_m: a robot that goes no farther in a step rests, and does not turn back.
+    squares: (n,) in the order of the fleet, robots whose footprint is not the disc of their sensor's radius but the
+    square round it; None: none.
     """
 
-    def __init__(self, swarm: Swarm, region: MultiPolygon, rest_m: float) -> None:
+    def __init__(
+        self, swarm: Swarm, region: MultiPolygon, rest_m: float, squares: NDArray[np.bool_] | None = None
+    ) -> None:
         self._swarm = swarm
+        self._squares = np.zeros(len(swarm), np.bool_) if squares is None else squares
         self._rest_m_s = rest_m / swarm.rule.time_step_s
         x0, y0, x1, y1 = region.bounds
         sensors = swarm.kinds.sensor_m[swarm.kinds.sensor_m > 0]
@@ -80,13 +93,16 @@ class Observer:
         """Measure the swarm as it is now; elapsed_s: what the step took."""
         swarm = self._swarm
         n, robots = len(swarm), swarm.robots
-        seen = newly_marked(robots, swarm.kinds, self._free, self._marks, swarm.steps, *self._lattice) / self._pixels
+        marked = newly_marked(
+            robots, swarm.kinds, self._squares, self._free, self._marks, swarm.steps, *self._lattice
+        )  # fmt: skip
+        seen = marked / self._pixels
         between, beside = least_gaps(robots, swarm.kinds, swarm.grid)
         turned = turned_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
         self._way_m += float(np.sqrt(robots.vx**2 + robots.vy**2).mean()) * swarm.rule.time_step_s if self._rows else 0
         outside = n - int(shapely.intersects_xy(self._region, robots.x, robots.y).sum())
-        discs_m2 = math.pi * swarm.sensor_square_sum_m2
-        loss = 1 - seen * self._region_m2 / discs_m2 if discs_m2 > 0 else 0.0
+        footprints_m2 = float((np.where(self._squares, 4.0, math.pi) * swarm.sensors_m**2).sum())
+        loss = 1 - seen * self._region_m2 / footprints_m2 if footprints_m2 > 0 else 0.0
         self._rows.append((seen, loss, between, beside, self._way_m, turned, outside, elapsed_s / n))
 
     def history(self) -> History:
@@ -97,12 +113,18 @@ class Observer:
 _NAMES = ("coverage", "deadweight_loss", "body_gap_m", "wall_gap_m", "way_m", "reversals", "outside", "decision_s")
 
 
-def covered_share(places_m: Floats, sensors_m: Floats, region: MultiPolygon) -> float:
-    """Exact share of a region in range of robots at places (n, 2) with sensors (n,).
+def covered_share(
+    places_m: Floats, sensors_m: Floats, region: MultiPolygon, squares: NDArray[np.bool_] | None = None
+) -> float:
+    """Exact share of a region in range of robots at places (n, 2) with sensors (n,): radii, or half sides of squares.
 
-    Circles are polygons of 512 corners with the circle's area.
+    Circles are polygons of 512 corners with the circle's area. squares: (n,) which are some; None: none.
     """
     corners = 4 * 128
     as_large = math.sqrt(2 * math.pi / (corners * math.sin(2 * math.pi / corners)))
     discs = shapely.buffer(shapely.points(places_m), sensors_m * as_large, quad_segs=128)
+    if squares is not None:
+        x, y = places_m.T
+        boxes = shapely.box(x - sensors_m, y - sensors_m, x + sensors_m, y + sensors_m)
+        discs = np.where(squares, boxes, discs)
     return float(shapely.union_all(discs).intersection(region).area / region.area)

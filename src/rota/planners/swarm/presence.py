@@ -1,4 +1,4 @@
-"""Who takes part at which step of a mission: robots that join later or leave."""
+"""What changes at which step of a mission: robots that join later or leave, and obstacles that come to a stand."""
 
 from __future__ import annotations
 
@@ -50,6 +50,12 @@ class Presence:
         if len(joining):
             swarm.join(joining)
         return bool(len(joining) or len(leaving))
+
+
+def last_motion(mission: Mission) -> int:
+    """The step in which the last moving obstacle comes to a stand; 0 where none moves."""
+    ends_s = [obstacle.times_s[-1] for obstacle in mission.moving_obstacles if len(obstacle.times_s) > 1]
+    return math.ceil(max([0.0, *ends_s]) / mission.swarm.time_step_s - TOLERANCE)
 
 
 def holding_from_joining(trajectories: tuple[Trajectory, ...], mission: Mission) -> tuple[Trajectory, ...]:

@@ -110,9 +110,11 @@ class Swarm:
         return self._robots
 
     @property
-    def sensor_square_sum_m2(self) -> float:
-        """Sum over all robots of the sensor's radius squared."""
-        return float((self.kinds.sensor_m[self._robots.kind] ** 2).sum())
+    def sensors_m(self) -> Floats:
+        """(n,) in the order of the fleet: each robot's sensor radius; 0 of one that takes no part."""
+        values = np.empty(len(self))
+        values[self._robots.name] = self.kinds.sensor_m[self._robots.kind]
+        return values
 
     @property
     def past(self) -> Floats:
