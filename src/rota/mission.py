@@ -28,6 +28,7 @@ from rota.limits import LARGEST_M, LONGEST_S
 from rota.planner_settings import (
     HEADINGS as HEADINGS,
     METHODS as METHODS,
+    BounceCells as BounceCells,
     BounceMethod as BounceMethod,
     BounceSettings as BounceSettings,
     BounceTask as BounceTask,
@@ -244,6 +245,10 @@ class Mission:
             if angles is not None and len(angles) != 1 and (robots is None or len(angles) != len(robots)):
                 allowed = f"one for all robots or one for each of {len(robots)}" if robots else "one for all robots"
                 raise MissionError(f"bounce.{name}: {len(angles)} angles are not allowed; {allowed} is needed")
+        if settings.cells == "none":
+            starts = [robot.name for robot in robots or () if robot.start is not None]
+            allowed = "with bounce.cells none robots begin where the planner likes; remove it"
+            require(self.fleet.start is None and not starts, "start", starts or "points", allowed)
         if settings.task == "monitor":
             zones = [zone for zone in self.zones if zone.period_s is not None]
             require(self.period_s is None, "period_s", self.period_s, "bouncing robots monitor zones, not the area")

@@ -27,6 +27,7 @@ BounceMethod = Literal["improved", "as_printed"]
 Corners = Literal["blocked", "pass"]
 Contact = Literal["swept", "grid"]
 ContactFree = Literal["cycle", "trajectory"]
+BounceCells = Literal["grid", "none"]
 Purpose = Literal["periods", "worst_gap", "basin"]
 HEADINGS = (4, 8, 12, 16, 20, 24, 32)
 MOST_BOUNCE_STEPS = 10_000_000
@@ -213,10 +214,17 @@ class BounceSettings:
     besides, as bodies need that are wider than the grid allows. ``contact_free``: the "cycle" only, or the whole
     "trajectory" from the start. ``purpose``, of plans that monitor: zones' "periods" met, the shortest "worst_gap"
     in its share of a period, or the largest "basin" of attraction. ``most_steps``: at most as many to cover the area.
+
+    ``cells`` "none": no grid; robots that monitor follow attracting limit cycles of straight lines and exact contacts,
+    from starts that the planner chooses; ``cell_m`` is 0 then, and so is every setting that only a grid has at its
+    default. ``turning_error_deg``: each turn is off by up to so much, uniformly; the plan stays, and what becomes of it
+    is simulated and told. ``clock_drift``: the share by which each robot's clock may run fast or slow. A common signal
+    sets all clocks every ``clock_signal_s``, None: at the start only; with both, plans that monitor keep bodies apart
+    however far clocks drift from each other in between, by up to 2 * clock_drift * clock_signal_s.
     """
 
     planner: ClassVar[str] = "bounce"
-    cell_m: float
+    cell_m: float = 0.0
     task: BounceTask = "monitor"
     method: BounceMethod = "improved"
     headings: int = 8
@@ -227,13 +235,24 @@ class BounceSettings:
     contact_free: ContactFree = "cycle"
     purpose: Purpose = "periods"
     most_steps: int = 100_000
+    cells: BounceCells = "grid"
+    turning_error_deg: float = 0.0
+    clock_drift: float = 0.0
+    clock_signal_s: float | None = None
+
+    @property
+    def clock_margin_s(self) -> float:
+        """How far two robots' clocks may drift apart before the next signal; 0 where no signal or no drift is given."""
+        return 2 * self.clock_drift * (self.clock_signal_s or 0.0)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bouncing_angles_deg", tuple(float(angle) for angle in self.bouncing_angles_deg))
         if self.start_headings_deg is not None:
             object.__setattr__(self, "start_headings_deg", tuple(float(angle) for angle in self.start_headings_deg))
-        require_positive("bounce.cell_m", self.cell_m, LARGEST_M)
+        if self.cells == "grid":
+            require_positive("bounce.cell_m", self.cell_m, LARGEST_M)
         choices = {
+            "cells": BounceCells,
             "task": BounceTask,
             "method": BounceMethod,
             "corners": Corners,
@@ -247,16 +266,62 @@ class BounceSettings:
         ok = self.headings in HEADINGS
         require(ok, "bounce.headings", self.headings, f"must be one of {', '.join(map(str, HEADINGS))}")
         require(bool(self.bouncing_angles_deg), "bounce.bouncing_angles_deg", [], "one angle at least is needed")
-        for where, value, allowed in angle_faults(self.headings, self.bouncing_angles_deg, self.start_headings_deg):
+        angles = angle_faults(self.headings, self.bouncing_angles_deg, self.start_headings_deg, cells=self.cells)
+        for where, value, allowed in angles:
             raise MissionError(f"bounce.{where}: {value:.9g} is not allowed; {allowed}")
+        for where, told, allowed in physical_faults(asdict(self)):
+            raise MissionError(f"bounce.{where}: {told!r} is not allowed; {allowed}")
         ok = 1 <= self.most_steps <= MOST_BOUNCE_STEPS
         require(ok, "bounce.most_steps", self.most_steps, f"must be 1 to {MOST_BOUNCE_STEPS}")
 
 
+MOST_TURNING_ERROR_DEG, MOST_CLOCK_DRIFT = 180.0, 0.1
+GRID_ONLY = {
+    "task": "monitor",
+    "method": "improved",
+    "headings": 8,
+    "start_headings_deg": None,
+    "corners": "blocked",
+    "contact": "swept",
+    "contact_free": "cycle",
+    "most_steps": 100_000,
+}
+
+
+def physical_faults(settings: Mapping[str, Any]) -> Iterator[tuple[str, object, str]]:
+    """What is wrong with errors, clocks, and settings of a grid without one: the field, its value, what is allowed."""
+    error, drift, signal_s = (settings.get(name) for name in ("turning_error_deg", "clock_drift", "clock_signal_s"))
+    if error is not None and not (math.isfinite(error) and 0 <= error <= MOST_TURNING_ERROR_DEG):
+        yield "turning_error_deg", error, f"must lie in 0..{MOST_TURNING_ERROR_DEG:g} degrees"
+    if drift is not None and not (math.isfinite(drift) and 0 <= drift <= MOST_CLOCK_DRIFT):
+        yield "clock_drift", drift, f"must be a share, 0 to {MOST_CLOCK_DRIFT:g}"
+    if signal_s is not None and not (math.isfinite(signal_s) and signal_s > 0):
+        yield "clock_signal_s", signal_s, "must be a finite number greater than 0"
+    elif signal_s is not None and settings.get("task", "monitor") == "cover":
+        yield "clock_signal_s", signal_s, "robots that cover turn at each other by plan, which no margin can keep apart"
+    if settings.get("cells", "grid") != "none":
+        return
+    if settings.get("cell_m"):
+        yield "cell_m", settings["cell_m"], "with cells: none there are no cells; leave it out"
+    for name, only in GRID_ONLY.items():
+        if settings.get(name, only) != only:
+            yield name, settings[name], "with cells: none " + ("leave it out" if only is None else f"only {only}")
+    if settings.get("purpose", "periods") == "basin":
+        yield "purpose", "basin", "with cells: none only periods or worst_gap"
+
+
 def angle_faults(
-    headings: int, bouncing_deg: Sequence[float], starts_deg: Sequence[float] | None
+    headings: int, bouncing_deg: Sequence[float], starts_deg: Sequence[float] | None, *, cells: str = "grid"
 ) -> Iterator[tuple[str, float, str]]:
-    """Angles that are no multiples of the heading step: the field at fault, the value and what is allowed."""
+    """Angles that are no multiples of the heading step: the field at fault, the value and what is allowed.
+
+    Without cells there are no heading steps, and any angle between 0 and 360 will do.
+    """
+    if cells == "none":
+        for k, angle in enumerate(bouncing_deg):
+            if not 0 < angle < 360:
+                yield f"bouncing_angles_deg[{k}]", angle, "must lie between 0 and 360 degrees"
+        return
     step_deg = 360 / headings
     for k, angle in enumerate(bouncing_deg):
         if not (0 < angle < 360 and _is_multiple(angle, step_deg)):

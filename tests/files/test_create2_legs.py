@@ -12,7 +12,8 @@ from benchmarks.create2.robot import Create2
 from shapely import Polygon, box, union_all
 
 from rota.errors import PlanError
-from rota.files.create2_legs import BODY_RADIUS_M, drives_of
+from rota.files.create2_driven import Driven, touching_legs
+from rota.files.create2_legs import BODY_RADIUS_M, driven, drives_of
 from rota.mission import Obstacle, PatrolSettings
 from rota.plan import Plan
 
@@ -77,6 +78,7 @@ def test_robots_that_have_no_time_to_meet_turn_by_the_clock_both() -> None:
     for drive in drives_of(plan):
         meeting, wall = drive.legs[:2]
         assert (meeting.length_m, meeting.bumps, wall.bumps) == (0.5, False, True)
+        assert drive.slowing == 1
     slow = bounced_plan(narrow, ((0, 0, 0), (4, 0, 4)), turn=4, speed_m_s=0.04, headings=4)
     for drive in drives_of(slow):
         assert drive.legs[0].bumps
@@ -140,10 +142,6 @@ def test_robots_that_cannot_be_create_2_robots_are_refused() -> None:
         drives_of(replace(plan, mission=replace(plan.mission, fleet=replace(fleet, robots=thin))))
     with pytest.raises(PlanError, match="the plan has no robots"):
         drives_of(replace(plan, trajectories=()))
-    with pytest.raises(PlanError, match=r"before 3\.33333 s it drives 0\.600 m/s; a Create 2 can do 0\.02 to 0\.5"):
-        drives_of(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.6, headings=4))
-    with pytest.raises(PlanError, match=r"too little time to bump, back off 80 mm and turn by 90 degrees until 5 s"):
-        drives_of(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.4, headings=4))
     quick = tuple(replace(robot, turn_rate_rad_s=4.0) for robot in fleet.robots or ())
     with_quick = replace(plan.mission, fleet=replace(fleet, robots=quick))
     assert drives_of(replace(plan, mission=with_quick))[0].turn_speed_m_s == 0.47
@@ -193,3 +191,59 @@ def test_legs_on_random_maps_end_where_a_body_driven_into_walls_says(seed: int) 
             body.advance(leg.back_off_m)
         along = leg.length_m * np.array([math.cos(leg.heading_rad), math.sin(leg.heading_rad)])
         np.testing.assert_allclose((body.x_m, body.y_m), leg.start_m + along, atol=1e-6)
+
+
+# ---------------------------------------------------------------- a slower clock
+
+LAB = TypedMap(rows=(".....", ".....", "....."), cell_m=0.25)
+
+
+def test_a_clock_slowed_as_little_as_the_tightest_leg_needs() -> None:
+    """At 0.4 m/s steps take 1.25 s: 1 m and 0.08 m to the wall, 0.08 m back at 0.2, a quarter turn, 50 ms."""
+    plan = bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.4, headings=4)
+    beside_s = 0.08 / 0.2 + math.pi / 2 * 0.235 / 2 / 0.2 + 0.05
+    expected = (1.08 / 0.4 + beside_s) / 3.75  # the shorter side: two moves and a turn
+    (drive,) = drives_of(plan)
+    assert drive.slowing == pytest.approx(expected)
+    assert drive.loop_s == pytest.approx(14 * 1.25 * expected)
+    assert all(leg.spare_s >= -1e-9 and leg.bumps for leg in drive.legs)
+    assert min(leg.spare_s for leg in drive.legs) < 5e-3
+    with pytest.raises(PlanError, match=r"robot-1: the plan leaves too little time to bump, back off and turn by 90"):
+        drives_of(plan, most_slowing=1.0)
+
+
+def test_too_fast_a_plan_is_slowed_to_what_wheels_can_do() -> None:
+    (drive,) = drives_of(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.9, headings=4))
+    assert max(leg.speed_m_s for leg in drive.legs) <= 0.5
+    assert all(leg.spare_s >= -1e-9 for leg in drive.legs)
+
+
+@pytest.mark.parametrize("turn", [1, 2, 3])
+def test_robots_wider_than_their_cells_can_be_driven(turn: int) -> None:
+    """Cells of 0.25 m: from where the grid turns, a body that is held 0.25 m off a wall goes on by 0.08 m."""
+    (drive,) = drives_of(bounced_plan(LAB, ((1, 1, 1),), turn=turn, speed_m_s=0.2))
+    assert 1 <= drive.slowing < 2.5
+    assert all(0.02 <= leg.speed_m_s <= 0.2 for leg in drive.legs)
+    assert all(leg.spare_s >= -1e-9 for leg in drive.legs if leg.turn_rad)
+
+
+def test_bodies_apart_as_driven_not_only_as_planned() -> None:
+    """One goes to the wall past the other, which stands in its cell: nearer than the plan has them, never touching."""
+    ground = TypedMap(rows=("...", "..."), cell_m=0.5)
+    plan = bounced_plan(ground, ((0, 0, 0), (2, 1, 4)), turn=2, speed_m_s=0.3, headings=4)
+    drives = drives_of(plan)
+    assert not touching_legs([driven(drive) for drive in drives], 2 * BODY_RADIUS_M)
+    near = [Driven(times_s=[0, 4], places_m=[(0, 0), (4, 0)], legs=[0, 0], loop_s=0)]
+    near += [Driven(times_s=[0, 1, 2, 5], places_m=[(2, 1), (2, 1), (2, 0.33), (2, 0.33)], legs=[0, 0, 1, 2], loop_s=0)]
+    assert touching_legs(near, 0.34) == {(0, 0), (1, 1), (1, 2)}
+    assert touching_legs(near, 0.32) == set()
+
+
+def test_loops_of_different_lengths_meet_after_many_rounds() -> None:
+    """Rounds of 3 s and 5 s: on the common corner together only where both come there at once, at 9 s."""
+    one = Driven(times_s=[0, 1, 3], places_m=[(0, 0), (5, 0), (0, 0)], legs=[0, 0, 1], loop_s=3)
+    other = Driven(times_s=[0, 4, 5], places_m=[(0, 9), (0, 0), (0, 9)], legs=[0, 0, 1], loop_s=5)
+    assert touching_legs([one, other], 0.3) == {(0, 1), (0, 0), (1, 0), (1, 1)}
+    late = Driven(times_s=[0, 1, 6], places_m=[(9, 0), (5, 0), (9, 0)], legs=[0, 0, 1], loop_s=6)
+    off = Driven(times_s=[0, 4, 6], places_m=[(0, 9), (5, 0.5), (0, 9)], legs=[0, 0, 1], loop_s=6)
+    assert touching_legs([late, off], 0.3) == set()

@@ -71,7 +71,7 @@ def test_each_robot_has_a_folder_as_the_arduino_ide_wants_it(tmp_path: Path) -> 
     assert [str(path.relative_to(tmp_path)) for path in paths] == [
         "out/robot-1/robot-1.ino", "out/robot-2/robot-2.ino",
     ]  # fmt: skip
-    assert "robot-2; switch all on at the same moment" in paths[0].read_text()
+    assert "robot-2; all must begin at the same moment" in paths[0].read_text()
 
 
 def test_names_become_harmless(tmp_path: Path) -> None:

@@ -5,13 +5,19 @@
 //
 // Begin:   @BEGIN@
 // Then:    @THEN@
+// Clock:   @CLOCK@
 // Others:  @OTHERS@
+//
+// It plays a table of legs, made from a plan; it is not the one program for all robots that turns by a fixed angle at
+// every bump, as Alam & Bobadilla 2020 have it. Two turns in one place are one turn here, the short way round; each leg
+// has a speed of its own, and the clock says when the next one begins.
 //
 // Wiring, Create 2 mini-DIN socket -> Arduino Uno:
 //   pin 3  RXD            -> pin 1 (TX)
 //   pin 4  TXD            -> pin 0 (RX)
 //   pin 5  BRC            -> pin 2 (WAKE_PIN below)
 //   pin 6 or 7  ground    -> GND
+//   a button, or a radio or infrared receiver, common to all robots -> pin 3 (SIGNAL_PIN), to ground; may be left out
 //   pin 1 or 2  battery   -> 9 V regulator -> VIN; never straight to the Arduino: it is up to 20 V
 // Unplug pins 0 and 1 while you upload. The LED on the Arduino is lit while all is well and blinks after a stop.
 
@@ -29,7 +35,14 @@ const bool FULL_MODE = false;
 
 const unsigned long BAUD = 115200;        // the Create 2's own rate after power-on
 const uint8_t WAKE_PIN = 2;               // to BRC: a low pulse wakes the robot
-const unsigned long START_DELAY_MS = 5000;  // from contact with the robot to the first move: hands off
+
+// All robots must begin at the same moment. With false they count from the moment at which they are switched on, so one
+// switch must do for all. With true each waits, once its robot answers, for SIGNAL_PIN to be drawn to ground; later
+// pulses, of 50 ms or more, every SIGNAL_EVERY_MS, set its clock again.
+const bool WAIT_FOR_SIGNAL = false;
+const uint8_t SIGNAL_PIN = 3;
+const unsigned long POWER_ON_TO_START_MS = 10000;  // hands off by then; a robot that wakes up later does not begin
+const unsigned long SIGNAL_TO_START_MS = 3000;
 
 // ---------------------------------------------------------------- the plan
 
@@ -55,6 +68,7 @@ const bool LOOPS = @LOOPS@;          // after the last leg: on with leg LOOP_FRO
 const uint16_t LOOP_FROM = @LOOP_FROM@;
 const uint32_t LOOP_MS = @LOOP_MS@;    // one round
 const uint32_t FIRST_MS = @FIRST_MS@;     // when the first leg begins
+const uint32_t SIGNAL_EVERY_MS = @SIGNAL_EVERY_MS@;  // a pulse that sets all clocks; 0: only the first one counts
 
 // ---------------------------------------------------------------- what the robot is told (Create 2 Open Interface)
 
@@ -134,9 +148,33 @@ void stopForGood() {
   }
 }
 
+unsigned long clockZeroMs;   // when the plan's clock showed 0
+unsigned long signalDueMs;   // when the next pulse is to come
+bool signalWas = false;
+
+// True at the beginning of a pulse.
+bool signalBegins() {
+  const bool is = digitalRead(SIGNAL_PIN) == LOW;
+  const bool begins = is && !signalWas;
+  signalWas = is;
+  return begins;
+}
+
+// A pulse near the time at which one is due sets the clock; others are bouncing contacts.
+void heedSignal() {
+  if (!WAIT_FOR_SIGNAL || SIGNAL_EVERY_MS == 0 || !signalBegins()) return;
+  const unsigned long nowMs = millis();
+  while (long(nowMs - signalDueMs) > long(SIGNAL_EVERY_MS / 2)) signalDueMs += SIGNAL_EVERY_MS;  // pulses were lost
+  const long lateMs = long(nowMs - signalDueMs);
+  if (lateMs < -long(SIGNAL_EVERY_MS / 2)) return;
+  clockZeroMs += lateMs;
+  signalDueMs = nowMs + SIGNAL_EVERY_MS;
+}
+
 // To be called all the time: reads the robot, and stops where it must not go on.
 void watch() {
   readRobot();
+  heedSignal();
   if (inDanger || millis() - lastFrameMs > SILENCE_MS) stopForGood();
 }
 
@@ -179,8 +217,9 @@ void turn(int16_t tenths) {
   keepOn(wayMm * 1000000.0 / TURN_MM_S);
 }
 
-void waitUntil(unsigned long timeMs) {
-  while (long(timeMs - millis()) > 0) {
+// On the plan's clock, which a pulse may set meanwhile.
+void waitUntil(uint32_t planMs) {
+  while (long(clockZeroMs + planMs - millis()) > 0) {
     watch();
     doze();
   }
@@ -213,17 +252,29 @@ void startRobot() {
   }
 }
 
-unsigned long clockZeroMs;  // when the plan's clock showed 0
-uint16_t number = 0;        // of the leg
+// Sets the clock: by the common signal, or by the moment of switching on, which does not depend on when a robot wakes.
+void setClock() {
+  clockZeroMs = POWER_ON_TO_START_MS;
+  if (WAIT_FOR_SIGNAL) {
+    while (!signalBegins()) watch();
+    clockZeroMs = millis() + SIGNAL_TO_START_MS;
+    signalDueMs = millis() + SIGNAL_EVERY_MS;
+  } else if (millis() > POWER_ON_TO_START_MS) {
+    stopForGood();
+  }
+}
+
+uint16_t number = 0;  // of the leg
 
 void setup() {
   pinMode(LED_BUILTIN, OUTPUT);
+  pinMode(SIGNAL_PIN, INPUT_PULLUP);
   Serial.begin(BAUD);
   wake();
   startRobot();
   digitalWrite(LED_BUILTIN, HIGH);
-  clockZeroMs = millis() + START_DELAY_MS;
-  waitUntil(clockZeroMs + FIRST_MS);
+  setClock();
+  waitUntil(FIRST_MS);
 }
 
 void loop() {
@@ -233,7 +284,7 @@ void loop() {
   if (driveOn(leg.speedMmS, leg.driveMs)) backOff(leg.backOffMm);
   turn(leg.turnTenths);
   stopWheels();
-  waitUntil(clockZeroMs + leg.nextMs);
+  waitUntil(leg.nextMs);
 
   number++;
   if (number == LEG_COUNT) {

@@ -1,6 +1,8 @@
 """Plan of bouncing robots -> Arduino sketches, one per robot, for the iRobot Create 2 and its Open Interface.
 
-Source: iRobot Create 2 Open Interface specification; the program's frame is ``create2_sketch.ino`` beside this file.
+The program's frame is ``create2_sketch.ino`` beside this file. Its opcodes, packets, stream frames and wiring follow
+iRobot's Create 2 Open Interface as it is known from programs that use it; they have been run in a simulator of the
+chip, beside a model of the robot, and never on a robot.
 """
 
 from __future__ import annotations
@@ -12,22 +14,25 @@ from pathlib import Path
 
 from rota.errors import PlanError, RotaError
 from rota.files.atomic_write import require_writable_folder, write_atomically
-from rota.files.create2_legs import BACK_OFF_SPEED_M_S, Drive, Leg, drives_of
+from rota.files.create2_legs import BACK_OFF_SPEED_M_S, MOST_SLOWING, Drive, Leg, drives_of
 from rota.plan import Plan, Trajectory
 
 MOST_LEGS = 1800  # of 14 bytes each; with the program they fill the 32 kB of an Uno
 _FRAME = Path(__file__).with_name("create2_sketch.ino")
 
 
-def write_create2_sketches(plan: Plan, folder: str | os.PathLike[str]) -> tuple[Path, ...]:
+def write_create2_sketches(
+    plan: Plan, folder: str | os.PathLike[str], *, most_slowing: float = MOST_SLOWING
+) -> tuple[Path, ...]:
     """Write ``ROBOT/ROBOT.ino`` for every robot into ``folder`` (made if missing), as the Arduino IDE wants it.
 
-    Returns the sketches' paths. Raises PlanError for plans that Create 2 robots cannot drive or robots whose names give
-    the same file name, RotaError when the folder cannot be written to. Nothing is written unless all could be made.
+    most_slowing: by how much the plan's clock may be slowed at most, see ``create2_legs.drives_of``. Returns the
+    sketches' paths. Raises PlanError for plans that Create 2 robots cannot drive or robots whose names give the same
+    file name, RotaError when the folder cannot be written to. Nothing is written unless all could be made.
     """
     require_writable_folder(folder)
     texts: dict[str, str] = {}
-    for trajectory, text in zip(plan.trajectories, sketch_texts(plan), strict=True):
+    for trajectory, text in zip(plan.trajectories, sketch_texts(plan, most_slowing=most_slowing), strict=True):
         name = re.sub(r"[^A-Za-z0-9_-]+", "_", trajectory.robot).strip("_-") or "robot"
         if name.casefold() in (known.casefold() for known in texts):
             raise PlanError(f"robot {trajectory.robot}: another robot's file is called {name}.ino; rename one of them")
@@ -42,9 +47,10 @@ def write_create2_sketches(plan: Plan, folder: str | os.PathLike[str]) -> tuple[
     return paths
 
 
-def sketch_texts(plan: Plan) -> tuple[str, ...]:
+def sketch_texts(plan: Plan, *, most_slowing: float = MOST_SLOWING) -> tuple[str, ...]:
     """The sketches' texts, in the plan's order of robots. Raises PlanError, see ``create2_legs.drives_of``."""
-    return tuple(_text(plan, t, drive) for t, drive in zip(plan.trajectories, drives_of(plan), strict=True))
+    drives = drives_of(plan, most_slowing=most_slowing)
+    return tuple(_text(plan, t, drive) for t, drive in zip(plan.trajectories, drives, strict=True))
 
 
 def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
@@ -54,12 +60,13 @@ def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
         )
     first = drive.legs[0]
     others = ", ".join(other.robot for other in plan.trajectories if other is not trajectory)
-    together = f"{others}; switch all on at the same moment, the plan relies on it" if others else "none"
+    together = f"{others}; all must begin at the same moment, the plan relies on it" if others else "none"
     marks = {
         "TITLE": _one_line(f"{trajectory.robot}: {plan.mission.name}"),
         "BEGIN": f"centre at x = {first.start_m[0]:.3f} m, y = {first.start_m[1]:.3f} m, facing"
         f" {_degrees(first.heading_rad):g} degrees (0 is along x, 90 along y)",
         "THEN": _ending(drive),
+        "CLOCK": _clock(drive),
         "OTHERS": _one_line(together),
         "BACK_OFF_MM_S": str(round(BACK_OFF_SPEED_M_S * 1e3)),
         "TURN_MM_S": str(round(drive.turn_speed_m_s * 1e3)),
@@ -68,6 +75,7 @@ def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
         "LOOP_FROM": str(drive.loop_from or 0),
         "LOOP_MS": str(round(drive.loop_s * 1e3)),
         "FIRST_MS": str(round(drive.first_s * 1e3)),
+        "SIGNAL_EVERY_MS": str(round((plan.mission.bounce.clock_signal_s or 0.0) * 1e3)),
     }
     text = _FRAME.read_text(encoding="utf-8")
     return re.sub(r"@([A-Z_]+)@", lambda mark: marks[mark[1]], text)
@@ -99,3 +107,9 @@ def _ending(drive: Drive) -> str:
     if drive.loop_from is None:
         return f"{len(drive.legs)} legs{timed}; then it stops"
     return f"{len(drive.legs)} legs{timed}; those from {drive.loop_from} on for ever, {drive.loop_s:.1f} s a round"
+
+
+def _clock(drive: Drive) -> str:
+    if drive.slowing == 1:
+        return "the plan's"
+    return f"{drive.slowing:.3g} times slower than the plan's: a Create 2 needs so long to bump, back off and turn"

@@ -239,6 +239,8 @@ def _swarm(block: SwarmBlock | None) -> SwarmSettings:
 
 
 def _bounce(block: BounceBlock, area: Any) -> BounceSettings:
+    if block.cells == "none":
+        return BounceSettings(**block.model_dump(exclude={"cell_m"}))
     typed_m = area.cell_m if isinstance(area, AreaBlock) else None
     cell_m = block.cell_m or typed_m
     assert cell_m is not None

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_val
 from rota.limits import LARGEST_M, LONGEST_S
 from rota.mission import (
     Blocks,
+    BounceCells,
     BounceMethod,
     BounceTask,
     Contact,
@@ -186,7 +187,7 @@ class SwarmFields(_Strict):
 class BounceFields(_Strict):
     """Settings of the bounce planner."""
 
-    cell_m: Length
+    cell_m: Annotated[float, Field(ge=0, le=LARGEST_M)]
     task: BounceTask
     method: BounceMethod
     headings: int
@@ -197,6 +198,10 @@ class BounceFields(_Strict):
     contact_free: ContactFree
     purpose: Purpose
     most_steps: Annotated[int, Field(ge=1)]
+    cells: BounceCells = "grid"
+    turning_error_deg: Annotated[float, Field(ge=0)] = 0.0
+    clock_drift: Annotated[float, Field(ge=0)] = 0.0
+    clock_signal_s: Positive | None = None
 
 
 class MovingObstacleFields(_Strict):

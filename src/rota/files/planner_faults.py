@@ -96,7 +96,10 @@ def unused_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     if _inner(data, "fleet", "start", "box") is not None:
         yield ("fleet", "start", "box"), "bouncing robots start at points: give points, or remove it"
     typed = _inner(data, "area", "text") is not None
-    if _inner(data, "bounce", "cell_m") is None and not typed:
+    free = _inner(data, "bounce", "cells") == "none"
+    if free:
+        yield from _starts_without_cells(data)
+    elif _inner(data, "bounce", "cell_m") is None and not typed:
         yield ("bounce", "cell_m"), "is missing; give the side of a cell in metres"
     robots, task = _inner(data, "fleet", "robots"), _inner(data, "bounce", "task") or "monitor"
     count = len(robots) if isinstance(robots, list) else robots if isinstance(robots, int) else None
@@ -113,6 +116,17 @@ def unused_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         yield from _unwatched_by_bounce(data)
     elif task == "cover":
         yield from _periods(data, "covering happens once: remove the period, or write bounce.task: monitor")
+
+
+def _starts_without_cells(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Every start that is given, which robots without cells do not heed."""
+    message = "with bounce.cells: none robots begin where the planner likes: remove it"
+    if _inner(data, "fleet", "start") is not None:
+        yield ("fleet", "start"), message
+    listed = _inner(data, "fleet", "robots")
+    for k, robot in enumerate(listed if isinstance(listed, list) else []):
+        if _inner(robot, "start") is not None:
+            yield ("fleet", "robots", k, "start"), message
 
 
 def _unwatched_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -11,6 +11,7 @@ from rota.files.schema_block import Block, NotNegative, Positive, Where
 from rota.mission import (
     HEADINGS,
     METHODS,
+    BounceCells,
     BounceMethod,
     BounceTask,
     Contact,
@@ -27,7 +28,7 @@ from rota.mission import (
     SetBoundary,
     VelocityChoice,
 )
-from rota.planner_settings import MOST_BOUNCE_STEPS, altitude_faults, angle_faults
+from rota.planner_settings import MOST_BOUNCE_STEPS, altitude_faults, angle_faults, physical_faults
 
 
 class Sun2019Block(Block):
@@ -117,10 +118,16 @@ class BounceBlock(Block):
     most_steps: Annotated[int, Field(strict=True, ge=1, le=MOST_BOUNCE_STEPS)] = Field(
         100_000, description="to cover the area"
     )
+    cells: BounceCells = Field("grid", description="none: straight lines and exact contacts, without cell_m")
+    turning_error_deg: Angle = Field(0.0, description="each turn is off by up to so much; simulated and told")
+    clock_drift: Angle = Field(0.0, description="share by which each robot's clock may run fast or slow")
+    clock_signal_s: Angle | None = Field(None, description="a common signal sets all clocks so often; null: once")
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A number of headings that the grid has no moves for, and angles between two headings."""
+        """A number of headings that the grid has no moves for, angles between two headings, what needs a grid."""
+        for name, told, allowed in physical_faults(_numbers_only(data)):
+            yield (name,), f"{told} is not allowed; {allowed}"
         headings = data.get("headings", 8)
         if not isinstance(headings, int) or isinstance(headings, bool):
             return
@@ -129,10 +136,19 @@ class BounceBlock(Block):
             return
         bouncing, starts = data.get("bouncing_angles_deg"), data.get("start_headings_deg")
         numbers = [_numbers(angles) for angles in ([135.0] if bouncing is None else bouncing, starts)]
-        for where, value, allowed in angle_faults(headings, *numbers):
+        cells = "none" if data.get("cells") == "none" else "grid"
+        for where, value, allowed in angle_faults(headings, *numbers, cells=cells):
             name, _, k = where.rstrip("]").partition("[")
             place: Where = (name,) if data.get(name) is None else (name, int(k))
             yield place, f"{value:.9g} is not allowed; it {allowed}"
+
+
+PHYSICAL = ("turning_error_deg", "clock_drift", "clock_signal_s", "cell_m")
+
+
+def _numbers_only(data: dict[str, Any]) -> dict[str, Any]:
+    """The settings without those that should be numbers and are none, which the schema refuses."""
+    return {name: value for name, value in data.items() if name not in PHYSICAL or _numbers([value])}
 
 
 def _numbers(values: Any) -> list[float]:
