@@ -15,8 +15,13 @@ from benchmarks.create2.robot import Faults
 from benchmarks.create2.uno import flash_bytes, missing_tools
 from benchmarks.missions import EXAMPLES
 from benchmarks.row import Options, Row
+from rota.errors import PlanError
 from rota.files.mission_file import read_mission
 from rota.make_plan import make_plan
+from rota.plan import Plan
+from rota.studies.alam2020 import maps
+from rota.studies.alam2020.monitoring_figures import PURPOSES
+from rota.studies.alam2020.runs import METHODS, Runs, StudySettings
 
 HALL = TypedMap(rows=(".....", ".....", "..#..", "....."), cell_m=0.5)
 DURATION_S, SEEDS, FAR_M, MOST_M = 200.0, 5, 0.25, 0.01
@@ -42,6 +47,7 @@ def create2_sketch(options: Options) -> Iterator[Row]:
     measured = f"{told(off_m)}; {flash_bytes(desk.firmware[0]):,} bytes of flash; {speed:.0f} x real time"
     yield Row(f"{name}, as planned", f"within {1e3 * MOST_M:.0f} mm", measured, bool(off_m.max() <= MOST_M))
     yield from examples(options)
+    yield from laboratories(options)
     for what, faults in WORSE.items():
         seeds = range(SEEDS if faults.turn_error else 1)  # nothing else is drawn at random
         runs = [off_plan(desk, replace(faults, seed=seed)) for seed in seeds]
@@ -59,6 +65,41 @@ def examples(options: Options) -> Iterator[Row]:
         measured = f"{len(driven)} robots, {told(off_m)}"
         what = f"Create 2 sketches in simavr, {name}"
         yield Row(what, f"within {1e3 * MOST_M:.0f} mm", measured, bool(off_m.max() <= MOST_M))
+
+
+def laboratories(options: Options) -> Iterator[Row]:
+    """All plans of Figure 6 and the three of Figure 11 by 90 degrees: how many can be exported, and how they drive."""
+    runs = Runs(StudySettings(), seed=0, tell=lambda _: None, should_stop=lambda: False)
+    cover = [runs.cover(maps.lab(maps.LAB_1, 2, 135.0), method) for method in METHODS]
+    plans = {f"{method}-{k}": one.plan(k) for method, one in zip(METHODS, cover, strict=True) for k in range(20)}
+    yield from _driven_in_time("Figure 6", plans, options)
+    watched = maps.watching(maps.lab(maps.LAB_2, 2, 90.0), maps.LAB_REGIONS)
+    asked = {purpose: replace(watched, planning=replace(watched.bounce, purpose=purpose)) for purpose in PURPOSES}
+    yield from _driven_in_time(
+        "Figure 11, 90 degrees", {p: make_plan(mission) for p, mission in asked.items()}, options
+    )
+
+
+def _driven_in_time(what: str, plans: dict[str, Plan], options: Options) -> Iterator[Row]:
+    worst_m, turns, slowing = 0.0, 0, []
+    for name, plan in plans.items():
+        folder = options.folder / name.replace(" ", "-").replace(",", "")
+        folder.mkdir()
+        try:
+            desk = set_up(plan, folder)
+        except PlanError:
+            continue
+        slowing.append(desk.drives[0].slowing)
+        for number, way in enumerate(drive(desk, DURATION_S)):
+            off_m = off_plan_m(desk, number, way)[1]
+            worst_m, turns = max(worst_m, float(off_m.max(initial=0.0))), turns + len(off_m)
+    measured = (
+        f"{len(slowing)} of {len(plans)}, at most {1e3 * worst_m:.1f} mm off at the {turns} turns of {DURATION_S:.0f} s;"
+        f" clocks slowed {min(slowing, default=1):.2f} to {max(slowing, default=1):.2f} times"
+    )
+    good = len(slowing) == len(plans) and worst_m <= MOST_M
+    row = f"Create 2 sketches in simavr, laboratory of {what}"
+    yield Row(row, f"all exported, within {1e3 * MOST_M:.0f} mm", measured, good)
 
 
 def off_plan(desk: Desk, faults: Faults) -> Floats:

@@ -163,8 +163,10 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
         return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
     if isinstance(plan.mission.planning, BounceSettings):
         if plan.mission.planning.task == "cover":
-            return (entered_sentence(plan),)
-        return (groups_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
+            return (entered_sentence(plan), clocks_sentence(plan, report))
+        return (
+            groups_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan), clocks_sentence(plan, report)
+        )  # fmt: skip
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
 
@@ -241,6 +243,24 @@ def groups_sentence(plan: Plan) -> str | None:
     if n == 1:
         return f"1 robot has {many} in which every zone is visited."
     return f"{n} robots have {many} in which every zone is visited and no two meet."
+
+
+def clocks_sentence(plan: Plan, report: Report) -> str | None:
+    """How far the clocks of robots that bounce may differ, and how long drifting ones take to; None for one robot."""
+    margin_s, settings = report.clock_margin_s, plan.mission.bounce
+    if margin_s is None:
+        return None
+    if math.isinf(margin_s):
+        return "Clocks may differ by any time: bodies never touch."
+    told = f"Clocks may differ by {math.floor(1e3 * margin_s) / 1e3:.3g} s before bodies touch"
+    if settings.clock_drift == 0:
+        return told + "."
+    drift = f"clocks off by up to {100 * settings.clock_drift:.3g} %"
+    if settings.clock_signal_s is not None:
+        apart = f"by {settings.clock_margin_s:.3g} s at most, from one signal to the next"
+        return f"{told}; {drift} do {apart}, {settings.clock_signal_s:g} s later."
+    lasts_s = margin_s / (2 * settings.clock_drift)
+    return f"{told}; {drift} may do so {rounded(lasts_s)} s after a common start, without a signal in between."
 
 
 def approach_sentence(plan: Plan) -> str | None:

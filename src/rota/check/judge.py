@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.clocks import clock_margin_s, clock_violations
 from rota.check.demands import Asked, demands_of, open_ground, visits
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
@@ -64,6 +65,8 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     violations = verdicts.violations + excluded_violation
     violations += _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
     violations += moving_violations(plan) + presence_violations(plan)
+    margin_s = clock_margin_s(plan)
+    violations += clock_violations(plan, margin_s)
     outcomes = {d.outcome for d in verdicts.demands}
     verdict: Outcome = "not proven" if "not proven" in outcomes else "met"
     if violations or "violated" in outcomes:
@@ -76,6 +79,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         lower_bound_robots=plan.lower_bound_robots,
         demands=tuple(verdicts.demands),
         violations=tuple(violations),
+        clock_margin_s=margin_s,
         first_coverage_s=first if math.isfinite(first) else None,
         unmet_points_m=unmet,
         unmet_demand=unmet_demand,

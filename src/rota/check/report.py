@@ -67,6 +67,8 @@ class Report:
     ``first_coverage_s``: by then all that is demanded has been seen once (an upper bound; None: some is never seen).
     ``unmet_points_m`` (n, 2) and ``unmet_demand`` (n,): corners and middle of every piece not shown met, and the
     index of its demand in ``demands``. ``run_end``: what the plan says of the end of a swarm's run; it is not judged.
+    ``clock_margin_s``: by how much any two robots' clocks may differ before bodies touch (inf: by anything); None where
+    that is not judged, which it is of robots that bounce.
     """
 
     verdict: Outcome
@@ -78,6 +80,7 @@ class Report:
     unmet_points_m: NDArray[np.float64] = field(repr=False)
     unmet_demand: NDArray[np.int64] = field(repr=False)
     run_end: RunEnd | None = None
+    clock_margin_s: float | None = None
 
     @property
     def worst_ratio(self) -> float:
@@ -100,6 +103,7 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "lower_bound_robots": report.lower_bound_robots,
         "first_coverage_s": report.first_coverage_s,
         "run_end": None if end is None else {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason},
+        "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
         "worst_ratio": _finite(report.worst_ratio),
         "worst_ratio_at_least": _finite(report.worst_ratio_at_least),
         "demands": [
@@ -198,6 +202,7 @@ def report_schema() -> dict[str, Any]:
                 _object(at_rest={"type": "boolean"}, steps=count, reason={"enum": list(get_args(EndReason))}),
             ],
         },
+        clock_margin_s={**ratio, "description": "by how much clocks may differ; null: by anything, or not judged"},
         worst_ratio={**ratio, "description": "no gap is longer than so many times its period; null: not shown"},
         worst_ratio_at_least={**ratio, "description": "some gap is so many times its period; null: for ever"},
         demands={"type": "array", "items": demand},
@@ -221,8 +226,17 @@ def report_table(report: Report) -> str:
     lines = [f"verdict: {report.verdict}", f"robots: {report.robots} (lower bound: {bound}); {told}"]
     if report.run_end is not None:
         lines.append(f"the plan says that its run was {report.run_end.text()}")
+    if report.clock_margin_s is not None:
+        lines.append(clocks_text(report.clock_margin_s))
     lines += _demand_rows(report) if report.demands else []
     return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
+
+
+def clocks_text(margin_s: float) -> str:
+    """How far robots' clocks may differ, in words."""
+    if math.isinf(margin_s):
+        return "clocks may differ by any time: bodies never touch"
+    return f"clocks may differ by {_number(math.floor(1e3 * margin_s) / 1e3)} s before bodies touch"
 
 
 def _demand_rows(report: Report) -> list[str]:

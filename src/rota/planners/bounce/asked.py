@@ -14,6 +14,7 @@ from rota.plan import Plan
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.chosen_group import Chosen, choose_group, out_of_reach
+from rota.planners.bounce.clock_margin import apart_in_time
 from rota.planners.bounce.coverage import Coverage, cover
 from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.kernels import Team
@@ -147,6 +148,8 @@ def unwatched_reason(bouncing: Bouncing) -> str:
     """Why no team was found: how many robots were tried, and which zones they cannot come to from where they start."""
     robots, listed = bouncing.robots, bouncing.mission.fleet.robots
     most = "up to " * (listed is None) + f"{len(robots)} robot" + "s" * (len(robots) != 1)
+    margin_s = bouncing.mission.bounce.clock_margin_s
+    most += f" whose clocks may differ by {margin_s:.3g} s" * (margin_s > 0)
     if all(robot.start is None for robot in robots):
         return f"no team of {most} goes its rounds without contact so that each zone is visited"
     watch = watch_of(bouncing)
@@ -162,7 +165,9 @@ def watch_of(bouncing: Bouncing) -> Watch:
     """What the robots' limit cycles see of the mission's zones; raises MissionError for those that none enters."""
     zones = [zone for zone in bouncing.mission.zones if zone.period_s is not None]
     inside = zone_cells(bouncing.cells, zones)
-    cycles = limit_cycles(bouncing.team)
+    margin_steps = bouncing.mission.bounce.clock_margin_s / bouncing.step_s
+    radii = np.array([robot.body_radius_m for robot in bouncing.robots])
+    cycles = apart_in_time(limit_cycles(bouncing.team), bouncing.cells, radii[:, None] + radii, margin_steps)
     sees = seen_by_cycles(cycles, inside, bouncing.cells.headings)
     require_watchable(cycles, sees, [zone.name for zone in zones])
     periods_s = np.array([zone.period_s for zone in zones], np.float64)

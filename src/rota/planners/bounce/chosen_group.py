@@ -86,10 +86,17 @@ def begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
     return Chosen(cycles=watch.cycles, nodes=nodes, transient=np.empty((0, len(nodes)), np.int32), ratio=ratio)
 
 
+def _may_go_together(cycles: LimitCycles, nodes: tuple[int, ...]) -> bool:
+    """Whether each two are compatible, clocks that drift included, of which joint maps know nothing."""
+    return all(cycles.compatible[p, q] for p, q in itertools.combinations(nodes, 2))
+
+
 def _best_of(watch: Watch, found: Iterator[tuple[int, ...]], purpose: str) -> Chosen | None:
     """The first group that meets all periods; or the one with the smallest worst ratio."""
     best: Chosen | None = None
     for nodes in found:
+        if not _may_go_together(watch.cycles, nodes):
+            continue
         ratio = watch.ratio(nodes)
         if best is None or ratio < best.ratio:
             best = begin_there(watch, nodes, ratio)
