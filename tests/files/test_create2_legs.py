@@ -121,7 +121,7 @@ def test_a_pause_before_the_first_way_is_waited_for() -> None:
 def test_a_contact_too_near_to_turn_at_backs_off_a_little_all_the_same() -> None:
     tight = TypedMap(rows=("....", "....", "...."), cell_m=2 * BODY_RADIUS_M)
     (drive,) = drives_of(bounced_plan(tight, ((0, 0, 0),), turn=2, speed_m_s=0.1, headings=4))
-    assert {leg.back_off_m for leg in drive.legs} == {0.01}
+    assert {leg.back_off_m for leg in drive.legs} == {0.005}
 
 
 def test_obstacles_that_hide_but_do_not_block_are_no_contact() -> None:

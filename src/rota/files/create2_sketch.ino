@@ -180,9 +180,9 @@ void watch() {
 
 // ---------------------------------------------------------------- moves
 
-// Goes on with what the wheels do for so long, to some microseconds: a millisecond is a tenth of a degree.
-void keepOn(uint32_t durationUs) {
-  const uint32_t beganUs = micros();
+// Goes on with what the wheels do for so long, to some microseconds: a millisecond is a tenth of a degree. From the time
+// before the command was given on: to hand over its bytes takes as long as to hand over those of the next.
+void keepOn(uint32_t beganUs, uint32_t durationUs) {
   uint32_t goneUs;
   while ((goneUs = micros() - beganUs) < durationUs) {
     const uint32_t leftUs = durationUs - goneUs;
@@ -204,8 +204,9 @@ bool driveOn(int16_t speedMmS, uint32_t driveMs) {
 }
 
 void backOff(uint16_t distanceMm) {
+  const uint32_t beganUs = micros();
   drive(-BACK_OFF_MM_S, -BACK_OFF_MM_S);
-  keepOn(distanceMm * 1000000.0 / BACK_OFF_MM_S);
+  keepOn(beganUs, distanceMm * 1000000.0 / BACK_OFF_MM_S);
 }
 
 // In place; to the left where tenths of a degree are positive.
@@ -213,8 +214,9 @@ void turn(int16_t tenths) {
   if (tenths == 0) return;
   const float wayMm = abs(tenths) / 10.0 * DEG_TO_RAD * WHEEL_BASE_MM / 2.0 * TURN_CALIBRATION;
   const int16_t rightMmS = tenths > 0 ? TURN_MM_S : -TURN_MM_S;
+  const uint32_t beganUs = micros();
   drive(rightMmS, -rightMmS);
-  keepOn(wayMm * 1000000.0 / TURN_MM_S);
+  keepOn(beganUs, wayMm * 1000000.0 / TURN_MM_S);
 }
 
 // On the plan's clock, which a pulse may set meanwhile.

@@ -29,7 +29,7 @@ class StudySettings:
     on which runs end after ``layout_steps``.
 
     region_pairs: random target regions of Figures 10 and 11.
-    error_steps: after which chances are told; walks: simulated to compare them with.
+    error_steps: after which chances are told; walks: simulated for each of them.
     """
 
     starts: int = paper.RUNS
@@ -37,7 +37,7 @@ class StudySettings:
     layout_steps: int = 10_000
     region_pairs: int = 200
     error_steps: int = 300
-    walks: int = 20_000
+    walks: int = 10_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
