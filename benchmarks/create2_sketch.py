@@ -94,8 +94,8 @@ def _driven_in_time(what: str, plans: dict[str, Plan], options: Options) -> Iter
             off_m = off_plan_m(desk, number, way)[1]
             worst_m, turns = max(worst_m, float(off_m.max(initial=0.0))), turns + len(off_m)
     measured = (
-        f"{len(slowing)} of {len(plans)}, at most {1e3 * worst_m:.1f} mm off at the {turns} turns of {DURATION_S:.0f} s;"
-        f" clocks slowed {min(slowing, default=1):.2f} to {max(slowing, default=1):.2f} times"
+        f"{len(slowing)} of {len(plans)}, at most {1e3 * worst_m:.1f} mm off at the {turns} turns of {DURATION_S:.0f} s"
+        f"; clocks slowed {min(slowing, default=1):.2f} to {max(slowing, default=1):.2f} times"
     )
     good = len(slowing) == len(plans) and worst_m <= MOST_M
     row = f"Create 2 sketches in simavr, laboratory of {what}"
