@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -59,6 +61,8 @@ Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
 
 TOUCH_M = 1e-6  # by which a body may overlap what it touches
+MOST_START_FAULTS = 100  # told at once; whoever mends them hears of the rest
+_STARTS_AT_ONCE = 256
 AREA = "area"  # the name of the ground outside zones, wherever zones are told
 AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another name"
 
@@ -184,10 +188,10 @@ class Mission:
         if self.period_s is not None:
             require_positive("period_s", self.period_s, LONGEST_S)
         require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
-        names = [zone.name for zone in self.zones]
+        counted = Counter(zone.name for zone in self.zones)
         for zone in self.zones:
             require(zone.name != AREA, "zone.name", zone.name, AREA_IS_TAKEN)
-            require(names.count(zone.name) == 1, "zones", zone.name, "names must be unique")
+            require(counted[zone.name] == 1, "zones", zone.name, "names must be unique")
             outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
             require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
         faults = start_faults(self.area, self.obstacles, self.fleet)
@@ -318,16 +322,51 @@ def start_faults(area: MultiPolygon, obstacles: tuple[Obstacle, ...], fleet: Fle
     for k, robot in enumerate(fleet.robots or ()):
         if robot.start is not None:
             placed.append((f"fleet.robots[{k}].start", robot.start, robot.body_radius_m))
-    for i, (where, point, body_m) in enumerate(placed):
+    for i, others in _doubtful(placed, area, blocking):
+        where, point, body_m = placed[i]
         wrong = _standing_fault(point, body_m, area, blocking)
-        for other, beside, its_body_m in placed[:i]:
+        for other, beside, its_body_m in (placed[j] for j in others):
             if wrong is None and math.dist(point, beside) < max(body_m + its_body_m - TOUCH_M, TOUCH_M):
                 need_m = body_m + its_body_m
                 gap_m = math.dist(point, beside)
                 wrong = f"is {gap_m:.6g} m from {other}; bodies need {need_m:.6g} m, and no two may be equal"
         if wrong is not None:
             faults.append((where, f"[{point[0]:.9g}, {point[1]:.9g}] {wrong}"))
+        if len(faults) == MOST_START_FAULTS:
+            break
     return faults
+
+
+def _doubtful(
+    placed: list[tuple[str, Place, float]], area: MultiPolygon, blocking: list[MultiPolygon]
+) -> Iterator[tuple[int, list[int]]]:
+    """The starts that may be at fault, in their order, each with those before it that its body may touch.
+
+    Trees and prepared shapes find them, so that ten thousand starts take no longer than to write them down.
+    """
+    points = np.array([point for _, point, _ in placed], dtype=np.float64).reshape(-1, 2)
+    bodies_m = np.array([body_m for _, _, body_m in placed], dtype=np.float64)
+    known = np.isfinite(points).all(axis=1)
+    points[~known] = 0.0
+    shapely.prepare(area)
+    border = area.boundary
+    shapely.prepare(border)
+    there = shapely.points(points)
+    doubtful = ~known | ~shapely.covers(area, there) | shapely.dwithin(border, there, bodies_m)
+    if blocking:
+        doubtful[shapely.STRtree(blocking).query(there, predicate="dwithin", distance=bodies_m)[0]] = True
+    rooms = shapely.box(*(points - bodies_m[:, None] - TOUCH_M).T, *(points + bodies_m[:, None] + TOUCH_M).T)
+    tree = shapely.STRtree(rooms)
+    # in parts, since a crowd in one place has as many pairs as the square of its number
+    for begin in range(0, len(placed), _STARTS_AT_ONCE):
+        part = np.arange(begin, min(begin + _STARTS_AT_ONCE, len(placed)))
+        one, other = tree.query(rooms[part])
+        before = other < one + begin
+        one, other = one[before] + begin, other[before]
+        for i in part:
+            others = np.sort(other[one == i]).tolist()
+            if doubtful[i] or others:
+                yield int(i), others
 
 
 def _standing_fault(

@@ -94,7 +94,7 @@ def test_all_faults_are_told_at_once(tmp_path):
         ('{"type": "Polygon", "coordinates": [[0, 0], [1, 0], [1, 1]]}', "0 is no position"),
         ('{"type": "Polygon", "coordinates": []}', "outer one first"),
         ('{"type": "Polygon"}', "without a list of coordinates"),
-        ('{"type": "Sphere", "coordinates": []}', "'Sphere' is no geometry type"),
+        ('{"type": "Sphere", "coordinates": []}', '"Sphere" is no geometry type'),
         ('{"type": "FeatureCollection", "features": {}}', "must be a list of features"),
         ('{"type": "FeatureCollection", "features": []}', "holds no polygon"),
     ],

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from rota.errors import RotaError
+
+LONGEST_NAME = 255  # bytes of a file's name that common file systems take
 
 
 def write_atomically(path: str | os.PathLike[str], text: str) -> None:
@@ -31,7 +33,8 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         if target.exists() and not target.is_file():
             yield target
             return
-        partial = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(4)}.part{target.suffix}")
+        stem = target.stem.encode()[:100].decode(errors="ignore")
+        partial = target.with_name(f".{stem}.{secrets.token_hex(4)}.part{target.suffix[:20]}")
         try:
             # made like any other new file, so that it gets the same permissions
             partial.touch(exist_ok=False)
@@ -86,6 +89,7 @@ def require_writable(path: str | os.PathLike[str]) -> None:
     folder = target.parent
     if not str(path):
         raise RotaError("an empty path cannot be written to; a file name is needed")
+    require_short_names([target.name])
     if target.is_dir():
         raise RotaError(f"{path}: is a folder; the path of a file is needed")
     if not folder.exists():
@@ -96,6 +100,14 @@ def require_writable(path: str | os.PathLike[str]) -> None:
     if not replaceable and not (target.exists() and not target.is_file()):
         what = target if target.exists() and os.access(folder, os.W_OK) else folder
         raise RotaError(f"{path}: cannot be written: no permission to write to {what}")
+
+
+def require_short_names(names: Iterable[str]) -> None:
+    """Raise RotaError for names of files that are longer than file systems take."""
+    for name in names:
+        count = len(os.fsencode(name))
+        if count > LONGEST_NAME:
+            raise RotaError(f"{name[:40]}...: a file name of {count} bytes; at most {LONGEST_NAME} are allowed")
 
 
 def require_target(path: str | os.PathLike[str], source: str | os.PathLike[str] | None) -> None:

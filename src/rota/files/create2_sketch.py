@@ -13,7 +13,7 @@ import re
 from pathlib import Path
 
 from rota.errors import PlanError, RotaError
-from rota.files.atomic_write import require_writable_folder, write_atomically
+from rota.files.atomic_write import require_short_names, require_writable_folder, write_atomically
 from rota.files.create2_legs import BACK_OFF_SPEED_M_S, MOST_SLOWING, Drive, Leg, drives_of
 from rota.plan import Plan, Trajectory
 
@@ -37,6 +37,7 @@ def write_create2_sketches(
         if name.casefold() in (known.casefold() for known in texts):
             raise PlanError(f"robot {trajectory.robot}: another robot's file is called {name}.ino; rename one of them")
         texts[name] = text
+    require_short_names(f"{name}.ino" for name in texts)
     paths = tuple(Path(folder) / name / f"{name}.ino" for name in texts)
     for path, text in zip(paths, texts.values(), strict=True):
         try:

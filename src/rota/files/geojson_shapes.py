@@ -16,7 +16,9 @@ from rota.errors import MissionError
 from rota.files.geodesy import require_degrees
 from rota.files.local_file import read_text
 from rota.files.rings import open_ring, polygon_fault, polygons_of, ring_fault
+from rota.files.schema_faults import shown
 
+_MOST_DIGITS = 300
 _WGS84_NAMES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")
 
 
@@ -49,7 +51,11 @@ def read_features(path: Path) -> Features:
     faults: list[str] = []
     left_out = 0
     for where, geometry, properties in _entries(path, document):
-        name = feature_name(properties)
+        try:
+            name = feature_name(properties)
+        except MissionError as error:
+            faults += [f"{path}: {where}: {fault}" for fault in error.faults]
+            continue
         label = f"{path}: {where}{f' ({name})' if name else ''}"
         try:
             shape = unary_union([_polygon(rings) for rings in _polygons(geometry)])
@@ -68,10 +74,15 @@ def read_features(path: Path) -> Features:
 
 
 def feature_name(properties: dict[str, Any]) -> str | None:
-    """The property name, Name or id (the first one given) as text, or None."""
+    """The property name, Name or id (the first one given) as text, or None.
+
+    Raises MissionError for text that no file can hold: JSON can write the halves of a character alone.
+    """
     for key in ("name", "Name", "id"):
         value = properties.get(key)
         if isinstance(value, str | int) and not isinstance(value, bool) and str(value):
+            if any(0xD800 <= ord(letter) < 0xE000 for letter in str(value)):
+                raise MissionError(f"{key} {shown(ascii(value)[1:-1])} holds half a character; whole ones are needed")
             return str(value)
     return None
 
@@ -93,11 +104,18 @@ def _load(path: Path) -> Any:
 
     text = read_text(path, "a GeoJSON file")
     try:
-        return json.loads(text, parse_constant=refuse)
+        return json.loads(text, parse_constant=refuse, parse_int=_whole)
     except json.JSONDecodeError as error:
         raise MissionError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:
         raise MissionError(f"{path}: not JSON: {error}") from None
+
+
+def _whole(digits: str) -> int | float:
+    """An integer; infinite where it is longer than Python converts, and out of every range all the same."""
+    if len(digits) <= _MOST_DIGITS:
+        return int(digits)
+    return -math.inf if digits[0] == "-" else math.inf
 
 
 def _entries(path: Path, document: Any) -> Iterator[tuple[str, Any, dict[str, Any]]]:
@@ -147,7 +165,7 @@ def _polygons(geometry: Any) -> Iterator[Any]:
             raise MissionError(f"{kind} without a list of coordinates")
         yield from [coordinates] if kind == "Polygon" else coordinates
     elif kind not in ("Point", "MultiPoint", "LineString", "MultiLineString"):
-        raise MissionError(f"{kind!r} is no geometry type; a Polygon or MultiPolygon is needed")
+        raise MissionError(f"{shown(kind)} is no geometry type; a Polygon or MultiPolygon is needed")
 
 
 def _polygon(rings: Any) -> Polygon:
@@ -166,7 +184,7 @@ def _ring(points: Any) -> list[tuple[float, float]]:
     for point in points:
         numbers = isinstance(point, list) and len(point) >= 2 and all(_is_number(value) for value in point[:2])
         if not numbers:
-            raise MissionError(f"{json.dumps(point)[:60]} is no position [longitude, latitude]")
+            raise MissionError(f"{shown(point)} is no position [longitude, latitude]")
     ring = open_ring([(float(point[0]), float(point[1])) for point in points])
     if ring:
         require_degrees(*np.array(ring).T)

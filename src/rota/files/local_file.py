@@ -37,6 +37,11 @@ def local_file(folder: Path, name: str, *, confine_to: Path | None) -> Path:
     Raises MissionError when it leaves the folder ``confine_to`` (None: it may), symbolic links followed.
     """
     path = folder / name
-    if confine_to is not None and ("\0" in name or not path.resolve().is_relative_to(confine_to.resolve())):
-        raise MissionError(f"{name!r} leaves the mission's folder; only files inside it may be named")
+    if confine_to is not None:
+        try:
+            inside = "\0" not in name and path.resolve().is_relative_to(confine_to.resolve())
+        except (OSError, RuntimeError):  # a name that is too long, or links in a circle
+            raise MissionError(f"{name!r} cannot be followed; a file in the mission's folder is needed") from None
+        if not inside:
+            raise MissionError(f"{name!r} leaves the mission's folder; only files inside it may be named")
     return path

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import io
 import re
+import struct
+import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +15,13 @@ from numpy.typing import NDArray
 from rota.errors import MissionError
 from rota.files.local_file import read_bytes
 
+if TYPE_CHECKING:
+    from PIL import Image
+
 MOST_PIXELS = 100_000_000
 
+_MOST_DIGITS = 9
+_STRIP_ROWS = 64
 _PGM_NUMBER = re.compile(rb"(?:\s|#[^\r\n]*)*(\d+)")
 
 
@@ -35,7 +43,7 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.float64]:
     at, header = 2, []
     for field in ("width", "height", "maxval"):
         found = _PGM_NUMBER.match(data, at)
-        if found is None or len(found[1]) > 9:
+        if found is None or len(found[1]) > _MOST_DIGITS:
             raise MissionError(f"{path}: damaged PGM: no {field} in the header")
         header.append(int(found[1]))
         at = found.end()
@@ -60,26 +68,38 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.float64]:
 
 def _plain_values(path: Path, text: bytes) -> NDArray[np.float64]:
     words = re.sub(rb"#[^\r\n]*", b"", text).split()
-    try:
-        return np.array([int(word) for word in words], dtype=np.float64)
-    except ValueError:
-        raise MissionError(f"{path}: damaged PGM: a P2 file holds whole numbers only") from None
+    if not all(word.isdigit() and len(word) <= _MOST_DIGITS for word in words):
+        raise MissionError(f"{path}: damaged PGM: a P2 file holds whole numbers up to 65535 only")
+    return np.array(words, dtype=np.float64)
 
 
 def _read_png(path: Path, data: bytes, *, alpha_counts: bool) -> NDArray[np.float64]:
     from PIL import Image
 
+    if len(data) >= 24:
+        # before Pillow sees them, which warns of large images and refuses larger ones in its own words
+        _require_moderate(path, *struct.unpack(">II", data[16:24]))
     try:
-        with Image.open(io.BytesIO(data), formats=["PNG"]) as image:
-            _require_moderate(path, *image.size)
+        with warnings.catch_warnings(), Image.open(io.BytesIO(data), formats=["PNG"]) as image:
+            warnings.simplefilter("ignore")
             image.load()
             if image.mode.startswith("I"):  # 16 bits a pixel
                 return np.asarray(image, dtype=np.float64) * (255 / 65535)
             has_alpha = "A" in image.mode or "transparency" in image.info
-            pixels = np.asarray(image.convert("RGBA" if has_alpha else "RGB"), dtype=np.float64)
-    except (OSError, SyntaxError, ValueError) as error:
+            channels = 4 if has_alpha and alpha_counts else 3
+            return _averaged(image, "RGBA" if has_alpha else "RGB", channels)
+    except (OSError, SyntaxError, ValueError, KeyError, IndexError, struct.error) as error:
         raise MissionError(f"{path}: damaged PNG: {error}") from None
-    mean: NDArray[np.float64] = pixels[..., : None if alpha_counts else 3].mean(axis=2)
+
+
+def _averaged(image: Image.Image, mode: str, channels: int) -> NDArray[np.float64]:
+    """The mean of an image's first channels in a mode, strip by strip: eight bytes a channel would not fit."""
+    columns, rows = image.size
+    mean = np.empty((rows, columns))
+    for top in range(0, rows, _STRIP_ROWS):
+        bottom = min(top + _STRIP_ROWS, rows)
+        strip = np.asarray(image.crop((0, top, columns, bottom)).convert(mode), dtype=np.float64)
+        mean[top:bottom] = strip[..., :channels].mean(axis=2)
     return mean
 
 

@@ -17,6 +17,7 @@ from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
 from rota.files.mission_schema import AreaBlock, FleetBlock, MissionFile, RobotBlock, SensorBlock
 from rota.files.mission_starts import fleet_at_its_starts, moving_obstacles
+from rota.files.schema_block import SMALLEST_M
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
 from rota.files.yaml_text import Document, Place, parse_text
@@ -153,11 +154,10 @@ def _margin_faults(file: MissionFile) -> list[Fault]:
     listed = file.fleet.robots if isinstance(file.fleet.robots, list) else []
     blocks = [file.fleet.sensor, *(robot.sensor for robot in listed if robot.sensor is not None)]
     reach_m = min(inner_reach_m(_sensor(block)) for block in blocks)
-    if file.patrol is None or file.patrol.range_margin_m < reach_m:
+    margin_m = file.patrol.range_margin_m if file.patrol is not None else 0.0
+    if margin_m == 0 or margin_m <= reach_m - SMALLEST_M:
         return []
-    message = (
-        f"{file.patrol.range_margin_m:.6g} is not allowed; it must be less than the sensor's reach, {reach_m:.6g} m"
-    )
+    message = f"{margin_m:.6g} is not allowed; it must be less than the sensor's reach, {reach_m:.6g} m"
     return [Fault(("patrol", "range_margin_m"), message)]
 
 

@@ -17,8 +17,8 @@ from rota.files.mission_schema import Area, AreaBlock, ObstacleBlock, ObstacleEn
 from rota.files.mission_shapes import Frame, Stop, features_of, shape_as_written, shape_in_metres, to_metres
 from rota.files.occupancy_map import InsideError, read_map
 from rota.files.rings import polygons_of
-from rota.files.schema_block import Number
-from rota.files.schema_faults import Fault
+from rota.files.schema_block import FARTHEST_M, LONGEST_S, SHORTEST_S, SMALLEST_M, Duration
+from rota.files.schema_faults import Fault, shown
 from rota.files.text_map import text_map
 from rota.files.yaml_text import Place
 from rota.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
@@ -29,7 +29,7 @@ _AREA: TypeAdapter[Any] = TypeAdapter(Area)
 _OBSTACLE: TypeAdapter[Any] = TypeAdapter(ObstacleEntry)
 _ZONE: TypeAdapter[ZoneBlock] = TypeAdapter(ZoneBlock)
 _ORIGIN: TypeAdapter[OriginBlock | None] = TypeAdapter(OriginBlock | None)
-_PERIOD: TypeAdapter[float | None] = TypeAdapter(Number | None)
+_PERIOD: TypeAdapter[float | None] = TypeAdapter(Duration | None)
 
 
 class Ground(NamedTuple):
@@ -68,6 +68,8 @@ def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed)
     try:
         frame = _placed(frame, entry, _valid(_ORIGIN, data.get("origin")), noticed)
         area, obstacles = _area(frame, entry, noticed)
+        if (fault := _extent_fault(area)) is not None:
+            raise Stop(("area",), fault)
     except Stop as stop:
         noticed.faults.extend(stop.faults)
         return None
@@ -142,6 +144,18 @@ def _area_of_text(frame: Frame, block: AreaBlock) -> tuple[MultiPolygon, list[Ob
     return area, [Obstacle(shape=walls)] if not walls.is_empty else []
 
 
+def _extent_fault(area: MultiPolygon) -> str | None:
+    """What is wrong with where an area begins and ends, in words, or None."""
+    left, bottom, right, top = area.bounds
+    farthest_m = max(abs(left), abs(bottom), abs(right), abs(top))
+    if not farthest_m <= FARTHEST_M:
+        return f"reaches {farthest_m:.6g} m from (0, 0); at most {FARTHEST_M:,.0f} m are allowed"
+    across_m = min(right - left, top - bottom)
+    if across_m < SMALLEST_M:
+        return f"is {across_m:.6g} m across; at least {SMALLEST_M:g} m are needed"
+    return None
+
+
 # ---------------------------------------------------------------- what lies in it
 
 
@@ -164,12 +178,13 @@ def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: 
 def _zones(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noticed) -> list[Zone]:
     """The zones that can be read, without what sticks out of the area."""
     zones: list[Zone] = []
+    taken: set[str] = set()
     for place, entry in _entries(data, "zones", _ZONE):
-        taken = {zone.name for zone in zones}
         try:
             for where, zone in _zones_of(frame, place, entry, taken, noticed):
-                _require_free_name(where, zone.name, zones)
+                _require_free_name(where, zone.name, taken)
                 zones.append(_cut(place, zone, area, noticed))
+                taken.add(zone.name)
         except Stop as stop:
             noticed.faults.extend(stop.faults)
     return zones
@@ -216,18 +231,19 @@ def _feature_demand(place: Place, entry: ZoneBlock, feature: Feature) -> tuple[f
     except ValidationError:
         period_s = -1.0
     if period_s is not None and period_s <= 0:
-        raise Stop(place, f"{where} has period_s {period!r}; a number greater than 0, or null, is needed")
+        allowed = f"a number of seconds from {SHORTEST_S:g} to {LONGEST_S:.9g}, or null, is needed"
+        raise Stop(place, f"{where} has period_s {shown(period)}; {allowed}")
     demand = feature.properties.get("demand", entry.demand)
     if demand not in ("every_point", "visit"):
-        raise Stop(place, f"{where} has demand {demand!r}; every_point or visit is needed")
+        raise Stop(place, f"{where} has demand {shown(demand)}; every_point or visit is needed")
     return period_s, demand
 
 
-def _require_free_name(place: Place, name: str, zones: list[Zone]) -> None:
+def _require_free_name(place: Place, name: str, taken: set[str]) -> None:
     """Stop where a zone has the name of another one or of the ground outside zones."""
     if name == AREA:
         raise Stop(place, f"{name!r} is not allowed; {AREA_IS_TAKEN}")
-    if any(name == other.name for other in zones):
+    if name in taken:
         raise Stop(place, f"{name!r} is the name of another zone; names must be unique")
 
 

@@ -23,13 +23,23 @@ from rota.files.planner_faults import (
     unused_by_swarm,
 )
 from rota.files.rings import ring_fault
-from rota.files.schema_block import Block, NotNegative, Positive, Where, given_of
+from rota.files.schema_block import (
+    FARTHEST_M,
+    Block,
+    Coordinate,
+    Duration,
+    Length,
+    LengthOrZero,
+    Moment,
+    Positive,
+    Rate,
+    Where,
+    given_of,
+)
 from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
 
 PLANNERS = ("patrol", "swarm", "bounce")
-FARTHEST_M = 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
 
-Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-FARTHEST_M, le=FARTHEST_M)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 Point = tuple[Coordinate, Coordinate]
 
@@ -123,7 +133,7 @@ class AreaBlock(Shape):
     text: Text | None = Field(
         None, description="lines of . (free) and # (obstacle), the first is north; from (0, 0) on"
     )
-    cell_m: Positive | None = Field(None, description="side of a text map's character in metres")
+    cell_m: Length | None = Field(None, description="side of a text map's character in metres")
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -162,7 +172,7 @@ class ZoneBlock(Shape):
     )
 
     name: Text | None = None
-    period_s: Positive | None = Field(None, description="seconds; null: nothing is asked there")
+    period_s: Duration | None = Field(None, description="seconds; null: nothing is asked there")
     demand: Literal["every_point", "visit"] = "every_point"
 
     @classmethod
@@ -179,8 +189,8 @@ class ZoneBlock(Shape):
 class MovingObstacleBlock(Block):
     """A disc that moves along timed points."""
 
-    radius_m: Positive
-    times_s: list[NotNegative] = Field(min_length=1)
+    radius_m: Length
+    times_s: list[Moment] = Field(min_length=1)
     positions_m: list[Point] = Field(min_length=1)
 
     @classmethod
@@ -209,15 +219,15 @@ class SensorBlock(Block):
     )
 
     shape: Literal["disc", "square"]
-    radius_m: Positive | None = None
-    side_m: Positive | None = None
+    radius_m: Length | None = None
+    side_m: Length | None = None
     half_angle_deg: Annotated[Positive, Field(lt=90)] | None = Field(
         None, description="of a swarm with altitudes_m: the disc grows with height, height x tan, up to radius_m"
     )
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A disc has a radius, and perhaps an angle, and nothing else; a square a side that can be halved."""
+        """A disc has a radius, and perhaps an angle, and nothing else; a square has a side."""
         shape = data.get("shape")
         if shape not in ("disc", "square"):
             return
@@ -228,9 +238,6 @@ class SensorBlock(Block):
             yield (other,), f"does not belong to a {shape} sensor; it has {needed}"
         if shape == "square" and data.get("half_angle_deg") is not None:
             yield ("half_angle_deg",), "does not belong to a square sensor; remove it"
-        side_m = data.get("side_m")
-        if isinstance(side_m, float) and side_m > 0 and side_m / 2 == 0:
-            yield ("side_m",), f"{side_m} is not allowed; half of it must be greater than 0, too"
 
 
 class Start(Block):
@@ -252,13 +259,13 @@ class RobotBlock(Block):
     """One robot: what is not given is as in the fleet."""
 
     name: Text
-    speed_m_s: Positive | None = None
+    speed_m_s: Rate | None = None
     sensor: SensorBlock | None = None
-    body_radius_m: NotNegative | None = None
-    turn_rate_rad_s: Positive | None = None
+    body_radius_m: LengthOrZero | None = None
+    turn_rate_rad_s: Rate | None = None
     start: Point | None = None
-    joins_s: NotNegative = Field(0.0, description="of a swarm: it stands at its start until then, and sees nothing")
-    leaves_s: Positive | None = Field(None, description="of a swarm: it stays where it is then, and sees nothing more")
+    joins_s: Moment = Field(0.0, description="of a swarm: it stands at its start until then, and sees nothing")
+    leaves_s: Moment | None = Field(None, description="of a swarm: it stays where it is then, and sees nothing more")
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
@@ -292,11 +299,11 @@ class FleetBlock(Block):
     """The robots."""
 
     robots: Robots = "fewest"
-    speed_m_s: Positive
+    speed_m_s: Rate
     sensor: SensorBlock
-    body_radius_m: NotNegative = 0.0
-    turn_rate_rad_s: Positive | None = Field(None, description="null: turning takes no time")
-    altitude_m: Positive = Field(30.0, description="for exports")
+    body_radius_m: LengthOrZero = 0.0
+    turn_rate_rad_s: Rate | None = Field(None, description="null: turning takes no time")
+    altitude_m: Length = Field(30.0, description="for exports")
     start: Start | None = None
 
 
@@ -327,7 +334,7 @@ class MissionFile(Block):
     area: Area
     obstacles: list[ObstacleEntry] = Field(default=[])
     moving_obstacles: list[MovingObstacleBlock] = Field(default=[])
-    period_s: Positive | None = Field(None, description="for the area outside zones; null: nothing is asked there")
+    period_s: Duration | None = Field(None, description="for the area outside zones; null: nothing is asked there")
     unseeable: Literal["exclude", "refuse"] = "exclude"
     zones: list[ZoneBlock] = Field(default=[])
     fleet: FleetBlock

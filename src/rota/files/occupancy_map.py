@@ -16,6 +16,7 @@ from rota.files.local_file import local_file, read_text
 from rota.files.map_image import read_brightness
 from rota.files.pixel_outline import straight_outline
 from rota.files.rings import polygons_of
+from rota.files.schema_block import Coordinate, Length, Number
 from rota.files.schema_faults import positioned, schema_faults
 from rota.files.yaml_text import parse_text
 
@@ -23,8 +24,7 @@ Unknown = Literal["map_server reading", "blocked", "free"]
 
 UNKNOWN_BRIGHTNESS = 205  # what map_saver writes for unknown cells
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Share = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
+Share = Annotated[Number, Field(ge=0, le=1)]
 Pixels = NDArray[np.bool_]
 
 
@@ -47,8 +47,8 @@ class MapFile(BaseModel):
     model_config = ConfigDict(extra="ignore")
 
     image: Annotated[str, Field(strict=True, min_length=1)]
-    resolution: Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-    origin: tuple[Number, Number, Number]
+    resolution: Length
+    origin: tuple[Coordinate, Coordinate, Coordinate]
     negate: Literal[0, 1, False, True]
     occupied_thresh: Share
     free_thresh: Share

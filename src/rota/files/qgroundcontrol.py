@@ -17,7 +17,7 @@ import numpy as np
 from shapely import LineString, MultiPolygon, Point, Polygon
 
 from rota.errors import PlanError, RotaError
-from rota.files.atomic_write import require_writable_folder, write_atomically
+from rota.files.atomic_write import require_short_names, require_writable_folder, write_atomically
 from rota.files.geodesy import Projection
 from rota.mission import Mission
 from rota.plan import Floats, Plan, Trajectory
@@ -60,6 +60,7 @@ def write_qgroundcontrol(
             raise PlanError(f"robot {trajectory.robot}: another robot's file is called {name}.plan; rename one of them")
         document = trajectory_to_qgroundcontrol(plan, trajectory, autopilot=autopilot)
         texts[name] = json.dumps(document, indent=1, allow_nan=False) + "\n"
+    require_short_names(f"{name}.plan" for name in texts)
     try:
         Path(folder).mkdir(exist_ok=True)
     except OSError as error:

@@ -9,9 +9,20 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, ModelWrapValidatorHandler, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+# generous for anything that moves on this planet, and so that no square, sum or quotient overflows or is lost
+SMALLEST_M, FARTHEST_M = 1e-3, 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
+SHORTEST_S, LONGEST_S = 1e-3, 1e9
+SLOWEST, FASTEST = 1e-6, 1e6  # metres or radians per second
+
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Length = Annotated[Number, Field(ge=SMALLEST_M, le=FARTHEST_M)]
+LengthOrZero = Annotated[Number, Field(ge=0, le=FARTHEST_M)]
+Coordinate = Annotated[Number, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
+Duration = Annotated[Number, Field(ge=SHORTEST_S, le=LONGEST_S)]
+Moment = Annotated[Number, Field(ge=0, le=LONGEST_S)]
+Rate = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
 Where = tuple[str | int, ...]
 
 

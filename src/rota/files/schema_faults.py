@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from rota.files.yaml_text import Document, Place
+from rota.files.yaml_text import Document, Place, shortened
 
 _NEEDED = {
     "float_type": "a number",
@@ -102,5 +102,4 @@ def shown(value: Any) -> str:
     """A value as a mission file writes it, shortened."""
     if isinstance(value, float):
         return f"{value:.12g}" if math.isfinite(value) else f"{value:.1f}".replace("inf", ".inf").replace("nan", ".nan")
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= 60 else text[:56] + " ..."
+    return shortened(json.dumps(value, ensure_ascii=False, default=str))

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from rota.files.schema_block import Block, NotNegative, Positive, Where
+from rota.files.planner_faults import MOST_ROBOTS
+from rota.files.schema_block import Block, Duration, Length, LengthOrZero, NotNegative, Where
 from rota.mission import (
     HEADINGS,
     METHODS,
@@ -30,6 +31,8 @@ from rota.mission import (
 )
 from rota.planner_settings import MOST_BOUNCE_STEPS, altitude_faults, angle_faults, physical_faults
 
+MOST_SAMPLES, MOST_SWARM_STEPS = 1_000_000, 100_000_000  # more would take a year
+
 
 class Sun2019Block(Block):
     """How the stages of the method sun2019 are done: ours by default, or the paper's."""
@@ -48,7 +51,7 @@ class PatrolBlock(Block):
     period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
         0.0, description="reserve: plan with periods shorter by this share"
     )
-    range_margin_m: NotNegative = Field(0.0, description="reserve: plan with sensors that reach so much less far")
+    range_margin_m: LengthOrZero = Field(0.0, description="reserve: plan with sensors that reach so much less far")
     sun2019: Sun2019Block | None = None
 
     @classmethod
@@ -64,24 +67,26 @@ class SwarmBlock(Block):
 
     controller: Controller = Field("settle", description="reciprocal is the paper's own")
     velocity: VelocityChoice = Field("centroid", description="of the set: exact, or the mean of random samples")
-    samples: Annotated[int, Field(strict=True, ge=1)] = 1000
+    samples: Annotated[int, Field(strict=True, ge=1, le=MOST_SAMPLES)] = 1000
     boundary: SetBoundary = Field("tangent", description="of the set: the circle at horizon_s, or its tangent")
-    horizon_s: Positive = 1.0
-    neighbours: Annotated[int, Field(strict=True, ge=0)] = Field(4, description="the nearest that count")
-    neighbour_range_m: Positive | None = Field(None, description="null: 2.04 times the largest sensor radius")
-    wall_range_m: Positive | None = Field(None, description="null: the robot's sensor radius")
+    horizon_s: Duration = 1.0
+    neighbours: Annotated[int, Field(strict=True, ge=0, le=MOST_ROBOTS)] = Field(
+        4, description="the nearest that count"
+    )
+    neighbour_range_m: Length | None = Field(None, description="null: 2.04 times the largest sensor radius")
+    wall_range_m: Length | None = Field(None, description="null: the robot's sensor radius")
     alpha: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1)] = Field(
         1.0, description="how much to make way for moving obstacles (Eq. 15)"
     )
     filter: Annotated[bool, Field(strict=True)] = Field(True, description="no step may make bodies touch")
-    time_step_s: Positive = 0.25
-    stop_m: Positive = Field(1e-5, description="stop when no robot moves farther in a step")
-    most_steps: Annotated[int, Field(strict=True, ge=1)] = 4000
-    thinning_m: NotNegative = Field(0.05, description="by which trajectories may be simplified")
+    time_step_s: Duration = 0.25
+    stop_m: Annotated[LengthOrZero, Field(gt=0)] = Field(1e-5, description="stop when no robot moves farther in a step")
+    most_steps: Annotated[int, Field(strict=True, ge=1, le=MOST_SWARM_STEPS)] = 4000
+    thinning_m: LengthOrZero = Field(0.05, description="by which trajectories may be simplified")
     delay_steps: Annotated[int, Field(strict=True, ge=0, le=20)] = Field(0, description="age of what robots hear")
     messages_lost: Annotated[NotNegative, Field(lt=1)] = Field(0.0, description="share of messages that never arrive")
     device: Device = Field("cpu", description="cuda: decisions on an NVIDIA GPU, with the package numba-cuda")
-    altitudes_m: tuple[Positive, Positive] | None = Field(
+    altitudes_m: tuple[Length, Length] | None = Field(
         None, description="of reciprocal: robots move in space, between the lowest and the highest altitude"
     )
 
@@ -103,7 +108,7 @@ class BounceBlock(Block):
 
     task: BounceTask = Field("monitor", description="the zones for ever, or cover the area once")
     method: BounceMethod = Field("improved", description="as_printed is the paper's own")
-    cell_m: Positive | None = Field(None, description="side of a cell; null: that of the area's text map")
+    cell_m: Length | None = Field(None, description="side of a cell; null: that of the area's text map")
     headings: Annotated[int, Field(strict=True)] = Field(8, description=f"one of {', '.join(map(str, HEADINGS))}")
     bouncing_angles_deg: Annotated[list[Angle], Field(min_length=1)] = Field(
         [135.0], description="counterclockwise, one for all robots or one for each; multiples of 360 / headings"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import re
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
 from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.error import MarkedYAMLError, ReusedAnchorWarning
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from rota.errors import MissionError
@@ -30,6 +32,9 @@ _HEXADECIMAL = re.compile(r"0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INFINITY = re.compile(r"[-+]?\.(inf|Inf|INF)")
 _NAN = re.compile(r"\.(nan|NaN|NAN)")
+_LONGEST_EXACT = 18  # characters of an integer that a float holds about as well; the longest are beyond any float
+_VERSION = re.compile(r"^%YAML[ \t]+(?!1\.[12][ \t\r]*$).*$", re.MULTILINE)
+_BEYOND_UNICODE = re.compile(r"\\U(?!0010|000)[0-9a-fA-F]{8}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +72,11 @@ def field_path(place: Place) -> str:
     """``("zones", 0, "period_s")`` as ``zones[0].period_s``."""
     text = ""
     for step in place:
-        text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else step
+        if isinstance(step, int):
+            text += f"[{step}]"
+        else:
+            key = shortened(step if step.isprintable() else json.dumps(step))
+            text += f".{key}" if text else key
     return text
 
 
@@ -99,7 +108,10 @@ def _composed(text: str, name: str) -> Node | None:
     if not text.strip():
         return None
     try:
-        root: Node | None = YAML(typ="safe", pure=True).compose(text)
+        with warnings.catch_warnings():
+            # YAML allows an anchor to be given again; what follows means the new one
+            warnings.simplefilter("ignore", ReusedAnchorWarning)
+            root: Node | None = YAML(typ="safe", pure=True).compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"{mark.line + 1}:{mark.column + 1}" if mark else "1:1"
@@ -107,25 +119,44 @@ def _composed(text: str, name: str) -> Node | None:
         if "'\\t'" in reason:
             reason = "a tab where only blanks are allowed; indent with blanks"
         raise MissionError(f"{name}:{where}: not YAML: {reason}") from None
-    except (YAMLError, ValueError, AttributeError) as error:
-        # without a mark: characters that YAML forbids, or text of nothing but comments and directives
-        position = getattr(error, "position", None)
-        if position is None:
-            return None
-        line = text.count("\n", 0, position) + 1
-        column = position - text.rfind("\n", 0, position)
-        character = text[position : position + 1]
-        raise MissionError(f"{name}:{line}:{column}: not YAML: the character {character!r} is not allowed") from None
+    except AttributeError:  # text of nothing but comments and directives
+        return None
     except RecursionError:
         raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
+    except Exception as error:  # the parser asserts and converts numbers of the text without a net
+        position, reason = _unreadable(text, error)
+        line = text.count("\n", 0, position) + 1
+        column = position - text.rfind("\n", 0, position)
+        raise MissionError(f"{name}:{line}:{column}: not YAML: {reason}") from None
     return root
+
+
+def _unreadable(text: str, error: Exception) -> tuple[int, str]:
+    """Where in a text the parser failed with an error that has no mark, and why."""
+    position = getattr(error, "position", None)
+    if position is not None:
+        return position, f"the character {text[position : position + 1]!r} is not allowed"
+    if (version := _VERSION.search(text)) is not None:
+        return (
+            version.start(),
+            f"{shortened(version[0].strip())} is not allowed; 1.2, 1.1 or none is needed",
+        )
+    if (beyond := _BEYOND_UNICODE.search(text)) is not None:
+        return beyond.start(), f"{beyond[0]} is no character; \\U0010FFFF is the last one"
+    return 0, shortened(" ".join(str(error).split()) or type(error).__name__)
+
+
+def shortened(text: str) -> str:
+    """The text, or its beginning where it is long."""
+    return text if len(text) <= 60 else text[:56] + " ..."
 
 
 def _checked_json(text: str, name: str) -> str:
     if not text.strip():
         return ""
     try:
-        json.loads(text)
+        # only whether it is JSON is asked; Python refuses to convert very long integers
+        json.loads(text, parse_int=str, parse_float=str)
     except json.JSONDecodeError as error:
         raise MissionError(f"{name}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:
@@ -139,13 +170,9 @@ def _scalar(text: str) -> Any:
         return None
     if _BOOL.fullmatch(text):
         return text[0] in "tT"
-    if _INT.fullmatch(text):
-        # Python refuses to convert very long integers; as a float they are out of every range all the same
-        return int(text) if len(text) <= 18 else float(text)
-    if _OCTAL.fullmatch(text):
-        return int(text[2:], 8)
-    if _HEXADECIMAL.fullmatch(text):
-        return int(text[2:], 16)
+    for kind, base, prefix in ((_INT, 10, 0), (_OCTAL, 8, 2), (_HEXADECIMAL, 16, 2)):
+        if kind.fullmatch(text):
+            return _whole(text[prefix:], base)
     if _FLOAT.fullmatch(text):
         return float(text)
     if _INFINITY.fullmatch(text):
@@ -153,6 +180,16 @@ def _scalar(text: str) -> Any:
     if _NAN.fullmatch(text):
         return float("nan")
     return text
+
+
+def _whole(digits: str, base: int) -> int | float:
+    """An integer; as a float where it is so long that it is out of every range all the same."""
+    if len(digits) <= _LONGEST_EXACT:
+        return int(digits, base)
+    try:
+        return float(digits) if base == 10 else float(int(digits, base))
+    except OverflowError:
+        return math.inf
 
 
 class _Builder:
