@@ -16,6 +16,7 @@ from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mis
 from benchmarks.one_robot import one_robot
 from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
 from benchmarks.random_runs import random_missions
+from benchmarks.reader_runs import mutated_missions
 from benchmarks.row import Options, Row
 from benchmarks.shell import python, rota
 from benchmarks.sun_cases import sun_cases
@@ -140,6 +141,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,
+    "mutated-missions": mutated_missions,
     "random-missions": random_missions,
 }
 LONG = ("random-missions", "swarm-million")  # half an hour and more: measured only when named, or with --all

@@ -225,7 +225,7 @@ def test_bad_arguments_are_exit_code_2_before_any_planning(
         ("[10, 0], [10, 10]", "[10, 10], [10, 0]", "crosses or touches itself at (5, 5)"),
         ("[10, 0], [10, 10], [0, 10]", "[10, 0]", "a ring of 2 distinct points"),
         ("period_s: 40", "period_s: .nan", "a finite number is needed"),
-        ("radius_m: 20", "radius_m: 0.0001", "at most 50 million are possible; give radius_m of at least"),
+        ("radius_m: 20", "radius_m: 0.001", "at most 50 million are possible; give radius_m of at least"),
         ("lat: 48.1, lon: 11.5", "lat: 148.1, lon: 11.5", "origin.lat: 148.1 is not allowed"),
         ("origin:", "zones: [{name: z, period_s: 9, ring: [[20, 0], [30, 0], [30, 9]]}]\norigin:", "10 m away"),
         ("origin:", "obstacles: [[[-1, -1], [11, -1], [11, 11], [-1, 11]]]\norigin:", "cover the whole area"),

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 import typer
 
 from rota.errors import NoPlanFound, RotaError
-from rota.exit_codes import BAD_INPUT, DONE, INTERRUPTED, NO_PLAN, OUR_FAULT, VIOLATED
+from rota.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
+from rota.interrupt import Terminated, clean_end_on_terminate, stop_on_interrupt
 from rota.plan_command import plan_and_write
 from rota.study_command import app as study_app
 from rota.terminal import STANDARD_STREAM, mention_compiling, progress_bar, say
@@ -27,7 +28,8 @@ PICTURES = (".png", ".svg", ".pdf")
 
 app = typer.Typer(
     help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
-    epilog="Exit codes: 0 done, 1 demand not met (check), 2 bad input, 3 no plan found, 70 our fault, 130 Ctrl-C.",
+    epilog="Exit codes: 0 done, 1 demand not met (check), 2 bad input, 3 no plan found, 70 our fault, 130 Ctrl-C,"
+    " 143 SIGTERM.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -49,11 +51,13 @@ def main() -> NoReturn:
 def run(arguments: list[str]) -> int:
     """Run the command line; returns the exit code. All messages to people go to stderr."""
     try:
-        app(arguments, prog_name="rota")
+        with clean_end_on_terminate():
+            app(arguments, prog_name="rota")
     except SystemExit as end:
-        if _comes_of_interrupt(end):
+        by = _interrupt_behind(end)
+        if by is not None:
             say("interrupted")
-        return end.code if isinstance(end.code, int) else DONE
+        return TERMINATED if isinstance(by, Terminated) else end.code if isinstance(end.code, int) else DONE
     except NoPlanFound as outcome:
         say(f"no plan: {outcome}")
         return NO_PLAN
@@ -68,11 +72,11 @@ def run(arguments: list[str]) -> int:
     return DONE
 
 
-def _comes_of_interrupt(end: BaseException | None) -> bool:
-    """Whether Ctrl-C ended the command, outside the search, which stops by itself and says so."""
+def _interrupt_behind(end: BaseException | None) -> BaseException | None:
+    """The Ctrl-C or SIGTERM that ended the command outside the search, which stops by itself and says so, if any."""
     while end is not None and not isinstance(end, KeyboardInterrupt):
         end = end.__cause__ or end.__context__
-    return end is not None
+    return end
 
 
 # ---------------------------------------------------------------- plan
@@ -145,7 +149,6 @@ def compare(
     from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
     from rota.files.atomic_write import require_suffix
     from rota.files.mission_file import read_mission
-    from rota.interrupt import stop_on_interrupt
 
     if output is not None:
         require_suffix(output, PICTURES, "a picture")
@@ -161,7 +164,7 @@ def compare(
     typer.echo(comparison_table(outcomes) if told is None else json.dumps(told, indent=1))
     if output is not None:
         draw_outcomes(asked, outcomes, output)
-    raise typer.Exit(INTERRUPTED if stop.raised else DONE if all(o.met for o in outcomes) else NO_PLAN)
+    raise typer.Exit(stop.exit_code or (DONE if all(o.met for o in outcomes) else NO_PLAN))
 
 
 # ---------------------------------------------------------------- check, draw, animate, export

@@ -2,4 +2,5 @@
 
 from __future__ import annotations
 
-DONE, VIOLATED, BAD_INPUT, NO_PLAN, OUR_FAULT, INTERRUPTED = 0, 1, 2, 3, 70, 130
+DONE, VIOLATED, BAD_INPUT, NO_PLAN, OUR_FAULT = 0, 1, 2, 3, 70
+INTERRUPTED, TERMINATED = 130, 143  # by Ctrl-C, by SIGTERM: 128 and the number of the signal, as shells have it

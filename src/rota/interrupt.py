@@ -1,4 +1,4 @@
-"""Ctrl-C, once: stop and keep what there is; twice: end at once."""
+"""Ctrl-C or SIGTERM, once: stop and keep what there is; twice: end at once."""
 
 from __future__ import annotations
 
@@ -8,37 +8,81 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}  # what ends a program, as people call it
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM where nothing handles it better: what is open is cleaned up on the way out, as after Ctrl-C."""
+
 
 class StopFlag:
-    """False until Ctrl-C; calling it asks."""
+    """False until Ctrl-C or SIGTERM; calling it asks."""
 
     def __init__(self) -> None:
-        self.raised = False
+        self.by: signal.Signals | None = None
 
     def __call__(self) -> bool:
-        """Whether Ctrl-C was pressed."""
+        """Whether either came."""
         return self.raised
+
+    @property
+    def raised(self) -> bool:
+        """Whether either came."""
+        return self.by is not None
+
+    @property
+    def exit_code(self) -> int:
+        """What a program ends with that was stopped so: as a shell tells it of one that the signal ended, 130 or 143.
+
+        0 while nothing came.
+        """
+        return 0 if self.by is None else 128 + self.by
 
 
 @contextmanager
-def stop_on_interrupt(announce: Callable[[], None]) -> Iterator[StopFlag]:
-    """Within the block the first SIGINT raises the flag and calls ``announce``; the second ends the process at once.
+def stop_on_interrupt(announce: Callable[[str], None]) -> Iterator[StopFlag]:
+    """Within the block the first SIGINT or SIGTERM raises the flag; the next one ends the process at once.
 
-    Outside the main thread, where Python hands out no signals, the flag stays down.
+    ``announce`` is called with the name of the first. Outside the main thread, where Python hands out no signals, the
+    flag stays down; a signal that whoever started the program had it ignore (nohup) stays ignored.
     """
     flag = StopFlag()
-    if threading.current_thread() is not threading.main_thread():
-        yield flag
-        return
 
-    def raise_flag(_signal: int, _frame: FrameType | None) -> None:
-        flag.raised = True
-        # left to the system, so that a long compiled loop cannot hold up the second one
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-        announce()
+    def raise_flag(number: int, _frame: FrameType | None) -> None:
+        flag.by = signal.Signals(number)
+        # left to the system, so that a long compiled loop cannot hold up the next one
+        for each in taken:
+            signal.signal(each, signal.SIG_DFL)
+        announce(NAMES[flag.by])
 
-    before = signal.signal(signal.SIGINT, raise_flag)
+    taken = _taken(raise_flag)
     try:
         yield flag
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, before in taken.items():
+            signal.signal(number, before)
+
+
+@contextmanager
+def clean_end_on_terminate() -> Iterator[None]:
+    """Within the block SIGTERM raises ``Terminated``, so that no half-written file is left behind."""
+
+    def end(_signal: int, _frame: FrameType | None) -> None:
+        raise Terminated
+
+    taken = _taken(end, signal.SIGTERM)
+    try:
+        yield
+    finally:
+        for number, before in taken.items():
+            signal.signal(number, before)
+
+
+def _taken(
+    handler: Callable[[int, FrameType | None], None], *numbers: signal.Signals
+) -> dict[signal.Signals, signal._HANDLER]:
+    """Hand the signals (all by default) to a handler; those that were taken, with what handled them before."""
+    if threading.current_thread() is not threading.main_thread():
+        return {}
+    wanted = [number for number in numbers or NAMES if signal.getsignal(number) is not signal.SIG_IGN]
+    return {number: signal.signal(number, handler) for number in wanted}

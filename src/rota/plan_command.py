@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from rota.errors import NoPlanFound
-from rota.exit_codes import DONE, INTERRUPTED, NO_PLAN
+from rota.exit_codes import DONE, NO_PLAN
 from rota.stopped_run import keep_run
 from rota.terminal import STANDARD_STREAM, progress_bar, say
 
 if TYPE_CHECKING:
     from rota.check import Report
+    from rota.interrupt import StopFlag
     from rota.mission import Mission
     from rota.plan import Plan
     from rota.planners.swarm.metrics import History
@@ -52,7 +53,7 @@ def plan_and_write(
                 _write_metrics(histories, mission, resume[1], metrics)
                 if run is not None:
                     keep_run(run, target, resume[0])
-                return _say_no_plan(failure, stop.raised, "no plan" if run is not None else "nothing")
+                return _say_no_plan(failure, stop, "no plan" if run is not None else "nothing")
             answer = failure.best  # type: ignore[assignment]
             report = check_plan(answer)
     _write_plan(answer, target, meets_demand=reason is None)
@@ -67,16 +68,16 @@ def plan_and_write(
     if reason is not None:
         say(f"no plan: {reason}")
         say("this is the best plan found; it does NOT meet its demand and its file is marked so")
-    return INTERRUPTED if stop.raised else DONE if reason is None else NO_PLAN
+    return stop.exit_code or (DONE if reason is None else NO_PLAN)
 
 
-def _say_no_plan(failure: NoPlanFound, interrupted: bool, what: str) -> int:
-    if interrupted:
+def _say_no_plan(failure: NoPlanFound, stop: StopFlag, what: str) -> int:
+    if stop.raised:
         say(f"interrupted before a plan passed the check; {what} is written")
     say(f"no plan: {failure}")
     if failure.best is not None:
         say("--best writes the best plan found, which does not meet its demand")
-    return INTERRUPTED if interrupted else NO_PLAN
+    return stop.exit_code or NO_PLAN
 
 
 def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:

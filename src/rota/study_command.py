@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from rota.exit_codes import DONE, INTERRUPTED, NO_PLAN
+from rota.exit_codes import DONE, NO_PLAN
 from rota.terminal import mention_compiling, progress_bar, say
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def patrol_progress(
     for path in output or []:
         write_progress(found, path)
         typer.echo(path)
-    raise typer.Exit(INTERRUPTED if stop.raised else DONE if found.reason is None else NO_PLAN)
+    raise typer.Exit(stop.exit_code or (DONE if found.reason is None else NO_PLAN))
 
 
 def _folder(page_file: str) -> Any:
@@ -148,11 +148,11 @@ def _tell_study(
     if output is not None:
         require_study_folder(output, make.page_file, make.pictures)
     mention_compiling(*compiled)
-    with progress_bar() as bar, stop_on_interrupt(lambda: bar.announce_stop("with nothing written")) as stop:
+    with progress_bar() as bar, stop_on_interrupt(lambda by: bar.announce_stop(by, "with nothing written")) as stop:
         try:
             study = make(asked, settings=settings, seed=seed, progress=bar.show, should_stop=stop)
         except StudyStopped:
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(stop.exit_code) from None
         # within the block, so that Ctrl-C does not leave half of the files
         written = () if output is None else write_study(study, output)
     typer.echo(study.tables_text)

@@ -29,11 +29,11 @@ class Bar:
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=fraction, description=doing)
 
-    def announce_stop(self, outcome: str = "with the best plan so far") -> None:
-        """What the first Ctrl-C calls; ``outcome``: what there will be of the work."""
+    def announce_stop(self, by: str, outcome: str = "with the best plan so far") -> None:
+        """What the first Ctrl-C or SIGTERM, ``by``, calls; ``outcome``: what there will be of the work."""
         if self._progress is not None:
-            self._progress.stop()  # gives the terminal its cursor back before a second Ctrl-C could
-        say(f"stopping {outcome}; Ctrl-C again ends at once")
+            self._progress.stop()  # gives the terminal its cursor back before a second one could
+        say(f"stopping {outcome}; {by} again ends at once")
 
 
 @contextmanager

@@ -102,4 +102,5 @@ def shown(value: Any) -> str:
     """A value as a mission file writes it, shortened."""
     if isinstance(value, float):
         return f"{value:.12g}" if math.isfinite(value) else f"{value:.1f}".replace("inf", ".inf").replace("nan", ".nan")
-    return shortened(json.dumps(value, ensure_ascii=False, default=str))
+    text = json.dumps(value, ensure_ascii=False, default=str)
+    return shortened(text if text.isprintable() else json.dumps(value, default=str))

@@ -12,12 +12,16 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, ReusedAnchorWarning
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.scanner import Scanner
 
 from rota.errors import MissionError
 
 Place = tuple[str | int, ...]
 
 MOST_VALUES = 2_000_000  # a few lines of aliases can stand for billions of values
+
+MOST_NESTED = 64
+_TOO_DEEP = f"lists or mappings are nested too deep; {MOST_NESTED} in each other are allowed"
 
 _STANDARD = "tag:yaml.org,2002:"
 # beside the core schema's, what ruamel's resolver makes of plain text such as dates and <<
@@ -63,6 +67,7 @@ class Document:
         """One line ``file:line:column: path.to.field: message``."""
         line, column = self.position(place, key=key)
         field = f"{field_path(place)}: " if place else ""
+        message = "".join(mark if mark.isprintable() else ascii(mark)[1:-1] for mark in message)
         if any(place[:depth] in self.overridden for depth in range(len(place) + 1)):
             return f"override: {field}{message}"
         return f"{self.name}:{line}:{column}: {field}{message}"
@@ -96,11 +101,34 @@ def parse_text(text: str, name: str, what: str) -> Document:
         if _count(root, {}) > MOST_VALUES:
             raise MissionError(f"{name}:1:1: more than {MOST_VALUES:,} values; put large shapes in a GeoJSON file")
         value = builder.build(root, ())
-    except RecursionError:
-        raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
+    except RecursionError:  # by aliases
+        raise MissionError(f"{name}:1:1: {_TOO_DEEP}") from None
     if builder.faults:
         raise MissionError(*builder.faults)
     return Document(name=name, value=value, values_at=builder.values_at, keys_at=builder.keys_at)
+
+
+class _TooDeep(Exception):  # noqa: N818 (the reader of the text catches it)
+    """Where lists and mappings are nested deeper than any mission needs."""
+
+
+class _ShallowScanner(Scanner):
+    """Stops at deep nesting, which takes it time as the square of the depth."""
+
+    def fetch_flow_collection_start(self, TokenClass: Any, to_push: str) -> None:
+        """An opening bracket."""
+        self._require_shallow(len(self.flow_context))
+        super().fetch_flow_collection_start(TokenClass, to_push)
+
+    def add_indent(self, column: int) -> bool:
+        """A deeper block."""
+        self._require_shallow(len(self.indents))
+        return bool(super().add_indent(column))
+
+    def _require_shallow(self, depth: int) -> None:
+        if depth >= MOST_NESTED:
+            mark = self.reader.get_mark()
+            raise _TooDeep(f"{mark.line + 1}:{mark.column + 1}")
 
 
 def _composed(text: str, name: str) -> Node | None:
@@ -111,7 +139,9 @@ def _composed(text: str, name: str) -> Node | None:
         with warnings.catch_warnings():
             # YAML allows an anchor to be given again; what follows means the new one
             warnings.simplefilter("ignore", ReusedAnchorWarning)
-            root: Node | None = YAML(typ="safe", pure=True).compose(text)
+            yaml = YAML(typ="safe", pure=True)
+            yaml.Scanner = _ShallowScanner
+            root: Node | None = yaml.compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"{mark.line + 1}:{mark.column + 1}" if mark else "1:1"
@@ -121,8 +151,8 @@ def _composed(text: str, name: str) -> Node | None:
         raise MissionError(f"{name}:{where}: not YAML: {reason}") from None
     except AttributeError:  # text of nothing but comments and directives
         return None
-    except RecursionError:
-        raise MissionError(f"{name}:1:1: lists or mappings are nested too deep") from None
+    except _TooDeep as error:
+        raise MissionError(f"{name}:{error}: {_TOO_DEEP}") from None
     except Exception as error:  # the parser asserts and converts numbers of the text without a net
         position, reason = _unreadable(text, error)
         line = text.count("\n", 0, position) + 1

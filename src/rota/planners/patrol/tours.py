@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import os
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -40,6 +41,7 @@ OPEN = 1.5  # first tours on open ground are at most so many times longer than i
 MOST_DEAR = 6.0  # times more than there that it is worth to see anything where the ways wind
 WORTH_SEEDS = 1.5  # what others than the most promising split may lack then, as a multiple, to be begun with many seeds
 DEARER = (1.0, 2.0)  # times what it is worth to see anything, in turn
+PATIENCE_S = 10.0  # for a plan of lanes where the search was stopped before it had any
 NEST_GAIN = 0.8  # what loops within loops lack then, over what others lack that come as far in the end
 
 
@@ -68,6 +70,8 @@ def plan_patrol(
 
         return plan_with_least_ratio(context, asked)
     best = fewest_by_method(context)
+    if not best.met and should_stop() and mission.patrol.method == "tours":
+        best = swept_instead(context, best)
     if not best.met:
         raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
     return best.plan
@@ -81,6 +85,23 @@ def fewest_by_method(context: Context) -> Settled:
     if method != "tours":
         return fewest_robots_of(METHODS[method], context)
     return fewest_on_large(context, fewest_robots) if is_large(context.problem) else fewest_robots(context)
+
+
+def swept_instead(context: Context, best: Settled) -> Settled:
+    """A plan of lanes where the search was stopped before it had any: few missions take more than seconds for it.
+
+    It has seldom fewer robots than the search would have found, but it passes; the best there was if it does not, or
+    takes longer than ``PATIENCE_S``. A search that is not stopped never comes here.
+    """
+    context.progress(0.9, "sweeping in lanes instead")
+    end_s = time.monotonic() + PATIENCE_S
+    quick = replace(context.problem, mission=context.problem.mission.with_effort("quick"))
+    hasty = replace(context, problem=quick, should_stop=lambda: time.monotonic() > end_s)
+    try:
+        swept = fewest_robots_of(METHODS["sequential"], hasty)
+    except NoPlanFound:
+        return best
+    return replace(swept, plan=replace(swept.plan, mission=context.problem.mission)) if swept.met else best
 
 
 def unmet_reason(problem: Problem, best: Settled) -> str:
