@@ -21,10 +21,12 @@ from benchmarks.create2.plans import TypedMap, bounced_plan
 from PIL import Image
 from shapely import Point, box, union_all
 
+from rota.check import check_plan
 from rota.cli import run
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan, write_plan
+from rota.interrupt import stop_on_interrupt
 from rota.mission import Mission, SwarmSettings
 from rota.plan import Plan, Trajectory
 
@@ -317,6 +319,81 @@ def test_ctrl_c_without_a_passing_plan_writes_only_with_best(
     assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
 
 
+STOPPED_AT = """
+import importlib, os, signal, sys
+from rota.cli import run
+make_plan = importlib.import_module("rota.make_plan")
+ask, planner_of, asked = make_plan._StopRule.__call__, make_plan._planner, 0
+def counted(self):
+    global asked
+    asked += 1
+    if asked == int(sys.argv[1]):
+        os.kill(os.getpid(), signal.SIGTERM)
+    return ask(self)
+def begun(mission):
+    if sys.argv[1] == "0":
+        os.kill(os.getpid(), signal.SIGTERM)
+    return planner_of(mission)
+make_plan._StopRule.__call__, make_plan._planner = counted, begun
+sys.exit(run(["plan", "mission.yaml"]))
+"""
+EXAMPLES = Path(__file__).parents[1] / "examples"
+LONG_SEARCH = """\
+rota: 1
+name: room
+area: [[0, 0], [30, 0], [30, 20], [0, 20]]
+zones: [{name: gate, period_s: 20, circle: {centre: [25, 10], radius_m: 4}}]
+period_s: 60
+fleet: {speed_m_s: 2, sensor: {shape: disc, radius_m: 2.5}}
+patrol: {effort: high}
+"""
+SPREADING = (EXAMPLES / "swarm-square.yaml").read_text()
+BOUNCING = (EXAMPLES / "bounce-monitor.yaml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("mission", "asked", "left"),
+    [(LONG_SEARCH, 1, "mission.rota.json"), (SPREADING, 20, "mission.rota-run"), (BOUNCING, 0, "mission.rota.json")],
+    ids=["patrol", "swarm", "bounce"],
+)
+def test_sigterm_stops_a_search_and_keeps_what_there_is(mission: str, asked: int, left: str, yard: Path) -> None:
+    Path("mission.yaml").write_text(mission)
+    done = subprocess.run(
+        [sys.executable, "-c", STOPPED_AT, str(asked)], capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == 143, done.stderr
+    assert "SIGTERM again ends at once" in done.stderr
+    assert left in os.listdir(), done.stderr
+    assert check_plan(read_plan("mission.rota.json")).verdict == "met"
+
+
+def test_sigterm_outside_the_search_leaves_no_half_of_a_file(
+    plan_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def settle(*_: Any) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    before, files = signal.getsignal(signal.SIGTERM), sorted(os.listdir())
+    monkeypatch.setattr("rota.files.atomic_write._settle", settle)
+    assert run(["export", str(plan_path), "--to", "geojson", "-o", "yard.geojson"]) == 143
+    assert capsys.readouterr().err == "rota: interrupted\n"
+    assert sorted(os.listdir()) == files
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_an_ignored_sigterm_stays_ignored(plan_path: Path) -> None:
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        with stop_on_interrupt(lambda _by: None) as stop:
+            os.kill(os.getpid(), signal.SIGTERM)
+            assert not stop()
+            os.kill(os.getpid(), signal.SIGINT)
+            assert stop()
+        assert stop.exit_code == 130
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
 def test_ctrl_c_outside_the_search_is_told(
     plan_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -330,21 +407,22 @@ def test_ctrl_c_outside_the_search_is_told(
     assert not Path("yard.gif").exists()
 
 
-def test_a_second_ctrl_c_ends_at_once_and_leaves_the_old_file(yard: Path) -> None:
+@pytest.mark.parametrize("end", ["SIGINT", "SIGTERM"])
+def test_the_second_signal_ends_at_once_and_leaves_the_old_file(end: str, yard: Path) -> None:
     Path("yard.rota.json").write_text("old")
     script = (
         "import importlib, os, signal, sys\n"
         "from rota.cli import run\n"
         "def deaf(mission, **_):\n"
-        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('still here\\n')\n"
-        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('deaf\\n')\n"
         "importlib.import_module('rota.make_plan')._planner = lambda mission: deaf\n"
         "sys.exit(run(['plan', 'yard.yaml']))\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)
-    assert done.returncode == -signal.SIGINT
+    assert done.returncode == -getattr(signal, end)
     assert "still here" in done.stderr
     assert "deaf" not in done.stderr
     assert Path("yard.rota.json").read_text() == "old"

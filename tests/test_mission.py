@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 import shapely
-from shapely import box
+from shapely import MultiPolygon, Point, box
 
 from rota.errors import MissionError
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, SquareSensor, Zone
+from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone, start_faults
 
 
 def with_zones(*names: str) -> Mission:
@@ -90,3 +91,39 @@ def test_what_bouncing_robots_cannot_do_is_refused(changes, words):
     assert Mission(**good).bounce.cell_m == 1
     with pytest.raises(MissionError, match=words):
         Mission(**{**good, **changes})
+
+
+def crowd(points: list[tuple[float, float]], *bodies_m: float) -> Fleet:
+    sensor = DiscSensor(radius_m=5)
+    robots = [
+        Robot(name=f"r{k}", speed_m_s=1, sensor=sensor, body_radius_m=bodies_m[k % len(bodies_m)], start=point)
+        for k, point in enumerate(points)
+    ]
+    return Fleet(speed_m_s=1, sensor=sensor, robots=tuple(robots))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_starts_at_fault_are_those_that_comparing_all_pairs_finds(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = [tuple(at) for at in rng.uniform(-1, 41, (60, 2)).round(0).tolist()]
+    bodies_m = (0.0, 0.4, 2.0)
+    blocks = (Obstacle(shape=MultiPolygon([box(10, 10, 14, 30)])), Obstacle(shape=MultiPolygon([box(20, 0, 21, 9)])))
+    area = MultiPolygon([box(0, 0, 40, 40)])
+    found = {field for field, _ in start_faults(area, blocks, crowd(points, *bodies_m))}
+    wanted = set()
+    for i, point in enumerate(points):
+        body_m, at = bodies_m[i % 3], Point(point)
+        alone = area.covers(at) and area.boundary.distance(at) >= body_m - 1e-6
+        alone &= all(not b.shape.contains(at) and b.shape.distance(at) >= body_m - 1e-6 for b in blocks)
+        near = any(math.dist(point, points[j]) < max(body_m + bodies_m[j % 3] - 1e-6, 1e-6) for j in range(i))
+        wanted |= set() if alone and not near else {f"fleet.robots[{i}].start"}
+    assert found == wanted
+    assert 10 < len(found) < 60
+
+
+def test_a_crowd_in_one_place_is_told_by_its_first_hundred() -> None:
+    found = start_faults(MultiPolygon([box(0, 0, 10, 10)]), (), crowd([(5.0, 5.0)] * 3000, 0.1))
+    assert len(found) == 100
+    where, message = found[0]
+    assert where == "fleet.robots[1].start"
+    assert message == "[5, 5] is 0 m from fleet.robots[0].start; bodies need 0.2 m, and no two may be equal"

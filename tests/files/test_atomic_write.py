@@ -93,3 +93,11 @@ def test_places_that_cannot_be_written_are_known_beforehand(tmp_path: Path, monk
     for refuse in (require_writable, require_writable_folder):
         with pytest.raises(RotaError, match="no permission to write"):
             refuse(tmp_path / "new")
+
+
+def test_names_are_as_long_as_files_can_have_and_no_longer(tmp_path: Path) -> None:
+    for name in ("\U0001f916" * 62 + ".json", "a." + "b" * 250):
+        write_atomically(tmp_path / name, "x")
+        assert (tmp_path / name).read_text() == "x"
+    with pytest.raises(RotaError, match=r"a file name of 256 bytes; at most 255 are allowed"):
+        require_writable(tmp_path / ("c" * 256))

@@ -115,6 +115,16 @@ def test_a_confined_map_has_its_image_inside_the_folder(tmp_path):
     assert read_mission(folder / "mission.yaml", confine=True).mission.area.area == pytest.approx(36 * 0.25**2)
 
 
+def test_links_in_a_circle_are_refused(tmp_path):
+    (tmp_path / "nowhere.geojson").symlink_to(tmp_path / "nowhere.geojson")
+    path = tmp_path / "mission.yaml"
+    path.write_text((FOLDER / "geojson_missing.yaml").read_text())
+    with pytest.raises(MissionError, match=r"area\.geojson: 'nowhere.geojson' cannot be followed"):
+        read_mission(path, confine=True)
+    with pytest.raises(MissionError, match=r"area\.geojson: .*nowhere.geojson: cannot be read: Too many levels"):
+        read_mission(path)
+
+
 def test_reading_a_mission_in_metres_loads_neither_pyproj_nor_scipy_nor_numba():
     code = (
         "import sys; from rota.files.mission_file import read_mission;"

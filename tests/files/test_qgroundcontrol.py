@@ -279,3 +279,12 @@ def compare_items(written: list[dict[str, Any]], read: list[Any], first: int) ->
         np.testing.assert_array_equal(found, [as_float32(value) for value in params[:4]])
         assert (theirs.x, theirs.y) == (round(params[4] * 1e7), round(params[5] * 1e7))
         assert theirs.z == as_float32(params[6])
+
+
+def test_a_name_that_no_file_can_have_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    plan = plan_of(square_loop("a"), square_loop("b" * 260))
+    with pytest.raises(RotaError, match=r"^bbb.*\.\.\.: a file name of 265 bytes; at most 255 are allowed$"):
+        write_qgroundcontrol(plan, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    longest = plan_of(square_loop("\u00e4" * 125))
+    assert [path.exists() for path in write_qgroundcontrol(longest, tmp_path / "out")] == [True]

@@ -17,6 +17,7 @@ from rota.files.geodesy import require_degrees
 from rota.files.local_file import read_text
 from rota.files.rings import open_ring, polygon_fault, polygons_of, ring_fault
 from rota.files.schema_faults import shown
+from rota.files.yaml_text import shortened
 
 _MOST_DIGITS = 300
 _WGS84_NAMES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")
@@ -82,7 +83,7 @@ def feature_name(properties: dict[str, Any]) -> str | None:
         value = properties.get(key)
         if isinstance(value, str | int) and not isinstance(value, bool) and str(value):
             if any(0xD800 <= ord(letter) < 0xE000 for letter in str(value)):
-                raise MissionError(f"{key} {shown(ascii(value)[1:-1])} holds half a character; whole ones are needed")
+                raise MissionError(f"{key} {shortened(ascii(value))} holds half a character; whole ones are needed")
             return str(value)
     return None
 
