@@ -26,13 +26,15 @@ ShouldStop = Callable[[], bool]
 class PlanSearch:
     """What a search came to: a plan, the check's report on it, and whether the planner was stopped early.
 
-    ``run``: a swarm's run that ended before robots came to rest; None where it is no swarm, or they did.
+    ``run``: a swarm's run that ended before robots came to rest; None where it is no swarm, or they did. ``told``: what
+    the planner knows beside the plan, as sentences.
     """
 
     plan: Plan
     report: Report
     stopped_early: bool
     run: SwarmState | None = None
+    told: tuple[str, ...] = ()
 
 
 def make_plan(
@@ -78,6 +80,7 @@ def search_plan(
     judge = _Judge(mission, watch)
     stop = _StopRule(time_limit_s, should_stop)
     runs: list[SwarmState] = []
+    told: list[str] = []
     more: dict[str, Any] = {}
     if mission.planning.planner == "swarm":
         _require_observable(mission, observe)
@@ -85,21 +88,27 @@ def search_plan(
     elif resume is not None or observe is not None:
         what = "makes no runs that can be gone on with" if resume is not None else "has no steps to measure"
         raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
+    elif mission.planning.planner == "bounce":
+        more = {"tell": told.append}
     try:
         plan = _planner(mission)(
             mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch, **more
         )
     except NoPlanFound as failure:
+        failure.told = tuple(told)
         if stop.stopped:
-            raise NoPlanFound(f"{failure} (stopped early)", best=failure.best) from failure
+            raise NoPlanFound(f"{failure} (stopped early)", best=failure.best, told=failure.told) from failure
         raise
     report = judge(plan)
     if report.verdict != "met":
         reason = f"the best plan found is not shown to meet the demand: {_judged(report)}"
         raise NoPlanFound(
-            reason + (" (stopped early)" if stop.stopped else ""), best=plan, run=runs[0] if runs else None
-        )
-    return PlanSearch(plan=plan, report=report, stopped_early=stop.stopped, run=runs[0] if runs else None)
+            reason + (" (stopped early)" if stop.stopped else ""),
+            best=plan, run=runs[0] if runs else None, told=tuple(told),
+        )  # fmt: skip
+    return PlanSearch(
+        plan=plan, report=report, stopped_early=stop.stopped, run=runs[0] if runs else None, told=tuple(told)
+    )
 
 
 def _require_observable(mission: Mission, observe: object) -> None:

@@ -47,8 +47,9 @@ def plan_and_write(
                 observe=None if metrics is None else histories.append,
             )  # fmt: skip
             answer, report, early, run = found.plan, found.report, found.stopped_early, found.run
+            told = found.told
         except NoPlanFound as failure:
-            reason, early, run = failure, False, failure.run  # type: ignore[assignment]
+            reason, early, run, told = failure, False, failure.run, failure.told  # type: ignore[assignment]
             if not best or failure.best is None:
                 _write_metrics(histories, mission, resume[1], metrics)
                 if run is not None:
@@ -58,7 +59,7 @@ def plan_and_write(
             report = check_plan(answer)
     _write_plan(answer, target, meets_demand=reason is None)
     _write_metrics(histories, mission, resume[1], metrics)
-    _show_outcome(answer, report, target)
+    _show_outcome(answer, report, target, told)
     if run is not None:
         keep_run(run, target, resume[0])
     if stop.raised:
@@ -98,14 +99,14 @@ def _write_metrics(histories: list[History], mission: Mission, resumed: SwarmSta
         write_atomically(str(path), history.csv(time_step_s=mission.swarm.time_step_s, first_step=first))
 
 
-def _show_outcome(answer: Plan, report: Report, target: str) -> None:
+def _show_outcome(answer: Plan, report: Report, target: str, told: tuple[str, ...]) -> None:
     from rota.check import report_table
     from rota.plan_table import robots_table, sentences_of
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
     if report.demands and answer.mission.planning.planner != "swarm":
         console.print(robots_table(answer), markup=False, soft_wrap=True)
-    sentences = sentences_of(answer, report)
+    sentences = (*told, *sentences_of(answer, report))
     for sentence in sentences:
         if sentence is not None:
             console.print(sentence, markup=False, soft_wrap=True)

@@ -163,9 +163,9 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
         return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
     if isinstance(plan.mission.planning, BounceSettings):
         if plan.mission.planning.task == "cover":
-            return (entered_sentence(plan), clocks_sentence(plan, report))
+            return (swept_sentence(plan), clocks_sentence(plan, report))
         return (
-            groups_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan), clocks_sentence(plan, report)
+            ratio_sentence(plan, report), rattling_sentence(plan), approach_sentence(plan), clocks_sentence(plan, report)
         )  # fmt: skip
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
@@ -218,31 +218,28 @@ def covered_sentence(plan: Plan) -> str:
     return f"They then have {share:.1%} of the area in range; footprints without overlap would have {most:.1%}."
 
 
-def entered_sentence(plan: Plan) -> str:
-    """How many of their cells bouncing robots enter, and what that takes."""
-    from rota.planners.bounce.asked import coverage_of
+def swept_sentence(plan: Plan) -> str:
+    """How much of the floor bodies pass over, and sensors come over: a cell counts as covered when it is entered."""
+    mission = plan.mission
+    blocking = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
+    floor = mission.area.difference(blocking)
+    ways = [LineString(np.vstack([t.positions_m[:, :2], t.positions_m[-1:, :2]])) for t in plan]
+    robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
+    bodies = union_all([way.buffer(robot.body_radius_m) for way, robot in zip(ways, robots, strict=True)])
+    told = f"Bodies pass over {bodies.intersection(floor).area / floor.area:.1%} of the floor"
+    if all(isinstance(robot.sensor, DiscSensor) for robot in robots):
+        discs = union_all([way.buffer(robot.sensor.reach_m) for way, robot in zip(ways, robots, strict=True)])
+        told += f", discs of the sensors over {discs.intersection(floor).area / floor.area:.1%} (walls aside)"
+    return f"{told}: a cell counts as covered when a robot comes to its centre."
 
-    found, step_s = coverage_of(plan)
-    entered, count, n = int(found.covered.sum()), len(found.covered), len(plan.trajectories)
-    robots = f"{n} robot" + ("s enter" if n != 1 else " enters")
-    touched, jumped = int(found.contacts.sum()), int((found.jumps >= 0).sum())
-    contacts = f"{touched} contact" + "s" * (touched != 1) + " of two robots"
-    turns = f"{jumped} turn" + "s" * (jumped != 1) + " by the clock"
-    taken = f"{found.steps} steps of {rounded(step_s)} s, with {contacts} and {turns}"
-    return f"{robots} {entered} of {count} cells ({found.share:.1%}) in {taken}."
 
-
-def groups_sentence(plan: Plan) -> str | None:
-    """How many ways bouncing robots have to monitor all zones without contact; None when it takes long to count."""
-    from rota.planners.bounce.asked import groups_of
-
-    groups, n = groups_of(plan.mission, len(plan.trajectories)), len(plan.trajectories)
-    if groups is None:
+def rattling_sentence(plan: Plan) -> str | None:
+    """Which robots never leave their places on their loops but turn there for ever; None: none does."""
+    names = [t.robot for t in plan if t.loop_duration_s > 0 and t.loop_length_m == 0]
+    if not names:
         return None
-    many = f"{groups:,} periodic group" + ("s" if groups != 1 else "")
-    if n == 1:
-        return f"1 robot has {many} in which every zone is visited."
-    return f"{n} robots have {many} in which every zone is visited and no two meet."
+    what = "stay in one cell and turn" if len(names) > 1 else "stays in one cell and turns"
+    return f"{', '.join(names)} {what} there for ever: a limit cycle, too."
 
 
 def clocks_sentence(plan: Plan, report: Report) -> str | None:

@@ -202,10 +202,12 @@ def altitude_faults(settings: Mapping[str, Any]) -> Iterator[tuple[str, object, 
 class BounceSettings:
     """Settings of the ``bounce`` planner (Alam & Bobadilla 2020): robots with a bump sensor and a clock on a grid.
 
-    Cells are ``cell_m`` wide, the first one's corner at the lower left of the area's bounds; a cell is free when a body
-    can stand at its centre. Of ``headings`` equally spaced ones (a multiple of 4) each has a move to a cell near by;
-    what is blocked stays, and turns counterclockwise by its bouncing angle: ``bouncing_angles_deg`` has one for all
-    robots or one for each, multiples of the heading step. ``start_headings_deg``: likewise; None: the planner chooses.
+    Cells are ``cell_m`` wide, the first one's corner at the lower left of the area's bounds, or one has ``cell_origin``
+    (x, y) for a corner; a cell is free when a body can stand at its centre. Of ``headings`` (a multiple of 4) each has
+    a move to a cell near by. 4 or 8 are equally spaced; of more the moves are a little off, so that no turn has quite
+    the same angle, and (2, 1) and longer ones pass over cells that do not count as entered. What is blocked stays, and
+    turns counterclockwise by its bouncing angle: ``bouncing_angles_deg`` has one for all robots or one for each,
+    multiples of the heading step. ``start_headings_deg``: likewise; None: the planner chooses.
 
     ``task``: "monitor" the zones by cycles without contact (Algorithm 2), or "cover" the area once (Algorithm 1).
     ``method``: "improved" takes products of single cycles and searches among jumps; "as_printed" is the paper's own.
@@ -221,6 +223,8 @@ class BounceSettings:
     is simulated and told. ``clock_drift``: the share by which each robot's clock may run fast or slow. A common signal
     sets all clocks every ``clock_signal_s``, None: at the start only; with both, plans that monitor keep bodies apart
     however far clocks drift from each other in between, by up to 2 * clock_drift * clock_signal_s.
+
+    All robots keep in step: a step lasts as long as the move, or turn, of the robot that needs longest for it.
     """
 
     planner: ClassVar[str] = "bounce"
@@ -239,6 +243,7 @@ class BounceSettings:
     turning_error_deg: float = 0.0
     clock_drift: float = 0.0
     clock_signal_s: float | None = None
+    cell_origin: tuple[float, float] | None = None
 
     @property
     def clock_margin_s(self) -> float:
@@ -251,6 +256,10 @@ class BounceSettings:
             object.__setattr__(self, "start_headings_deg", tuple(float(angle) for angle in self.start_headings_deg))
         if self.cells == "grid":
             require_positive("bounce.cell_m", self.cell_m, LARGEST_M)
+        if self.cell_origin is not None:
+            object.__setattr__(self, "cell_origin", tuple(float(value) for value in self.cell_origin))
+            ok = len(self.cell_origin) == 2 and all(math.isfinite(value) for value in self.cell_origin)
+            require(ok, "bounce.cell_origin", list(self.cell_origin), "must be a point [x, y] in metres")
         choices = {
             "cells": BounceCells,
             "task": BounceTask,

@@ -202,6 +202,7 @@ class BounceFields(_Strict):
     turning_error_deg: Annotated[float, Field(ge=0)] = 0.0
     clock_drift: Annotated[float, Field(ge=0)] = 0.0
     clock_signal_s: Positive | None = None
+    cell_origin: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
 
 
 class MovingObstacleFields(_Strict):

@@ -109,7 +109,9 @@ class BounceBlock(Block):
     task: BounceTask = Field("monitor", description="the zones for ever, or cover the area once")
     method: BounceMethod = Field("improved", description="as_printed is the paper's own")
     cell_m: Length | None = Field(None, description="side of a cell; null: that of the area's text map")
-    headings: Annotated[int, Field(strict=True)] = Field(8, description=f"one of {', '.join(map(str, HEADINGS))}")
+    headings: Annotated[int, Field(strict=True)] = Field(
+        8, description=f"one of {', '.join(map(str, HEADINGS))}; beyond 8 angles vary a little"
+    )
     bouncing_angles_deg: Annotated[list[Angle], Field(min_length=1)] = Field(
         [135.0], description="counterclockwise, one for all robots or one for each; multiples of 360 / headings"
     )
@@ -127,6 +129,9 @@ class BounceBlock(Block):
     turning_error_deg: Angle = Field(0.0, description="each turn is off by up to so much; simulated and told")
     clock_drift: Angle = Field(0.0, description="share by which each robot's clock may run fast or slow")
     clock_signal_s: Angle | None = Field(None, description="a common signal sets all clocks so often; null: once")
+    cell_origin: tuple[Angle, Angle] | None = Field(
+        None, description="a corner [x, y] of a cell in metres; null: the lower left one of the area's bounds"
+    )
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -14,13 +14,12 @@ from shapely import MultiPolygon, Point, box
 from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.files.text_map import text_map
-from rota.make_plan import make_plan
+from rota.make_plan import make_plan, search_plan
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan
-from rota.plan_table import entered_sentence, groups_sentence
+from rota.plan_table import rattling_sentence, swept_sentence
 from rota.planners.bounce.cells import make_cells
-from rota.planners.bounce.trajectories import loops_in_step, step_duration_s
-from rota.planners.bounce.visited_cells import visited_cells
+from rota.planners.bounce.trajectories import loops_in_step, pace_of, step_duration_s
 
 ROOM = """
 ..........
@@ -70,21 +69,24 @@ def require_drivable(plan: Plan, *, jumps: bool) -> None:
     """Drives along the heading from cell centre to cell centre, and turns on the spot by the bouncing angle."""
     mission = plan.mission
     cells = make_cells(mission)
-    step_s = step_duration_s(mission, cells)
+    pace = pace_of(mission, cells, len(plan.trajectories))
+    # every duration is the longest step's, or that of a move of one of the robots
+    allowed_s = np.unique([pace.longest_s, *pace.move_s.ravel()])
     angles = mission.bounce.bouncing_angles_deg
     for k, trajectory in enumerate(plan):
         bounce = math.radians(angles[k if len(angles) > 1 else 0])
         assert trajectory.headings_rad is not None
-        steps = trajectory.times_s / step_s
-        assert np.allclose(steps, np.round(steps), atol=1e-9)
         assert (np.hypot(*(trajectory.positions_m[:, None] - cells.centres_m).T).min(axis=0) < 1e-9).all()
         for leg, (dx, dy) in enumerate(np.diff(trajectory.positions_m, axis=0)):
             turn = trajectory.headings_rad[leg + 1] - trajectory.headings_rad[leg]
             if dx or dy:
                 assert turn == 0
                 assert math.cos(math.atan2(dy, dx) - trajectory.headings_rad[leg]) == pytest.approx(1, abs=1e-12)
+                cells_gone = math.gcd(round(dx / cells.cell_m), round(dy / cells.cell_m))
+                each_s = (trajectory.times_s[leg + 1] - trajectory.times_s[leg]) / cells_gone
+                assert np.abs(each_s - allowed_s).min() < 1e-9
             elif turn != 0:
-                assert steps[leg + 1] - steps[leg] == pytest.approx(1)
+                assert trajectory.times_s[leg + 1] - trajectory.times_s[leg] == pytest.approx(pace.longest_s)
                 by_clock = jumps and abs(turn) == pytest.approx(math.tau / mission.bounce.headings)
                 assert by_clock or turn == pytest.approx(bounce)
             else:
@@ -123,20 +125,21 @@ def test_robots_that_turn_slowly_have_time_for_turns_to_headings_that_are_a_litt
 
 def test_groups_are_counted_in_words_that_fit_their_number() -> None:
     zones = (visit("west", 34, 0, 0, 1, 1), visit("east", 34, 5, 0, 6, 1))
-    plan = make_plan(mission_on("......", 1, zones, bouncing_angles_deg=(180,)))
-    assert groups_sentence(plan) == "1 robot has 1 periodic group in which every zone is visited."
+    found = search_plan(mission_on("......", 1, zones, bouncing_angles_deg=(180,)))
+    assert found.told[0] == "1 robot has 1 periodic group in which every zone is visited."
 
 
 def test_as_few_robots_as_possible_are_enough() -> None:
-    # a lane of 6 cells: a shuttle takes 2 * 5 moves and 2 turns of 2.83 s, so one robot is at an end every 33.9 s
-    zones = (visit("west", 34, 0, 0, 1, 1), visit("east", 34, 5, 0, 6, 1))
+    # a lane of 6 cells: a shuttle takes 2 * 5 moves of 2 s and 2 turns of 2.83 s, so one is at an end every 25.7 s
+    zones = (visit("west", 26, 0, 0, 1, 1), visit("east", 26, 5, 0, 6, 1))
     settings = {"bouncing_angles_deg": (180,), "body_radius_m": 0.3}
     assert len(make_plan(mission_on("......", None, zones, **settings)).trajectories) == 1
     # for a shorter period one turns on the spot at each end
     plan = make_plan(mission_on("......", None, tuple(replace(z, period_s=20) for z in zones), **settings))
     assert [trajectory.loop_length_m for trajectory in plan] == [0, 0]
+    assert rattling_sentence(plan) == "robot-1, robot-2 stay in one cell and turn there for ever: a limit cycle, too."
     # two lanes need two
-    both = (visit("north", 34, 0, 2, 1, 3), visit("south", 34, 0, 0, 1, 1))
+    both = (visit("north", 26, 0, 2, 1, 3), visit("south", 26, 0, 0, 1, 1))
     assert len(make_plan(mission_on("......\n######\n......", None, both, **settings)).trajectories) == 2
 
 
@@ -181,17 +184,19 @@ def test_robots_cover_the_room_and_then_stay(robots: int, method: str) -> None:
         assert isinstance(caught.value.best, Plan)
         require_drivable(caught.value.best, jumps=True)
         return
-    plan = make_plan(mission, seed=1)
+    searched = search_plan(mission, seed=1)
+    plan = searched.plan
     require_drivable(plan, jumps=True)
     assert check_plan(plan).verdict == "met"
     assert all(trajectory.loop_duration_s == 0 for trajectory in plan)
     entered = shapely.union_all([shapely.LineString(t.positions_m).buffer(0.3) for t in plan])
     cells = make_cells(mission)
     assert all(entered.covers(Point(centre)) for centre in cells.centres_m)
-    found = visited_cells(plan)
-    assert (found.visits > 0).all()
-    told = entered_sentence(plan)
-    assert f"enter{'s' * (robots == 1)} 88 of 88 cells (100.0%) in {found.steps} steps" in told
+    told = searched.told[0]
+    assert f"enter{'s' * (robots == 1)} 88 of 88 cells (100.0%) in " in told
+    swept = shapely.union_all([shapely.LineString(t.positions_m).buffer(0.3) for t in plan]).area / 88
+    assert f"Bodies pass over {swept:.1%} of the floor, discs of the sensors over " in swept_sentence(plan)
+    assert 0.6 < swept < 0.9
     contacts, jumps = (int(re.search(rf"(\d+) {what}", told)[1]) for what in ("contact", "turn"))  # type: ignore[index]
     assert jumps > 0  # bumps alone leave cells out here
     assert robots > 1 or contacts == 0

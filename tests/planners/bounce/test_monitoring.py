@@ -16,7 +16,7 @@ from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.chosen_group import sampled_basins
 from rota.planners.bounce.enumeration import enumerate_groups, nodes_of, printed
-from rota.planners.bounce.group_count import TooMany, count_groups, count_independent
+from rota.planners.bounce.group_count import TooMany, Work, count_groups, count_independent
 from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles
 from rota.planners.bounce.monitoring import Watch, canonical, groups
@@ -220,19 +220,20 @@ def test_the_best_group_is_the_best_of_all() -> None:
         cycles = limit_cycles(make_team(cells, bounces))
         sees = seen_by_cycles(cycles, inside_of(cells, zones), 8)
         watch = Watch(cycles=cycles, sees=sees, period_steps=np.array([7.0, 11.0]))
-        best = best_group(watch)
+        found = best_group(watch)
         everything = [watch.ratio(nodes) for nodes in groups(watch)]
+        assert found.proved
+        best = found.group
         if best is None:
             assert everything == []
             continue
-        assert best.proved
         assert best.ratio == min(everything)
         assert watch.ratio(best.nodes) == best.ratio
         early = best_group(watch, enough=2 * best.ratio)
-        assert early is not None
-        assert early.ratio <= 2 * best.ratio
+        assert early.group is not None
+        assert early.group.ratio <= 2 * best.ratio
         assert not early.proved
-        assert not (best_group(watch, most_nodes=1) or early).proved
+        assert not best_group(watch, most_nodes=1).proved
 
 
 def test_gaps_are_those_of_a_simulation() -> None:
@@ -278,9 +279,9 @@ def test_a_count_may_be_given_up() -> None:
     conflict = rng.random((60, 60)) < 0.1
     conflict = conflict | conflict.T | np.eye(60, dtype=bool)
     whole = count_independent(conflict, np.zeros(60, np.int32), [8])
-    assert count_independent(conflict, np.zeros(60, np.int32), [8], most_calls=10**9) == whole > 0
+    assert count_independent(conflict, np.zeros(60, np.int32), [8], Work(10**9)) == whole > 0
     with pytest.raises(TooMany):
-        count_independent(conflict, np.zeros(60, np.int32), [8], most_calls=100)
+        count_independent(conflict, np.zeros(60, np.int32), [8], Work(100))
 
 
 @pytest.mark.parametrize("free", [False, True])

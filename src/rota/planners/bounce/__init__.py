@@ -18,13 +18,15 @@ def plan_bounce(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
     watch: object = None,
+    tell: Callable[[str], None] = lambda sentence: None,
 ) -> Plan:
     """A plan by which bouncing robots monitor the mission's zones, or cover its area; see ``asked``, which tells more.
 
-    Raises NoPlanFound, with the best there is, when cells stay uncovered or no team watches all zones.
+    tell: called with sentences about what the planner knows beside the plan. Raises NoPlanFound, with the best there
+    is, when cells stay uncovered or no team watches all zones.
     """
     from rota.planners.bounce.asked import plan_coverage, plan_monitoring  # loads the compiled loops
 
     if mission.bounce.task == "cover":
-        return plan_coverage(mission, seed=seed)
-    return plan_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop)
+        return plan_coverage(mission, seed=seed, tell=tell)
+    return plan_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop, tell=tell)

@@ -28,7 +28,22 @@ Ints = NDArray[np.int32]
 MOST_HEADINGS = 4096  # joint headings that are tried from given starts
 MOST_SETTLING = 20_000  # steps in which robots are to come to their cycles
 MOST_ENUMERATED = 20_000_000  # joint states up to which basins are exact; beyond, they are sampled
+MOST_JUDGED = 20_000  # groups of Algorithm 2 of which is told how many watch all zones
 SAMPLES, SAMPLED_STEPS = 2000, 2000  # random starts, and the steps in which they are to come to cycles
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Choice:
+    """What was chosen, if anything, and what is known of it.
+
+    proved: for the purpose nothing better is among the groups asked for; without anything chosen, there is nothing.
+    unproved: why that is not known, in words, where it was asked for. told: a sentence about the groups, or None.
+    """
+
+    chosen: Chosen | None
+    proved: bool
+    unproved: str | None = None
+    told: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,8 +65,8 @@ def choose_group(
     *,
     seed: int,
     should_stop: Callable[[], bool],
-) -> Chosen | None:
-    """The group that is best for the mission's purpose, of those that its method gives; None when there is none.
+) -> Choice:
+    """The group that is best for the mission's purpose, of those that its method gives.
 
     Raises MissionError when only some robots have starts, and for joint maps that the method needs and memory lacks.
     """
@@ -70,15 +85,40 @@ def choose_group(
             "bounce.start_headings_deg: robots that monitor need starts beside their headings, or neither"
         )
     if settings.method == "as_printed":
-        zones = [zone for zone in mission.zones if zone.period_s is not None]
-        _, listed = printed(team, zone_cells(cells, zones), cells.headings)
-        order = np.argsort(-listed.basin, kind="stable") if settings.purpose == "basin" else range(len(listed.basin))
-        return _best_of(watch, (nodes_of(watch.cycles, listed.states[k]) for k in order), settings.purpose)
+        return _of_printed(watch, team, mission, cells)
     if settings.purpose == "basin":
         return _largest_basin(watch, team, mission, cells, seed)
     enough = 1.0 if settings.purpose == "periods" else 0.0
-    best = best_group(watch, enough=enough, should_stop=should_stop)
-    return None if best is None else begin_there(watch, best.nodes, best.ratio)
+    found = best_group(watch, enough=enough, should_stop=should_stop)
+    chosen = None if found.group is None else begin_there(watch, found.group.nodes, found.group.ratio)
+    return Choice(chosen=chosen, proved=found.proved, unproved=found.unproved)
+
+
+def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Choice:
+    """The best of the groups that Algorithm 2 keeps as it is printed, and how many these are."""
+    settings, zones = mission.bounce, [zone for zone in mission.zones if zone.period_s is not None]
+    kept, listed = printed(team, zone_cells(cells, zones), cells.headings)
+    order = np.argsort(-listed.basin, kind="stable") if settings.purpose == "basin" else range(len(listed.basin))
+    chosen = _best_of(watch, (nodes_of(watch.cycles, listed.states[k]) for k in order), settings.purpose)
+    whole = kept == len(listed.basin)
+    unproved = None if whole else f"only the first {len(listed.basin):,} of its groups were looked at"
+    return Choice(chosen=chosen, proved=whole, unproved=unproved, told=_told_of_printed(watch, kept, listed))
+
+
+def _told_of_printed(watch: Watch, kept: int, listed: JointGroups) -> str:
+    """The paper's r, P and Q: groups, their periodic states, and the transient ones taken with them."""
+    groups = f"Algorithm 2 as printed keeps {kept:,} periodic group" + "s" * (kept != 1)
+    if kept > len(listed.basin):
+        return f"{groups} (r)."
+    periodic, every = int(listed.length.sum()), int(listed.basin.sum())
+    told = f"{groups} (r), of {periodic:,} joint states (P), and {every - periodic:,} transient ones (Q)"
+    if kept > MOST_JUDGED:
+        return f"{told}."
+    nodes = (nodes_of(watch.cycles, states) for states in listed.states)
+    watching = sum(all(watch.visiting(each, z) for z in range(watch.sees.shape[1])) for each in nodes)
+    if watching == kept:
+        return f"{told}; all visit every zone for ever."
+    return f"{told}; {watching:,} of them visit every zone for ever, the others on their way only."
 
 
 def begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
@@ -108,7 +148,7 @@ def _best_of(watch: Watch, found: Iterator[tuple[int, ...]], purpose: str) -> Ch
 # ---------------------------------------------------------------- the start that is easiest to hit
 
 
-def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, seed: int) -> Chosen | None:
+def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, seed: int) -> Choice:
     """The group with the largest basin of those that meet all periods, if any do: exact, or by random starts."""
     m, s = len(team.bumped), len(team.x)
     if joint_states(s, m) <= MOST_ENUMERATED:
@@ -116,9 +156,10 @@ def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, see
         listed = enumerate_groups(
             team, zone_cells(cells, zones), cells.headings, contact_free=mission.bounce.contact_free
         )
-        return _best_of(watch, _by_basin(watch.cycles, listed), "basin")
+        return Choice(chosen=_best_of(watch, _by_basin(watch.cycles, listed), "basin"), proved=True)
     hits = sampled_basins(watch, team, free=mission.bounce.contact_free == "trajectory", seed=seed)
-    return _best_of(watch, iter([nodes for nodes, _ in hits]), "basin")
+    chosen = _best_of(watch, iter([nodes for nodes, _ in hits]), "basin")
+    return Choice(chosen=chosen, proved=False, unproved=f"only {SAMPLES:,} random starts were tried")
 
 
 def _by_basin(cycles: LimitCycles, listed: JointGroups) -> Iterator[tuple[int, ...]]:
@@ -148,10 +189,10 @@ def sampled_basins(
 # ---------------------------------------------------------------- from given starts
 
 
-def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Chosen | None:
+def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Choice:
     """The best way from the given cells (and headings, if these are given too) to cycles without contact."""
-    settings, best = mission.bounce, None
-    for facing in _headings(start_headings(mission, len(at)), cells.headings, len(at), seed):
+    settings, best, given = mission.bounce, None, start_headings(mission, len(at))
+    for facing in _headings(given, cells.headings, len(at), seed):
         states = [cell * cells.headings + h for cell, h in zip(at, facing, strict=True)]
         way = _settled(watch.cycles, team, states, settings.contact_free == "trajectory")
         if way is None:
@@ -162,7 +203,11 @@ def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cell
             best = Chosen(cycles=watch.cycles, nodes=nodes, transient=way[:-1], ratio=ratio)
             if ratio <= 1 and settings.purpose != "worst_gap":
                 break
-    return best
+    every = cells.headings ** len(at)
+    if given is None and every > MOST_HEADINGS:
+        unproved = f"{MOST_HEADINGS:,} of {every:,} ways to face at the starts were tried"
+        return Choice(chosen=best, proved=False, unproved=unproved)
+    return Choice(chosen=best, proved=True)
 
 
 def out_of_reach(watch: Watch, team: Team, at: Sequence[int], mission: Mission, cells: Cells) -> NDArray[np.bool_]:

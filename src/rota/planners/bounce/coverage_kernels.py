@@ -264,7 +264,7 @@ def cover_by_rate(team: Team, log: Log, headings: int, wanted: int, horizon: int
     m = len(search.begin)
     cells = enter_cells(log, log.path[0], headings, 0)
     count, stamp = 1, 0
-    while cells < wanted and count + headings + 1 < len(log.path):
+    while cells < wanted and count < len(log.path):
         best_new, best_all, best_steps, best_robot, best_turn = 0, 1, 0, 0, 0
         for robot in range(m):
             for turn in range(-(headings // 2) + 1, headings // 2 + 1):
@@ -295,6 +295,8 @@ def cover_by_rate(team: Team, log: Log, headings: int, wanted: int, horizon: int
         if best_new == 0:
             break
         for _ in range(abs(best_turn)):
+            if count == len(log.path):
+                break
             turn_robot(log, headings, count, 2 * best_robot + (1 if best_turn < 0 else 0))
             count += 1
         for _ in range(best_steps):

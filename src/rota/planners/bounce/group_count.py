@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from rota.planners.bounce.limit_cycles import LimitCycles
 Flags = NDArray[np.bool_]
 
 UNBOUNDED = 1 << 62
+GRAPH_WORK, CALL_WORK = 100, 1000  # pairs of nodes, and words of conflicts, that are a unit of work
 TABLE = 1 << 14  # sets that the count remembers
 PRIMES = (2147483647, 2147483629, 2147483587, 2147483579, 2147483563, 2147483549, 2147483543, 2147483497)
 
@@ -23,61 +24,92 @@ class TooMany(Exception):  # noqa: N818 (an outcome: the caller goes on without 
     """The count takes more work than was allowed."""
 
 
-def count_groups(cycles: LimitCycles, sees: Flags, *, most_calls: int = UNBOUNDED) -> int:
+@dataclass
+class Work:
+    """Units of work that a count may still take, of about a microsecond each."""
+
+    left: int = UNBOUNDED
+
+    def spend(self, units: int) -> None:
+        """Raise TooMany when so many units are no longer left."""
+        self.left -= units
+        if self.left < 0:
+            raise TooMany
+
+
+def count_groups(cycles: LimitCycles, sees: Flags, *, most_work: int = UNBOUNDED) -> int:
     """The number of periodic groups of the team, robots told apart, whose robots together enter every zone.
 
     sees: (p, z) whether periodic states lie in zones. A group is a class of joint periodic states under time, and has
     as many as the least common multiple of its cycles' lengths. So states are counted for each such multiple: teams on
     cycles whose lengths divide it, less those of smaller ones; and zones by inclusion and exclusion of those left out.
 
-    Raises TooMany when more than ``most_calls`` sets of states have to be looked at for one of these counts.
+    Raises TooMany when all that together takes more than ``most_work`` units, see ``Work``, or more digits than the
+    count has primes for.
     """
     wanted = np.bincount(cycles.kind_of_robot)
     seen = np.array([sees[cycles.cycle == c].any(axis=0) for c in range(len(cycles.length))]).reshape(
         len(cycles.length), -1
     )
+    work = Work(most_work)
     groups = 0
     exact: dict[int, int] = {}
     known: dict[bytes, int] = {}
-    for period in _common_periods(cycles.length.tolist(), int(wanted.sum())):
-        divides = period % cycles.length == 0
+    for period in _common_periods(cycles.length.tolist(), int(wanted.sum()), work):
         states = 0
-        for left_out in _subsets(sees.shape[1]):
-            allowed = divides & ~seen[:, list(left_out)].any(axis=1)
-            if allowed.tobytes() not in known:
-                known[allowed.tobytes()] = _joint_states(cycles, allowed, wanted, most_calls)
-            states += (-1) ** len(left_out) * known[allowed.tobytes()]
+        work.spend(len(exact) // 10)
+        for mask, sign in _signed_choices(period % cycles.length == 0, seen, work).items():
+            if mask not in known:
+                known[mask] = _joint_states(cycles, np.frombuffer(mask, np.bool_), wanted, work)
+            states += sign * known[mask]
         states -= sum(number for smaller, number in exact.items() if period % smaller == 0)
         exact[period] = states
         groups += states // period
     return groups
 
 
-def _common_periods(lengths: list[int], robots: int) -> list[int]:
+def _signed_choices(divides: Flags, seen: Flags, work: Work) -> dict[bytes, int]:
+    """Choices (c,) of cycles that stay away from some zones, as bytes, and with which sign each counts.
+
+    By inclusion and exclusion a choice has the sign of the number of zones left out; equal ones are added up.
+    """
+    signs = {divides.tobytes(): 1}
+    for away in ~seen.T:
+        for mask, sign in list(signs.items()):
+            less = (np.frombuffer(mask, np.bool_) & away).tobytes()
+            signs[less] = signs.get(less, 0) - sign
+        signs = {mask: sign for mask, sign in signs.items() if sign != 0 and any(mask)}
+        work.spend(2 * len(signs))
+    return signs
+
+
+def _common_periods(lengths: list[int], robots: int, work: Work) -> list[int]:
     """Least common multiples of at most so many of the lengths, rising."""
     found = {1}
     for _ in range(min(robots, len(set(lengths)))):
+        work.spend(len(found) * len(set(lengths)) // 4)
         found |= {math.lcm(period, length) for period in found for length in set(lengths)}
     return sorted(found)
 
 
-def _subsets(count: int) -> list[tuple[int, ...]]:
-    return [subset for size in range(count + 1) for subset in itertools.combinations(range(count), size)]
-
-
-def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64], most_calls: int) -> int:
+def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64], work: Work) -> int:
     """Joint periodic states without contact ever, robots told apart, on the cycles (c,) that are allowed."""
     nodes = np.flatnonzero(allowed[cycles.cycle])
     if len(nodes) == 0 or (np.bincount(cycles.kind[nodes], minlength=len(wanted)) == 0).any():
         return 0
-    sets = count_independent(~cycles.compatible[np.ix_(nodes, nodes)], cycles.kind[nodes], wanted, most_calls)
+    sets = count_independent(~cycles.compatible[np.ix_(nodes, nodes)], cycles.kind[nodes], wanted, work)
     return sets * math.prod(math.factorial(int(number)) for number in wanted)
 
 
 def count_independent(
-    conflict: Flags, kind: NDArray[np.int32], wanted: Sequence[int] | NDArray[np.int64], most_calls: int = UNBOUNDED
+    conflict: Flags, kind: NDArray[np.int32], wanted: Sequence[int] | NDArray[np.int64], work: Work | None = None
 ) -> int:
-    """Sets of nodes without a conflict, with ``wanted`` ones of each kind. conflict: (v, v), the diagonal set."""
+    """Sets of nodes without a conflict, with ``wanted`` ones of each kind. conflict: (v, v), the diagonal set.
+
+    Raises TooMany when that takes more work than is left, or more digits than there are primes for.
+    """
+    work = work or Work()
+    work.spend(len(kind) ** 2 // GRAPH_WORK)
     limits = [int(number) for number in wanted]
     useful = np.flatnonzero(np.array(limits)[kind] > 0)
     conflict, kind = conflict[np.ix_(useful, useful)], kind[useful]
@@ -85,9 +117,9 @@ def count_independent(
     bound = math.prod(math.comb(int((kind == k).sum()), number) for k, number in enumerate(limits))
     moduli = [2**64, *PRIMES[: max(0, math.ceil((bound.bit_length() - 63) / 30))]]
     if math.prod(moduli) <= bound:
-        raise OverflowError(f"up to {bound} sets are more than can be counted")
+        raise TooMany(f"up to {bound} sets are more than can be counted")
     robots = sum(limits)
-    remainders = [_count_modulo(graph, words, robots, prime % 2**64, most_calls) for prime in moduli]
+    remainders = [_count_modulo(graph, words, robots, prime % 2**64, work) for prime in moduli]
     value, modulus = 0, 1
     for remainder, divisor in zip(remainders, moduli, strict=True):
         # the next value that also leaves this remainder
@@ -120,9 +152,11 @@ def _graph(conflict: Flags, kind: NDArray[np.int32], limits: list[int]) -> tuple
     return graph, words
 
 
-def _count_modulo(graph: Graph, words: int, robots: int, prime: int, most_calls: int) -> int:
+def _count_modulo(graph: Graph, words: int, robots: int, prime: int, work: Work) -> int:
     """The count modulo a prime, or modulo 2 ** 64 for 0."""
     count, size, depth = len(graph.weight), len(graph.total), 2 * len(graph.weight) + 4
+    each = 1 + count * words // CALL_WORK
+    most_calls = work.left // each
     room = Room(
         sets=np.zeros((depth, words), np.uint64),
         scratch=np.zeros((depth, size), np.uint64),
@@ -136,6 +170,5 @@ def _count_modulo(graph: Graph, words: int, robots: int, prime: int, most_calls:
     every[:count] = True
     room.sets[0] = np.packbits(every, bitorder="little").view(np.uint64)
     count_sets(graph, room, 0, robots, np.uint64(prime))
-    if room.calls[0] < 0:
-        raise TooMany
+    work.spend((most_calls - int(room.calls[0])) * each)
     return int(room.polynomials[0, 0, size - 1])

@@ -4,159 +4,307 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.bounce.group_count import TooMany, count_groups
-from rota.planners.bounce.monitoring import Group, Watch
+from rota.planners.bounce.monitoring import LONGEST_PERIOD, Group, Watch
 
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
+Longs = NDArray[np.int64]
 
 MOST_NODES = 20_000  # partial teams that the search looks at
-MOST_COUNTED = 20_000  # sets of states looked at to learn that there is no group
+QUICK_SHARE, LIMITS = 4, 12  # of them for teams of one robot for each zone; limits that these are tried with
+MOST_COUNTING = 1_000_000  # units of work to learn that there is no group
+PERIOD_WORK = 20_000  # steps of a common period that are as much work as a partial team
+NO_GAP = 1 << 40  # steps; longer than any
+
+
+@dataclass(frozen=True, kw_only=True)
+class Searched:
+    """What a search came to. ``proved``: no group is better, or, where none was found, there is none at all.
+
+    unproved: why that is not known, in words that go on after "...;"; None where it is proved, or was not asked for.
+    """
+
+    group: Group | None
+    proved: bool
+    unproved: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Gaps:
+    """The different gaps between visits of a zone, in steps, rising, and how often each comes in a period."""
+
+    steps: Longs
+    counts: Longs
+    period: int
+
+    def covered(self, limit: int) -> float:
+        """The share of the time at which the last visit is no more than ``limit`` steps ago, less the visit's own."""
+        return float((np.minimum(self.steps, limit) * self.counts).sum() / self.period)
 
 
 def best_group(
     watch: Watch, *, enough: float = 0.0, most_nodes: int = MOST_NODES, should_stop: Callable[[], bool] | None = None
-) -> Group | None:
-    """The group with the smallest worst ratio of gap to period; None when no group watches all zones.
+) -> Searched:
+    """The group with the smallest worst ratio of gap to period, of those found; see ``Searched`` for what is known.
 
-    enough: stop at the first group whose ratio is no larger (1: all periods met). Teams are built robot by robot, those
-    first that shorten the worst ratio most and leave most room to the others; a partial team is given up when even
-    visits at the most frequent rate left cannot make it better than the best. After ``most_nodes`` partial teams the
-    search ends; ``proved`` tells that it went on to the end.
+    enough: stop at the first group whose ratio is no larger (1: all periods met). First come teams in which one robot
+    alone is often enough in each zone. Then all others, zone by zone: a robot is given to the zone that fewest can
+    help, as long as the rest may make it better than the best. A robot that is to leave gaps of at most g steps covers,
+    of its round, the g steps after each visit; what all robots cover of a zone's time must be all of it. After
+    ``most_nodes`` partial teams the search ends.
     """
-    search = _Search(watch, enough, most_nodes, should_stop or (lambda: False))
-    quick = search.by_single_robots()
-    if quick is None and _there_is_none(watch):
-        return None
+    search = _Search(watch, enough, most_nodes, should_stop)
+    search.by_single_robots()
+    if search.best is None and not search.stopped() and _there_is_none(watch):
+        return Searched(group=None, proved=True)
     if not search.done():
-        search.extend((), np.ones(len(watch.cycles.state), np.bool_), 1)
+        search.extend({}, np.ones(len(watch.cycles.state), np.bool_), 1)
+    unproved = search.unproved()
     if search.best is None:
-        return None
+        return Searched(group=None, proved=unproved is None, unproved=unproved)
     ratio, nodes = search.best
-    return Group(nodes=nodes, ratio=ratio, proved=not search.cut_short and (enough == 0 or ratio > enough))
+    asked = enough == 0 or ratio > enough
+    return Searched(group=Group(nodes=nodes, ratio=ratio), proved=asked and unproved is None,
+                    unproved=unproved if asked else None)  # fmt: skip
 
 
 def _there_is_none(watch: Watch) -> bool:
     """Whether no group watches all zones, counted; False when that takes too long to know."""
     try:
-        return count_groups(watch.cycles, watch.sees, most_calls=MOST_COUNTED) == 0
+        return count_groups(watch.cycles, watch.sees, most_work=MOST_COUNTING) == 0
     except TooMany:
         return False
 
 
 class _Search:
-    def __init__(self, watch: Watch, enough: float, most_nodes: int, should_stop: Callable[[], bool]) -> None:
-        self.watch, self.enough, self.left, self.should_stop = watch, enough, most_nodes, should_stop
+    def __init__(self, watch: Watch, enough: float, most_nodes: int, should_stop: Callable[[], bool] | None) -> None:
+        self.watch, self.enough, self.left, self._should_stop = watch, enough, most_nodes, should_stop
+        self.most_nodes = most_nodes
         self.best: tuple[float, tuple[int, ...]] | None = None
         self.cut_short = False
-        cycles = watch.cycles
+        self.rough = False  # a common period was too long to know a gap exactly
+        cycles, self.zones = watch.cycles, watch.sees.shape[1]
         self.robots = len(cycles.kind_of_robot)
-        count = len(cycles.length)
-        self.alone = (
-            np.array(
-                [[watch.gap_steps([int(cycles.start[c])], z) for z in range(watch.sees.shape[1])] for c in range(count)]
-            ).reshape(count, -1)
-            / watch.period_steps
-        )
-        visits = np.add.reduceat(watch.sees.astype(np.float64), cycles.start, axis=0)
-        self.rate = visits / cycles.length[:, None] * watch.period_steps  # visits in a period
+        self._known: dict[tuple[int, tuple[int, ...]], _Gaps | None] = {}
+        firsts = [int(start) for start in cycles.start]
+        single = [[self._gaps((node,), z) for z in range(self.zones)] for node in firsts]
+        worst = [[math.inf if gaps is None else float(gaps.steps[-1]) for gaps in row] for row in single]
+        self.alone = np.array(worst, np.float64).reshape(len(firsts), self.zones) / watch.period_steps
+        self._single = single
+        self._covers: tuple[float, Floats] = (math.nan, np.empty(0))
         self.conflicts = (~cycles.compatible).sum(axis=1)
 
-    def by_single_robots(self) -> tuple[int, ...] | None:
-        """A team in which one robot alone meets each zone's limit; the others go where they meet nobody."""
-        zones = list(range(self.watch.sees.shape[1]))
-        limit = self.enough if self.enough > 0 else math.inf
-        budget = [self.left // 4]
-        return self._single({}, np.ones(len(self.watch.cycles.state), np.bool_), zones, limit, budget)
+    # ---------------------------------------------------------------- one robot alone for each zone
 
-    def _single(
-        self, chosen: dict[int, int], free: Flags, zones: list[int], limit: float, budget: list[int]
-    ) -> tuple[int, ...] | None:
-        """chosen: robot to node. zones: those that no chosen robot watches within the limit."""
+    def by_single_robots(self) -> None:
+        """Teams in which one robot alone meets each zone's limit; the others go where they meet nobody.
+
+        Where no limit is given, or it cannot be met, limits are tried between the least that each zone allows and the
+        best so far.
+        """
+        budget = self.left // QUICK_SHARE
+        if self.enough > 0 and self._team_within(self.enough, budget):
+            return
+        limits = np.unique(self.alone[np.isfinite(self.alone)])
+        least = float(self.alone.min(axis=0, initial=math.inf).max(initial=0.0))
+        limits = limits[limits >= max(least, self.enough)]
+        low, high = 0, len(limits) - 1
+        if high < 0 or not self._team_within(float(limits[-1]), budget):
+            return
+        for _ in range(LIMITS):
+            assert self.best is not None
+            high = min(high, int(np.searchsorted(limits, self.best[0]))) - 1
+            if low > high:
+                return
+            middle = (low + high) // 2
+            if self._team_within(float(limits[middle]), budget // LIMITS):
+                high = middle
+            else:
+                low, high = middle + 1, high + 1
+
+    def _team_within(self, limit: float, most: int) -> bool:
+        budget = [most]
+        return self._give({}, np.ones(len(self.watch.cycles.state), np.bool_), list(range(self.zones)), limit, budget)
+
+    def _give(self, chosen: dict[int, int], free: Flags, zones: list[int], limit: float, budget: list[int]) -> bool:
+        """Whether a team was found and noted. zones: those that no chosen robot watches within the limit."""
         cycles = self.watch.cycles
         budget[0] -= 1
+        self.left -= 1
         if len(chosen) == self.robots:
-            nodes = tuple(chosen[k] for k in range(self.robots))
-            if zones:
-                return None
-            self._note(nodes)
-            return nodes
+            self._note(chosen)
+            return not zones
         waiting = [k for k in range(self.robots) if k not in chosen]
         room = free & np.isin(cycles.kind, [cycles.kind_of_robot[k] for k in waiting])
-        candidates = np.flatnonzero(room)
-        if not chosen:  # a common shift in time changes nothing
-            candidates = candidates[cycles.phase[candidates] == 0]
+        candidates = self._distinct(np.flatnonzero(room), self._period(chosen))
         if zones:
             good = self.alone[cycles.cycle[candidates]][:, zones] <= limit
             rarest = int(np.argmin(good.sum(axis=0)))
             candidates, good = candidates[good[:, rarest]], good[good[:, rarest]]
             order = np.lexsort((self.conflicts[candidates], -good.sum(axis=1)))
         else:
-            inside = (~cycles.compatible[np.ix_(candidates, np.flatnonzero(room))]).sum(axis=1)
-            order = np.argsort(inside, kind="stable")
+            order = self._roomiest(candidates, room)
         for node in candidates[order]:
-            if budget[0] <= 0:
-                return None
-            robot = next(k for k in waiting if cycles.kind_of_robot[k] == cycles.kind[node])
+            if budget[0] <= 0 or self.stopped():
+                return False
+            robot = self._robot_for(node, chosen)
             left = [z for z in zones if self.alone[cycles.cycle[node], z] > limit]
             if len(left) > len(waiting) - 1:
                 continue
-            found = self._single({**chosen, robot: int(node)}, free & cycles.compatible[node], left, limit, budget)
-            if found is not None:
-                return found
-        return None
+            if self._give({**chosen, robot: int(node)}, free & cycles.compatible[node], left, limit, budget):
+                return True
+        return False
 
-    def extend(self, nodes: tuple[int, ...], free: Flags, period: int) -> None:
-        """All teams that begin with these robots, as far as they may be better than the best."""
+    def _robot_for(self, node: int, chosen: dict[int, int]) -> int:
+        """The first robot of the node's kind that has none yet."""
         cycles = self.watch.cycles
-        if len(nodes) == self.robots:
-            self._note(nodes)
+        return next(k for k, kind in enumerate(cycles.kind_of_robot) if k not in chosen and kind == cycles.kind[node])
+
+    def _roomiest(self, candidates: Longs, room: Flags) -> Longs:
+        """The order in which candidates leave most room to others."""
+        compatible = self.watch.cycles.compatible
+        inside = (~compatible[np.ix_(candidates, np.flatnonzero(room))]).sum(axis=1)
+        return np.argsort(inside, kind="stable")
+
+    # ---------------------------------------------------------------- all teams
+
+    def extend(self, chosen: dict[int, int], free: Flags, period: int) -> None:
+        """All teams with these robots, as far as they may be better than the best, of the periodic states left free."""
+        nodes = tuple(chosen[k] for k in sorted(chosen))
+        self.left -= 1 + period * self.zones // PERIOD_WORK
+        if len(chosen) == self.robots:
+            self._note(chosen)
             return
-        self.left -= 1
-        robot = len(nodes)
-        candidates = np.flatnonzero(free & (cycles.kind == cycles.kind_of_robot[robot]))
-        lengths = cycles.length[cycles.cycle[candidates]]
-        candidates = candidates[cycles.phase[candidates] < np.gcd(period, lengths)]
-        if robot and cycles.kind_of_robot[robot] == cycles.kind_of_robot[robot - 1]:
-            # equal robots in the order of their cycles
-            candidates = candidates[cycles.cycle[candidates] >= cycles.cycle[nodes[-1]]]
-        if self.left <= 0 or self.should_stop():
-            self.cut_short = True
-            return
-        if not self._may_improve(nodes, free):
-            return
-        last = len(nodes) == self.robots - 1
-        worth = [self.watch.ratio((*nodes, int(node))) for node in candidates] if last else None
-        order = np.argsort(worth if worth is not None else self.alone[cycles.cycle[candidates]].max(axis=1, initial=0),
-                           kind="stable")  # fmt: skip
-        for k in order[:1] if last else order:
-            node = int(candidates[k])
-            length = int(cycles.length[cycles.cycle[node]])
-            self.extend((*nodes, node), free & cycles.compatible[node], math.lcm(period, length))
-            if self.cut_short or self.done():
+        cycles = self.watch.cycles
+        kinds = [cycles.kind_of_robot[k] for k in range(self.robots) if k not in chosen]
+        free = free & np.isin(cycles.kind, kinds)
+        gaps = [self._gaps(nodes, z) for z in range(self.zones)]
+        order: Longs | None = None
+        while True:
+            if self.left <= 0 or self.stopped():
+                self.cut_short = True
                 return
+            candidates = self._distinct(np.flatnonzero(free), period)
+            if len(candidates) == 0:
+                return
+            options, lacking = self._options(candidates, gaps, len(kinds))
+            if len(options) == 0:
+                return
+            if not lacking:  # whoever meets nobody will do
+                if order is None:
+                    order = candidates[self._roomiest(candidates, free)]
+                options = order[free[order]]
+            node = int(options[0])
+            robot = self._robot_for(node, chosen)
+            length = int(cycles.length[cycles.cycle[node]])
+            self.extend({**chosen, robot: node}, free & cycles.compatible[node], math.lcm(period, length))
+            if self.done():
+                return
+            # all teams with it were looked at, and so with what is the same at another time
+            free[self._same(node, period)] = False
 
-    def _may_improve(self, nodes: tuple[int, ...], free: Flags) -> bool:
-        """Whether visits are frequent enough for a better ratio: n visits in a period leave a gap of 1 / n of it."""
+    def _options(self, candidates: Longs, gaps: list[_Gaps | None], robots: int) -> tuple[Longs, bool]:
+        """Candidates of which at least one belongs to any better team, the most helpful first, and whether one must.
+
+        There are ``robots`` of them to come. Of the zones whose gaps are too long, the one is taken that fewest help.
+        """
+        limits = self._limits()
+        late = [z for z in range(self.zones) if gaps[z] is None or gaps[z].steps[-1] > limits[z]]  # type: ignore[union-attr]
+        if not late:
+            return candidates, False
+        covers = self._covered(limits)[self.watch.cycles.cycle[candidates]][:, late]
+        missing = np.array([1.0 if (g := gaps[z]) is None else 1 - g.covered(int(limits[z])) for z in late])
+        helps = np.minimum(covers, missing)
+        if robots * helps.sum(axis=1).max() < missing.sum() - 1e-9:
+            return candidates[:0], True
+        enough = covers >= missing / robots - 1e-9
+        enough &= covers > 0
+        usable = enough.all(axis=1) if robots == 1 else enough[:, int(np.argmin(enough.sum(axis=0)))]
+        chosen = np.flatnonzero(usable)
+        worth = helps[chosen].sum(axis=1)
+        return candidates[chosen[np.lexsort((self.conflicts[candidates[chosen]], -worth))]], True
+
+    def _limits(self) -> Longs:
+        """(z,) steps that a gap may have in a team better than the best."""
         if self.best is None:
-            return True
-        cycles = self.watch.cycles
-        rate = self.rate[cycles.cycle[list(nodes)]].sum(axis=0) if nodes else np.zeros(self.rate.shape[1])
-        for k in range(len(nodes), self.robots):
-            usable = np.unique(cycles.cycle[free & (cycles.kind == cycles.kind_of_robot[k])])
-            if not len(usable):
-                return False
-            rate = rate + self.rate[usable].max(axis=0)
-        return bool((rate * self.best[0] > 1 + 1e-12).all())
+            return np.full(self.zones, NO_GAP)
+        return np.ceil(self.best[0] * self.watch.period_steps - 1e-9).astype(np.int64) - 1
 
-    def _note(self, nodes: tuple[int, ...]) -> None:
-        ratio = self.watch.ratio(nodes)
-        if math.isfinite(ratio) and (self.best is None or ratio < self.best[0]):
-            self.best = (ratio, nodes)
+    def _covered(self, limits: Longs) -> Floats:
+        """(c, z) shares of a zone's time that a robot covers on each cycle."""
+        ratio = math.inf if self.best is None else self.best[0]
+        if self._covers[0] != ratio:
+            shares = [
+                [0.0 if gaps is None else gaps.covered(int(limits[z])) for z, gaps in enumerate(row)]
+                for row in self._single
+            ]
+            self._covers = (ratio, np.array(shares, np.float64).reshape(len(self._single), self.zones))
+        return self._covers[1]
+
+    # ---------------------------------------------------------------- what both need
+
+    def _period(self, chosen: dict[int, int]) -> int:
+        return self.watch.cycles.common_period(list(chosen.values()))
+
+    def _distinct(self, nodes: Longs, period: int) -> Longs:
+        """Those of the periodic states that are not the same as an earlier one after so many steps, or a multiple."""
+        cycles = self.watch.cycles
+        return nodes[cycles.phase[nodes] < np.gcd(period, cycles.length[cycles.cycle[nodes]])]
+
+    def _same(self, node: int, period: int) -> Longs:
+        cycles = self.watch.cycles
+        cycle = int(cycles.cycle[node])
+        start, length = int(cycles.start[cycle]), int(cycles.length[cycle])
+        step = math.gcd(period, length)
+        return start + np.arange(int(cycles.phase[node]) % step, length, step)
+
+    def _gaps(self, nodes: tuple[int, ...], zone: int) -> _Gaps | None:
+        """The gaps that robots leave in a zone, exact up to LONGEST_PERIOD; None when none of them enters it."""
+        visiting = self.watch.visiting(nodes, zone)
+        key = (zone, visiting)
+        if key not in self._known:
+            self._known[key] = self._new_gaps(visiting, zone)
+        return self._known[key]
+
+    def _new_gaps(self, visiting: tuple[int, ...], zone: int) -> _Gaps | None:
+        if not visiting:
+            return None
+        period = self.watch.cycles.common_period(visiting)
+        if period > LONGEST_PERIOD:  # as good as their best pair, and everything may be covered
+            self.rough = True
+            steps = np.array([1, int(self.watch.gap_steps(visiting, zone))])
+            return _Gaps(steps=steps, counts=np.array([int(steps[1]), 0]), period=int(steps[1]))
+        steps, counts = np.unique(self.watch.gaps_of(visiting, zone), return_counts=True)
+        return _Gaps(steps=steps, counts=counts, period=period)
+
+    def _note(self, chosen: dict[int, int]) -> None:
+        nodes = tuple(chosen[k] for k in range(self.robots))
+        worst = 0.0
+        for z, period in enumerate(self.watch.period_steps):
+            gaps = self._gaps(nodes, z)
+            worst = max(worst, math.inf if gaps is None else float(gaps.steps[-1] / period))
+        if math.isfinite(worst) and (self.best is None or worst < self.best[0]):
+            self.best = (worst, nodes)
+
+    def stopped(self) -> bool:
+        """Whether the search is to end, whatever it has come to."""
+        return self._should_stop is not None and self._should_stop()
+
+    def unproved(self) -> str | None:
+        """Why something better may have been left out; None when it was not."""
+        if not self.cut_short and not self.rough:
+            return None
+        if self.stopped():
+            return "the search was stopped"
+        if self.cut_short:
+            return f"the search ended after {self.most_nodes:,} partial teams"
+        return "the robots' common period is too long to know all gaps"
 
     def done(self) -> bool:
         """Whether what was found is good enough."""

@@ -24,14 +24,10 @@ LONGEST_PERIOD = 200_000  # steps over which gaps are computed exactly; beyond i
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """A periodic group: one periodic state per robot, at a common time. ``ratio``: worst gap over period, of all zones.
-
-    proved: no group of the same robots is better for the purpose it was searched for.
-    """
+    """A periodic group: one periodic state per robot, at a common time. ``ratio``: zones' worst gap over period."""
 
     nodes: tuple[int, ...]
     ratio: float
-    proved: bool
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,23 +50,28 @@ class Watch:
 
         Exact unless the visiting robots' common period is longer than LONGEST_PERIOD: then the least of all pairs'.
         """
-        visiting = [node for node in nodes if len(self._visits(int(self.cycles.cycle[node]), zone))]
+        visiting = self.visiting(nodes, zone)
         if not visiting:
             return math.inf
         if self.cycles.common_period(visiting) <= LONGEST_PERIOD:
-            return self._gap_of(visiting, zone)
-        best = min(self._gap_of([node], zone) for node in visiting)
+            return float(self.gaps_of(visiting, zone).max())
+        best = min(self.gaps_of([node], zone).max() for node in visiting)
         for k, node in enumerate(visiting):
             for other in visiting[:k]:
                 if self.cycles.common_period([node, other]) <= LONGEST_PERIOD:
-                    best = min(best, self._gap_of([node, other], zone))
-        return best
+                    best = min(best, self.gaps_of([node, other], zone).max())
+        return float(best)
+
+    def visiting(self, nodes: Sequence[int], zone: int) -> tuple[int, ...]:
+        """Those of the nodes whose cycles enter the zone."""
+        return tuple(node for node in nodes if len(self._visits(int(self.cycles.cycle[node]), zone)))
 
     def _visits(self, cycle: int, zone: int) -> Longs:
         start, length = self.cycles.start[cycle], self.cycles.length[cycle]
         return np.flatnonzero(self.sees[start : start + length, zone])
 
-    def _gap_of(self, nodes: Sequence[int], zone: int) -> float:
+    def gaps_of(self, nodes: Sequence[int], zone: int) -> Longs:
+        """The steps between the visits of a zone in a common period of robots of which at least one enters it."""
         period = self.cycles.common_period(nodes)
         at = np.zeros(period, np.bool_)
         for node in nodes:
@@ -79,7 +80,7 @@ class Watch:
             visits = (self._visits(cycle, zone) - self.cycles.phase[node]) % length
             at.reshape(-1, length)[:, visits] = True
         times = np.flatnonzero(at)
-        return float(np.diff(times, append=times[0] + period).max())
+        return np.diff(times, append=times[0] + period)
 
 
 def groups(watch: Watch, *, unordered: bool = False) -> Iterator[tuple[int, ...]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +13,59 @@ from rota.mission import Mission
 from rota.plan import Trajectory
 from rota.planners.bounce.cells import Cells
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
+MOST_JOINT_STEPS = 2_000  # of a common period, up to which its steps have durations of their own
 LARGEST_RATIO = 64  # of two loops' numbers of steps, up to which a plan takes them as commensurable
 LONGEST_LOOP = 100_000  # steps
+SAME_PACE = 1e-9  # share by which two steps of one drive may differ
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pace:
+    """How long steps last: ``longest_s``, a step in which a robot turns; ``move_s`` (m, k), a robot's moves alone."""
+
+    longest_s: float
+    move_s: Floats
+
+    def own_s(self, states: Ints, headings: int) -> Floats:
+        """(t, m) how long each robot needs for each step of joint states (t + 1, m)."""
+        cell, heading = np.divmod(states, headings)
+        moved = np.diff(cell, axis=0) != 0
+        return np.where(moved, self.move_s[np.arange(states.shape[1]), heading[:-1]], self.longest_s)
+
+    def times_s(self, states: Ints, headings: int) -> Floats:
+        """(t + 1,) times of joint states: each step lasts as long as the robot that needs longest, so all keep in step.
+
+        Robots go straight ahead from cell to cell in the same time, each at a constant speed: what contact was judged
+        by, two moves as one goes on, holds however long a step lasts.
+        """
+        lasts_s = self.own_s(states, headings).max(axis=1)
+        times_s = np.zeros(len(states))
+        for value in np.unique(lasts_s):  # counted, so that equal steps do not add up rounding
+            times_s[1:] += value * np.cumsum(lasts_s == value)
+        return times_s
+
+
+def pace_of(mission: Mission, cells: Cells, count: int) -> Pace:
+    """The pace of the mission's robots, or of ``count`` equal ones: moves at full speed, turns as the longest step.
+
+    A robot that turns has bumped: it has been up to the obstacle and back, so turns get the time of the longest move.
+    Where clocks drift and are to keep a margin, moves get it, too: the margin is judged in steps of equal length.
+    """
+    robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),) * count
+    moves_m = np.hypot(*cells.moves.T) * cells.cell_m
+    move_s = np.array([moves_m / robot.speed_m_s for robot in robots])
+    longest_s = step_duration_s(mission, cells)
+    if mission.bounce.clock_margin_s > 0:
+        move_s = np.full_like(move_s, longest_s)
+    return Pace(longest_s=longest_s, move_s=move_s)
 
 
 def step_duration_s(mission: Mission, cells: Cells) -> float:
-    """How long a step lasts: the longest move at the slowest robot's speed, and no less than any turn takes.
+    """How long the longest step lasts: the longest move at the slowest robot's speed, and no less than any turn takes.
 
     Moves with more than 8 headings are a little off these, and so is what a robot turns by.
     """
@@ -44,9 +89,9 @@ def loops_in_step(lengths: Sequence[int]) -> list[int]:
 
 
 def trajectory(
-    robot: str, cells: Cells, states: Ints, *, step_s: float, loop_from: int, jumps: Flags | None = None
+    robot: str, cells: Cells, states: Ints, *, times_s: Floats, loop_from: int, jumps: Flags | None = None
 ) -> Trajectory:
-    """A robot's states (t + 1,), one for each step, as timed points; see the docstring of ``BounceSettings``.
+    """A robot's states (t + 1,) at ``times_s`` (t + 1,) as timed points; see the docstring of ``BounceSettings``.
 
     loop_from: the step from which on the last states repeat; the last one: the robot stays there. jumps: (t,) steps in
     which it turns by the clock, either way; other turns are counterclockwise. Headings are not wrapped, so a robot that
@@ -59,14 +104,16 @@ def trajectory(
         turns = np.where(jumps & (turns > math.pi), turns - math.tau, turns)
     faced = np.concatenate([[0.0], np.cumsum(turns)]) + cells.headings_rad[heading[0]]
     moves = np.diff(cell) != 0
+    lasts_s = np.diff(times_s)
     # a drive goes on through points where nothing changes; so does waiting
     goes_on = (moves[:-1] == moves[1:]) & (heading[:-2] == heading[1:-1]) & (heading[1:-1] == heading[2:])
+    goes_on &= ~moves[1:] | (np.abs(np.diff(lasts_s)) <= SAME_PACE * lasts_s[1:])
     kept = np.concatenate([[True], ~goes_on, [True]]) if len(states) > 1 else np.ones(1, np.bool_)
     kept[loop_from] = True
     return Trajectory(
         robot=robot,
-        times_s=np.asarray(np.flatnonzero(kept) * step_s, np.float64),
+        times_s=times_s[kept],
         positions_m=places[kept],
         headings_rad=faced[kept],
-        loop_start_s=loop_from * step_s,
+        loop_start_s=float(times_s[loop_from]),
     )

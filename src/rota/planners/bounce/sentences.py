@@ -1,0 +1,68 @@
+"""What the bounce planner knows of a plan beside the plan itself, as sentences for people."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.mission import Mission
+from rota.planners.bounce.chosen_group import Choice
+from rota.planners.bounce.coverage import Coverage
+from rota.planners.bounce.group_count import TooMany, count_groups
+from rota.planners.bounce.monitoring import Watch
+
+Floats = NDArray[np.float64]
+
+MOST_COUNTING = 1_000_000  # units of work to count groups, for a sentence
+
+
+def groups_sentence(watch: Watch, robots: int) -> str:
+    """How many ways bouncing robots have to monitor all zones without contact, if that is counted soon."""
+    try:
+        groups = count_groups(watch.cycles, watch.sees, most_work=MOST_COUNTING)
+    except TooMany:
+        return "Their periodic groups are not counted: that would take long."
+    many = f"{groups:,} periodic group" + ("s" if groups != 1 else "")
+    if robots == 1:
+        return f"1 robot has {many} in which every zone is visited."
+    return f"{robots} robots have {many} in which every zone is visited and no two meet."
+
+
+def proof_sentence(mission: Mission, choice: Choice) -> str | None:
+    """Whether the worst gap is the shortest there is; None where another purpose was asked for."""
+    if mission.bounce.purpose != "worst_gap" or choice.chosen is None:
+        return None
+    among = "of all groups" if mission.bounce.method == "improved" else "of those that Algorithm 2 as printed keeps"
+    if len(choice.chosen.transient) or any(robot.start is not None for robot in mission.fleet.robots or ()):
+        among = "of all groups that robots come to from their starts"
+    if choice.proved:
+        return f"Its worst gap, in steps, is the shortest {among}, proved."
+    return f"Its worst gap, in steps, is the best found, not proved to be the shortest {among}: {choice.unproved}."
+
+
+def entered_sentence(found: Coverage, robots: int, duration_s: float) -> str:
+    """How many of their cells bouncing robots enter, and what that takes."""
+    entered, count = int(found.covered.sum()), len(found.covered)
+    who = f"{robots} robot" + ("s enter" if robots != 1 else " enters")
+    touched, jumped = int(found.contacts.sum()), int((found.jumps >= 0).sum())
+    contacts = f"{touched} contact" + "s" * (touched != 1) + " of two robots"
+    turns = f"{jumped} turn" + "s" * (jumped != 1) + " by the clock"
+    taken = f"{found.steps} steps, {duration_s:.1f} s, with {contacts} and {turns}"
+    return f"{who} {entered} of {count} cells ({found.share:.1%}) in {taken}."
+
+
+def pace_sentence(own_s: Floats, lasts_s: Floats, common_period: int | None = None) -> str:
+    """What keeping in step costs. own_s: (t, m) what each robot needs for each step; lasts_s: (t,) what they last.
+
+    common_period: of robots whose steps all last equally long although not all need it; None: of no such robots.
+    """
+    if not len(lasts_s):
+        return "No robot moves."
+    share = float((own_s / lasts_s[:, None]).mean())
+    low, high = f"{lasts_s.min():.3g}", f"{lasts_s.max():.3g}"
+    lasting = f"{low} s" if low == high else f"{low} to {high} s"
+    even = "" if common_period is None else f", all the same, since they come again after {common_period:,} only"
+    return (
+        f"Steps last {lasting}{even}. Robots keep in step: a step lasts as long as the slowest of them needs; in the"
+        f" mean a robot needs {share:.0%} of it."
+    )

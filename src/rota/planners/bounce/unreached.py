@@ -1,0 +1,110 @@
+"""Cells that robots have no way to: whether walls or the grid keep them away, and a grid that would not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.errors import MissionError
+from rota.mission import TOUCH_M, Mission
+from rota.planners.bounce.cells import Cells, free_ground, make_cells
+from rota.planners.bounce.coverage import reachable_cells
+
+Flags = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+
+PLACES_TOLD = 6
+SHIFTS = (0.25, 0.5, 0.75)  # of a cell, by which another grid's corner is tried along each axis
+SIZES = (0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25)  # of the cell's, likewise
+MOST_CELLS_TRIED = 250_000  # of a grid, and of all grids that are tried for a sentence three times as many
+
+
+def places_of(cells: Cells, marked: Flags) -> str:
+    """Where the marked cells (n,) are, the first of them by their centres."""
+    centres = cells.centres_m[marked]
+    told = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in centres[:PLACES_TOLD])
+    return told + (f" and {len(centres) - PLACES_TOLD} more" if len(centres) > PLACES_TOLD else "")
+
+
+def unreached_parts(mission: Mission, cells: Cells, unreached: Flags, begins: Ints) -> list[str]:
+    """Why no robot has a way from its start cell (m,) to the cells marked (n,): walls, the grid, or both.
+
+    Cells in one piece of the ground on which a body's centre may be with a start are kept away by the grid alone.
+    """
+    room = body_room(mission)
+    piece = np.full(cells.count, -1)
+    for number, part in enumerate(room.geoms):
+        shapely.prepare(part)
+        piece[shapely.dwithin(part, shapely.points(cells.centres_m), TOUCH_M)] = number
+    by_grid = unreached & np.isin(piece, piece[begins])
+    walled_off, parts = unreached & ~by_grid, []
+    if walled_off.any():
+        parts.append(
+            f"no robot has a way from its start to {int(walled_off.sum())} cells, at {places_of(cells, walled_off)}"
+        )
+    if by_grid.any():
+        parts.append(
+            f"the grid joins no robot's start with {int(by_grid.sum())} cells, at {places_of(cells, by_grid)}, though"
+            f" a body could drive there: {_advice(mission, cells, room)}"
+        )
+    return parts
+
+
+def body_room(mission: Mission) -> MultiPolygon:
+    """Where the centre of the fleet's widest body may be."""
+    robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
+    radius_m = max(robot.body_radius_m for robot in robots)
+    room = free_ground(mission).buffer(-(radius_m - TOUCH_M / 2) if radius_m > TOUCH_M else 0, quad_segs=16)
+    return MultiPolygon([part for part in shapely.get_parts(room) if part.geom_type == "Polygon" and part.area > 0])
+
+
+def _advice(mission: Mission, cells: Cells, room: MultiPolygon) -> str:
+    other = joined_grid(mission, cells, room)
+    if other is None:
+        return "smaller cells (bounce.cell_m) or another origin of the grid (bounce.cell_origin) may join them"
+    cell_m, corner = other
+    if corner is None:
+        return f"bounce.cell_m: {cell_m:.6g} joins all its cells"
+    return f"bounce.cell_origin: [{corner[0]:.6g}, {corner[1]:.6g}] joins all its cells"
+
+
+def joined_grid(mission: Mission, cells: Cells, room: MultiPolygon) -> tuple[float, tuple[float, float] | None] | None:
+    """A grid whose cells are joined within each piece of ``room``: cell size, and its corner where that is another.
+
+    The same cells are shifted first, then smaller ones are tried, in steps of a twentieth. None: none was found.
+    """
+    settings, (x0, y0) = mission.bounce, cells.corner_m
+    shifts = [(a, b) for a in (0.0, *SHIFTS) for b in (0.0, *SHIFTS) if a or b]
+    tried: list[tuple[float, tuple[float, float] | None]] = [
+        (cells.cell_m, (round(x0 + a * cells.cell_m, 6), round(y0 + b * cells.cell_m, 6))) for a, b in shifts
+    ]
+    tried += [(float(f"{share * cells.cell_m:.4g}"), None) for share in SIZES]
+    left = 3 * MOST_CELLS_TRIED
+    for cell_m, corner in tried:
+        expected = cells.count * (cells.cell_m / cell_m) ** 2
+        left -= int(expected)
+        if expected > MOST_CELLS_TRIED or left < 0:
+            continue
+        planning = replace(settings, cell_m=cell_m, cell_origin=corner)
+        try:
+            other = make_cells(replace(mission, planning=planning))
+        except MissionError:  # no room at any centre
+            continue
+        if _joined(other, room):
+            return cell_m, corner
+    return None
+
+
+def _joined(cells: Cells, room: MultiPolygon) -> bool:
+    """Whether moves join all cells that lie in one piece of the room, and each piece has some."""
+    points = shapely.points(cells.centres_m)
+    for part in room.geoms:
+        shapely.prepare(part)
+        here = np.flatnonzero(shapely.dwithin(part, points, TOUCH_M)).astype(np.int32)
+        if len(here) == 0 or not reachable_cells(cells, here[:1])[here].all():
+            return False
+    return True
