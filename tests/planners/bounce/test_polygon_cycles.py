@@ -80,6 +80,29 @@ def test_headings_that_turning_leads_to_share_their_cycles() -> None:
     assert sum(cycle.share for cycle in run.cycles) == pytest.approx(1.0)
 
 
+def test_a_cycle_through_corners_is_as_stable_as_its_displaced_runs() -> None:
+    """135 degrees in an open square room: the rounds along both diagonals and two walls end in corners.
+
+    The return map has a kink there: from one side displacements are forgotten, from the other each stays.
+    """
+    rim, rule = make_rim(box(0, 0, 10, 10), 0.5), BounceRule(angle_rad=math.radians(135))
+    run = limit_cycles(rim, rule, *random_starts(rim, 400, 2, EIGHT))
+    through = next(cycle for cycle in run.cycles if cycle.length_m == pytest.approx(36 * (1 + math.sqrt(2))))
+    assert (through.multiplier, through.stability) == (0.0, "half-stable")
+    offs_m = []
+    for k, heading in enumerate(through.headings_rad):
+        middle = (through.positions_m[k] + through.positions_m[(k + 1) % 8]) / 2
+        for side in (1e-4, -1e-4):
+            x, y = middle + side * np.array([-math.sin(heading), math.cos(heading)])
+            if 0.5 <= x <= 9.5 and 0.5 <= y <= 9.5:
+                places = bounce_path(rim, rule, (float(x), float(y)), float(heading), 80).positions_m[-16:]
+                offs_m.append(np.hypot(*(places[:, None] - through.positions_m).T).min(axis=1).max())
+    assert sorted({round(1e4 * off, 6) for off in offs_m}) == [0.0, 1.0, pytest.approx(math.sqrt(2), abs=1e-5)]
+    # by 90 degrees every slide along a wall ends in the corner, from either side
+    (walls,) = limit_cycles(rim, BounceRule(angle_rad=QUARTER), *random_starts(rim, 50, 1, EIGHT[::2])).cycles
+    assert walls.stability == "attracting"
+
+
 def test_leaving_squarely_in_a_triangle_doubles_every_displacement() -> None:
     """Each way meets the next side at 30 degrees: |slope| is 2 at every bounce, so nothing settles, growth is log 2."""
     rim = make_rim(regular_polygon(3))

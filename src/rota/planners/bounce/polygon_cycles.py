@@ -11,11 +11,16 @@ import numpy as np
 import shapely
 
 from rota.errors import MissionError
-from rota.planners.bounce.polygon import BounceRule, Floats, Ints, Rim, require_room
-from rota.planners.bounce.polygon_kernels import SETTLED, STUCK, follow, settle
+from rota.planners.bounce.polygon import BounceRule, Floats, Ints, Rim, bounce_path, require_room
+from rota.planners.bounce.polygon_kernels import SETTLED, STUCK, WALL, follow, settle
 
-Stability = Literal["attracting", "neutral", "repelling"]
+Stability = Literal["attracting", "half-stable", "neutral", "repelling"]
 _SAME_SLOPE = 1e-7
+_CORNER_M = 1e-7  # a disc so near to a second wall or corner touches both
+_ASIDE_M = 1e-5  # by which robots are displaced to see what becomes of it
+_ROUNDS = (4, 12)  # after which it is looked how far off they are
+_MEMBERS = 16  # of a neutral family that are looked at
+_SAME_SHARE = 0.01  # by which a distance that stays may differ
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,7 +29,10 @@ class PolygonCycle:
 
     arcs_m, headings_rad (p,): the contacts and the headings on leaving them; positions_m (p, 2) the centres there.
     ``multiplier``: derivative of the return map along the rim, by which a small displacement grows in every round, with
-    headings held. ``share`` of the starts that come to it (or to its family), +- ``share_error`` (one standard error).
+    headings held; where a contact is in a corner, the map has a kink and this is the slope of one side. ``stability``:
+    what becomes of small displacements: all fade, all stay, some grow and none fades, or ("half-stable") some fade and
+    others do not, as may be at a kink. ``share`` of the starts that come to it (or to its family), +- ``share_error``
+    (one standard error).
     """
 
     arcs_m: Floats
@@ -32,6 +40,7 @@ class PolygonCycle:
     positions_m: Floats
     length_m: float
     multiplier: float
+    stability: Stability
     share: float
     share_error: float
 
@@ -39,14 +48,6 @@ class PolygonCycle:
     def period(self) -> int:
         """Contacts in one round."""
         return len(self.arcs_m)
-
-    @property
-    def stability(self) -> Stability:
-        """What becomes of a small displacement along the rim: it fades, stays or grows."""
-        size = abs(self.multiplier)
-        if abs(size - 1) <= _SAME_SLOPE:
-            return "neutral"
-        return "attracting" if size < 1 else "repelling"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -118,14 +119,18 @@ def limit_cycles(
     )  # fmt: skip
     settled = np.flatnonzero(ints[:, 0] == SETTLED)
     kinds = np.rint(first[settled] * 1e8).astype(np.int64) if rule.bounce == "turn" else np.zeros_like(settled)
-    _, chosen, inverse, counts = np.unique(
+    _, inverse, counts = np.unique(
         np.column_stack([marks[settled].view(np.int64), kinds]),
-        axis=0, return_index=True, return_inverse=True, return_counts=True,
+        axis=0, return_inverse=True, return_counts=True,
     )  # fmt: skip
-    cycles = [
-        _cycle(rim, rule, float(first[k]), ints[k], floats[k], int(count) / n, n)
-        for k, count in zip(settled[chosen], counts, strict=True)
-    ]
+    cycles = []
+    for number, count in enumerate(counts):
+        # of a neutral family a member away from corners, if one is among the first found
+        for k in settled[inverse.ravel() == number][:_MEMBERS]:
+            found = _cycle(rim, rule, float(first[k]), ints[k], floats[k], int(count) / n, n)
+            if _of_slope(found.multiplier) != "neutral" or found.stability == "neutral":
+                break
+        cycles.append(found)
     order = sorted(range(len(cycles)), key=lambda c: (-cycles[c].share, cycles[c].period, cycles[c].length_m))
     place = np.empty(len(cycles), dtype=np.int64)
     place[order] = np.arange(len(cycles))
@@ -162,12 +167,87 @@ def _cycle(
         first_heading, int(ints[1]), float(floats[0]), int(ints[2]), out,
     )  # fmt: skip
     element, s_m = out[:, 0].astype(np.int64), out[:, 1]
+    places_m, headings = rim.places_m(element, s_m), out[:, 3] % (2 * math.pi)
+    in_corner = _touched(rim, places_m) > 1
+    multiplier = float(floats[2])
+    stability = _of_slope(multiplier)
+    if in_corner.any():
+        stability = _of_displaced(rim, rule, places_m, headings, np.flatnonzero(~in_corner))
     return PolygonCycle(
         arcs_m=rim.arcs_m(element, s_m),
-        headings_rad=out[:, 3] % (2 * math.pi),
-        positions_m=rim.places_m(element, s_m),
+        headings_rad=headings,
+        positions_m=places_m,
         length_m=float(floats[1]),
-        multiplier=float(floats[2]),
+        multiplier=multiplier,
+        stability=stability,
         share=share,
         share_error=math.sqrt(share * (1 - share) / starts),
     )
+
+
+def _touched(rim: Rim, places_m: Floats) -> Ints:
+    """(p,) how many walls and corners a disc at places (p, 2) touches."""
+    rows, beside = rim.elements, places_m[:, None] - rim.elements[:, :2]
+    along = (beside * rows[:, 2:4]).sum(axis=2)
+    off_m = np.abs(beside[..., 1] * rows[:, 2] - beside[..., 0] * rows[:, 3] - rim.body_radius_m)
+    walls = (off_m < _CORNER_M) & (along > -_CORNER_M) & (along < rows[:, 4] + _CORNER_M)
+    arcs = np.abs(np.hypot(*beside.transpose(2, 0, 1)) - rim.body_radius_m) < _CORNER_M
+    count: Ints = np.where(rim.kinds == WALL, walls, arcs).sum(axis=1)
+    return count
+
+
+def _of_slope(slope: float) -> Stability:
+    """The stability of a cycle whose return map has a derivative."""
+    if abs(abs(slope) - 1) <= _SAME_SLOPE:
+        return "neutral"
+    return "attracting" if abs(slope) < 1 else "repelling"
+
+
+def _of_displaced(rim: Rim, rule: BounceRule, places_m: Floats, headings: Floats, marks: Ints) -> Stability:
+    """What becomes of robots that are put beside the middle of each way of a cycle, to the left and to the right.
+
+    places_m (p, 2), headings (p,): contacts, and headings on leaving them. marks: the contacts by which it is told how
+    far off a robot is; all, where none is given. A side on which the disc finds no room is left out.
+    """
+    seen: set[str] = set()
+    marks = marks if len(marks) else np.arange(len(places_m))
+    for k, heading in enumerate(headings):
+        middle = (places_m[k] + places_m[(k + 1) % len(places_m)]) / 2
+        aside = _ASIDE_M * np.array([-math.sin(heading), math.cos(heading)])
+        for start in (middle + aside, middle - aside):
+            try:
+                early, late = (_off_m(rim, rule, start, heading, places_m, headings, marks, n) for n in _ROUNDS)
+            except MissionError:
+                continue
+            if late < _SAME_SHARE * _ASIDE_M or late < (1 - _SAME_SHARE) * early:
+                seen.add("fades")
+            else:
+                seen.add("stays" if late < (1 + _SAME_SHARE) * early else "grows")
+    if seen == {"fades"}:
+        return "attracting"
+    if "fades" in seen:
+        return "half-stable"
+    return "repelling" if "grows" in seen else "neutral"
+
+
+def _off_m(
+    rim: Rim,
+    rule: BounceRule,
+    start_m: Floats,
+    heading: float,
+    places_m: Floats,
+    headings: Floats,
+    marks: Ints,
+    rounds: int,
+) -> float:
+    """How far a robot is from the marked contacts of a cycle in its last of so many rounds, at most; inf: lost."""
+    bounces = 2 * len(places_m)  # in a round at most: in a corner it may touch both walls in turn
+    path = bounce_path(rim, rule, (float(start_m[0]), float(start_m[1])), heading, rounds * bounces)
+    contacts_m, left = path.positions_m[1:-1][-bounces:], path.headings_rad[1:][-bounces:]
+    worst = 0.0
+    for k in marks:
+        same = np.abs((left - headings[k] + math.pi) % math.tau - math.pi) < 1e-6
+        if not same.any():
+            return math.inf
+        worst = max(worst, float(np.hypot(*(contacts_m[same] - places_m[k]).T).min()))
+    return worst

@@ -45,7 +45,7 @@ def figure_13_section(runs: Runs) -> Section:
     table = Table(
         title="One robot from every cell with every heading: limit cycles on the grid and in the plane",
         head=(
-            "room", "angle", "cycles on the grid", "in the plane", "attracting / neutral / repelling",
+            "room", "angle", "cycles on the grid", "in the plane", "attracting / half-stable / neutral / repelling",
             "starts that come to none", "starts with a cycle as long in both", "length, plane by grid",
         ),
         rows=tuple(rows),
@@ -73,7 +73,9 @@ def figure_13_section(runs: Runs) -> Section:
         + ("Elsewhere not: by the worst angle only " + ", ".join(others) + " come to a cycle as long as on the "
            "grid, since a disc goes on until it touches a corner or a slanted wall, where the grid turns at a cell's "
            "centre. " if others else "")
-        + "Attracting cycles take in small displacements; in neutral families each member keeps its own.",
+        + "Attracting cycles take in all small displacements; in neutral families each stays as it is; half-stable "
+        "cycles go through corners, where displacements to one side fade and those to the other do not. That was "
+        "tried with displaced runs; the return map's derivative holds for one side of a corner only.",
         tables=(table,),
     )  # fmt: skip
 
@@ -83,7 +85,7 @@ def _row(both: GridBesidePlane) -> tuple[str, ...]:
     ratio = f"{np.median(both.length_ratios):.3f}" if len(both.length_ratios) else NOTHING
     return (
         f"{len(both.lengths_m):,}", f"{len(both.plane.cycles):,}",
-        f"{kinds['attracting']} / {kinds['neutral']} / {kinds['repelling']}",
+        f"{kinds['attracting']} / {kinds['half-stable']} / {kinds['neutral']} / {kinds['repelling']}",
         f"{both.plane.unsettled_share + both.plane.stuck_share:.1%}", f"{both.same_share:.1%}", ratio,
     )  # fmt: skip
 
