@@ -164,9 +164,8 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
     if isinstance(plan.mission.planning, BounceSettings):
         if plan.mission.planning.task == "cover":
             return (swept_sentence(plan), clocks_sentence(plan, report))
-        return (
-            ratio_sentence(plan, report), rattling_sentence(plan), approach_sentence(plan), clocks_sentence(plan, report)
-        )  # fmt: skip
+        clocks = clocks_sentence(plan, report)
+        return (ratio_sentence(plan, report), rattling_sentence(plan), approach_sentence(plan), clocks)
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
 

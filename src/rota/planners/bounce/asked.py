@@ -43,6 +43,11 @@ class Bouncing:
     apart_m: Floats
     pace: Pace
 
+    @property
+    def step_s(self) -> float:
+        """How long the longest step lasts."""
+        return self.pace.longest_s
+
 
 def bouncing_robots(mission: Mission, cells: Cells, count: int | None = None) -> Bouncing:
     """The mission's robots on cells; ``count`` of them when it asks for as few as possible."""
@@ -186,13 +191,13 @@ def watch_of(bouncing: Bouncing) -> Watch:
     """What the robots' limit cycles see of the mission's zones; raises MissionError for those that none enters."""
     zones = [zone for zone in bouncing.mission.zones if zone.period_s is not None]
     inside = zone_cells(bouncing.cells, zones)
-    margin_steps = bouncing.mission.bounce.clock_margin_s / bouncing.pace.longest_s
+    margin_steps = bouncing.mission.bounce.clock_margin_s / bouncing.step_s
     radii = np.array([robot.body_radius_m for robot in bouncing.robots])
     cycles = apart_in_time(limit_cycles(bouncing.team), bouncing.cells, radii[:, None] + radii, margin_steps)
     sees = seen_by_cycles(cycles, inside, bouncing.cells.headings)
     require_watchable(cycles, sees, [zone.name for zone in zones])
     periods_s = np.array([zone.period_s for zone in zones], np.float64)
-    return Watch(cycles=cycles, sees=sees, period_steps=periods_s / bouncing.pace.longest_s)
+    return Watch(cycles=cycles, sees=sees, period_steps=periods_s / bouncing.step_s)
 
 
 def monitoring_plan(bouncing: Bouncing, chosen: Chosen, seed: int, timed: TimedGroup | None = None) -> Plan:
