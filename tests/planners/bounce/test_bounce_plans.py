@@ -18,7 +18,11 @@ from rota.make_plan import make_plan, search_plan
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan
 from rota.plan_table import rattling_sentence, swept_sentence
+from rota.planners.bounce.asked import bouncing_robots, covered_by, monitoring_plan, watch_of
 from rota.planners.bounce.cells import make_cells
+from rota.planners.bounce.chosen_group import begin_there
+from rota.planners.bounce.enumeration import printed
+from rota.planners.bounce.limit_cycles import zone_cells
 from rota.planners.bounce.trajectories import loops_in_step, pace_of, step_duration_s
 
 ROOM = """
@@ -230,6 +234,111 @@ def test_what_is_walled_off_is_told_and_the_rest_is_covered() -> None:
     fleet = [Robot(name="a", speed_m_s=0.5, sensor=SENSOR, start=(0.5, 0.5))]
     with pytest.raises(NoPlanFound, match=r"66\.7% of 6 cells .* no robot has a way .* 2 cells, at \(3\.5, 0\.5\)"):
         make_plan(mission_on("..#.\n..#.", fleet, task="cover"))
+
+
+def two_rooms(**options: object) -> Mission:
+    """Two rooms with a door between them, whose middle lies at y = 1.3 m, a quarter off the middle of a cell."""
+    walls = MultiPolygon([box(3, 0, 4, 0.9), box(3, 1.7, 4, 3)])
+    robots = tuple(Robot(name=name, speed_m_s=0.5, sensor=SENSOR, body_radius_m=0.3) for name in ("a", "b"))
+    return Mission(
+        name="two-rooms",
+        area=MultiPolygon([box(0, 0, 7, 3)]),
+        obstacles=(Obstacle(shape=walls),),
+        fleet=Fleet(speed_m_s=0.5, sensor=SENSOR, body_radius_m=0.3, robots=robots),
+        planning=BounceSettings(cell_m=1.0, task="cover", **options),  # type: ignore[arg-type]
+    )
+
+
+def test_cells_that_the_grid_cuts_off_are_told_apart_with_a_grid_that_joins_them() -> None:
+    both = two_rooms()
+    one = replace(both, fleet=replace(both.fleet, robots=(replace(both.fleet.robots[0], start=(0.5, 0.5)),)))
+    words = r"joins no robot's start with 9 cells, .* a body could drive there: bounce\.cell_origin: \[(.*), (.*)\]"
+    with pytest.raises(NoPlanFound, match=words) as caught:
+        make_plan(one)
+    x, y = map(float, re.search(words, str(caught.value)).groups())  # type: ignore[union-attr]
+    shifted = two_rooms(cell_origin=(x, y))
+    cells = make_cells(shifted)
+    assert np.allclose((np.subtract(cells.corner_m, (x, y)) / cells.cell_m) % 1 % 1, 0)
+    assert (np.array(cells.corner_m) <= 0).all()
+    plan = make_plan(shifted)
+    assert check_plan(plan).verdict == "met"
+    require_drivable(plan, jumps=True)
+    # a corner some cells away is the same grid
+    away = make_cells(two_rooms(cell_origin=(x + 3, y - 2)))
+    assert np.allclose(away.centres_m, cells.centres_m)
+    with pytest.raises(MissionError, match="cell_origin"):
+        two_rooms(cell_origin=(math.nan, 0))
+
+
+@pytest.mark.parametrize("robots", [1, 2])
+def test_covering_takes_as_many_steps_as_it_is_allowed(robots: int) -> None:
+    mission = mission_on(ROOM, robots, task="cover")
+
+    def steps_of(most: int) -> tuple[int, bool]:
+        allowed = replace(mission, planning=replace(mission.bounce, most_steps=most))
+        bouncing = bouncing_robots(allowed, make_cells(allowed))
+        found = covered_by(bouncing, seed=1)
+        return found.steps, found.complete
+
+    needed, complete = steps_of(10_000)
+    assert complete
+    assert steps_of(needed) == (needed, True)
+    assert steps_of(needed - 1) == (needed - 1, False)
+    assert steps_of(5) == (5, False)
+    short = replace(mission, planning=replace(mission.bounce, most_steps=5))
+    with pytest.raises(NoPlanFound, match=r"cells were not entered after bounce\.most_steps: 5"):
+        make_plan(short, seed=1)
+
+
+def test_straight_ways_are_driven_at_full_speed_when_no_robot_needs_longer() -> None:
+    """By 90 degrees along the walls of a room: 4 x 9 moves of 2 s, 4 turns of 2.83 s; every step was 2.83 s before."""
+    room = "\n".join(["." * 10] * 10)
+    mission = mission_on(room, 1, (visit("corner", 300, 0, 0, 1, 1),), bouncing_angles_deg=(90,), purpose="worst_gap")
+    cells = make_cells(mission)
+    bouncing = bouncing_robots(mission, cells)
+    cycles = watch_of(bouncing).cycles
+    around = next(int(cycles.start[c]) for c in range(len(cycles.length)) if cycles.length[c] == 40
+                  and len(set((cycles.state[cycles.cycle == c] // 8).tolist())) == 36)  # fmt: skip
+    watch = watch_of(bouncing)
+    plan = monitoring_plan(bouncing, begin_there(watch, (around,), watch.ratio((around,))), 0)
+    assert plan.trajectories[0].loop_duration_s == pytest.approx(36 * 2 + 4 * 2 * math.sqrt(2))
+    assert plan.trajectories[0].loop_length_m == pytest.approx(36)
+    assert check_plan(plan).verdict == "met"
+    # two of them in step: nobody is slower than before, and the check still finds no contact
+    pair = mission_on(ROOM, 2, ZONES, bouncing_angles_deg=(90,))
+    found = search_plan(pair)
+    assert found.report.verdict == "met"
+    longest_s = bouncing_robots(pair, make_cells(pair)).step_s
+    for trajectory in found.plan:
+        ways_m = np.hypot(*np.diff(trajectory.positions_m, axis=0).T)
+        assert (ways_m <= 0.5 * np.diff(trajectory.times_s) + 1e-9).all()
+        assert trajectory.loop_duration_s <= longest_s * 2000
+    assert re.search(r"Steps last .* Robots keep in step", " ".join(found.told))
+
+
+def test_the_printed_algorithm_tells_its_own_groups() -> None:
+    text = "......\n.#....\n....#.\n......"
+    zones = (visit("door", 200, 0, 3, 1, 4), visit("window", 200, 5, 0, 6, 1))
+    mission = mission_on(text, 2, zones, method="as_printed", purpose="worst_gap")
+    told = search_plan(mission).told
+    bouncing = bouncing_robots(mission, make_cells(mission))
+    kept, listed = printed(bouncing.team, zone_cells(bouncing.cells, list(zones)), 8)
+    p, q = int(listed.length.sum()), int((listed.basin - listed.length).sum())
+    groups = (
+        f"Algorithm 2 as printed keeps {kept:,} periodic groups (r), of {p:,} joint states (P), and {q:,} transient"
+    )
+    assert told[0].startswith(groups)
+    assert told[1] == "Its worst gap, in steps, is the shortest of those that Algorithm 2 as printed keeps, proved."
+    improved = replace(mission, planning=replace(mission.bounce, method="improved"))
+    assert search_plan(improved).told[1] == "Its worst gap, in steps, is the shortest of all groups, proved."
+
+
+def test_what_was_stopped_is_not_said_to_be_impossible() -> None:
+    mission = mission_on(ROOM, 2, ZONES, purpose="worst_gap")
+    with pytest.raises(
+        NoPlanFound, match=r"was found that .* is not proved: the search was stopped \(stopped early\)$"
+    ):
+        make_plan(mission, should_stop=lambda: True)
 
 
 def test_bodies_too_wide_to_pass_keep_apart_by_their_swept_distance() -> None:

@@ -298,3 +298,60 @@ def test_random_starts_hit_each_group_as_often_as_its_basin_is_large(free: bool)
         found = hits.pop(canonical(cycles, nodes_of(cycles, states)), 0)
         assert abs(found - samples * share) <= 5 * math.sqrt(samples * share) + 1
     assert hits == {}
+
+
+def test_cycles_that_never_enter_a_zone_do_not_count_as_good() -> None:
+    """Closed rooms, one robot and one zone each: the best team has the best cycle of each room, found and proved."""
+    rooms = 5
+    cells = typed_cells("\n".join("#".join(["..."] * rooms) for _ in range(3)))
+    team = make_team(cells, [2] * rooms)
+    cycles = limit_cycles(team)
+    inside = np.array([cells.column // 4 == room for room in range(rooms)])
+    watch = Watch(cycles=cycles, sees=seen_by_cycles(cycles, inside, 8), period_steps=np.full(rooms, 10.0))
+    found = best_group(watch, most_nodes=500)
+    assert found.group is not None
+    assert found.proved
+    assert found.group.ratio == 0.1  # in its room at every step
+    # with too few partial teams to look at, nothing is said to be impossible
+    stopped = best_group(watch, should_stop=lambda: True)
+    assert (stopped.group, stopped.proved, stopped.unproved) == (None, False, "the search was stopped")
+    # one robot less leaves a room unseen, and that is proved
+    fewer = limit_cycles(make_team(cells, [2] * (rooms - 1)))
+    sees = seen_by_cycles(fewer, inside, 8)
+    none = best_group(Watch(cycles=fewer, sees=sees, period_steps=np.full(rooms, 10.0)))
+    assert (none.group, none.proved) == (None, True)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_best_group_of_three_zones_is_the_best_of_all(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tried = 0
+    while tried < 8:
+        text = "\n".join("".join(rng.choice(list("....#"), 4)) for _ in range(3))
+        cells = typed_cells(text) if text.count(".") > 3 else None
+        if cells is None:
+            continue
+        cycles = limit_cycles(make_team(cells, rng.integers(1, 8, 2).tolist()))
+        inside = np.zeros((3, cells.count), np.bool_)
+        inside[np.arange(3), rng.choice(cells.count, 3)] = True
+        period = rng.uniform(3, 20, 3)
+        watch = Watch(cycles=cycles, sees=seen_by_cycles(cycles, inside, 8), period_steps=period)
+        ratios = [watch.ratio(nodes) for nodes in groups(watch)]
+        found = best_group(watch)
+        assert found.proved
+        assert (found.group is None) == (ratios == [])
+        if found.group is not None:
+            tried += 1
+            assert found.group.ratio == watch.ratio(found.group.nodes) == min(ratios)
+
+
+def test_a_count_has_a_bound_on_all_its_work() -> None:
+    """Twenty zones along a corridor are 2 ** 20 choices of what is left out."""
+    cells = typed_cells("\n".join("." * 20 for _ in range(3)))
+    cycles = limit_cycles(make_team(cells, [2, 2, 2]))
+    inside = cells.column == np.arange(20)[:, None]
+    with pytest.raises(TooMany):
+        count_groups(cycles, seen_by_cycles(cycles, inside, 8), most_work=30_000)
+    # the same zone twenty times is one
+    once = count_groups(cycles, seen_by_cycles(cycles, inside[:1], 8))
+    assert count_groups(cycles, seen_by_cycles(cycles, inside[[0] * 20], 8), most_work=3_000_000) == once > 0
