@@ -277,9 +277,14 @@ def export(
 
 def _export_to_folder(answer: Plan, to: ExportFormat, folder: str) -> tuple[Path, ...]:
     if to == "create2-sketch":
+        from rota.check import check_plan
+        from rota.files.create2_legs import MOST_SLOWING
         from rota.files.create2_sketch import write_create2_sketches
 
-        return write_create2_sketches(answer, folder)
+        # a slower clock makes every gap as much longer
+        ratio = check_plan(answer).worst_ratio
+        most = min(1 / ratio if ratio > 0 else MOST_SLOWING, MOST_SLOWING)
+        return write_create2_sketches(answer, folder, most_slowing=max(most, 1.0))
     from rota.files.qgroundcontrol import write_qgroundcontrol
 
     return write_qgroundcontrol(answer, folder, autopilot="ardupilot" if to == "qgroundcontrol" else "px4")

@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.mission import AREA, BounceSettings, DiscSensor, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
+from rota.plan_physics import clocks_sentence, cycles_sentence, errors_sentence
 
 if TYPE_CHECKING:
     from rota.check import Report
@@ -162,10 +163,11 @@ def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
     if plan.mission.planning.planner == "swarm":
         return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
     if isinstance(plan.mission.planning, BounceSettings):
+        told = (clocks_sentence(plan, report), errors_sentence(plan))
         if plan.mission.planning.task == "cover":
-            return (swept_sentence(plan), clocks_sentence(plan, report))
-        clocks = clocks_sentence(plan, report)
-        return (ratio_sentence(plan, report), rattling_sentence(plan), approach_sentence(plan), clocks)
+            return (swept_sentence(plan), *told)
+        cycles = cycles_sentence(plan)
+        return (cycles, ratio_sentence(plan, report), rattling_sentence(plan), approach_sentence(plan), *told)
     return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
 
@@ -239,24 +241,6 @@ def rattling_sentence(plan: Plan) -> str | None:
         return None
     what = "stay in one cell and turn" if len(names) > 1 else "stays in one cell and turns"
     return f"{', '.join(names)} {what} there for ever: a limit cycle, too."
-
-
-def clocks_sentence(plan: Plan, report: Report) -> str | None:
-    """How far the clocks of robots that bounce may differ, and how long drifting ones take to; None for one robot."""
-    margin_s, settings = report.clock_margin_s, plan.mission.bounce
-    if margin_s is None:
-        return None
-    if math.isinf(margin_s):
-        return "Clocks may differ by any time: bodies never touch."
-    told = f"Clocks may differ by {math.floor(1e3 * margin_s) / 1e3:.3g} s before bodies touch"
-    if settings.clock_drift == 0:
-        return told + "."
-    drift = f"clocks off by up to {100 * settings.clock_drift:.3g} %"
-    if settings.clock_signal_s is not None:
-        apart = f"by {settings.clock_margin_s:.3g} s at most, from one signal to the next"
-        return f"{told}; {drift} do {apart}, {settings.clock_signal_s:g} s later."
-    lasts_s = margin_s / (2 * settings.clock_drift)
-    return f"{told}; {drift} may do so {rounded(lasts_s)} s after a common start, without a signal in between."
 
 
 def approach_sentence(plan: Plan) -> str | None:

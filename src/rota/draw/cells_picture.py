@@ -158,6 +158,8 @@ def draw_cells(plan: Plan, path: str | Path) -> None:
     suffix = require_suffix(path, FORMATS, "a picture")
     if not isinstance(plan.mission.planning, BounceSettings):
         raise PlanError(f"a plan of {plan.mission.planning.planner} has no cells to draw; one of bounce is needed")
+    if plan.mission.bounce.cells == "none":
+        raise PlanError(f"mission {plan.mission.name}: bounce.cells is none: there are no cells to draw")
     with house_style():
         fig = cells_figure(plan)
         with replaced_file(path) as partial:

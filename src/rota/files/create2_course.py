@@ -14,6 +14,7 @@ from rota.plan import Floats, Plan, Trajectory
 
 SAME_M = 1e-6
 SAME_RAD = 1e-6
+TOUCHING_M = 1e-4
 _LONGEST_MOVE_CELLS = 7
 
 
@@ -101,6 +102,8 @@ class Surroundings:
         self._ends_s = [np.array([stretch.end_s for stretch in course]) for course in courses]
         self._radius_m = body_radius_m
         self._walls = _walls(plan.mission)
+        if self._cell_m == 0:
+            return
         way = next(stretch for stretch in courses[0] if not stretch.stays)
         steps = way.length_m / self._move_m(way.heading_rad)
         self._step_s = (way.end_s - way.begin_s) / steps
@@ -110,8 +113,11 @@ class Surroundings:
 
         So it is where a diagonal move is blocked since a cell beside it holds but a bit of an obstacle.
         """
-        move_m = self._move_m(heading_rad)
         direction = np.array([math.cos(heading_rad), math.sin(heading_rad)])
+        if self._cell_m == 0:  # without a grid it turns where it touches
+            touches = self._wall_ahead_m(pause.begin_m, direction) <= TOUCHING_M
+            return Contact(ahead_m=0.0, of_robots=False) if touches else None
+        move_m = self._move_m(heading_rad)
         wall_m = self._wall_ahead_m(pause.begin_m, direction)
         velocity_m_s = direction * move_m / self._step_s
         robots = (n for n in range(len(self._courses)) if n != robot)

@@ -27,6 +27,10 @@ def plan_bounce(
     """
     from rota.planners.bounce.asked import plan_coverage, plan_monitoring  # loads the compiled loops
 
+    if mission.bounce.cells == "none":
+        from rota.planners.bounce.free_monitoring import plan_free_monitoring
+
+        return plan_free_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop)
     if mission.bounce.task == "cover":
         return plan_coverage(mission, seed=seed, tell=tell)
     return plan_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop, tell=tell)

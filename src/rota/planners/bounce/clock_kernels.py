@@ -18,42 +18,45 @@ SAME = 1e-9
 
 
 @compiled
-def _within(gx: float, gy: float, vx: float, vy: float, apart: float) -> tuple[float, float]:
-    """First and last time in 0..1 at which ``g + v * time`` is shorter than apart; the first is later: never."""
+def _within(gx: float, gy: float, vx: float, vy: float, apart: float, until: float) -> tuple[float, float]:
+    """First and last time in 0..until at which ``g + v * time`` is shorter than apart; the first is later: never."""
     a, b, c = vx * vx + vy * vy, gx * vx + gy * vy, gx * gx + gy * gy - apart * apart
     if a <= 1e-24:
-        return (0.0, 1.0) if c < 0 else (1.0, 0.0)
+        return (0.0, until) if c < 0 else (1.0, 0.0)
     below = b * b - a * c
     if below <= 0:
         return 1.0, 0.0
     root = sqrt(below)
-    return max((-b - root) / a, 0.0), min((-b + root) / a, 1.0)
+    return max((-b - root) / a, 0.0), min((-b + root) / a, until)
 
 
 @compiled
 def touching_differences(
-    gx: float, gy: float, vx: float, vy: float, wx: float, wy: float, apart: float
+    gx: float, gy: float, vx: float, vy: float, wx: float, wy: float, apart: float, most_s: float, most_t: float
 ) -> tuple[float, float]:
-    """Extent of s - t over s, t in 0..1 with ``g + v s - w t`` shorter than apart; the least is larger: there are none.
+    """Extent of s - t over s in 0..most_s, t in 0..most_t with ``g + v s - w t`` shorter than apart, if there are any.
 
-    On each side of the square of times, and where the ellipse's own extremes lie within: there the gap is square to
+    The least is larger than the most where there are none.
+
+    On each side of the rectangle of times, and where the ellipse's own extremes lie within: there the gap is square to
     the difference of velocities.
     """
     low, high = inf, -inf
     for side in range(2):
-        first, last = _within(gx + side * vx, gy + side * vy, -wx, -wy, apart)
+        s, t = side * most_s, side * most_t
+        first, last = _within(gx + s * vx, gy + s * vy, -wx, -wy, apart, most_t)
         if first <= last:
-            low, high = min(low, side - last), max(high, side - first)
-        first, last = _within(gx - side * wx, gy - side * wy, vx, vy, apart)
+            low, high = min(low, s - last), max(high, s - first)
+        first, last = _within(gx - t * wx, gy - t * wy, vx, vy, apart, most_s)
         if first <= last:
-            low, high = min(low, first - side), max(high, last - side)
+            low, high = min(low, first - t), max(high, last - t)
     ux, uy = vx - wx, vy - wy
     size, cross = hypot(ux, uy), vx * wy - vy * wx
     if size > 0 and abs(cross) > 1e-12:
         for sign in (-1.0, 1.0):
             rx, ry = -sign * apart * uy / size - gx, sign * apart * ux / size - gy
             s, t = (rx * wy - ry * wx) / cross, (vy * rx - vx * ry) / cross
-            if 0 <= s <= 1 and 0 <= t <= 1:
+            if 0 <= s <= most_s and 0 <= t <= most_t:
                 low, high = min(low, s - t), max(high, s - t)
     return low, high
 
@@ -88,7 +91,7 @@ def forbid_near_phases(
                     wx, wy = places[other, 0] - qx, places[other, 1] - qy
                     if hypot(px - qx, py - qy) >= near + hypot(vx, vy) + hypot(wx, wy):
                         continue
-                    low, high = touching_differences(px - qx, py - qy, vx, vy, wx, wy, near)
+                    low, high = touching_differences(px - qx, py - qy, vx, vy, wx, wy, near, 1.0, 1.0)
                     if low >= high:
                         continue
                     first = floor(i - j + low - margin + SAME) + 1
@@ -100,3 +103,31 @@ def forbid_near_phases(
                     if bad[(i - j) % g]:
                         compatible[i0 + i, j0 + j] = False
                         compatible[j0 + j, i0 + i] = False
+
+
+@compiled
+def nearest_touch(times: Floats, places: Floats, apart: float, shifts: Floats) -> float:
+    """How far the given shifts (k,) of one closed way against itself are from those at which two centres come too near.
+
+    times (n + 1,), places (n + 1, 2): of the way's corners, the last place the first one, after one round; shifts in
+    seconds, any round. inf: nothing ever comes near.
+    """
+    legs, period = len(times) - 1, times[len(times) - 1]
+    near, best = apart - TOUCH_M, inf
+    for i in range(legs):
+        long_s = times[i + 1] - times[i]
+        vx, vy = (places[i + 1, 0] - places[i, 0]) / long_s, (places[i + 1, 1] - places[i, 1]) / long_s
+        for j in range(legs):
+            long_t = times[j + 1] - times[j]
+            wx, wy = (places[j + 1, 0] - places[j, 0]) / long_t, (places[j + 1, 1] - places[j, 1]) / long_t
+            gx, gy = places[i, 0] - places[j, 0], places[i, 1] - places[j, 1]
+            if hypot(gx, gy) >= near + long_s * hypot(vx, vy) + long_t * hypot(wx, wy):
+                continue
+            low, high = touching_differences(gx, gy, vx, vy, wx, wy, near, long_s, long_t)
+            if low >= high:
+                continue
+            low, high = low + times[i] - times[j], high + times[i] - times[j]
+            for k in range(len(shifts)):
+                below = floor((low - shifts[k]) / period) * period + shifts[k]
+                best = min(best, max(low - below, 0.0), max(below + period - high, 0.0))
+    return best
