@@ -104,9 +104,11 @@ class Surroundings:
         self._walls = _walls(plan.mission)
         if self._cell_m == 0:
             return
+        # a step in which a robot turns: straight ones may be shorter
+        stays_s = [stretch.end_s - stretch.begin_s for course in courses for stretch in course if stretch.stays]
         way = next(stretch for stretch in courses[0] if not stretch.stays)
         steps = way.length_m / self._move_m(way.heading_rad)
-        self._step_s = (way.end_s - way.begin_s) / steps
+        self._step_s = min(stays_s, default=(way.end_s - way.begin_s) / steps)
 
     def contact(self, robot: int, pause: Stretch, heading_rad: float) -> Contact | None:
         """What a robot (its number) that stays and turns in the plan would bump into; None: nothing within its move.
