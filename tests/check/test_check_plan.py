@@ -366,3 +366,12 @@ def test_pieces_judged_in_parts_come_to_the_same_verdict(period: float, monkeypa
         assert one.unseen_area_m2 == pytest.approx(other.unseen_area_m2)
         if one.outcome == "met":
             assert (one.worst_gap_s, one.undecided_cells) == (other.worst_gap_s, other.undecided_cells)
+
+
+def test_ground_that_is_all_sliver_was_not_looked_at() -> None:
+    # a robot on it sees all of it, but nothing of it is wider than the check's tolerance
+    sliver = field(area=MultiPolygon([box(0, 0, 3e-9, 1e-9)]))
+    stands = Trajectory(robot="a", times_s=[0.0], positions_m=[(1e-9, 0)])
+    report = check_plan(Plan(mission=sliver, trajectories=(stands,)))
+    assert report.verdict == "not proven"
+    assert report.demands[0].undecided_cells == 1

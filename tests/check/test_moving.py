@@ -55,3 +55,11 @@ def test_a_loop_is_followed_until_the_obstacle_stands_and_round_once_more() -> N
     (violation,) = found(square, (90, 97), ((40, 5), (10, 5)))
     assert violation.value == pytest.approx(0)
     assert violation.time_s == pytest.approx(107.5)
+
+
+def test_a_loop_of_very_many_turns_is_held_against_the_whole_way() -> None:
+    # 1e13 turns until the obstacle stands: nobody follows them
+    quick = {"times_s": [0, 5e-4, 1e-3], "positions_m": [[0, 0], [1e-3, 0], [0, 0]]}
+    (violation,) = found(quick, (1e9, 1e10), ((-9, 1.4), (9, 1.4)))
+    assert (violation.value, violation.time_s) == (pytest.approx(1.4), None)
+    assert found(quick, (1e9, 1e10), ((-9, 1.6), (9, 1.6))) == []

@@ -28,7 +28,7 @@ def _lone_gap(starts, ends, lo, hi, period_s):
 @njit(cache=True)
 def _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common):
     """Worst gap of several robots over their common period of ``common`` units, and the time at which it begins."""
-    count = 0
+    count = 0  # of what the loops below write, at most EXPAND_AT_MOST
     for m in members:
         count += (bounds[m + 1] - bounds[m]) * (common // parts[robots[m]])
     begin, finish = np.empty(count), np.empty(count)
@@ -66,7 +66,8 @@ def pair_gap(starts, ends, lo_a, hi_a, period_a, lo_b, hi_b, period_b, shared_s)
             b0, b1 = ends[j], (starts[j + 1] if j + 1 < hi_b else starts[lo_b] + period_b)
             if b1 - b0 <= worst:
                 continue
-            shift = round((a0 + a1 - b0 - b1) / (2 * shared_s)) * shared_s
+            # whole numbers as floats, since those of tiny measures are no int64
+            shift = np.floor((a0 + a1 - b0 - b1) / (2 * shared_s) + 0.5) * shared_s
             worst = max(worst, min(a1, b1 + shift) - max(a0, b0 + shift))
     return worst
 
@@ -136,5 +137,5 @@ def team_gap(starts, ends, bounds, robots, n, classes, parts, units_s, limit_s, 
         heads += 1
         exact = exact and sure
         if gap < best:
-            best, when = gap, start + math.ceil((from_s - start) / period) * period
+            best, when = gap, start + np.ceil((from_s - start) / period) * period
     return best, (when if heads == 1 else math.nan), exact

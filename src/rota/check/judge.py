@@ -105,15 +105,37 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
             found[~found] = seeable(mission, grounds_of(mission), points_m[~found], spread_m)
         return np.asarray(found)
 
-    return refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=max(finest_m, size / 4))
+    found = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=max(finest_m, size / 4))
+    for k in _left_out(mission, asked, pieces, owners):
+        found[k].undecided_cells += 1
+    return found
+
+
+def _left_out(mission: Mission, asked: tuple[Asked, ...], pieces: Pieces, owners: Ints) -> list[int]:
+    """Demands of whose region the pieces leave out more than slivers along its border, and all where there is no piece.
+
+    Slivers thinner than the check's tolerance have no area to speak of, but a region that is nothing else was not
+    looked at.
+    """
+    points = [k for k, demand in enumerate(asked) if demand.demand == "every_point" and not demand.region.is_empty]
+    tiled_m2 = np.bincount(owners, pieces.areas_m2(), len(asked))
+    if not tiled_m2.any():
+        return points
+    slivers_m2 = [1e-9 * asked[k].region.area + 8 * slack_of(mission) * asked[k].region.length for k in points]
+    return [k for k, most in zip(points, slivers_m2, strict=True) if asked[k].region.area - tiled_m2[k] > most]
 
 
 @functools.lru_cache(maxsize=2)
 def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
     """Pieces of all demands, the index of each one's demand, and the size of the lattice (larger for a huge area)."""
     asked = demands_of(mission)
-    area = sum(demand.region.area for demand in asked if demand.demand == "every_point")
-    size = max(size_m, math.sqrt(area / MOST_CELLS))
+    regions = [demand.region for demand in asked if demand.demand == "every_point"]
+    # a long strip has few cells for its area and many for its border
+    most_m = (
+        math.sqrt(sum(region.area for region in regions) / MOST_CELLS),
+        sum(r.length for r in regions) / MOST_CELLS,
+    )
+    size = max(size_m, *most_m)
     tiles: list[Pieces] = []
     owners: list[Ints] = [np.empty(0, np.int64)]
     for k, demand in enumerate(asked):

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from rota.check.gap_kernels import team_gap
-from rota.check.tiling_kernels import half_width
+from rota.check.tiling_kernels import cell_along, half_width
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
 
@@ -74,6 +74,8 @@ def _shadow(piece, wall, slack_m, shadow):
     ax, ay = wall[0], wall[1]
     wx, wy = wall[2] - ax, wall[3] - ay
     length = math.hypot(wx, wy)
+    if length == 0:
+        return 0  # which rounding has made of a side that was short
     wx, wy = wx / length, wy / length
     low, high = math.inf, -math.inf
     for i in range(len(piece)):
@@ -235,13 +237,14 @@ def worst_gaps(
     widest = reaches_m.max() if len(reaches_m) else 0.0
     for k in range(n_pieces):
         piece = _shrunk(corners, offsets[k], offsets[k + 1], slack_m)
-        i = math.floor((piece[:, 0].mean() - grid[0]) / grid[2])
-        j = math.floor((piece[:, 1].mean() - grid[1]) / grid[2])
-        cell = min(max(i, 0), shape[0] - 1) * shape[1] + min(max(j, 0), shape[1] - 1)
+        column = cell_along(piece[:, 0].mean() - grid[0], grid[2], shape[0])
+        row = cell_along(piece[:, 1].mean() - grid[1], grid[2], shape[1])
+        cell = column * shape[1] + row
         near = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
         shadows, boxes, n_shadows = _shadows(piece, walls, near, slack_m, widest)
         if n_shadows < 0:
             continue
+        # a leg is one part, each shadow makes one more at most, and one is kept free while a shadow is cut out
         if n_shadows + 4 > len(part_starts):
             part_starts, part_ends = np.empty(2 * n_shadows + 4), np.empty(2 * n_shadows + 4)
         n_robots, n, always = 0, 0, False
@@ -260,6 +263,7 @@ def worst_gaps(
             if leg_kinds[m] == HOLD:
                 always = True
                 continue
+            # legs come robot by robot, so that each robot is noted once at most
             if n_robots == 0 or robots[n_robots - 1] != robot:
                 robots[n_robots], bounds[n_robots] = robot, n
                 n_robots += 1

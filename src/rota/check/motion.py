@@ -23,6 +23,7 @@ TURN_TOLERANCE_RAD = 1e-9
 STILL_M = 1e-9
 EPS = float(np.finfo(np.float64).eps)
 MOST_PER_ROBOT = 20
+MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together
 
 
 def motion_violations(plan: Plan) -> list[Violation]:
@@ -71,7 +72,11 @@ def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: str
     if not len(sides):
         return []
     wrong_inside = kind == "obstacle"
-    depth, place = _deepest(legs, sides, shape, wrong_inside, robot.body_radius_m)
+    tree = shapely.STRtree(lines_of(sides))
+    at_once = max(1, MOST_PAIRS // len(sides))
+    parts = [legs[k : k + at_once] for k in range(0, len(legs), at_once)]
+    judged = [_deepest(part, tree, sides, shape, wrong_inside, robot.body_radius_m) for part in parts]
+    depth, place = (np.concatenate(found) for found in zip(*judged, strict=True))
     found = []
     for m in np.flatnonzero(depth > TOUCH_M)[:MOST_PER_ROBOT]:
         x, y = legs[m, :2] + place[m] * (legs[m, 2:] - legs[m, :2])
@@ -81,9 +86,10 @@ def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: str
     return found
 
 
-def _deepest(legs: Floats, sides: Floats, shape: Any, wrong_inside: bool, body_m: float) -> tuple[Floats, Floats]:
+def _deepest(
+    legs: Floats, tree: Any, sides: Floats, shape: Any, wrong_inside: bool, body_m: float
+) -> tuple[Floats, Floats]:
     """Depth (m,) to which the body enters the wrong side of the border on each leg, and where (m,) in 0..1."""
-    tree = shapely.STRtree(lines_of(sides))
     leg, side = tree.query(lines_of(legs), predicate="dwithin", distance=body_m + 2 * TOUCH_M)
     depth, place = np.full(len(legs), -math.inf), np.zeros(len(legs))
     distance, along = segment_distances(legs[leg], sides[side])

@@ -5,27 +5,33 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from rota.check.report import Violation
+from rota.check.routes import lines_of
 from rota.mission import MovingObstacle
 from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 
 TOUCH_M = 1e-6
+MOST_POINTS = 1_000_000  # to which a loop is followed; of a longer way every phase is taken to occur, on the safe side
 
 
 def moving_violations(plan: Plan) -> list[Violation]:
     """Robots whose bodies overlap a moving obstacle by more than 1e-6 m at some time, each at its closest approach.
 
     Both are judged for ever: a loop is followed until the obstacle has come to a stand, and once round after that.
+    Where these are very many turns, the robot is held against the obstacle's whole way, whenever it may be where.
     """
     found = []
     for trajectory in plan:
         body_m = plan.mission.fleet.robot(trajectory.robot).body_radius_m
         for k, obstacle in enumerate(plan.mission.moving_obstacles):
-            distance, time_s, place = _closest(trajectory, obstacle)
+            followed = _followed(trajectory, obstacle.times_s[-1])
+            closest = _closest_ever(trajectory, obstacle) if followed is None else _closest(*followed, obstacle)
+            distance, time_s, place = closest
             if distance < body_m + obstacle.radius_m - TOUCH_M:
                 found.append(
                     Violation(
@@ -41,9 +47,24 @@ def moving_violations(plan: Plan) -> list[Violation]:
     return found
 
 
-def _closest(trajectory: Trajectory, obstacle: MovingObstacle) -> tuple[float, float, tuple[float, float]]:
+def _closest_ever(trajectory: Trajectory, obstacle: MovingObstacle) -> tuple[float, None, tuple[float, float]]:
+    """Least distance of any place on the robot's way and any on the obstacle's, and where on the robot's."""
+    way, theirs = (lines_of(_legs(places)) for places in (trajectory.positions_m[:, :2], obstacle.positions_m))
+    mine, _ = shapely.STRtree(way).query_nearest(theirs, all_matches=False)[::-1]
+    distance = shapely.distance(way[mine], theirs)
+    k = int(np.argmin(distance))
+    place = shapely.get_point(shapely.shortest_line(way[mine[k]], theirs[k]), 0)
+    return float(distance[k]), None, (float(place.x), float(place.y))
+
+
+def _legs(places_m: object) -> Floats:
+    """Legs (n, 4) of a way through places; one of no length where there is one place."""
+    places = np.asarray(places_m, np.float64)
+    return np.hstack([places[:-1], places[1:]]) if len(places) > 1 else np.hstack([places, places])
+
+
+def _closest(times: Floats, places: Floats, obstacle: MovingObstacle) -> tuple[float, float, tuple[float, float]]:
     """Least distance of the centres, when it is, and where the robot is then."""
-    times, places = _followed(trajectory, obstacle.times_s[-1])
     knots = np.union1d(times, [time for time in obstacle.times_s if time > 0])
     robot = np.stack([np.interp(knots, times, places[:, axis]) for axis in (0, 1)], axis=1)
     theirs = np.array(obstacle.positions_m)
@@ -59,12 +80,14 @@ def _closest(trajectory: Trajectory, obstacle: MovingObstacle) -> tuple[float, f
     return float(distance[m]), float(knots[m] + share[m] * (knots[last] - knots[m])), (float(x), float(y))
 
 
-def _followed(trajectory: Trajectory, until_s: float) -> tuple[Floats, Floats]:
-    """Times and places of a robot, its loop repeated until a time and once more."""
+def _followed(trajectory: Trajectory, until_s: float) -> tuple[Floats, Floats] | None:
+    """Times and places of a robot, its loop repeated until a time and once more; None: these are too many."""
     times, places, loop_s = trajectory.times_s, trajectory.positions_m[:, :2], trajectory.loop_duration_s
     if loop_s == 0:
         return times, places
     turns = max(0, math.ceil((until_s - times[-1]) / loop_s)) + 1
+    if turns * len(times) > MOST_POINTS:
+        return None
     first = trajectory.loop_index + 1
     more = times[first:] + loop_s * np.arange(1, turns + 1)[:, None]
     return np.concatenate([times, more.ravel()]), np.vstack([places, np.tile(places[first:], (turns, 1))])

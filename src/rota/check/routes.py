@@ -141,7 +141,10 @@ def lines_of(legs_m: Floats) -> NDArray[np.object_]:
 
 
 def segments_of(shape: Any) -> Floats:
-    """All sides of all rings of a shapely geometry: (n, 4) x0, y0, x1, y1; sides of no length are left out."""
+    """All sides of all rings of a shapely geometry: (n, 4) x0, y0, x1, y1; sides of no length are left out.
+
+    So are those so short that the square of their length is 0.
+    """
     return np.vstack([np.empty((0, 4)), *_ring_sides(shape)])
 
 
@@ -149,4 +152,4 @@ def _ring_sides(shape: Any) -> Iterator[Floats]:
     for ring in get_rings(get_parts(shape)):
         xy = get_coordinates(ring)
         sides = np.hstack([xy[:-1], xy[1:]])
-        yield sides[(xy[:-1] != xy[1:]).any(axis=1)]
+        yield sides[((xy[1:] - xy[:-1]) ** 2).sum(axis=1) > 0]

@@ -10,19 +10,19 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from rota.check.motion import segment_distances
+from rota.check.near_legs import near_legs
 from rota.check.report import Violation
-from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, lines_of, routes_of
+from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, routes_of
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TOUCH_M = 1e-6
-MOST_MEETINGS = 5_000_000  # of legs in one phase; beyond that every phase is taken to occur, which is on the safe side
+MOST_MEETINGS = 5_000_000  # of legs in one phase; of pairs with more every phase is taken to occur, on the safe side
 CHUNK = 1_000_000
 
 
@@ -43,10 +43,10 @@ def separation_violations(plan: Plan) -> list[Violation]:
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
     if len(bodies) < 2 or np.sort(bodies)[-2:].sum() <= TOUCH_M:
         return []
-    a, b = _near_legs(routes, bodies)
     closest: dict[tuple[int, int], _Closest] = {}
-    for k in range(0, len(a), CHUNK):
-        _note_pairs(closest, routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK])
+    for a, b in near_legs(routes, bodies, TOUCH_M):
+        for k in range(0, len(a), CHUNK):
+            _note_pairs(closest, routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK])
     found = []
     for (i, j), close in sorted(closest.items()):
         found.append(
@@ -61,18 +61,6 @@ def separation_violations(plan: Plan) -> list[Violation]:
             )
         )
     return found
-
-
-def _near_legs(routes: Routes, bodies: Floats) -> tuple[Ints, Ints]:
-    """Pairs of legs of different robots whose lines come nearer than the bodies allow."""
-    lines = lines_of(routes.legs_m)
-    reach = float(np.sort(bodies)[-2:].sum())
-    a, b = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach)
-    first = routes.robots[a] < routes.robots[b]
-    a, b = a[first], b[first]
-    distance, _ = segment_distances(routes.legs_m[a], routes.legs_m[b])
-    close = distance < bodies[routes.robots[a]] + bodies[routes.robots[b]] - TOUCH_M
-    return a[close], b[close]
 
 
 def _note_pairs(closest: dict[tuple[int, int], _Closest], routes: Routes, bodies: Floats, a: Ints, b: Ints) -> None:
@@ -90,9 +78,10 @@ def _note_pairs(closest: dict[tuple[int, int], _Closest], routes: Routes, bodies
     step[once & (kind_b == LOOP)] = routes.durations_s[routes.robots[b]][once & (kind_b == LOOP)]
     low, high = _shift_range(routes, a, b, step, both)
     count = np.where(free, 0, np.maximum(high - low + 1, 0))
-    if count.sum() > MOST_MEETINGS:
-        dense = count > np.median(count)
-        free, count = free | (both & dense), np.where(both & dense, 0, count)
+    order = np.argsort(count, kind="stable")
+    dense = np.zeros(len(a), np.bool_)
+    dense[order[np.cumsum(count[order]) > MOST_MEETINGS]] = True
+    free, count = free | dense, np.where(dense, 0, count)
     pair = np.repeat(np.arange(len(a)), count.astype(np.int64))
     turn = np.arange(len(pair)) - np.repeat(np.cumsum(count) - count, count.astype(np.int64)) + low[pair]
     shift = turn * step[pair]
@@ -132,17 +121,19 @@ def _note_meetings(
     meet = (end >= start) & np.isfinite(start)
     a, b, start, end, shift_s, in_loops = a[meet], b[meet], start[meet], end[meet], shift_s[meet], in_loops[meet]
     end = np.where(np.isfinite(end), end, start)
-    place_a, speed_a = _motion(routes, a, start)
-    place_b, speed_b = _motion(routes, b, start - shift_s)
-    gap, drift = np.nan_to_num(place_b - place_a), np.nan_to_num(speed_b - speed_a)
+    place_a, later_a = _place(routes, a, start), _place(routes, a, end)
+    place_b, later_b = _place(routes, b, start - shift_s), _place(routes, b, end - shift_s)
+    # both move evenly, so the gap goes along a line from what it is first to what it is last
+    gap, last = np.nan_to_num(place_b - place_a), np.nan_to_num(later_b - later_a)
+    drift = last - gap
     drift2 = (drift**2).sum(axis=1)
-    wait = np.clip(-(gap * drift).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, end - start)
-    nearest = gap + wait[:, None] * drift
+    share = np.clip(-(gap * drift).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, 1.0)
+    nearest = gap + share[:, None] * drift
     distance = np.sqrt((nearest**2).sum(axis=1))
     allowed = bodies[routes.robots[a]] + bodies[routes.robots[b]] - TOUCH_M
     for k in _worst_of_pairs(routes, a, b, distance, distance < allowed):
-        time = float(start[k] + wait[k])
-        middle = (place_a[k] + wait[k] * speed_a[k] + nearest[k] / 2)[:2]
+        time = float(start[k] + share[k] * (end[k] - start[k]))
+        middle = (place_a[k] + share[k] * (later_a[k] - place_a[k]) + nearest[k] / 2)[:2]
         # turns of a are counted by shifting b backwards
         absolute: float | None = time - min(float(shift_s[k]), 0.0)
         if in_loops[k]:
@@ -150,12 +141,13 @@ def _note_meetings(
         _note(closest, routes, a[k], b[k], float(distance[k]), middle, absolute)
 
 
-def _motion(routes: Routes, legs: Ints, time_s: Floats) -> tuple[Floats, Floats]:
-    """Places (n, 3) on the legs at the times and velocities (n, 3); a leg of no duration stands still."""
+def _place(routes: Routes, legs: Ints, time_s: Floats) -> Floats:
+    """Places (n, 3) on the legs at the times; a leg of no duration stands still."""
     start, length = routes.times_s[legs, 0], np.diff(routes.times_s[legs], axis=1)[:, 0]
     begin, end = _ends(routes, legs)
-    speed = (end - begin) / np.where(length > 0, length, 1.0)[:, None]
-    return begin + np.where(length > 0, time_s - start, 0.0)[:, None] * speed, speed
+    # as a share of the leg, since no speed tells anything of a leg that lasts next to no time
+    share = np.clip((time_s - start) / np.where(length > 0, length, 1.0), 0.0, 1.0) * (length > 0)
+    return np.asarray(begin + share[:, None] * (end - begin))
 
 
 def _ends(routes: Routes, legs: Ints) -> tuple[Floats, Floats]:

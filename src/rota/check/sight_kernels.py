@@ -8,6 +8,8 @@ import math
 import numpy as np
 from numba import njit
 
+from rota.check.tiling_kernels import cell_along
+
 
 @njit(cache=True)
 def _first_hit(segments, index, x, y, cx, cy):
@@ -31,6 +33,7 @@ def _first_hit(segments, index, x, y, cx, cy):
 @njit(cache=True)
 def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square):
     """Angles between which neither the first wall nor the first side of the ground changes, ascending, with middles."""
+    # two for each wall, three for each side of the ground, one for each crossing, and eight: all that is written below
     angles = np.empty(2 * len(near_walls) + 3 * len(near_ground) + len(near_crossings) + 8)
     n = 0
     for k in near_walls:
@@ -42,7 +45,8 @@ def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_cr
             angles[n] = math.atan2(ground[k, 2 * end + 1] - y, ground[k, 2 * end] - x)
             n += 1
         dx, dy = ground[k, 2] - ground[k, 0], ground[k, 3] - ground[k, 1]
-        u = ((x - ground[k, 0]) * dx + (y - ground[k, 1]) * dy) / (dx * dx + dy * dy)
+        length2 = dx * dx + dy * dy
+        u = ((x - ground[k, 0]) * dx + (y - ground[k, 1]) * dy) / length2 if length2 > 0 else 0.0
         if 0 < u < 1 and not square:
             angles[n] = math.atan2(ground[k, 1] + u * dy - y, ground[k, 0] + u * dx - x)
             n += 1
@@ -74,9 +78,7 @@ def sees_ground(
     found = np.zeros(len(points), np.bool_)
     for p in range(len(points)):
         x, y = points[p, 0], points[p, 1]
-        i = min(max(math.floor((x - grid[0]) / grid[2]), 0), shape[0] - 1)
-        j = min(max(math.floor((y - grid[1]) / grid[2]), 0), shape[1] - 1)
-        cell = i * shape[1] + j
+        cell = cell_along(x - grid[0], grid[2], shape[0]) * shape[1] + cell_along(y - grid[1], grid[2], shape[1])
         near_ground = ground_index[ground_offsets[cell] : ground_offsets[cell + 1]]
         if len(near_ground) == 0:
             continue

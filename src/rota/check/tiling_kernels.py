@@ -1,5 +1,10 @@
 # mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
-"""Compiled loops over the pieces of the tiling and over the grid that finds what is near a piece."""
+"""Compiled loops over the pieces of the tiling and over the grid that finds what is near a piece.
+
+No loop of the check can leave an array, whatever numbers a plan holds. A cell of the grid is found by ``cell_along``
+alone, which clamps before it makes an integer; ``rasterise`` counts entries in the same way in which it writes them
+afterwards; what is written per piece, wall or leg has room for the most that there can be, told where it is made.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +12,24 @@ import math
 
 import numpy as np
 from numba import njit
+
+
+@njit(cache=True)
+def cell_along(offset_m, size_m, count):
+    """The cell (0 to count - 1) of a grid along one axis; the nearest for what is outside of it, the first for nan."""
+    cells = offset_m / size_m
+    if not cells >= 1.0:
+        return 0
+    # no float beyond the grid becomes an integer, which would be any number
+    return count - 1 if cells >= count else int(cells)
+
+
+@njit(cache=True)
+def _cells_between(low_m, high_m, size_m, count):
+    """The first and the last cell of a grid that an interval along one axis meets; the last is before: none."""
+    if not (high_m >= 0.0 and low_m < size_m * count):
+        return 0, -1
+    return cell_along(low_m, size_m, count), cell_along(high_m, size_m, count)
 
 
 @njit(cache=True)
@@ -23,8 +46,8 @@ def rasterise(segments, margin_m, grid, shape):
             cursor = offsets[:-1].copy()
         for k in range(len(segments)):
             x0, y0, x1, y1 = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
-            first = max(0, math.floor((min(x0, x1) - margin_m - grid[0]) / grid[2]))
-            last = min(nx - 1, math.floor((max(x0, x1) + margin_m - grid[0]) / grid[2]))
+            left, right = min(x0, x1) - margin_m - grid[0], max(x0, x1) + margin_m - grid[0]
+            first, last = _cells_between(left, right, grid[2], nx)
             for i in range(first, last + 1):
                 lo, hi = 0.0, 1.0
                 if abs(x1 - x0) > 1e-9:
@@ -33,8 +56,8 @@ def rasterise(segments, margin_m, grid, shape):
                     lo = min(1.0, max(0.0, min(ua, ub)))
                     hi = max(0.0, min(1.0, max(ua, ub)))
                 ya, yb = y0 + lo * (y1 - y0), y0 + hi * (y1 - y0)
-                low = max(0, math.floor((min(ya, yb) - margin_m - grid[1]) / grid[2]))
-                high = min(ny - 1, math.floor((max(ya, yb) + margin_m - grid[1]) / grid[2]))
+                bottom, top = min(ya, yb) - margin_m - grid[1], max(ya, yb) + margin_m - grid[1]
+                low, high = _cells_between(bottom, top, grid[2], ny)
                 for j in range(low, high + 1):
                     if fill == 0:
                         offsets[i * ny + j + 1] += 1
@@ -56,9 +79,7 @@ def swath_cuts(
     for k in range(len(cuts)):
         piece = corners[offsets[k] : offsets[k + 1]]
         mx, my = piece[:, 0].mean(), piece[:, 1].mean()
-        i = min(max(math.floor((mx - grid[0]) / grid[2]), 0), shape[0] - 1)
-        j = min(max(math.floor((my - grid[1]) / grid[2]), 0), shape[1] - 1)
-        cell = i * shape[1] + j
+        cell = cell_along(mx - grid[0], grid[2], shape[0]) * shape[1] + cell_along(my - grid[1], grid[2], shape[1])
         best = math.inf
         for m in leg_index[leg_offsets[cell] : leg_offsets[cell + 1]]:
             dx, dy = legs[m, 2] - legs[m, 0], legs[m, 3] - legs[m, 1]
@@ -98,7 +119,8 @@ def halve(offsets, corners, cuts, narrowest_m):
     Returns offsets, corners and parent of the parts; slivers are dropped.
     """
     n = len(offsets) - 1
-    most = 2 * (len(corners) + 2 * n)
+    # of c corners z lie on the line and x sides cross it, x <= c - z: both parts have c + z + 2 x <= 3 c corners
+    most = 3 * len(corners)
     new_offsets = np.zeros(2 * n + 1, np.int64)
     new_corners = np.empty((most, 2))
     parent = np.empty(2 * n, np.int64)

@@ -1,0 +1,96 @@
+"""Which legs of different robots come so near each other that bodies might touch, in about linear time.
+
+One tree of all legs would give each robot's legs as pairs with themselves: a robot that trembles on a spot, or goes
+round a short way very often, has as many of those as the square of its legs. So legs before the loops are looked at in
+slices of time, robots that hold as one leg each, and loops robot by robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check.motion import segment_distances
+from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, lines_of
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FEWEST_IN_SLICE = 64
+MOST_AT_ONCE = 2_000_000  # pairs of legs that one question to a tree may give
+
+
+def near_legs(routes: Routes, bodies_m: Floats, touch_m: float) -> Iterator[tuple[Ints, Ints]]:
+    """Pairs of legs whose lines come nearer than the two bodies allow, less ``touch_m``; the lower robot's leg first.
+
+    bodies_m: (k,) radii. No pair is given twice. Pairs before the loops are only those that meet in time.
+    """
+    if len(routes.legs_m):
+        lines = lines_of(routes.legs_m)
+        reach_m = float(np.sort(bodies_m)[-2:].sum())
+        for a, b in _candidates(routes, lines, reach_m):
+            swap = routes.robots[a] > routes.robots[b]
+            a, b = np.where(swap, b, a), np.where(swap, a, b)
+            distance, _ = segment_distances(routes.legs_m[a], routes.legs_m[b])
+            close = distance < bodies_m[routes.robots[a]] + bodies_m[routes.robots[b]] - touch_m
+            if close.any():
+                yield a[close], b[close]
+
+
+def _candidates(routes: Routes, lines: NDArray[np.object_], reach_m: float) -> Iterator[tuple[Ints, Ints]]:
+    """Pairs of legs of different robots within a distance as lines."""
+    before, holds, loops = (np.flatnonzero(routes.kinds == kind) for kind in (TRANSIENT, HOLD, LOOP))
+    for some, after_s in _slices(routes.times_s[before], len(routes.durations_s)):
+        for a, b in _met(routes, lines, before[some], before[some], reach_m):
+            # the slice in which the later of two legs begins has both
+            start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0])
+            here = (a < b) & (start > after_s) & (start <= np.minimum(routes.times_s[a, 1], routes.times_s[b, 1]))
+            yield a[here], b[here]
+    yield from ((a[a < b], b[a < b]) for a, b in _met(routes, lines, holds, holds, reach_m))
+    yield from _met(routes, lines, before, holds, reach_m)
+    low = np.minimum(routes.legs_m[:, :2], routes.legs_m[:, 2:])
+    high = np.maximum(routes.legs_m[:, :2], routes.legs_m[:, 2:])
+    for robot in np.unique(routes.robots[loops]):
+        own = loops[routes.robots[loops] == robot]
+        others = (routes.robots > robot) | ((routes.robots < robot) & (routes.kinds != LOOP))
+        left, right = low[own].min(axis=0) - reach_m, high[own].max(axis=0) + reach_m
+        near = (low <= right).all(axis=1) & (high >= left).all(axis=1)
+        yield from _met(routes, lines, own, np.flatnonzero(others & near), reach_m)
+
+
+def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float]]:
+    """Times (n, 2) from, to of legs in slices: the legs of each, and the time after which it begins.
+
+    As many legs begin in a slice as there are robots, or some more; each robot is on one leg more as it begins. So all
+    slices together have not much more than 2 n legs.
+    """
+    starts = np.sort(times_s[:, 0])
+    edges = np.concatenate([[-np.inf], np.unique(starts[max(FEWEST_IN_SLICE, robots) :: max(FEWEST_IN_SLICE, robots)])])
+    first = np.searchsorted(edges, times_s[:, 0]) - 1
+    last = np.maximum(first, np.searchsorted(edges, times_s[:, 1]) - 1)
+    count = last - first + 1
+    leg = np.repeat(np.arange(len(times_s)), count)
+    piece = np.arange(len(leg)) - np.repeat(np.cumsum(count) - count, count) + first[leg]
+    order = np.argsort(piece, kind="stable")
+    for some in np.split(order, np.flatnonzero(np.diff(piece[order])) + 1):
+        if len(some):
+            yield leg[some], float(edges[piece[some[0]]])
+
+
+def _met(
+    routes: Routes, lines: NDArray[np.object_], one: Ints, other: Ints, reach_m: float
+) -> Iterator[tuple[Ints, Ints]]:
+    """Pairs of a leg of ``one`` and a leg of ``other`` of different robots, within a distance as lines."""
+    if not len(one) or not len(other):
+        return
+    tree = shapely.STRtree(lines[one])
+    at_once = max(1, MOST_AT_ONCE // len(one))
+    for k in range(0, len(other), at_once):
+        some = other[k : k + at_once]
+        b, a = tree.query(lines[some], predicate="dwithin", distance=reach_m)
+        a, b = one[a], some[b]
+        different = routes.robots[a] != routes.robots[b]
+        yield a[different], b[different]
