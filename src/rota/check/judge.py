@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.bouncing import bounce_violations
 from rota.check.clocks import clock_margin_s, clock_violations
 from rota.check.demands import Asked, demands_of, open_ground, visits
 from rota.check.motion import motion_violations
@@ -67,16 +68,27 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     violations += moving_violations(plan) + presence_violations(plan)
     margin_s = clock_margin_s(plan)
     violations += clock_violations(plan, margin_s)
+    bounced = bounce_violations(plan)
+    violations += bounced.violations
     outcomes = {d.outcome for d in verdicts.demands}
     verdict: Outcome = "not proven" if "not proven" in outcomes else "met"
     if violations or "violated" in outcomes:
+        verdict = "violated"
+    bound, robots = plan.lower_bound_robots, len(plan.trajectories)
+    if verdict == "met" and bound is not None and bound > robots:
+        # the plan itself is the proof
+        violations.append(
+            _violation("claims that fewer robots cannot do", "lower bound", None, bound, robots, "robots")
+        )
         verdict = "violated"
     first = max(verdicts.firsts_s, default=0.0)
     unmet, unmet_demand = _capped(verdicts)
     return Report(
         verdict=verdict,
-        robots=len(plan.trajectories),
-        lower_bound_robots=plan.lower_bound_robots,
+        robots=robots,
+        lower_bound_robots=bound,
+        cells_entered=bounced.cells,
+        not_judged=bounced.not_judged,
         demands=tuple(verdicts.demands),
         violations=tuple(violations),
         clock_margin_s=margin_s,

@@ -13,6 +13,7 @@ from rota.plan import EndReason, RunEnd
 
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
+CELLS = ("entered", "of")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +69,9 @@ class Report:
     ``unmet_points_m`` (n, 2) and ``unmet_demand`` (n,): corners and middle of every piece not shown met, and the
     index of its demand in ``demands``. ``run_end``: what the plan says of the end of a swarm's run; it is not judged.
     ``clock_margin_s``: by how much any two robots' clocks may differ before bodies touch (inf: by anything); None where
-    that is not judged, which it is of robots that bounce.
+    that is not judged, which it is of robots that bounce. ``lower_bound_robots`` is the plan's own claim. ``cells_entered``: of a plan
+    that is to cover its floor, how many cells robots enter and how many there are. ``not_judged``: what the plan says
+    and the check leaves open, in words.
     """
 
     verdict: Outcome
@@ -81,6 +84,8 @@ class Report:
     unmet_demand: NDArray[np.int64] = field(repr=False)
     run_end: RunEnd | None = None
     clock_margin_s: float | None = None
+    cells_entered: tuple[int, int] | None = None
+    not_judged: tuple[str, ...] = ()
 
     @property
     def worst_ratio(self) -> float:
@@ -101,6 +106,8 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "verdict": report.verdict,
         "robots": report.robots,
         "lower_bound_robots": report.lower_bound_robots,
+        "cells": None if report.cells_entered is None else dict(zip(CELLS, report.cells_entered, strict=True)),
+        "not_judged": list(report.not_judged),
         "first_coverage_s": report.first_coverage_s,
         "run_end": None if end is None else {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason},
         "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
@@ -193,7 +200,16 @@ def report_schema() -> dict[str, Any]:
         rota_report={"const": 1},
         verdict=outcome,
         robots=count,
-        lower_bound_robots={"type": ["integer", "null"], "minimum": 0},
+        lower_bound_robots={
+            "type": ["integer", "null"],
+            "minimum": 0,
+            "description": "what the plan claims; the check does not prove it",
+        },
+        cells={
+            "description": "of a floor that is to be covered",
+            "oneOf": [{"type": "null"}, _object(entered=count, of=count)],
+        },
+        not_judged={"type": "array", "items": text, "description": "what the plan says and the check leaves open"},
         first_coverage_s=maybe,
         run_end={
             "description": "what the plan says of the end of a swarm's run; null: nothing",
@@ -220,15 +236,19 @@ def report_schema() -> dict[str, Any]:
 
 def report_table(report: Report) -> str:
     """The report as plain text: the verdict, one row per demand, then every violation on a line of its own."""
-    bound = "not known" if report.lower_bound_robots is None else str(report.lower_bound_robots)
+    claimed = report.lower_bound_robots
+    bound = "not known" if claimed is None else f"{claimed} by the plan's own word"
     first = "never" if report.first_coverage_s is None else f"within {_number(report.first_coverage_s)} s"
     told = f"all seen once: {first}" if report.demands else "nothing is asked of the ground"
+    if report.cells_entered is not None:
+        told = "cells entered: {} of {}".format(*report.cells_entered)
     lines = [f"verdict: {report.verdict}", f"robots: {report.robots} (lower bound: {bound}); {told}"]
     if report.run_end is not None:
         lines.append(f"the plan says that its run was {report.run_end.text()}")
     if report.clock_margin_s is not None:
         lines.append(clocks_text(report.clock_margin_s))
     lines += _demand_rows(report) if report.demands else []
+    lines += [f"not judged: {open_claim}" for open_claim in report.not_judged]
     return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
 
 

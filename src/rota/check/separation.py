@@ -16,12 +16,14 @@ from rota.check.motion import segment_distances
 from rota.check.near_legs import near_legs
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, routes_of
+from rota.mission import BounceSettings
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TOUCH_M = 1e-6
+BOUNCING_CELLS = 1e-3  # that a bouncing robot's body is wide at least, as a radius
 MOST_MEETINGS = 5_000_000  # of legs in one phase; of pairs with more every phase is taken to occur, on the safe side
 CHUNK = 1_000_000
 
@@ -36,11 +38,16 @@ class _Closest:
 def separation_violations(plan: Plan) -> list[Violation]:
     """Pairs of robots whose bodies overlap by more than 1e-6 m at some time, each at its closest approach.
 
+    Bouncing robots are a thousandth of a cell wide at least, so that no two are in one place.
+
     Before the loops: by time. In the loops: in every phase that occurs, which are shifts by multiples of the periods'
     common measure, or all shifts where there is none. ``time_s`` None: at some time in the loops.
     """
     routes = routes_of(plan)
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
+    if isinstance(plan.mission.planning, BounceSettings):
+        # no two of them are in one cell: even points would have bumped into each other
+        bodies = np.maximum(bodies, BOUNCING_CELLS * plan.mission.planning.cell_m)
     if len(bodies) < 2 or np.sort(bodies)[-2:].sum() <= TOUCH_M:
         return []
     closest: dict[tuple[int, int], _Closest] = {}

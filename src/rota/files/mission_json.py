@@ -14,6 +14,7 @@ from rota.files.plan_schema import (
     FleetFields,
     MissionFields,
     MovingObstacleFields,
+    RobotFields,
     SquareSensorFields,
     StartFields,
 )
@@ -146,11 +147,13 @@ def mission_from_fields(fields: MissionFields) -> Mission:
     obstacles = []
     for k, obstacle in enumerate(fields.obstacles):
         shape = _polygons(obstacle.shape, f"mission.obstacles[{k}].shape")
-        obstacles.append(Obstacle(shape=shape, blocks=obstacle.blocks))
+        with named_field(f"mission.obstacles[{k}]"):
+            obstacles.append(Obstacle(shape=shape, blocks=obstacle.blocks))
     zones = []
     for k, zone in enumerate(fields.zones):
         shape = _polygons(zone.shape, f"mission.zones[{k}].shape")
-        zones.append(Zone(name=zone.name, shape=shape, period_s=zone.period_s, demand=zone.demand))
+        with named_field(f"mission.zones[{k}]"):
+            zones.append(Zone(name=zone.name, shape=shape, period_s=zone.period_s, demand=zone.demand))
     fleet = _fleet(fields.fleet)
     with named_field("mission"):
         return Mission(
@@ -191,19 +194,7 @@ def _fleet(fields: FleetFields) -> Fleet:
     """The fleet; robots None where the file says "fewest"."""
     robots = None
     if not isinstance(fields.robots, str):
-        robots = tuple(
-            Robot(
-                name=robot.name,
-                speed_m_s=robot.speed_m_s,
-                sensor=_sensor(robot.sensor),
-                body_radius_m=robot.body_radius_m,
-                turn_rate_rad_s=robot.turn_rate_rad_s,
-                start=None if robot.start is None else (robot.start[0], robot.start[1]),
-                joins_s=robot.joins_s,
-                leaves_s=robot.leaves_s,
-            )
-            for robot in fields.robots
-        )
+        robots = tuple(_robot(robot, f"mission.fleet.robots[{k}]") for k, robot in enumerate(fields.robots))
     with named_field("mission.fleet"):
         return Fleet(
             robots=robots,
@@ -213,6 +204,21 @@ def _fleet(fields: FleetFields) -> Fleet:
             turn_rate_rad_s=fields.turn_rate_rad_s,
             altitude_m=fields.altitude_m,
             start=_start(fields.start),
+        )
+
+
+def _robot(fields: RobotFields, field: str) -> Robot:
+    """One robot of the fleet. Raises PlanError naming the field that makes none."""
+    with named_field(field):
+        return Robot(
+            name=fields.name,
+            speed_m_s=fields.speed_m_s,
+            sensor=_sensor(fields.sensor),
+            body_radius_m=fields.body_radius_m,
+            turn_rate_rad_s=fields.turn_rate_rad_s,
+            start=None if fields.start is None else (fields.start[0], fields.start[1]),
+            joins_s=fields.joins_s,
+            leaves_s=fields.leaves_s,
         )
 
 

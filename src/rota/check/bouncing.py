@@ -1,0 +1,279 @@
+"""Whether trajectories are those of bouncing robots, and whether a floor that is to be covered is entered everywhere.
+
+A bouncing robot drives straight along its heading, from cell to cell. Where something is in the way of its next move it
+stays, and turns counterclockwise by its bouncing angle; then the same again. Nothing else turns it, but for the clock
+where it is to cover the floor. How long a turn takes is a matter of the speed and the turn rate alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.check.bounce_contacts import Around
+from rota.check.bounce_floor import TOUCH_M, Floor
+from rota.check.report import Violation
+from rota.mission import BounceSettings
+from rota.plan import Plan, Trajectory
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_PER_ROBOT = 20
+MOST_MOVES = 5_000_000  # of one robot
+SAME_RAD = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounced:
+    """What the check found of bouncing robots: violations, cells entered, and what is not judged.
+
+    cells: (entered, all) where the floor is to be covered, else None.
+    """
+
+    violations: tuple[Violation, ...] = ()
+    cells: tuple[int, int] | None = None
+    not_judged: tuple[str, ...] = ()
+
+
+def bounce_violations(plan: Plan) -> Bounced:
+    """Judge a plan of the bounce planner by its mission alone; nothing is found of other missions."""
+    settings = plan.mission.planning
+    if not isinstance(settings, BounceSettings):
+        return Bounced()
+    floor = Floor(plan.mission, settings)
+    if not floor.judgeable:
+        wrong = _violation("too many cells to judge", "area", None, None, settings.cell_m, settings.cell_m, "m wide")
+        return Bounced(violations=(wrong,))
+    violations: list[Violation] = []
+    entered = [np.empty((0, 2), np.int64)]
+    by_clock = 0
+    for k, trajectory in enumerate(plan):
+        angles = settings.bouncing_angles_deg
+        index = _index_in_fleet(plan, trajectory, k) if len(angles) > 1 else 0
+        if index >= len(angles):
+            violations.append(
+                _violation("no bouncing angle", trajectory.robot, None, None, index, len(angles), "angles")
+            )
+            continue
+        judge = _Robot(plan, floor, settings, trajectory, round(angles[index] * settings.headings / 360))
+        violations += judge.violations()[:MOST_PER_ROBOT]
+        entered.append(judge.entered())
+        by_clock += judge.by_clock
+    if settings.task != "cover":
+        return Bounced(violations=tuple(violations))
+    wanted = floor.every_free_cell()
+    held = np.zeros(floor.shape, np.bool_)
+    inside = np.vstack(entered)
+    inside = inside[((inside >= 0) & (inside < floor.shape)).all(axis=1)]
+    held[inside[:, 0], inside[:, 1]] = True
+    missed = wanted[~held[wanted[:, 0], wanted[:, 1]]]
+    if len(missed) or not len(wanted):
+        x, y = floor.centres_m(missed[:1])[0] if len(missed) else floor.corner_m
+        place = (float(x), float(y))
+        violations.append(_violation("cells never entered", "area", place, None, len(missed), 0, "cells"))
+    told = (f"{by_clock} turns are taken to be by the clock, since no wall explains them",) if by_clock else ()
+    return Bounced(violations=tuple(violations), cells=(len(wanted) - len(missed), len(wanted)), not_judged=told)
+
+
+def _index_in_fleet(plan: Plan, trajectory: Trajectory, otherwise: int) -> int:
+    """The robot's number in a fleet that is listed; in one of equals, its number in the plan."""
+    names = [robot.name for robot in plan.mission.fleet.robots or ()]
+    return names.index(trajectory.robot) if names else otherwise
+
+
+class _Robot:
+    """One robot's way as moves from cell to cell and what it does between them."""
+
+    def __init__(self, plan: Plan, floor: Floor, settings: BounceSettings, trajectory: Trajectory, bounce: int) -> None:
+        self._plan, self._floor, self._settings, self._trajectory = plan, floor, settings, trajectory
+        self._bounce = bounce
+        self._covers = settings.task == "cover"
+        self._places = trajectory.positions_m[:, :2]
+        self._cells, self._centred = floor.cells_at(self._places)
+        self.by_clock = 0
+        self._passed: list[Ints] = []
+        self._found: list[Violation] = []
+        self._walls: dict[tuple[int, int, int], bool] = {}
+
+    def entered(self) -> Ints:
+        """(n, 2) cells that the robot is in, at the beginning and after each move."""
+        return np.vstack([self._cells[self._centred], *self._passed])
+
+    def violations(self) -> list[Violation]:
+        """What no bouncing robot does: be off its cells, drive off its headings or through what blocks it, turn so."""
+        off = np.flatnonzero(~self._centred)
+        if len(off):
+            gaps = np.hypot(*(self._places - self._floor.centres_m(self._cells)).T)
+            return [self._wrong("off its cells", int(k), float(gaps[k]), TOUCH_M, "m") for k in off[:MOST_PER_ROBOT]]
+        headings, counts = self._legs()
+        if not self._found:
+            self._judge_moves(headings, counts)
+            self._judge_turns(headings)
+        return self._found
+
+    # ------------------------------------------------------------ ways
+
+    def _legs(self) -> tuple[Ints, Ints]:
+        """The heading (-1: it stands) and the number of moves of each leg; legs along no heading are noted."""
+        steps, moves = np.diff(self._cells, axis=0), self._floor.moves
+        headings, counts = np.full(len(steps), -1), np.zeros(len(steps), np.int64)
+        for h, move in enumerate(moves):
+            along = steps @ move
+            count = np.where(along > 0, along // (move @ move), 0)
+            same = (count > 0) & (count[:, None] * move == steps).all(axis=1)
+            headings[same], counts[same] = h, count[same]
+        for k in np.flatnonzero((headings < 0) & (steps != 0).any(axis=1))[:MOST_PER_ROBOT]:
+            angle = math.degrees(math.atan2(steps[k, 1], steps[k, 0])) % 360
+            self._found.append(self._wrong("along no heading", int(k), angle, 360 / len(moves), "degrees apart"))
+        if counts.sum() > MOST_MOVES:
+            self._found.append(self._wrong("too many moves to judge", 0, float(counts.sum()), MOST_MOVES, "moves"))
+        return headings, counts
+
+    def _judge_moves(self, headings: Ints, counts: Ints) -> None:
+        """Each move must be free: no wall, and no corner where corners block; and the robot faces the way it drives."""
+        leg = np.repeat(np.arange(len(counts)), counts)
+        nth = np.arange(len(leg)) - np.repeat(np.cumsum(counts) - counts, counts)
+        begins = self._cells[leg] + nth[:, None] * self._floor.moves[headings[leg]]
+        self._passed.append(begins + self._floor.moves[headings[leg]])
+        states, inverse = np.unique(np.column_stack([begins, headings[leg]]), axis=0, return_inverse=True)
+        blocked = (
+            self._floor.blocked(states[:, :2], states[:, 2])[inverse.ravel()] if len(states) else np.zeros(0, bool)
+        )
+        for k in np.unique(leg[blocked])[:MOST_PER_ROBOT]:
+            self._found.append(
+                self._wrong("drives through what blocks it", int(k), float(blocked[leg == k].sum()), 0, "moves")
+            )
+        faced = self._trajectory.headings_rad
+        if faced is None:
+            return
+        moving = np.flatnonzero(headings >= 0)
+        way = self._floor.moves[headings[moving]]
+        true = np.arctan2(way[:, 1], way[:, 0])
+        for end in (0, 1):
+            off = np.abs(np.remainder(faced[moving + end] - true + math.pi, math.tau) - math.pi)
+            for k in np.flatnonzero(off > SAME_RAD)[:MOST_PER_ROBOT]:
+                wrong = self._wrong("faces another way than it drives", int(moving[k]), float(off[k]), SAME_RAD, "rad")
+                self._found.append(wrong)
+
+    # ------------------------------------------------------------ turns
+
+    def _judge_turns(self, headings: Ints) -> None:
+        """Between two moves: bounces, each with something in the way, or the clock where the floor is to be covered."""
+        order = list(range(len(headings)))
+        start = self._trajectory.loop_index
+        looping = self._trajectory.loop_duration_s > 0
+        faced = self._faced(headings)
+        stand: list[int] = []
+        before = -1  # the heading of the last move
+        turns = 0
+        # the loop's beginning once more, for what is done across its seam
+        moving = [k for k in order[start:] if headings[k] >= 0]
+        again = order[start : moving[0] + 1] if looping and moving else order[start:] if looping else []
+        for k in [*order, *again]:
+            if headings[k] < 0:
+                stand.append(k)
+                continue
+            turns += self._judge_stand(stand, before, int(headings[k]), k, faced)
+            stand, before = [], int(headings[k])
+        self.by_clock = turns
+        if not self._covers and not (looping and moving):
+            self._judge_rest(before, faced)
+
+    def _faced(self, headings: Ints) -> Ints | None:
+        """The heading nearest to what the file gives at each timed point; None: it gives none."""
+        if self._trajectory.headings_rad is None:
+            return None
+        moves = self._floor.moves
+        true = np.arctan2(moves[:, 1], moves[:, 0])
+        off = np.remainder(self._trajectory.headings_rad[:, None] - true + math.pi, math.tau) - math.pi
+        return np.asarray(np.abs(off).argmin(axis=1))
+
+    def _judge_stand(self, stand: list[int], before: int, after: int, leg: int, faced: Ints | None) -> int:
+        """The legs on which it stands before a move; the number of turns that only the clock explains."""
+        count = len(self._floor.moves)
+        ways = [before, after]
+        if faced is not None:
+            ways = [int(faced[k]) for k in stand] + [after]
+            ways = ways if before < 0 or ways[0] == before else [before, *ways]
+        elif before < 0:
+            ways = [(after - self._bounce) % count, after] if stand else [after]
+        waited = faced is None and bool(stand) and before == after
+        by_clock = 0
+        for nth, (one, other) in enumerate(itertools.pairwise(ways)):
+            if one == other and not waited:
+                if faced is not None and nth < len(stand) and not self._covers:
+                    self._note_turn("waits where nothing is in the way", stand[nth], 0.0)
+                continue
+            bounces = self._bounces(one, other)
+            step_s = self._trajectory.times_s[leg] - self._trajectory.times_s[stand[0]] if stand else 0.0
+            begin_s = float(self._trajectory.times_s[stand[min(nth, len(stand) - 1)] if stand else leg])
+            if bounces is None:
+                by_clock += 1
+                if not self._covers:
+                    self._note_turn("turns by another angle", leg, (other - one) % count * 360 / count)
+                continue
+            for j in range(bounces):
+                time_s = begin_s if faced is not None else begin_s + step_s * j / bounces
+                if not self._stopped(leg, (one + j * self._bounce) % count, time_s):
+                    by_clock += 1
+                    if not self._covers:
+                        self._note_turn("turns where nothing is in the way", leg, self._bounce * 360 / count)
+        return by_clock
+
+    def _bounces(self, one: int, other: int) -> int | None:
+        """How many bounces turn from one heading to another, a whole round for the same; None: no number does."""
+        count = len(self._floor.moves)
+        for n in range(1, count + 1):
+            if (one + n * self._bounce) % count == other:
+                return n
+        return None
+
+    def _stopped(self, leg: int, heading: int, time_s: float) -> bool:
+        """Whether something is in the way of the robot that stands where the leg begins."""
+        cell = self._cells[leg]
+        key = (int(cell[0]), int(cell[1]), heading)
+        if key not in self._walls:
+            self._walls[key] = bool(self._floor.blocked(cell[None], np.array([heading]))[0])
+        if self._walls[key]:
+            return True
+        if self._covers or time_s >= self._trajectory.loop_start_s or self._settings.contact_free == "trajectory":
+            return False
+        return Around(self._plan, self._floor).meets(self._trajectory, cell, heading, time_s)
+
+    def _judge_rest(self, before: int, faced: Ints | None) -> None:
+        """A robot that comes to rest must be hemmed in: whichever way it turns at each bounce, something is there."""
+        count = len(self._floor.moves)
+        known = [int(faced[-1])] if faced is not None else [before] if before >= 0 else range(count)
+        cell = np.tile(self._cells[-1], (count, 1))
+        for first in known:
+            if self._floor.blocked(cell, (first + self._bounce * np.arange(count)) % count).all():
+                return
+        self._note_turn("rests where nothing is in the way", len(self._cells) - 1, 0.0)
+
+    def _note_turn(self, kind: str, leg: int, angle_deg: float) -> None:
+        allowed = self._bounce * 360 / len(self._floor.moves)
+        self._found.append(self._wrong(kind, leg, angle_deg, allowed, "degrees"))
+
+    def _wrong(self, kind: str, leg: int, value: float, limit: float, unit: str) -> Violation:
+        x, y = self._places[leg]
+        time_s = float(self._trajectory.times_s[leg])
+        return _violation(kind, self._trajectory.robot, (float(x), float(y)), time_s, value, limit, unit)
+
+
+def _violation(
+    kind: str,
+    who: str,
+    place_m: tuple[float, float] | None,
+    time_s: float | None,
+    value: float,
+    limit: float,
+    unit: str,
+) -> Violation:
+    return Violation(
+        kind=kind, who=who, place_m=place_m, time_s=time_s, value=float(value), limit=float(limit), unit=unit
+    )
