@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from shapely import box
 
-from rota.check import check_plan
+from rota.check import Report, check_plan
 from rota.check.clocks import clock_margin_s
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, PatrolSettings, Zone
 from rota.plan import Plan, Trajectory
@@ -131,8 +131,13 @@ def test_the_check_holds_a_plan_against_what_clocks_may_do() -> None:
     """0.5 % fast and 0.5 % slow for 60 s: 0.6 s, where the crossing leaves 0.586."""
     ways = way("a", [(0, -10, 0), (20, 10, 0)]), way("b", [(0, 0, -12), (24, 0, 12)])
     strict = check_plan(plan_of(*ways, clock_drift=0.005, clock_signal_s=60.0))
-    assert [violation.kind for violation in strict.violations] == ["clocks may differ"]
+    assert of_clocks(strict) == ["clocks may differ"]
     assert strict.clock_margin_s == pytest.approx(2 - math.sqrt(2), abs=1e-5)
-    lenient = check_plan(plan_of(*ways, clock_drift=0.005, clock_signal_s=58.0))
-    assert not lenient.violations
-    assert not check_plan(plan_of(*ways, clock_drift=0.005)).violations  # without a signal nothing can be promised
+    assert not of_clocks(check_plan(plan_of(*ways, clock_drift=0.005, clock_signal_s=58.0)))
+    # without a signal nothing can be promised
+    assert not of_clocks(check_plan(plan_of(*ways, clock_drift=0.005)))
+
+
+def of_clocks(report: Report) -> list[str]:
+    """Violations of what clocks may do; these ways are on no cells, which is told besides."""
+    return [violation.kind for violation in report.violations if violation.kind == "clocks may differ"]

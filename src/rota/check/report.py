@@ -69,9 +69,9 @@ class Report:
     ``unmet_points_m`` (n, 2) and ``unmet_demand`` (n,): corners and middle of every piece not shown met, and the
     index of its demand in ``demands``. ``run_end``: what the plan says of the end of a swarm's run; it is not judged.
     ``clock_margin_s``: by how much any two robots' clocks may differ before bodies touch (inf: by anything); None where
-    that is not judged, which it is of robots that bounce. ``lower_bound_robots`` is the plan's own claim. ``cells_entered``: of a plan
-    that is to cover its floor, how many cells robots enter and how many there are. ``not_judged``: what the plan says
-    and the check leaves open, in words.
+    that is not judged, which it is of robots that bounce. ``lower_bound_robots`` is the plan's own claim.
+    ``cells_entered``: of a plan that is to cover its floor, how many cells robots enter and how many there are.
+    ``not_judged``: what the plan says and the check leaves open, in words.
     """
 
     verdict: Outcome
