@@ -165,3 +165,24 @@ def test_a_spiral_is_followed_to_its_middle():
     np.testing.assert_allclose(paths.path((0.5, 0.5), (3, 4)), by_hand)
     expected = np.hypot(*np.diff(by_hand, axis=0).T).sum()
     assert paths.distances([(0.5, 0.5)], [(3, 4)])[0, 0] == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_searching_along_the_links_gives_the_lengths_and_ways_of_the_whole_table(seed, random_space, points_in):
+    space = random_space(seed)
+    points = points_in(space, 18, seed)
+    table, searched = ShortestPaths(space), ShortestPaths(space, most_dense=0)
+    expected = table.all_pairs(points)
+    found = searched.all_pairs(points)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+    assert (found == found.T).all()
+    np.testing.assert_allclose(searched.distances(points[:7], points[5:]), expected[:7, 5:], rtol=0, atol=1e-9)
+    for k in range(len(points) - 1):
+        if np.isfinite(expected[k, k + 1]):
+            way = searched.path(points[k], points[k + 1])
+            steps = np.diff(way, axis=0)
+            assert np.hypot(steps[:, 0], steps[:, 1]).sum() == pytest.approx(expected[k, k + 1], abs=1e-9)
+            assert (way[[0, -1]] == points[k : k + 2]).all()
+        else:
+            with pytest.raises(PlanError, match="no path leads"):
+                searched.path(points[k], points[k + 1])

@@ -20,7 +20,9 @@ Flags = NDArray[np.bool_]
 
 TOUCH_M = 1e-6
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
+MANY_SIDES, COARSE_ARC_STEPS = 10_000, 8
 MOST_GRID_CELLS = 250_000
+BOX, NEAR, MOST_SPREAD = 2.0, 2.0, 0.4  # of the reach: boxes of points, what is near them, and spreads that allows for
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,7 +37,7 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
 
     It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
-    replaced by their chords.
+    replaced by their chords; by up to 5e-3 of it where sides are very many.
     """
     blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
     body = body_radius_m - TOUCH_M
@@ -44,7 +46,8 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     open_ground = shapely.difference(mission.area, blocked)
     # side by side, since offsetting a whole polygon loses corridors only just as wide as the body
     sides = lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)]))
-    return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=ARC_STEPS)))
+    steps = ARC_STEPS if len(sides) <= MANY_SIDES else COARSE_ARC_STEPS
+    return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=steps)))
 
 
 @functools.lru_cache(maxsize=4)
@@ -63,8 +66,46 @@ def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spr
     all of the segment from p to a point x near q is within |q - x| of points that are not in an obstacle, so it stays
     out of obstacles made thinner by that much.) Points must not lie inside what blocks sight.
     """
+    reach_m = max((ground.sensor.reach_m for ground in grounds), default=0.0)
+    hidden = _hidden(mission)
+    corners = shapely.get_num_coordinates([hidden, *(ground.shape for ground in grounds)]).sum()
+    if corners <= MANY_SIDES or spread_m > MOST_SPREAD * reach_m:
+        return _seen_from_any(grounds, hidden, points_m, spread_m)
     found = np.zeros(len(points_m), np.bool_)
-    hidden = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
+    boxes, box_of = np.unique(np.floor(points_m / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
+    for k, (i, j) in enumerate(boxes):
+        mine = box_of.ravel() == k
+        near = _near_box(mission, grounds, reach_m, int(i), int(j))
+        found[mine] = _seen_from_any(*near, points_m[mine], spread_m)
+    return found
+
+
+@functools.lru_cache(maxsize=4)
+def _hidden(mission: Mission) -> Any:
+    return shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
+
+
+@functools.lru_cache(maxsize=4096)
+def _near_box(
+    mission: Mission, grounds: tuple[Ground, ...], reach_m: float, i: int, j: int
+) -> tuple[tuple[Ground, ...], Any]:
+    """What of the grounds, and of what blocks sight, can matter to points in one box of a lattice.
+
+    Where it is cut off, it is out of reach of them, even when it is made thinner by the largest spread from there on.
+    """
+    low, wide = BOX * reach_m, NEAR * reach_m
+    frame = shapely.box(i * low - wide, j * low - wide, (i + 1) * low + wide, (j + 1) * low + wide)
+    near = tuple(Ground(shape=_cut_to(frame, ground.shape), sensor=ground.sensor) for ground in grounds)
+    return near, _cut_to(frame, _hidden(mission))
+
+
+def _cut_to(frame: Any, shape: Any) -> Any:
+    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shapely.intersection(shape, frame))))
+    return shapely.multipolygons(parts[shapely.get_type_id(parts) == 3])
+
+
+def _seen_from_any(grounds: tuple[Ground, ...], hidden: Any, points_m: Floats, spread_m: float) -> Flags:
+    found = np.zeros(len(points_m), np.bool_)
     thin = shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
     for ground in grounds:
         left = np.flatnonzero(~found)

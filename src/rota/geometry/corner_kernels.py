@@ -6,6 +6,7 @@ Corners are rows x, y, then the border corners before and after, (c, 6) metres, 
 
 from __future__ import annotations
 
+from heapq import heappop, heappush
 from math import hypot, inf
 
 import numpy as np
@@ -38,6 +39,25 @@ def bitangents(corners, corner_part, grid):
             if _can_bend(other[0], other[1], one) and segment_is_free(one[0], one[1], other[0], other[1], grid):
                 linked[k, m] = linked[m, k] = True
     return linked
+
+
+@njit(cache=True, nogil=True)
+def bitangents_of(first, last, corners, corner_part, grid):
+    """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
+    found = np.empty((1024, 2), np.int32)
+    count = 0
+    for k in range(first, last):
+        one = corners[k]
+        for m in range(k + 1, len(corners)):
+            other = corners[m]
+            if corner_part[k] != corner_part[m] or not _can_bend(one[0], one[1], other):
+                continue
+            if _can_bend(other[0], other[1], one) and segment_is_free(one[0], one[1], other[0], other[1], grid):
+                if count == len(found):
+                    found = np.concatenate((found, np.empty_like(found)))
+                found[count, 0], found[count, 1] = k, m
+                count += 1
+    return found[:count].copy()
 
 
 @njit(cache=True)
@@ -90,3 +110,69 @@ def path_lengths(a, part_a, start_a, items_a, b, part_b, start_b, items_b, corne
             if symmetric:
                 found[m, k] = best
     return found
+
+
+@njit(cache=True)
+def lengths_by_way_of(a, part_a, reached, b, part_b, start_b, items_b, corners, grid, symmetric, first):
+    """(n, m) lengths of shortest paths, as ``path_lengths`` gives them; reached (n, c): the lengths to the corners.
+
+    symmetric: the points a are those of b from the number ``first`` on, and only paths to later ones are measured.
+    """
+    found = np.full((len(a), len(b)), inf)
+    for k in range(len(a)):
+        ax, ay = a[k]
+        for m in range(first + k if symmetric else 0, len(b)):
+            if part_a[k] < 0 or part_a[k] != part_b[m]:
+                continue
+            bx, by = b[m]
+            best = inf
+            if segment_is_free(ax, ay, bx, by, grid):
+                best = hypot(bx - ax, by - ay)
+            else:
+                for n in items_b[start_b[m] : start_b[m + 1]]:
+                    best = min(best, reached[k, n] + hypot(corners[n, 0] - bx, corners[n, 1] - by))
+            found[k, m] = best
+    return found
+
+
+@njit(cache=True)
+def corner_chain(ax, ay, from_a, bx, by, from_b, corners, start, items):
+    """Corners on the shortest path from a to b that bends; none where there is no such path.
+
+    from_a, from_b: the corners that a and b see along tangents. start, items: the corners linked to each, by rows. Of
+    the corners in reach that with the least sum of the way so far and the straight rest goes on first (Hart, Nilsson
+    and Raphael 1968), so that few are looked at when the points are near each other.
+    """
+    count = len(corners)
+    lengths, before = np.full(count, inf), np.full(count, -1, np.int64)
+    ends_here = np.zeros(count, np.bool_)
+    ends_here[from_b] = True
+    done = np.zeros(count, np.bool_)
+    heap = [(inf, np.int64(-1))]
+    for k in from_a:
+        lengths[k] = hypot(corners[k, 0] - ax, corners[k, 1] - ay)
+        heappush(heap, (lengths[k] + hypot(corners[k, 0] - bx, corners[k, 1] - by), np.int64(k)))
+    best, last = inf, -1
+    while True:
+        estimate, k = heappop(heap)
+        if k < 0 or estimate >= best:
+            break
+        if done[k]:
+            continue
+        done[k] = True
+        if ends_here[k]:
+            best, last = estimate, k
+            continue
+        for n in range(start[k], start[k + 1]):
+            m = items[n]
+            length = lengths[k] + hypot(corners[m, 0] - corners[k, 0], corners[m, 1] - corners[k, 1])
+            if length < lengths[m]:
+                lengths[m], before[m] = length, k
+                heappush(heap, (length + hypot(corners[m, 0] - bx, corners[m, 1] - by), np.int64(m)))
+    chain = np.empty(count, np.int64)
+    at = count
+    while last >= 0:
+        at -= 1
+        chain[at] = last
+        last = before[last]
+    return chain[at:].copy()

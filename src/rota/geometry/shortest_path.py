@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from typing import NamedTuple
 
@@ -19,6 +21,10 @@ from rota.geometry.line_of_sight import edge_grid
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of them take some 100 MB
+ROWS_TOGETHER, SOURCES_TOGETHER = 200, 100
 
 
 class _Ends(NamedTuple):
@@ -39,10 +45,11 @@ class ShortestPaths:
     to the other. Obstacles that touch in a point leave a way through that point, as the closed space does.
 
     corners_m: (c, 2) metres. ``corner_lengths_m`` and ``corner_before`` hold the paths between corners; they take
-    c * c * 12 bytes and are made when a path first needs a corner.
+    c * c * 12 bytes and are made when a path first needs a corner. With more than ``most_dense`` corners they are not
+    made: the links alone are kept, and every question is searched for along them, with the same answers.
     """
 
-    def __init__(self, space: MultiPolygon) -> None:
+    def __init__(self, space: MultiPolygon, *, most_dense: int = MOST_DENSE) -> None:
         self.parts = standing_parts(space)
         self.grid = edge_grid(border_segments(space))
         self._part_grids: list[EdgeGrid] = []
@@ -53,6 +60,7 @@ class ShortestPaths:
         self._corners = np.ascontiguousarray(np.vstack([np.zeros((0, 6)), *found]))
         self._corner_part = np.repeat(np.arange(len(found), dtype=np.int64), [len(corners) for corners in found])
         self.corners_m: Floats = np.ascontiguousarray(self._corners[:, :2])
+        self._dense = len(self.corners_m) <= most_dense
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
@@ -65,6 +73,25 @@ class ShortestPaths:
         graph = csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=linked.shape)
         lengths, before = dijkstra(graph, return_predecessors=True)
         return np.ascontiguousarray(lengths), np.ascontiguousarray(before)
+
+    @cached_property
+    def _links(self) -> csr_array:
+        """The lengths (c, c) of the links between corners, for very many of them."""
+        count = len(self.corners_m)
+        firsts = list(range(0, count, ROWS_TOGETHER))
+
+        def linked(first: int) -> NDArray[np.int32]:
+            last = min(first + ROWS_TOGETHER, count)
+            found: NDArray[np.int32] = corner_kernels.bitangents_of(
+                first, last, self._corners, self._corner_part, self.grid
+            )
+            return found
+
+        with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+            pairs = np.vstack([np.zeros((0, 2), dtype=np.int32), *pool.map(linked, firsts)])
+        one, other = np.concatenate([pairs, pairs[:, ::-1]]).T
+        step = self.corners_m[one] - self.corners_m[other]
+        return csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=(count, count))
 
     @property
     def corner_lengths_m(self) -> Floats:
@@ -133,8 +160,42 @@ class ShortestPaths:
     def _lengths(self, a: _Ends, b: _Ends, *, symmetric: bool) -> Floats:
         if not len(a.items) or not len(b.items):  # no path bends, and the graph need not be made for it
             a, b = _without_corners(a), _without_corners(b)
+        if len(a.items) and not self._dense:
+            return self._searched_lengths(a, b, symmetric=symmetric)
         lengths = self.corner_lengths_m if len(a.items) else np.zeros((0, 0))
         return np.asarray(corner_kernels.path_lengths(*a, *b, self._corners, lengths, self.grid, symmetric))
+
+    def _searched_lengths(self, a: _Ends, b: _Ends, *, symmetric: bool) -> Floats:
+        """The same along the links, some points a at a time."""
+        found = np.zeros((len(a.points), len(b.points)))
+        for first in range(0, len(a.points), SOURCES_TOGETHER):
+            rows = slice(first, min(first + SOURCES_TOGETHER, len(a.points)))
+            reached = self._lengths_to_corners(a, rows)
+            found[rows] = corner_kernels.lengths_by_way_of(
+                a.points[rows], a.part[rows], reached, *b, self._corners, self.grid, symmetric, first
+            )
+        if symmetric:
+            found = np.triu(found)
+            found += np.triu(found, 1).T
+        return found
+
+    def _lengths_to_corners(self, a: _Ends, rows: slice) -> Floats:
+        """Lengths (n, c) of the shortest paths from some points to all corners."""
+        links, count = self._links, len(self.corners_m)
+        start = a.start[rows.start : rows.stop + 1]
+        items = a.items[start[0] : start[-1]]
+        step = self.corners_m[items] - np.repeat(a.points[rows], np.diff(start), axis=0)
+        size = count + len(start) - 1
+        graph = csr_array(
+            (
+                np.concatenate([links.data, np.hypot(step[:, 0], step[:, 1])]),
+                np.concatenate([links.indices, items]),
+                np.concatenate([links.indptr, links.indptr[-1] + start[1:] - start[0]]),
+            ),
+            shape=(size, size),
+        )
+        lengths = dijkstra(graph, indices=np.arange(count, size))
+        return np.ascontiguousarray(lengths[:, :count])
 
     def _polyline(self, points: Floats) -> Floats:
         part = self.part_of(points)
@@ -163,6 +224,12 @@ class ShortestPaths:
         )
         if not len(from_a) or not len(from_b):
             raise PlanError(f"no path leads from {[ax, ay]} to {[bx, by]}: one of them sees no corner of the space")
+        if not self._dense:
+            links = self._links
+            chain = corner_kernels.corner_chain(ax, ay, from_a, bx, by, from_b, self._corners, links.indptr, links.indices)
+            if not len(chain):
+                raise PlanError(f"no path leads from {[ax, ay]} to {[bx, by]}")
+            return [int(k) for k in chain]
         first = np.hypot(self.corners_m[from_a, 0] - ax, self.corners_m[from_a, 1] - ay)
         last = np.hypot(self.corners_m[from_b, 0] - bx, self.corners_m[from_b, 1] - by)
         total = first[:, None] + self.corner_lengths_m[np.ix_(from_a, from_b)] + last

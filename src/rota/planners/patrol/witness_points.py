@@ -24,6 +24,7 @@ Ints = NDArray[np.int64]
 MOST_SPREAD_OUT, MOST_HIDDEN = 120, 40
 FEWEST_PER_PERIOD = 12
 MOST_LOOKED_AT = 20_000  # samples
+MOST_CORNERS = 6_000  # beyond as many, ways between witnesses are measured straight
 ROOM = 1e-4  # of the reach: what blocks is made thinner by it, so that rounding and tolerances only lower the bound
 _STEP = 1 / 8  # of the reach: between points on the border of a view
 _ARC_CORNERS, _BODY_SHARE = 64, 0.998  # circumscribed arcs of this radius stay within the true ones
@@ -84,10 +85,12 @@ def witnesses_of(
     points: samples that are surely seen by one of the places at least; sees_start, sees_item: which place sees which.
     reach_m: the farthest that any robot of the fleet sees. Obstacles count as a little smaller than they are and ways
     are measured for a body of no width, so that no true way is shorter. Points whose views cannot be bounded are
-    absent.
+    absent. On ground with very many corners ways are measured straight, see ``_straight_witnesses``.
     """
-    ground = _Ground(mission, reach_m)
     chosen = _chosen_samples(points, sees_start, sees_item, reach_m)
+    if _corners_of(mission) > MOST_CORNERS:
+        return _straight_witnesses(regions, periods_s, points[chosen], reach_m)
+    ground = _Ground(mission, reach_m)
     found = [
         (place, periods_s[points.period[i]]) for i in chosen if (place := ground.where_seen(points.xy_m[i])) is not None
     ]
@@ -104,6 +107,37 @@ def witnesses_of(
         way_m=ground.paths.all_pairs(centre),
         part=np.array([place.part for place, _ in found], dtype=np.int64),
         parts=len(ground.parts),
+    )
+
+
+def _corners_of(mission: Mission) -> int:
+    """Corners of the area and of all that blocks motion or sight."""
+    return int(shapely.get_num_coordinates([mission.area, *(o.shape for o in mission.obstacles)]).sum())
+
+
+def _straight_witnesses(
+    regions: Sequence[DemandedRegion], periods_s: Sequence[float], points: SamplePoints, reach_m: float
+) -> Witnesses:
+    """The same with straight distances for ways: sound, as no way is shorter, and weaker, as walls count for nothing.
+
+    Whoever sees a point is within the reach of it; whoever is inside a zone is no farther from a point of it than the
+    zone's farthest corner. Nothing is said about parts that nobody can travel between.
+    """
+    zones = [region for region in regions if region.demand == "visit"]
+    middles = [shapely.get_coordinates(shapely.point_on_surface(zone.shape))[0] for zone in zones]
+    radii = [
+        float(np.hypot(*(shapely.get_coordinates(zone.shape) - middle).T).max())
+        for zone, middle in zip(zones, middles, strict=True)
+    ]
+    centre = np.vstack([points.xy_m, *(middle[None] for middle in middles)])
+    count = len(centre)
+    return Witnesses(
+        centre_m=centre,
+        spread_m=np.concatenate([np.full(len(points), reach_m), radii]) * (1 + ROOM),
+        period_s=np.concatenate([np.array(periods_s)[points.period], [zone.period_s for zone in zones]]),
+        way_m=np.hypot(*(centre[:, None] - centre[None]).transpose(2, 0, 1)),
+        part=np.full(count, -1, dtype=np.int64),
+        parts=1,
     )
 
 

@@ -11,6 +11,9 @@ from numba import njit
 from rota.planners.patrol.kernels import TOUCH_M, Samples, leg_sees
 
 
+MANY_WALLS, MOST_SECTORS = 40, 256  # from so many walls on round a point they are sorted by direction
+
+
 @njit(cache=True)
 def places_see(x: Any, y: Any, reach: float, square: int, serves: int, s: Samples, room: int) -> Any:
     """Samples that each place sees: starts (n + 1,) and indices; no place sees more than ``room``."""
@@ -52,6 +55,9 @@ def walls_that_hide(x: Any, y: Any, start: Any, items: Any, walls: Any) -> Any:
         if end == begin:
             continue
         angles[-1] = np.min(angles[:-1]) + 2 * math.pi
+        if end - begin > MANY_WALLS:
+            mark_nearest(x[i], y[i], items[begin:end], walls, angles, needed[begin:end])
+            continue
         angles.sort()
         for a in range(angles.shape[0] - 1):
             middle = (angles[a] + angles[a + 1]) / 2
@@ -64,6 +70,66 @@ def walls_that_hide(x: Any, y: Any, start: Any, items: Any, walls: Any) -> Any:
             if first >= 0:
                 needed[first] = True
     return needed
+
+
+@njit(cache=True)
+def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed: Any) -> None:
+    """Mark the walls that are the nearest in the middle between two neighbouring directions, of very many walls.
+
+    angles (2 k + 1,): the directions of their ends, and the first of these once more. Walls are sorted into sectors,
+    the nearest first, so that a ray is tried on those alone that lie its way and could be nearer than what it has hit.
+    """
+    count = items.shape[0]
+    away, sectors = np.empty(count), min(count, MOST_SECTORS)
+    first, last = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    start = np.zeros(sectors + 1, dtype=np.int64)
+    for j in range(count):
+        away[j], first[j], last[j] = sectors_of(x, y, walls[items[j]], angles[2 * j], angles[2 * j + 1], sectors)
+        for k in range(first[j], last[j] + 1):
+            start[k % sectors + 1] += 1
+    for k in range(sectors):
+        start[k + 1] += start[k]
+    inside, place = np.empty(start[sectors], dtype=np.int64), start.copy()
+    for j in np.argsort(away):
+        for k in range(first[j], last[j] + 1):
+            inside[place[k % sectors]] = j
+            place[k % sectors] += 1
+    angles.sort()
+    for a in range(angles.shape[0] - 1):
+        middle = (angles[a] + angles[a + 1]) / 2
+        dx, dy = math.cos(middle), math.sin(middle)
+        near, hit = math.inf, -1
+        sector = int(math.floor((middle + math.pi) / (2 * math.pi) * sectors)) % sectors
+        for n in range(start[sector], start[sector + 1]):
+            j = inside[n]
+            if away[j] > near * (1 + 1e-9) + TOUCH_M:
+                break
+            far = ray_hits(dx, dy, walls[items[j]], x, y)
+            if far < near or (far == near and j < hit):
+                near, hit = far, j
+        if hit >= 0:
+            needed[hit] = True
+
+
+@njit(cache=True)
+def sectors_of(x: float, y: float, wall: Any, one: float, other: float, sectors: int) -> Any:
+    """How far a wall is from (x, y), and the first and last of the sectors that it lies in, both ends at angles.
+
+    The last may be beyond the number of sectors, which begin at -pi, and both are a little wide. Where rounding leaves
+    the side unclear on which the point passes the wall, it lies in all of them.
+    """
+    ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
+    wx, wy = vx - ux, vy - uy
+    along = 0.0 if wx == 0.0 and wy == 0.0 else min(1.0, max(0.0, -(ux * wx + uy * wy) / (wx * wx + wy * wy)))
+    away = math.hypot(ux + along * wx, uy + along * wy)
+    if away < 1e-4:
+        return away, 0, sectors - 1
+    turn = (other - one) % (2 * math.pi)
+    begin = one if turn <= math.pi else other
+    turn = min(turn, 2 * math.pi - turn)
+    first = int(math.floor((begin - 1e-9 + math.pi) / (2 * math.pi) * sectors))
+    last = int(math.floor((begin + turn + 1e-9 + math.pi) / (2 * math.pi) * sectors))
+    return away, first, min(last, first + sectors - 1)
 
 
 @njit(cache=True)
