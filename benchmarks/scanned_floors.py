@@ -1,4 +1,4 @@
-"""Occupancy maps like those that a laser scanner leaves of a building: made, so that any size and raggedness is at hand.
+"""Occupancy maps like those that a laser scanner leaves of a building, of any size and raggedness, made by chance.
 
 Rooms on both sides of corridors, doors, furniture, all of it turned by a few degrees; walls whose borders the scanner
 drew ragged, speckle where it saw something once, unknown space outside and behind the walls.
@@ -124,9 +124,7 @@ def _row_of_rooms(
     return walls
 
 
-def _furniture(
-    size_m: tuple[float, float], corridor_m: float, each: float, rng: np.random.Generator
-) -> list[Box]:
+def _furniture(size_m: tuple[float, float], corridor_m: float, each: float, rng: np.random.Generator) -> list[Box]:
     """Tables and shelves anywhere, and the legs of chairs."""
     rooms = size_m[0] * size_m[1] / (BAND_M * sum(ROOM_M) / 2)
     found: list[Box] = []

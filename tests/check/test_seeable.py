@@ -120,3 +120,21 @@ def test_fleet_of_different_robots_sees_what_any_of_them_can() -> None:
         name="m", area=m.area, fleet=Fleet(speed_m_s=1.0, sensor=big.sensor, body_radius_m=1.0), period_s=1.0
     )
     assert seen(only_big, (13.5, 4.3), (12.9, 4.3)) == [False, True]
+
+
+@pytest.mark.parametrize("sensor", [DiscSensor(radius_m=1.0), SquareSensor(side_m=1.5)])
+def test_what_is_near_a_box_of_points_decides_as_all_of_it_does(
+    sensor: Sensor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(7)
+    places = rng.uniform(0, 16, (70, 2))
+    blocks = shapely.union_all(shapely.box(*places.T, *(places + rng.uniform(0.1, 1.2, (70, 2))).T))
+    m = mission(box(0, 0, 16, 16), obstacle(blocks), body=0.3, sensor=sensor)
+    points = rng.uniform(0, 16, (600, 2))
+    points = points[~shapely.contains_xy(blocks, points)]
+    for spread_m in (0.0, 0.05, 0.3):
+        whole = seeable(m, grounds_of(m), points, spread_m)
+        monkeypatch.setattr("rota.check.seeable.MANY_SIDES", 50)
+        assert (seeable(m, grounds_of(m), points, spread_m) == whole).all()
+        monkeypatch.undo()
+        assert (~whole).sum() > 0 or spread_m > 0

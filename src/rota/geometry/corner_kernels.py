@@ -152,7 +152,7 @@ def corner_chain(ax, ay, from_a, bx, by, from_b, corners, start, items):
     for k in from_a:
         lengths[k] = hypot(corners[k, 0] - ax, corners[k, 1] - ay)
         heappush(heap, (lengths[k] + hypot(corners[k, 0] - bx, corners[k, 1] - by), np.int64(k)))
-    best, last = inf, -1
+    best, last = inf, np.int64(-1)
     while True:
         estimate, k = heappop(heap)
         if k < 0 or estimate >= best:

@@ -61,6 +61,9 @@ class ShortestPaths:
         self._corner_part = np.repeat(np.arange(len(found), dtype=np.int64), [len(corners) for corners in found])
         self.corners_m: Floats = np.ascontiguousarray(self._corners[:, :2])
         self._dense = len(self.corners_m) <= most_dense
+        # the points between which all lengths were asked for last: some of them are often asked for again
+        self._measured: dict[tuple[float, ...], int] = {}
+        self._measured_m = np.zeros((0, 0))
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
@@ -126,8 +129,17 @@ class ShortestPaths:
 
         inf between different parts; points outside have inf everywhere, the diagonal included.
         """
-        ends = self._ends(points_m)
-        return self._lengths(ends, ends, symmetric=True)
+        if self._dense:
+            ends = self._ends(points_m)
+            return self._lengths(ends, ends, symmetric=True)
+        points = _points(points_m)
+        rows = [self._measured.get(point, -1) for point in map(tuple, points.tolist())]
+        if -1 in rows:
+            ends = self._ends(points)
+            self._measured_m = self._lengths(ends, ends, symmetric=True)
+            rows = list(range(len(points)))
+            self._measured = dict(zip(map(tuple, points.tolist()), rows, strict=True))
+        return np.ascontiguousarray(self._measured_m[np.ix_(rows, rows)])
 
     def path(self, a_m: Floats | tuple[float, float], b_m: Floats | tuple[float, float]) -> Floats:
         """The shortest path (k, 2) in metres from point a (2,) to point b (2,), both included; k is at least 2.
@@ -226,7 +238,9 @@ class ShortestPaths:
             raise PlanError(f"no path leads from {[ax, ay]} to {[bx, by]}: one of them sees no corner of the space")
         if not self._dense:
             links = self._links
-            chain = corner_kernels.corner_chain(ax, ay, from_a, bx, by, from_b, self._corners, links.indptr, links.indices)
+            chain = corner_kernels.corner_chain(
+                ax, ay, from_a, bx, by, from_b, self._corners, links.indptr, links.indices
+            )
             if not len(chain):
                 raise PlanError(f"no path leads from {[ax, ay]} to {[bx, by]}")
             return [int(k) for k in chain]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.geometry.shortest_path import MOST_DENSE
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, over_budget_share
 from rota.planners.patrol.context import Context, Work
@@ -35,6 +36,7 @@ CLOSE = 0.006  # share of the budgets that another annealing gains or not, as lu
 LUCK = 0.002  # the same of all annealings from cold on: as much nearer may they come with other seeds
 SEEDS_APART = 10  # the annealings of one cooling take seeds of their own
 SHORTENING = 40  # steps of linear programs before the first mending
+CORNERS_A_REACH = 2.0  # of ideal tours: on ragged ground no more count
 COARSE = 0.167  # of the reach: spacing of samples while most of the tours' shape is found, where they are dense
 
 
@@ -177,7 +179,7 @@ def annealed(
         range_margin_m=problem.range_margin_m,
         reserve=RESERVE if stage is None else stage.reserve,
     )
-    corners = sum(len(tour.vertices_m) for tour in tours)
+    corners = corners_that_count(problem, tours)
     moves = min(context.work.most_moves, int((2 if coarse else 1) * moves * max(1.0, corners / 300)))
     cold_m = problem.reach_m / 200
     tell = searched(context, search, points)
@@ -188,6 +190,19 @@ def annealed(
 
     search.run(moves, hot_m=heat_m, cold_m=cold_m, should_stop=stop, done=tell)
     return search
+
+
+def corners_that_count(problem: Problem, tours: list[Tour]) -> float:
+    """Corners of the tours, by which annealing takes more moves.
+
+    First tours along the ragged walls of a scan have several times more than they keep: there no more count than such
+    ground asks for.
+    """
+    corners = sum(len(tour.vertices_m) for tour in tours)
+    if len(problem.paths.corners_m) <= MOST_DENSE:
+        return corners
+    ideal_m = sum(r.shape.area for r in problem.regions if r.demand == "every_point") / problem.swath_m
+    return float(min(corners, CORNERS_A_REACH * ideal_m / problem.reach_m))
 
 
 def can_be_thinned(problem: Problem) -> bool:

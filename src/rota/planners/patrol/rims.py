@@ -114,7 +114,9 @@ def surely_seeable_m2(
     return [math.fsum(areas) for areas in zip(*each, strict=True)]
 
 
-def _near_boxes(regions: Sequence[DemandedRegion], space: MultiPolygon, walls: Floats, near_m: float) -> Iterator[_Near]:
+def _near_boxes(
+    regions: Sequence[DemandedRegion], space: MultiPolygon, walls: Floats, near_m: float
+) -> Iterator[_Near]:
     """All ground in boxes with few corners near each: one, of all there is, for ordinary ground."""
     asked = [region.shape if region.demand == "every_point" else None for region in regions]
     shapes = [space, *(shape for shape in asked if shape is not None)]

@@ -10,7 +10,6 @@ from numba import njit
 
 from rota.planners.patrol.kernels import TOUCH_M, Samples, leg_sees
 
-
 MANY_WALLS, MOST_SECTORS = 40, 256  # from so many walls on round a point they are sorted by direction
 
 
@@ -99,7 +98,7 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
         middle = (angles[a] + angles[a + 1]) / 2
         dx, dy = math.cos(middle), math.sin(middle)
         near, hit = math.inf, -1
-        sector = int(math.floor((middle + math.pi) / (2 * math.pi) * sectors)) % sectors
+        sector = math.floor((middle + math.pi) / (2 * math.pi) * sectors) % sectors
         for n in range(start[sector], start[sector + 1]):
             j = inside[n]
             if away[j] > near * (1 + 1e-9) + TOUCH_M:
@@ -127,8 +126,8 @@ def sectors_of(x: float, y: float, wall: Any, one: float, other: float, sectors:
     turn = (other - one) % (2 * math.pi)
     begin = one if turn <= math.pi else other
     turn = min(turn, 2 * math.pi - turn)
-    first = int(math.floor((begin - 1e-9 + math.pi) / (2 * math.pi) * sectors))
-    last = int(math.floor((begin + turn + 1e-9 + math.pi) / (2 * math.pi) * sectors))
+    first = math.floor((begin - 1e-9 + math.pi) / (2 * math.pi) * sectors)
+    last = math.floor((begin + turn + 1e-9 + math.pi) / (2 * math.pi) * sectors)
     return away, first, min(last, first + sectors - 1)
 
 
