@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import LogNorm
 from matplotlib.quiver import Quiver
 from shapely import box
 
-from rota.draw.cells_picture import cells_figure, draw_cells, entries_of_cells, faced_cells
+from rota.draw.cells_picture import cells_figure, draw_cells
+from rota.draw.entered_cells import entries_of_cells, faced_cells
+from rota.draw.plan_picture import plan_figure
 from rota.errors import PlanError
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, PatrolSettings, Robot
 from rota.plan import Plan, Trajectory
@@ -58,6 +62,44 @@ def test_the_picture_has_an_arrow_for_each_state_and_a_cell_for_each_visit() -> 
     assert image.get_extent() == [1, 2.5, 2, 3]
     assert np.ma.filled(image.get_array(), 0).tolist() == [[1, 1, 1], [0, 1, 0]]
     assert math.isclose(image.norm.vmax or 0, 1)
+
+
+def test_many_entries_have_even_factors_and_whole_numbers_on_their_scale() -> None:
+    once = plan()
+    fig = cells_figure(once)
+    assert [label.get_text() for label in fig.axes[2].get_xticklabels()] == ["1"]
+    there_and_back = np.array([[1.25, 2.25], [2.25, 2.25]] * 30 + [[1.25, 2.25]])
+    often = Trajectory(
+        robot="a",
+        times_s=2.0 * np.arange(61),
+        positions_m=there_and_back,
+        headings_rad=np.pi * (np.arange(61) % 2),
+        loop_start_s=0.0,
+    )
+    fig = cells_figure(Plan(mission=once.mission, trajectories=(often,)))
+    (image,) = fig.axes[1].images
+    assert np.ma.filled(image.get_array(), 0)[0].tolist() == [31, 60, 30]
+    assert isinstance(image.norm, LogNorm)
+    assert [label.get_text() for label in fig.axes[2].get_xticklabels()] == ["1", "2", "5", "10", "20", "50"]
+
+
+def test_a_plans_picture_shows_entries_instead_of_gaps() -> None:
+    fig = plan_figure(plan())
+    titles = [ax.get_title(loc="left") for ax in fig.axes]
+    assert titles[:2] == [
+        "Ways from the starts, robots numbered where they hold",
+        "Times entered, starts included; 4 cells",
+    ]
+    assert any("cover the area once · cells of 0.5 m" in text.get_text() for text in fig.texts)
+
+
+def test_small_cells_have_fewer_arrows_which_are_longer() -> None:
+    whole = plan()
+    wide = replace(whole.mission, area=box(1, 2, 101, 52))
+    fig = cells_figure(replace(whole, mission=wide))
+    (arrows,) = (artist for artist in fig.axes[0].collections if isinstance(artist, Quiver))
+    assert arrows.N == 1
+    assert np.hypot(arrows.U, arrows.V)[0] > 2 * 0.36 * 0.5
 
 
 def test_files_are_equal_and_a_plan_without_cells_is_refused(tmp_path: Path) -> None:

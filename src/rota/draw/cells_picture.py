@@ -7,74 +7,34 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
-from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 from shapely import MultiPolygon, union_all
 
+from rota.draw.entered_cells import BAR, draw_entries, entries_bar, entries_title, faced_cells
 from rota.draw.house_style import house_style
-from rota.draw.legends import LEGEND_PT, axes_at, legend_height, place_legend
-from rota.draw.mission_picture import draw_mission, frame, outline, plain
+from rota.draw.legends import axes_at, legend_height, place_legend
+from rota.draw.mission_picture import draw_mission, mission_legend, outline, plain, points_per_metre
 from rota.draw.palette import OUTSIDE, route_style
 from rota.draw.plan_picture import FORMATS, UNDATED
+from rota.draw.routes import routes_of
 from rota.draw.two_maps import DPI
+from rota.draw.zone_labels import draw_zone_labels
 from rota.errors import PlanError
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.mission import BounceSettings, Mission
-from rota.plan import Plan, Trajectory
+from rota.mission import BounceSettings
+from rota.plan import Plan
+from rota.planners.bounce.cells import grid_corner_m
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-MAP_WIDTH, MARGIN, HEADER, AXIS, BAR, GAP = 4.6, 0.15, 0.6, 0.4, 0.13, 0.85  # inches
+MAP_WIDTH, MARGIN, HEADER, AXIS, GAP = 4.6, 0.15, 0.6, 0.4, 0.85  # inches
 ARROW = 0.36  # cells
+LEAST_ARROW_PT = 5.0  # an arrow drawn shorter than that is a speck
 APART = 0.12  # cells, between the arrows of robots that face the same way in one cell
-
-
-class FacedCells(NamedTuple):
-    """Where a robot is after each step, (n, 2) cells from the area's lower left corner, and the ways it faces, (n,).
-
-    entered: (n,) whether it came there in this step, or began there.
-    """
-
-    cells: Ints
-    headings_rad: Floats
-    entered: NDArray[np.bool_]
-
-
-def faced_cells(mission: Mission, trajectory: Trajectory) -> FacedCells:
-    """The cells and headings of a bouncing robot, step by step; a longer wait counts as one step."""
-    corner, cell_m = np.array(mission.area.bounds[:2]), mission.bounce.cell_m
-    at = np.floor((trajectory.positions_m[:, :2] - corner) / cell_m).astype(np.int64)
-    assert trajectory.headings_rad is not None
-    cells, headings, entered = [at[0]], [float(trajectory.headings_rad[0])], [True]
-    for leg, move in enumerate(np.diff(at, axis=0)):
-        steps = math.gcd(int(move[0]), int(move[1]))
-        cells += [at[leg] + move * k // steps for k in range(1, steps + 1)] or [at[leg]]
-        headings += [float(trajectory.headings_rad[leg + 1])] * max(steps, 1)
-        entered += [steps > 0] * max(steps, 1)
-    return FacedCells(np.array(cells), np.array(headings), np.array(entered))
-
-
-def entries_of_cells(plan: Plan) -> Ints:
-    """(rows, columns) how often robots enter each cell on their trajectories, starts included, loops once."""
-    x0, y0, x1, y1 = plan.mission.area.bounds
-    cell_m = plan.mission.bounce.cell_m
-    columns, rows = (max(1, math.ceil(size / cell_m - 1e-9)) for size in (x1 - x0, y1 - y0))
-    found = np.zeros((rows, columns), np.int64)
-    for trajectory in plan:
-        faced = faced_cells(plan.mission, trajectory)
-        np.add.at(found, (faced.cells[faced.entered, 1], faced.cells[faced.entered, 0]), 1)
-    return found
 
 
 def draw_headings(plan: Plan, ax: Axes) -> None:
@@ -91,32 +51,24 @@ def draw_headings(plan: Plan, ax: Axes) -> None:
     parts = [part for part in getattr(rim, "geoms", [rim]) if part.geom_type == "Polygon" and part.area > 0]
     if parts:
         ax.add_patch(PathPatch(outline(MultiPolygon(parts)), facecolor=OUTSIDE, edgecolor="none", zorder=1.5))
-    cell_m, corner = mission.bounce.cell_m, np.array(mission.area.bounds[:2])
-    apart_m = cell_m * min(APART, ARROW / max(len(plan.trajectories) - 1, 1))
+    cell_m, corner = mission.bounce.cell_m, np.array(grid_corner_m(mission))
+    # where cells are small, one state in so many is drawn, so much longer, on the robots' ways
+    every = max(1, math.ceil(LEAST_ARROW_PT / (ARROW * cell_m * points_per_metre(ax))))
+    apart_m = every * cell_m * min(APART, ARROW / max(len(plan.trajectories) - 1, 1))
     for k, trajectory in enumerate(plan):
         faced = faced_cells(mission, trajectory)
-        states = np.unique(np.column_stack([faced.cells, np.round(faced.headings_rad % math.tau, 9)]), axis=0)
+        states = np.column_stack([faced.cells, np.round(faced.headings_rad % math.tau, 9)])
+        _, first = np.unique(states, axis=0, return_index=True)
+        states = states[np.sort(first)[::every]]
+        if every > 1:
+            ax.plot(*trajectory.positions_m[:, :2].T, color=route_style(k)[0], linewidth=0.4, alpha=0.6, zorder=3)
         centres = corner + (states[:, :2] + 0.5) * cell_m
         beside_m = apart_m * (k - (len(plan.trajectories) - 1) / 2)
         centres += beside_m * np.column_stack([-np.sin(states[:, 2]), np.cos(states[:, 2])])
-        along = ARROW * cell_m * np.column_stack([np.cos(states[:, 2]), np.sin(states[:, 2])])
+        along = every * ARROW * cell_m * np.column_stack([np.cos(states[:, 2]), np.sin(states[:, 2])])
         colour, _ = route_style(k)
         ax.quiver(*centres.T, *along.T, color=colour, angles="xy", scale_units="xy", scale=1, width=0.004, zorder=4)
         ax.plot(*trajectory.positions_m[0, :2], "o", color=colour, markersize=7, fillstyle="none", zorder=5)
-
-
-def draw_entries(plan: Plan, ax: Axes) -> AxesImage:
-    """How often each cell is entered, as a heat map; returns the image, for a colour bar."""
-    draw_mission(plan.mission, ax, fill=False)
-    entries = entries_of_cells(plan)
-    x0, y0, *_ = plan.mission.area.bounds
-    rows, columns = entries.shape
-    cell_m = plan.mission.bounce.cell_m
-    extent = (x0, x0 + columns * cell_m, y0, y0 + rows * cell_m)
-    shown = np.ma.masked_equal(entries, 0)
-    image = ax.imshow(shown, origin="lower", extent=extent, cmap=colormaps["viridis"], vmin=0, zorder=1.2)
-    frame(plan.mission, ax)  # which the image has changed
-    return image
 
 
 def cells_figure(plan: Plan) -> Figure:
@@ -125,26 +77,24 @@ def cells_figure(plan: Plan) -> Figure:
     x0, y0, x1, y1 = mission.area.bounds
     high = min(MAP_WIDTH * (y1 - y0) / (x1 - x0), 7.5)
     wide = high * (x1 - x0) / (y1 - y0)
-    handles = [Line2D([], [], color=route_style(k)[0], marker="o", fillstyle="none", label=plain(t.robot))
-               for k, t in enumerate(plan)]  # fmt: skip
+    robots = [Line2D([], [], color=route_style(k)[0], marker="o", fillstyle="none", label=plain(t.robot))
+              for k, t in enumerate(plan)]  # fmt: skip
+    handles = [*robots, *mission_legend(mission)]
     below = AXIS + max(legend_height(handles, wide), BAR + AXIS)
     width, height = 2 * (wide + GAP), HEADER + high + below + MARGIN
-    entries = entries_of_cells(plan)
     fig = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
     FigureCanvasAgg(fig)
     x, y = GAP * 0.7, below + MARGIN
     fig.text(x / width, 1 - MARGIN / height, plain(mission.name), fontsize=12, fontweight="bold", va="top")
     left = axes_at(fig, x, y, wide, high)
     draw_headings(plan, left)
+    draw_zone_labels(mission, left, routes_of(plan))
     left.set_title("Cells and the ways that robots face there", fontsize=9, loc="left", pad=4)
     place_legend(fig, handles, x, y - AXIS, wide)
     right = axes_at(fig, x + wide + GAP, y, wide, high)
     image = draw_entries(plan, right)
-    right.set_title(f"Times entered; {int((entries > 0).sum())} cells", fontsize=9, loc="left", pad=4)
-    place = axes_at(fig, x + wide + GAP, y - AXIS - BAR, wide, BAR)
-    bar = fig.colorbar(image, cax=place, orientation="horizontal", ticks=MaxNLocator(integer=True))
-    bar.ax.tick_params(labelsize=LEGEND_PT, length=2.5, pad=2)
-    bar.outline.set_linewidth(0.5)
+    right.set_title(entries_title(plan), fontsize=9, loc="left", pad=4)
+    entries_bar(fig, image, x + wide + GAP, y - AXIS - BAR, wide)
     return fig
 
 

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
+from rota.draw.entered_cells import entries_half
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.held_maps import holds, range_half, ways_half
 from rota.draw.house_style import house_style
@@ -18,6 +19,7 @@ from rota.draw.routes import routes_of
 from rota.draw.two_maps import DPI, Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
+from rota.mission import BounceSettings
 from rota.plan import Plan
 
 FORMATS = (".png", ".svg", ".pdf")
@@ -33,6 +35,10 @@ def _header(plan: Plan) -> str:
     if plan.lower_bound_robots is not None:
         words.append(f"lower bound {plan.lower_bound_robots}")
     mission = plan.mission
+    settings = mission.planning
+    if isinstance(settings, BounceSettings):
+        asked = "cover the area once" if settings.task == "cover" else "visit every zone for ever"
+        return " · ".join([*words, asked, f"cells of {settings.cell_m:.6g} m" if settings.cell_m else "without a grid"])
     if holds(plan):
         return " · ".join([*words, "nothing asked of the ground"])
     where = "outside zones" if mission.zones else "whole area"
@@ -68,17 +74,23 @@ def draw_gaps(plan: Plan, ax: Axes, gaps: GapMap | None = None) -> AxesImage:
 def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     """The picture as a matplotlib figure: routes on the left (or top), worst gaps over about ``cells`` cells beside.
 
-    Of robots that hold, with nothing asked of the ground, it shows their ways and what they have in range in the end.
+    Of robots that hold, with nothing asked of the ground, it shows their ways and what they have in range in the end;
+    of bouncing ones on cells their ways or loops and how often they enter each cell.
     """
+    bounced = isinstance(plan.mission.planning, BounceSettings) and plan.mission.planning.cell_m > 0
+    if bounced and holds(plan):
+        return two_maps(plan.mission, _header(plan), ways_half(plan), entries_half(plan))
     if holds(plan):
         return two_maps(plan.mission, _header(plan), ways_half(plan), range_half(plan))
-    gaps = gap_map(plan, cells)
-    images: list[AxesImage] = []
     routes = Half(
         title="Routes, numbered where each robot's loop starts",
         draw=lambda ax: draw_routes(plan, ax),
         legend=[*route_legend(plan), *mission_legend(plan.mission)],
     )
+    if bounced:
+        return two_maps(plan.mission, _header(plan), routes, entries_half(plan))
+    gaps = gap_map(plan, cells)
+    images: list[AxesImage] = []
     unseen = Half(
         title="Longest time unseen, in periods of the place",
         draw=lambda ax: images.append(draw_gaps(plan, ax, gaps)),

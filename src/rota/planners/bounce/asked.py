@@ -161,7 +161,7 @@ def _tell_of_group(bouncing: Bouncing, watch: Watch, choice: Choice, timed: Time
     proof = proof_sentence(mission, choice)
     if proof is not None:
         tell(proof)
-    tell(pace_sentence(timed.own_s, timed.lasts_s, timed.common_period if timed.even else None))
+    tell(pace_sentence(timed.own_s, timed.lasts_s))
 
 
 def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:

@@ -51,18 +51,11 @@ def entered_sentence(found: Coverage, robots: int, duration_s: float) -> str:
     return f"{who} {entered} of {count} cells ({found.share:.1%}) in {taken}."
 
 
-def pace_sentence(own_s: Floats, lasts_s: Floats, common_period: int | None = None) -> str:
-    """What keeping in step costs. own_s: (t, m) what each robot needs for each step; lasts_s: (t,) what they last.
-
-    common_period: of robots whose steps all last equally long although not all need it; None: of no such robots.
-    """
+def pace_sentence(own_s: Floats, lasts_s: Floats) -> str:
+    """What keeping in step costs. own_s: (t, m) what each robot needs for each step; lasts_s: (t,) what they last."""
     if not len(lasts_s):
         return "No robot moves."
     share = float((own_s / lasts_s[:, None]).mean())
     low, high = f"{lasts_s.min():.3g}", f"{lasts_s.max():.3g}"
-    lasting = f"{low} s" if low == high else f"{low} to {high} s"
-    even = "" if common_period is None else f", all the same, since they come again after {common_period:,} only"
-    return (
-        f"Steps last {lasting}{even}. Robots keep in step: a step lasts as long as the slowest of them needs; in the"
-        f" mean a robot needs {share:.0%} of it."
-    )
+    lasting = f"{low} s each" if low == high else f"{low} to {high} s"
+    return f"Robots keep in step: steps last {lasting}, of which a robot needs {share:.0%} in the mean."

@@ -12,6 +12,8 @@ from rota.planners.bounce.chosen_group import Chosen
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.trajectories import MOST_JOINT_STEPS, Pace, loops_in_step
 
+LEAST_GAIN = 0.1  # share of the common period; for less, shorter steps bring bodies nearer in time and pay too little
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
@@ -21,7 +23,7 @@ class TimedGroup:
     """States and times, (t + 1,) for each robot, the way to the loop included; loops begin where the way ends.
 
     own_s (t, m), lasts_s (t,): what each robot needs for each step of one common period, or of its first steps, and
-    what they last. even: all steps of the loops last equally long although not all need it.
+    what they last. joint: steps have durations of their own, and all loops last one common period.
     """
 
     states: tuple[Ints, ...]
@@ -29,11 +31,11 @@ class TimedGroup:
     own_s: Floats
     lasts_s: Floats
     common_period: int
-    even: bool
+    joint: bool
 
     def ratio(self, watch: Watch, chosen: Chosen, periods_s: Sequence[float]) -> float:
         """The worst gap between visits to a zone, over its period; as steps last, where they have their own times."""
-        if self.even:
+        if not self.joint:
             return chosen.ratio
         times_s, worst = np.concatenate([[0.0], np.cumsum(self.lasts_s)]), 0.0
         for zone, period_s in enumerate(periods_s):
@@ -49,8 +51,9 @@ class TimedGroup:
 def timed_group(pace: Pace, headings: int, chosen: Chosen) -> TimedGroup:
     """The group's rounds in time.
 
-    On the way to the loops each step has its own duration, and on the loops too where their common period has at most
-    MOST_JOINT_STEPS: all loops are that long then. Otherwise all steps last as the longest, and loops are their own.
+    On the way to the loops each step has its own duration, and on the loops too where that shortens their common period
+    by LEAST_GAIN and it has at most MOST_JOINT_STEPS: all loops are that long then. Otherwise all steps last as long as
+    the longest, and loops are their own. A robot alone has nobody to keep in step with: any gain is taken.
     """
     cycles, nodes = chosen.cycles, chosen.nodes
     period, lengths = cycles.common_period(nodes), [int(cycles.length[cycles.cycle[node]]) for node in nodes]
@@ -58,8 +61,8 @@ def timed_group(pace: Pace, headings: int, chosen: Chosen) -> TimedGroup:
     rounds = _states(chosen, looked_at)
     own_s = pace.own_s(rounds, headings)
     lasts_s = own_s.max(axis=1)
-    joint = period == looked_at and bool((lasts_s < pace.longest_s).any())
-    even = period > looked_at
+    least = LEAST_GAIN if len(nodes) > 1 else 0.0
+    joint = period == looked_at and 1 - lasts_s.mean() / pace.longest_s > least
     loops = [period] * len(nodes) if joint else loops_in_step(lengths)
     way = np.concatenate([chosen.transient, rounds[:1]])
     way_s = pace.times_s(way, headings)
@@ -72,7 +75,7 @@ def timed_group(pace: Pace, headings: int, chosen: Chosen) -> TimedGroup:
     if not joint:
         lasts_s = np.full(len(own_s), pace.longest_s)
     return TimedGroup(
-        states=tuple(states), times_s=tuple(times_s), own_s=own_s, lasts_s=lasts_s, common_period=period, even=even
+        states=tuple(states), times_s=tuple(times_s), own_s=own_s, lasts_s=lasts_s, common_period=period, joint=joint
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.cells_panel import HeadingsPanel, HeatPanel
-from rota.draw.cells_picture import entries_of_cells
+from rota.draw.entered_cells import entries_of_cells
 from rota.draw.map_panel import Dots, MapPanel, Strokes
 from rota.draw.palette import route_style
 from rota.mission import Mission
