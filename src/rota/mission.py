@@ -280,6 +280,19 @@ class Mission:
         return self.planning
 
     @property
+    def grid_corner_m(self) -> Place:
+        """The lower left corner of a bouncing robot's first cell: that of the area's bounds.
+
+        Where the settings give another corner of a cell, it is up to a cell below and to the left of the bounds.
+        """
+        given, cell_m = self.bounce.cell_origin, self.bounce.cell_m
+        x0, y0, _, _ = self.area.bounds
+        if given is None:
+            return x0, y0
+        left, below = (math.ceil((given[k] - low) / cell_m - 1e-9) for k, low in enumerate((x0, y0)))
+        return given[0] - left * cell_m, given[1] - below * cell_m
+
+    @property
     def bounce(self) -> BounceSettings:
         """The settings of the planner ``bounce``; TypeError for a mission of another one."""
         if not isinstance(self.planning, BounceSettings):

@@ -29,7 +29,6 @@ from rota.errors import PlanError
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.mission import BounceSettings
 from rota.plan import Plan
-from rota.planners.bounce.cells import grid_corner_m
 
 MAP_WIDTH, MARGIN, HEADER, AXIS, GAP = 4.6, 0.15, 0.6, 0.4, 0.85  # inches
 ARROW = 0.36  # cells
@@ -51,7 +50,7 @@ def draw_headings(plan: Plan, ax: Axes) -> None:
     parts = [part for part in getattr(rim, "geoms", [rim]) if part.geom_type == "Polygon" and part.area > 0]
     if parts:
         ax.add_patch(PathPatch(outline(MultiPolygon(parts)), facecolor=OUTSIDE, edgecolor="none", zorder=1.5))
-    cell_m, corner = mission.bounce.cell_m, np.array(grid_corner_m(mission))
+    cell_m, corner = mission.bounce.cell_m, np.array(mission.grid_corner_m)
     # where cells are small, one state in so many is drawn, so much longer, on the robots' ways
     every = max(1, math.ceil(LEAST_ARROW_PT / (ARROW * cell_m * points_per_metre(ax))))
     apart_m = every * cell_m * min(APART, ARROW / max(len(plan.trajectories) - 1, 1))

@@ -22,7 +22,6 @@ from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
 from rota.mission import Mission
 from rota.plan import Plan, Trajectory
-from rota.planners.bounce.cells import grid_corner_m
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -45,7 +44,7 @@ class FacedCells(NamedTuple):
 
 def faced_cells(mission: Mission, trajectory: Trajectory) -> FacedCells:
     """The cells and headings of a bouncing robot, step by step; a longer wait counts as one step."""
-    corner, cell_m = np.array(grid_corner_m(mission)), mission.bounce.cell_m
+    corner, cell_m = np.array(mission.grid_corner_m), mission.bounce.cell_m
     at = np.floor((trajectory.positions_m[:, :2] - corner) / cell_m).astype(np.int64)
     assert trajectory.headings_rad is not None
     cells, headings, entered = [at[0]], [float(trajectory.headings_rad[0])], [True]
@@ -59,7 +58,7 @@ def faced_cells(mission: Mission, trajectory: Trajectory) -> FacedCells:
 
 def entries_of_cells(plan: Plan) -> Ints:
     """(rows, columns) how often robots enter each cell on their trajectories, starts included, loops once."""
-    (x0, y0), (_, _, x1, y1) = grid_corner_m(plan.mission), plan.mission.area.bounds
+    (x0, y0), (_, _, x1, y1) = plan.mission.grid_corner_m, plan.mission.area.bounds
     cell_m = plan.mission.bounce.cell_m
     columns, rows = (max(1, math.ceil(size / cell_m - 1e-9)) for size in (x1 - x0, y1 - y0))
     found = np.zeros((rows, columns), np.int64)
@@ -73,7 +72,7 @@ def draw_entries(plan: Plan, ax: Axes) -> AxesImage:
     """How often each cell is entered, as a heat map; returns the image, for a colour bar."""
     draw_mission(plan.mission, ax, fill=False)
     entries = entries_of_cells(plan)
-    x0, y0 = grid_corner_m(plan.mission)
+    x0, y0 = plan.mission.grid_corner_m
     rows, columns = entries.shape
     cell_m = plan.mission.bounce.cell_m
     extent = (x0, x0 + columns * cell_m, y0, y0 + rows * cell_m)

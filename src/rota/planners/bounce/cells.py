@@ -102,7 +102,7 @@ def make_cells(mission: Mission) -> Cells:
     settings = mission.bounce
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
     _, _, x1, y1 = mission.area.bounds
-    x0, y0 = grid_corner_m(mission)
+    x0, y0 = mission.grid_corner_m
     return cells_of(
         free_ground(mission),
         (x0, y0, x1, y1),
@@ -111,19 +111,6 @@ def make_cells(mission: Mission) -> Cells:
         corners=settings.corners,
         body_radius_m=max(robot.body_radius_m for robot in robots),
     )
-
-
-def grid_corner_m(mission: Mission) -> tuple[float, float]:
-    """The lower left corner of the first cell: that of the area's bounds, or up to a cell below it and to the left.
-
-    The latter when the mission gives a corner of a cell, which need not be the first one's.
-    """
-    given, cell_m = mission.bounce.cell_origin, mission.bounce.cell_m
-    x0, y0, _, _ = mission.area.bounds
-    if given is None:
-        return x0, y0
-    (left, below) = (math.ceil((given[k] - low) / cell_m - 1e-9) for k, low in enumerate((x0, y0)))
-    return given[0] - left * cell_m, given[1] - below * cell_m
 
 
 def free_ground(mission: Mission) -> MultiPolygon:
