@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.collections import Collection, EllipseCollection, LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
@@ -26,9 +26,9 @@ Floats = NDArray[np.float64]
 
 
 class Dots(NamedTuple):
-    """Marks of one kind at places_m (n, 2) metres; with ``reach_m`` above 0 each in the disc that it sees.
+    """Marks of one kind at places_m (n, 2) metres; with ``reach_m`` above 0 each in what it sees.
 
-    shade: how strongly the disc is filled, 0..1.
+    That is a disc, or a ``square`` with twice the reach as its side. shade: how strongly it is filled, 0..1.
     """
 
     label: str
@@ -39,6 +39,7 @@ class Dots(NamedTuple):
     reach_m: float = 0.0
     filled: bool = True
     shade: float = 0.07
+    square: bool = False
 
 
 class Strokes(NamedTuple):
@@ -73,10 +74,23 @@ class MapPanel:
         found: list[Artist] = [_stroke_entry(strokes) for strokes in self.strokes]
         found += [] if self.plan is None else route_legend(self.plan, brief=True)
         found += [_dots_entry(dots) for dots in self.dots]
-        reaches_m = sorted({dots.reach_m for dots in self.dots if dots.reach_m > 0})
-        found += [Patch(facecolor="#DDDDDD", edgecolor="#777777", label=f"seen, {reach:g} m") for reach in reaches_m]
+        found += self._seen_entries()
         found += zone_legend(self.mission) if self.listed_zones else []
         return [*found, *mission_legend(self.mission)]
+
+    def _seen_entries(self) -> list[Artist]:
+        """A swatch for each reach, in the colour of those that have it, or grey where they have several."""
+        found: list[Artist] = []
+        for reach_m, square in sorted({(dots.reach_m, dots.square) for dots in self.dots if dots.reach_m > 0}):
+            alike = [dots for dots in self.dots if (dots.reach_m, dots.square) == (reach_m, square)]
+            label = f"seen, {2 * reach_m:g} m x {2 * reach_m:g} m" if square else f"seen, {reach_m:g} m"
+            if len({dots.colour for dots in alike}) == 1:
+                rgb = _rgb(alike[0].colour)
+                face, edge = (*rgb, max(alike[0].shade, 0.15)), (*rgb, 0.55)
+                found.append(Patch(facecolor=face, edgecolor=edge, label=label))
+            else:
+                found.append(Patch(facecolor="#DDDDDD", edgecolor="#777777", label=label))
+        return found
 
     def draw(self, ax: Axes) -> None:
         """Draw it on ``ax``."""
@@ -89,14 +103,9 @@ class MapPanel:
             draw_route_lines(self.plan, ax)
         for dots in self.dots:
             if dots.reach_m > 0 and len(dots.places_m):
-                side_m = np.full(len(dots.places_m), 2 * dots.reach_m)
-                discs = EllipseCollection(
-                    side_m, side_m, np.zeros(len(side_m)), units="xy", offsets=dots.places_m,
-                    offset_transform=ax.transData, facecolors=[(*_rgb(dots.colour), dots.shade)],
-                    edgecolors=[(*_rgb(dots.colour), 0.55)], linewidths=0.35, zorder=2.2,
-                )  # fmt: skip
-                ax.add_collection(discs, autolim=False)
-                discs.set_clip_path(ground)
+                seen = _seen(dots, ax)
+                ax.add_collection(seen, autolim=False)
+                seen.set_clip_path(ground)
             face = dots.colour if dots.filled else "white"
             ax.plot(
                 *dots.places_m.T, linestyle="", marker=dots.marker, markersize=dots.size_pt, color=dots.colour,
@@ -105,6 +114,20 @@ class MapPanel:
             )  # fmt: skip
         if self.named_zones:
             draw_zone_labels(self.mission, ax, [] if self.plan is None else routes_of(self.plan))
+
+
+def _seen(dots: Dots, ax: Axes) -> Collection:
+    """What the robots see, each a disc or a square round its place."""
+    rgb = _rgb(dots.colour)
+    look: dict[str, Any] = {
+        "facecolors": [(*rgb, dots.shade)], "edgecolors": [(*rgb, 0.55)], "linewidths": 0.35, "zorder": 2.2,
+    }  # fmt: skip
+    if dots.square:
+        corners = dots.reach_m * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        return PolyCollection(list(dots.places_m[:, None] + corners), **look)
+    side_m = np.full(len(dots.places_m), 2 * dots.reach_m)
+    at = {"offsets": dots.places_m, "offset_transform": ax.transData}
+    return EllipseCollection(side_m, side_m, np.zeros(len(side_m)), units="xy", **at, **look)
 
 
 def _rgb(colour: str) -> tuple[float, float, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from rota.studies.tables import Table
 
@@ -16,12 +16,21 @@ class Picture(NamedTuple):
     png: bytes
 
 
+class Verdict(NamedTuple):
+    """What became of a claim of the paper: where it stands there, how it came out here, and why."""
+
+    claim: str
+    place: str
+    outcome: Literal["holds", "bettered", "does not hold", "cannot be told"]
+    why: str
+
+
 @dataclass(frozen=True, kw_only=True)
 class Section:
     """One figure of the paper beside ours. The texts are Markdown; ``caption`` stands below the pictures.
 
     paper: what the paper says. found: what we find; it takes its numbers from the run. extra: the paper has no such
-    figure.
+    figure. verdicts: on the paper's claims that the figure is evidence for.
     """
 
     figure: int
@@ -32,6 +41,7 @@ class Section:
     found: str
     tables: tuple[Table, ...] = ()
     extra: bool = False
+    verdicts: tuple[Verdict, ...] = ()
 
     @property
     def markdown(self) -> str:

@@ -46,7 +46,7 @@ def test_a_push_is_a_share_of_the_overlap() -> None:
         [[120, 100], [130, 100]], rule=ALL, decide=decide_virtual_force, neighbour_range_m=50, speed_m_s=1000
     )
     swarm.step()
-    assert swarm.places_m == pytest.approx(np.array([[104, 100], [146, 100]]))  # 0.4 of 40 m
+    assert swarm.places_m == pytest.approx(np.array([[110, 100], [140, 100]]))  # a quarter of 40 m
     swarm = in_box([[120, 100], [130, 100]], rule=ALL, decide=decide_virtual_force, neighbour_range_m=50)
     swarm.step()
     assert swarm.places_m == pytest.approx(np.array([[119.5, 100], [130.5, 100]]))  # 2 m/s for 0.25 s

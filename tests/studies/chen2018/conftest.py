@@ -9,7 +9,17 @@ import pytest
 from rota.studies.chen2018.runs import Runs, StudySettings
 
 SMALL = StudySettings(
-    seeds=2, steps=60, scales=(4, 9), scale_seeds=1, scale_steps=50, large_robots=40, large_steps=40, timed_steps=5
+    seeds=2,
+    steps=60,
+    scales=(4, 9),
+    scale_seeds=1,
+    scale_steps=50,
+    large_robots=40,
+    large_steps=40,
+    timed_steps=5,
+    gain_seeds=1,
+    claim_seeds=1,
+    long_steps=60,
 )
 
 

@@ -24,11 +24,21 @@ def study(settings: StudySettings) -> Study:
 
 
 def test_every_figure_has_its_section(study: Study) -> None:
-    assert tuple(chen2018_study.figures) == (9, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21)
+    assert tuple(chen2018_study.figures) == (9, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 23, 24)
     assert [section.figure for section in study.sections] == list(chen2018_study.figures)
     titles = [table.title for section in study.sections for table in section.tables]
     assert "Table 2: parameters" in titles
     assert any(title.startswith("Table 3: ") for title in titles)
+
+
+def test_every_claim_has_its_verdict_in_the_table_at_the_top(study: Study) -> None:
+    top = study.page.split("## The controllers")[0]
+    rows = [line.split(" | ") for line in top.splitlines() if line.startswith("| ") and "**" in line]
+    claims = [verdict for section in study.sections for verdict in section.verdicts]
+    assert [row[0].removeprefix("| ") for row in rows] == [one.claim for one in claims]
+    assert [row[2].strip("*") for row in rows] == [one.outcome for one in claims]
+    assert len(claims) >= 20
+    assert all(one.why.endswith(".") and one.place for one in claims)
 
 
 def test_the_page_shows_every_picture_in_small_files(study: Study) -> None:
@@ -110,7 +120,10 @@ def test_the_command_writes_page_and_pictures(capsys: pytest.CaptureFixture[str]
     [
         (["-o", "file"], "file: is a file; the path of a folder is needed"),
         (["-o", "full"], "chen2018.md: is a folder; the path of a file is needed"),
-        (["--figures", "10"], "figures: '10' is none of them; 9, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20 and 21 are"),
+        (
+            ["--figures", "10"],
+            "figures: '10' is none of them; 9, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 23 and 24 are",
+        ),
         (["--figures", "9;11"], "figures: '9;11' is none of them"),
     ],
 )

@@ -208,14 +208,15 @@ def make_swarm(
     threads: int = 1,
     velocities_m_s: Floats | None = None,
     resume: SwarmState | None = None,
+    decide: Callable[..., None] | None = None,
 ) -> Swarm:
     """The mission's robots at their starts (n, 2), at rest without velocities, or as ``resume`` has them.
 
-    Their bodies are wider by ``reserve_m``.
+    Their bodies are wider by ``reserve_m``. decide: a kernel in place of the controller's own.
     """
     settings = mission.swarm
     robots = mission.fleet.robots or ()
-    sensors = _sensors(mission)
+    sensors = sensors_of(mission)
     reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
     reciprocal = settings.controller == "reciprocal"
     kinds, kind = kinds_of(
@@ -231,7 +232,7 @@ def make_swarm(
         kinds=kinds,
         kind=kind,
         walls=walls_of(ground),
-        decide=DECIDE[settings.controller],
+        decide=decide or DECIDE[settings.controller],
         rule=rule_of(settings, seed),
         safe=settings.filter,
         moving=mission.moving_obstacles,
@@ -252,7 +253,7 @@ def make_space_swarm(
     settings, band = mission.swarm, mission.swarm.altitudes_m
     assert band is not None
     robots = mission.fleet.robots or ()
-    widest = _sensors(mission)
+    widest = sensors_of(mission)
     full = np.array([robot.sensor.full_height_m for robot in robots if isinstance(robot.sensor, DiscSensor)])
     kinds, kind = kinds_of(
         len(robots),
@@ -305,8 +306,8 @@ def hearing_of(settings: SwarmSettings) -> Hearing | None:
     return Hearing(delay_steps=settings.delay_steps, lost=float(settings.messages_lost))
 
 
-def _sensors(mission: Mission) -> Floats:
-    """Radius of each robot's footprint, at the ceiling where it grows with height; of a square the disc within it."""
+def sensors_of(mission: Mission) -> Floats:
+    """(n,): radius of each robot's footprint, at the ceiling where it grows with height; a square's half side."""
     ceiling_m = (mission.swarm.altitudes_m or (0.0, 0.0))[1]
     sensors = [robot.sensor for robot in mission.fleet.robots or ()]
     return np.array([s.radius_at_m(ceiling_m) if isinstance(s, DiscSensor) else inner_reach_m(s) for s in sensors])
@@ -321,7 +322,7 @@ def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:
     """Without the filter a robot beyond the range in which walls count must not reach one in a single step."""
     if settings.filter:
         return
-    for robot, sensor_m in zip(mission.fleet.robots or (), _sensors(mission), strict=True):
+    for robot, sensor_m in zip(mission.fleet.robots or (), sensors_of(mission), strict=True):
         step_m, range_m = robot.speed_m_s * settings.time_step_s, settings.wall_range_m or sensor_m
         if step_m + robot.body_radius_m > range_m:
             raise MissionError(

@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 
 PIXELS_PER_SENSOR = 50  # of the smallest sensor's radius
 MOST_PIXELS = 1_000_000
+PLATEAU = 0.25  # of a run that was cut off, over which its coverage must not have changed to count as settled
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,10 +53,15 @@ class History:
             lines.append(",".join((str(step), repr(step * time_step_s), *map(repr, row))))
         return "\n".join(lines) + "\n"
 
-    def settled_step(self, within: float = 0.005) -> int:
-        """From which step on the coverage stays within a share of its last value: half a point, unless told."""
+    def settled_step(self, within: float = 0.005, *, at_rest: bool) -> float:
+        """From which step on the coverage stays within a share of its last value: half a point, unless told.
+
+        at_rest: whether the run ended by itself. The last value of one that was cut off is no end of anything, unless
+        the coverage has stayed there for the last ``PLATEAU`` of its steps; inf where it has not.
+        """
         away = np.flatnonzero(np.abs(self.coverage - self.coverage[-1]) > within)
-        return int(away[-1]) + 1 if len(away) else 0
+        step = int(away[-1]) + 1 if len(away) else 0
+        return step if at_rest or step <= (1 - PLATEAU) * self.steps else math.inf
 
 
 class Observer:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rota.studies.chen2018 import paper
 from rota.studies.section import Section
-from rota.studies.tables import joined
+from rota.studies.tables import Table, joined
 
 HEADING = "# Chen et al. 2018, figure by figure"
 
@@ -19,7 +19,7 @@ CONTROLLERS = (
     "*V-based*: `voronoi`, range-limited Voronoi cells (Lloyd's step, over-relaxed). *VFA*: `virtual_force`, "
     "overlapping "
     "discs push each other. Both with the last filter: without it VFA leaves the area from a corner.",
-    "*settle*: Rota's default, forces with momentum, with the last filter.",
+    "*settle*: Rota's default, with the last filter.",
     "*at rest*: no robot moves by more than 0.00001 m in a step (settle: in two).",
 )
 
@@ -34,12 +34,38 @@ LEFT_OPEN = (
     "the tangent. Figures 2 and 3 also show the circle of t = τ. Responsibilities are applied with both signs of u.",
     "**The centre of the set.** Algorithm 1 draws its random velocity once, before the loop; it must be drawn anew "
     "each time. Its mean is noisy, and with the stop rule of Table 2 few of our runs by it come to rest.",
+    "**Sets without area.** Algorithm 1 takes a set without area, a line that a robot could glide along, for empty, "
+    "since "
+    "no random velocity hits it. The exact centroid is a point of that line: RD moves where *RD, sampled* stands.",
     "**Deadweight loss** is not defined; ours is 1 − area covered / sum of the areas of the discs.",
-    "**The baselines** are told by reference only; ours are made as well as we could.",
+    "**The baselines** are told by reference only; ours are made as well as we could. The gain of VFA is chosen by "
+    "a sweep "
+    "(Figure 18).",
+    "**Figures 1 to 8 and 10** are drawings that explain; Figure 22 is a screenshot. They have no result.",
     "**Table 3.** Which cases it has is not told. RD's average is printed as 14.807 ms, its three cases make 14.801.",
     "**One run.** The paper shows single runs; ours are as many seeds as the tables say, with mean ± standard "
     "deviation.",
 )
+
+
+def _claims(sections: Sequence[Section]) -> str:
+    """Every claim with its verdict, in the order of the figures."""
+    return Table(
+        title="Each claim, where it stands in the paper, what became of it here, why, and the figure that shows it",
+        head=("claim", "section", "verdict", "why", "figure"),
+        rows=tuple(
+            (
+                one.claim,
+                one.place,
+                f"**{one.outcome}**",
+                one.why,
+                f"{'extra ' if section.extra else ''}{section.figure}",
+            )
+            for section in sections
+            for one in section.verdicts
+        ),
+        words=(0, 1, 2, 3, 4),
+    ).markdown.split("\n", 2)[2]
 
 
 def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
@@ -53,6 +79,7 @@ def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
         "compares "
         "with and Rota's own do here. All numbers under **Here** and in columns of ours come from that one run; only "
         "the times in Table 3 differ from machine to machine.",
+        *(["## What became of the claims", _claims(sections)] if any(section.verdicts for section in sections) else []),
         "## The controllers",
         "\n".join(f"- {line}" for line in CONTROLLERS),
         "## What the paper leaves open, and how we read it",

@@ -11,10 +11,19 @@ from rota.draw.curve_panel import Curve, CurvePanel, Level
 from rota.draw.map_panel import Dots, MapPanel, Strokes
 from rota.draw.palette import COVERED, OVER_PERIOD, ROUTE_COLOURS
 from rota.mission import Mission
-from rota.planners.swarm.asked import free_ground
-from rota.planners.swarm.metrics import covered_share
+from rota.planners.swarm.asked import sensors_of, squares_of
 from rota.studies.chen2018 import paper
-from rota.studies.chen2018.runs import EXACT, FILTERED, FORCES, SAMPLED, SETTLE, VORONOI, Controller, Outcome
+from rota.studies.chen2018.runs import (
+    EXACT,
+    FILTERED,
+    FORCES,
+    SAMPLED,
+    SETTLE,
+    VORONOI,
+    Controller,
+    Outcome,
+    covered_in,
+)
 
 Floats = NDArray[np.float64]
 
@@ -34,9 +43,9 @@ def coverage_panel(title: str, mission: Mission, outcome: Outcome, step: int) ->
     """Robots and what they have in range at a step, or in the end."""
     step = min(step, outcome.steps)
     places = outcome.places_at(step)
-    share = covered_share(places, np.full(len(places), paper.SENSOR_M), free_ground(mission))
+    share = covered_in(mission, places)
     dots = Dots("robot", places, COVERED, size_pt=_size(outcome), shade=SHADE)
-    dots = dots._replace(reach_m=paper.SENSOR_M)
+    dots = dots._replace(reach_m=float(sensors_of(mission)[0]), square=bool(squares_of(mission)[0]))
     return MapPanel(title=title, note=f"k = {step:,}: {share:.1%} covered", mission=mission, dots=(dots,))
 
 

@@ -30,7 +30,11 @@ ROBOT_FIGURE_18 = 23
 """Whose trajectory the text tells to be smoother than with the other methods."""
 
 LARGE_M, LARGE_START_M = (2000.0, 1000.0), (1000.0, 500.0)
-"""Section 5.2; where obstacles stand, and which corner the start box is in, is not printed."""
+"""Section 5.2; where obstacles stand, and where the start box is, is shown in Figure 21 and not told."""
+
+GAZEBO_ROBOTS, GAZEBO_SIDE_M, GAZEBO_SENSOR_M = 16, 128.0, 30.0
+GAZEBO_SPEED_M_S, GAZEBO_REST_S = 20.0, 10.0
+"""Section 5.3, in ROS and Gazebo: square sensors, a steady state after 10 s; start, body and step are not told."""
 
 TABLE_3_MS: dict[str, tuple[float, float, float, float]] = {
     "RD": (10.857, 20.280, 13.266, 14.807),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.mission import Mission, SwarmSettings
-from rota.planners.swarm.asked import SwarmRun, free_ground, run_mission
+from rota.planners.swarm.asked import SwarmRun, free_ground, run_mission, sensors_of, squares_of
 from rota.planners.swarm.metrics import History, covered_share
 from rota.studies.chen2018 import paper
 from rota.studies.study import StudyStopped
@@ -58,7 +58,8 @@ COMPARED = (EXACT, VORONOI, FORCES, SETTLE)
 class StudySettings:
     """How much is run. seeds: of the small case; steps: the most for it.
 
-    scales, scale_seeds, scale_steps: Figure 20; large_robots, large_steps: Figure 21.
+    scales, scale_seeds, scale_steps: Figure 20; large_robots, large_steps: Figure 21, long_steps: how that goes on.
+    timed_steps: Table 3. gain_seeds: of the sweep in Figure 18; claim_seeds: of what the paper has no figure for.
     """
 
     seeds: int = 10
@@ -69,6 +70,9 @@ class StudySettings:
     large_robots: int = paper.ROBOTS_LARGE
     large_steps: int = paper.STEPS_FIGURE_21
     timed_steps: int = 400
+    gain_seeds: int = 5
+    claim_seeds: int = 5
+    long_steps: int = 20_000
 
 
 class Job(NamedTuple):
@@ -171,15 +175,19 @@ def outcome_of(mission: Mission, run: SwarmRun) -> Outcome:
     for k, trajectory in enumerate(run.plan):
         for axis in (0, 1):
             places[:, k, axis] = np.interp(times_s, trajectory.times_s, trajectory.positions_m[:, axis])
-    sensors = np.full(places.shape[1], paper.SENSOR_M)
     return Outcome(
         steps=run.steps,
         at_rest=run.at_rest,
-        coverage=covered_share(places[-1], sensors, free_ground(mission)),
+        coverage=covered_in(mission, places[-1]),
         history=run.history,
         places_m=places,
         stride=stride,
     )
+
+
+def covered_in(mission: Mission, places_m: Floats) -> float:
+    """Exact share of a mission's free ground in range of its robots at places (n, 2)."""
+    return covered_share(places_m, sensors_of(mission), free_ground(mission), squares_of(mission))
 
 
 def _key(job: Job) -> tuple[str, str, int, int]:

@@ -17,7 +17,8 @@ from rota.planners.swarm.asked import free_ground, make_swarm
 from rota.planners.swarm.velocity_set import VelocitySet
 from rota.studies.chen2018 import maps, paper
 from rota.studies.chen2018.runs import EXACT, SAMPLED, Outcome, Runs
-from rota.studies.section import Picture, Section
+from rota.studies.chen2018.verdicts import holds_if
+from rota.studies.section import Picture, Section, Verdict
 from rota.studies.tables import Table
 
 Floats = NDArray[np.float64]
@@ -131,7 +132,15 @@ def figure_9_section(runs: Runs) -> Section:
         f"{paper.SAMPLES:,} for the shapes and {rows[IN_A_RUN][k]:.3f} m/s in a run. It is not small enough to come to "
         f"rest: {rows[IN_A_RUN][k] * paper.STEP_S:.4f} m a step, where the stop rule asks for {paper.STOP_M:.5f} m.",
         tables=(_table("Mean distance to the centroid, m/s", rows, lambda value: f"{value:.4f}"),),
-    )
+        verdicts=(
+            Verdict(
+                "The error of the generated velocity is very close to zero with many random points", "4.4.1, Figure 9",
+                "holds", f"At {paper.SAMPLES:,}: {shaped:.3f} m/s of {paper.SPEED_M_S:g}. It is too much for the "
+                f"stop rule: "
+                f"{rows[IN_A_RUN][k] * paper.STEP_S:.4f} m a step, allowed {paper.STOP_M:.5f} m.",
+            ),
+        ),
+    )  # fmt: skip
 
 
 def figure_11_section(runs: Runs) -> Section:
@@ -154,4 +163,12 @@ def figure_11_section(runs: Runs) -> Section:
         f"{enough:.1%} of the decisions at {paper.SAMPLES_ENOUGH} and {all_of_it:.1%} at {paper.SAMPLES:,} find no "
         "velocity where the exact set has one. When robots are nearly in place, their neighbours leave them slivers.",
         tables=(_table("Share of sets taken for empty that are not", rows, lambda value: f"{value:.2%}"),),
-    )
+        verdicts=(
+            Verdict(
+                f"Hardly any set is misjudged as empty after {paper.SAMPLES_ENOUGH} points", "4.4.2, Figure 11",
+                holds_if(enough < 0.02),
+                f"It holds for shapes as in Figure 8 ({shaped:.1%}); of the sets that a run meets {enough:.1%} are "
+                f"misjudged, and {all_of_it:.1%} at {paper.SAMPLES:,}.",
+            ),
+        ),
+    )  # fmt: skip

@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.draw.curve_panel import Curve, CurvePanel, Level
+from rota.draw.curve_panel import Curve, CurvePanel
 from rota.draw.map_panel import MapPanel
-from rota.draw.palette import OVER_PERIOD, route_style
+from rota.draw.palette import route_style
 from rota.draw.study_picture import study_picture
 from rota.mission import Mission
 from rota.studies.chen2018 import maps, paper
@@ -29,7 +29,8 @@ from rota.studies.chen2018.runs import (
     Outcome,
     Runs,
 )
-from rota.studies.section import Picture, Section
+from rota.studies.chen2018.verdicts import convergence_verdicts, holds_if
+from rota.studies.section import Picture, Section, Verdict
 from rota.studies.tables import NOTHING, Table
 
 Floats = NDArray[np.float64]
@@ -114,6 +115,7 @@ def figure_12_section(runs: Runs) -> Section:
         "than a thousand times what the stop rule allows, so that the paper must have found the centre, or the end, in "
         "another way. Without a filter the circle of t = τ lets robots through the walls of a corner.",
         tables=(_parameters(), table),
+        verdicts=convergence_verdicts(by_start, _within(within)),
     )
 
 
@@ -201,7 +203,20 @@ def figure_13_section(runs: Runs) -> Section:
         f"{dense[FILTERED.name][0]} contacts, and {_unchanged(runs)}. The text below Figure 14 has the condition the "
         "wrong way round: contact is a distance *smaller* than the sum of the radii.",
         tables=(table,),
-    )
+        verdicts=(
+            Verdict(
+                "The swarm avoids collisions in its run", "5.1, Figure 13", holds_if(not touched[EXACT.name]),
+                f"RD without a filter: contact in {rows[READINGS.index(EXACT)][1]} runs, from rest.",
+            ),
+            Verdict(
+                "Velocities of the sets are free of collisions (Corollary 1)", "3.3.1",
+                holds_if(not dense[EXACT.name][0]),
+                f"From dense states in motion bodies touch in {dense[EXACT.name][0]:,} of {TRIED:,} steps: a fifth "
+                f"neighbour "
+                f"and empty sets are left out. With Rota's last filter in {dense[FILTERED.name][0]}.",
+            ),
+        ),
+    )  # fmt: skip
 
 
 def _unchanged(runs: Runs) -> str:
@@ -246,7 +261,16 @@ def figure_14_section(runs: Runs) -> Section:
         "away half of all velocities, so that robots near it wait for others: it costs RD steps and coverage, "
         "and the methods that push by overlaps hardly anything.",
         tables=(table,),
-    )
+        verdicts=(
+            Verdict(
+                f"RD converges with an obstacle (k = {paper.STEPS_FIGURE_14:,})", "5.1, Figure 14",
+                holds_if(len(taken) == len(found[EXACT.name])),
+                f"{len(taken)} of {len(found[EXACT.name])} runs come to rest, "
+                f"{'' if not taken else plus_minus(taken, ',.0f')} "
+                f"steps; where the obstacle stands is not told.",
+            ),
+        ),
+    )  # fmt: skip
 
 
 def figure_15_section(runs: Runs) -> Section:
@@ -261,7 +285,13 @@ def figure_15_section(runs: Runs) -> Section:
         caption="Figure 15, for the run of Figure 14.",
         paper="No two robots touch.",
         found=f"Holds: {least:.3f} m is the least in {len(found)} runs, where 1 m is contact.",
-    )
+        verdicts=(
+            Verdict(
+                "No two robots touch with an obstacle", "5.1, Figure 15", holds_if(least >= 2 * paper.BODY_M),
+                f"{least:.3f} m between middles is the least in {len(found)} runs.",
+            ),
+        ),
+    )  # fmt: skip
 
 
 def figure_16_section(runs: Runs) -> Section:
@@ -278,7 +308,7 @@ def figure_16_section(runs: Runs) -> Section:
         curves.append(Curve(f"robot {k + 1}", values, colour, style, at=at.astype(np.float64), marked=False))
     panel = CurvePanel(
         title="Distance to the obstacle", note=f"least of all: {distances.min():.2f} m", curves=tuple(curves),
-        levels=(Level("body touches, 0.5 m", paper.BODY_M, OVER_PERIOD),), across="step k", up="m", wide=True,
+        across="step k", up="m", wide=True,
     )  # fmt: skip
     told = ", ".join(str(k) for k in paper.ROBOTS_AT_OBSTACLE)
     return Section(
@@ -291,13 +321,20 @@ def figure_16_section(runs: Runs) -> Section:
                 study_picture([panel]),
             ),
         ),
-        caption="Figure 16, for the run of Figure 14: from a robot's middle to the obstacle, while that is in range.",
+        caption="Figure 16, for the run of Figure 14: from a robot's middle to the obstacle, while that is in range. "
+        "Bodies touch it at 0.5 m, far below.",
         paper=f"Only robots {told} have the obstacle in range, and none touches it.",
         found=f"None touches it: {distances.min():.2f} m is the least. {len(near)} robots have it in range at some "
         f"time, in the paper {len(paper.ROBOTS_AT_OBSTACLE)}. They keep near the border of their range: as soon as "
         "a wall "
         "is in it, all velocities towards it are ruled out.",
-    )
+        verdicts=(
+            Verdict(
+                "No robot touches the obstacle", "5.1, Figure 16", holds_if(distances.min() >= paper.BODY_M),
+                f"The nearest keeps {distances.min():.2f} m away, in one run.",
+            ),
+        ),
+    )  # fmt: skip
 
 
 def obstacle_distances_m(mission: Mission, outcome: Outcome) -> Floats:

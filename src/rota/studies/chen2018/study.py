@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from rota.studies.chen2018.claims import figure_24_section
 from rota.studies.chen2018.compared_figures import (
     figure_17_section,
     figure_18_section,
     figure_19_section,
-    figure_20_section,
 )
+from rota.studies.chen2018.gazebo_figure import figure_23_section
 from rota.studies.chen2018.large_figure import figure_21_section
 from rota.studies.chen2018.page import page_markdown
 from rota.studies.chen2018.runs import Runs, StudySettings
 from rota.studies.chen2018.sampling_figures import figure_9_section, figure_11_section
+from rota.studies.chen2018.scale_figure import figure_20_section
 from rota.studies.chen2018.small_figures import (
     figure_12_section,
     figure_13_section,
@@ -33,10 +35,12 @@ chen2018_study = PaperStudy(
         15: (figure_15_section, 1),
         16: (figure_16_section, 1),
         17: (figure_17_section, 10),
-        18: (figure_18_section, 1),
+        18: (figure_18_section, 60),
         19: (figure_19_section, 1),
         20: (figure_20_section, 80),
-        21: (figure_21_section, 180),
+        21: (figure_21_section, 250),
+        23: (figure_23_section, 15),
+        24: (figure_24_section, 60),
     },
     settings=StudySettings,
     runs=Runs,
