@@ -163,3 +163,33 @@ def test_floors_of_too_many_cells_are_not_called_met() -> None:
     settings = replace(plan.mission.bounce, cell_m=1e-9)
     report = check_plan(replace(plan, mission=replace(plan.mission, planning=settings)))
     assert kinds(report) == ["too many cells to judge"]
+
+
+def in_a_room(places: object, angle_deg: float = 90.0) -> Report:
+    """One disc of 0.5 m without a grid in a room of 10 m x 10 m, round through these places for ever."""
+    robot = Robot(name="a", speed_m_s=1.0, sensor=DiscSensor(radius_m=1), body_radius_m=0.5)
+    mission = Mission(
+        name="room",
+        area=box(0, 0, 10, 10),
+        zones=(replace(monitoring().mission.zones[0], name="all", shape=box(0, 0, 10, 10), period_s=99),),
+        fleet=Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=1), robots=(robot,), body_radius_m=0.5),
+        planning=BounceSettings(cells="none", bouncing_angles_deg=(angle_deg,)),
+    )
+    way = np.array([*places, places[0]], float)  # type: ignore[misc,index]
+    times = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])
+    return check_plan(
+        Plan(mission=mission, trajectories=(Trajectory(robot="a", times_s=times, positions_m=way, loop_start_s=0),))
+    )
+
+
+def test_without_cells_a_turn_is_where_the_body_touches_a_wall() -> None:
+    along_the_walls = [(5, 0.5), (9.5, 0.5), (9.5, 9.5), (0.5, 9.5), (0.5, 0.5)]
+    assert in_a_room(along_the_walls).verdict == "met"
+    # from the middle of one wall to that of the next: by 90 degrees, each at a wall
+    assert in_a_room([(5, 0.5), (9.5, 5), (5, 9.5), (0.5, 5)]).verdict == "met"
+    # the south wall is touched all the way, and stops nobody who drives along it
+    early = [(5, 0.5), (9.4, 0.5), (9.4, 9.5), (0.5, 9.5), (0.5, 0.5)]
+    found = in_a_room(early).violations
+    assert [(v.kind, v.place_m) for v in found] == [("turns where nothing is in the way", (9.4, 0.5))]
+    assert set(kinds(in_a_room(along_the_walls, 135.0))) == {"turns where nothing is in the way"}
+    assert set(kinds(in_a_room(along_the_walls, 80.0))) == {"turns by another angle"}

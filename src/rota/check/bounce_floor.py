@@ -31,7 +31,7 @@ class Floor:
         self.moves = heading_moves(settings.headings)
         self._pass_corners = settings.corners == "pass"
         x0, y0, x1, y1 = mission.area.bounds
-        origin = getattr(settings, "cell_origin", None)
+        origin = settings.cell_origin
         self.corner_m = np.array([x0, y0])
         if origin is not None:
             self.corner_m = np.array(origin) - np.ceil((np.array(origin) - [x0, y0]) / self.cell_m - 1e-9) * self.cell_m

@@ -1,8 +1,9 @@
 """Whether trajectories are those of bouncing robots, and whether a floor that is to be covered is entered everywhere.
 
-A bouncing robot drives straight along its heading, from cell to cell. Where something is in the way of its next move it
-stays, and turns counterclockwise by its bouncing angle; then the same again. Nothing else turns it, but for the clock
-where it is to cover the floor. How long a turn takes is a matter of the speed and the turn rate alone.
+A bouncing robot drives straight along its heading, from cell to cell, or without cells until its body touches a wall.
+Where something is in the way it stays, and turns counterclockwise by its bouncing angle; then the same again. Nothing
+else turns it, but for the clock where it is to cover the floor. How long a turn takes is a matter of the speed and the
+turn rate alone.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from rota.check.bounce_contacts import Around
 from rota.check.bounce_floor import TOUCH_M, Floor
+from rota.check.bounce_lines import Walls, line_violations
 from rota.check.report import Violation
 from rota.mission import BounceSettings
 from rota.plan import Plan, Trajectory
@@ -45,6 +47,8 @@ def bounce_violations(plan: Plan) -> Bounced:
     settings = plan.mission.planning
     if not isinstance(settings, BounceSettings):
         return Bounced()
+    if settings.cells == "none":
+        return Bounced(violations=tuple(_without_cells(plan, settings)))
     floor = Floor(plan.mission, settings)
     if not floor.judgeable:
         wrong = _violation("too many cells to judge", "area", None, None, settings.cell_m, settings.cell_m, "m wide")
@@ -78,6 +82,19 @@ def bounce_violations(plan: Plan) -> Bounced:
         violations.append(_violation("cells never entered", "area", place, None, len(missed), 0, "cells"))
     told = (f"{by_clock} turns are taken to be by the clock, since no wall explains them",) if by_clock else ()
     return Bounced(violations=tuple(violations), cells=(len(wanted) - len(missed), len(wanted)), not_judged=told)
+
+
+def _without_cells(plan: Plan, settings: BounceSettings) -> list[Violation]:
+    """The same for robots on no grid, which touch walls exactly and come near no other robot."""
+    walls, found = Walls(plan.mission), []
+    angles = settings.bouncing_angles_deg
+    for k, trajectory in enumerate(plan):
+        index = _index_in_fleet(plan, trajectory, k) if len(angles) > 1 else 0
+        if index >= len(angles):
+            found.append(_violation("no bouncing angle", trajectory.robot, None, None, index, len(angles), "angles"))
+        else:
+            found += line_violations(trajectory, walls, math.radians(angles[index]))[:MOST_PER_ROBOT]
+    return found
 
 
 def _index_in_fleet(plan: Plan, trajectory: Trajectory, otherwise: int) -> int:

@@ -46,7 +46,7 @@ def separation_violations(plan: Plan) -> list[Violation]:
     routes = routes_of(plan)
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
     if isinstance(plan.mission.planning, BounceSettings):
-        # no two of them are in one cell: even points would have bumped into each other
+        # no two of them are in one cell: even points would have bumped into each other (without cells: 0 m)
         bodies = np.maximum(bodies, BOUNCING_CELLS * plan.mission.planning.cell_m)
     if len(bodies) < 2 or np.sort(bodies)[-2:].sum() <= TOUCH_M:
         return []

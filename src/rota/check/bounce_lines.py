@@ -1,0 +1,100 @@
+"""Whether a robot without a grid bounces: straight lines, and turns by its angle where its body touches a wall."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check.report import Violation
+from rota.check.routes import lines_of, segments_of
+from rota.mission import Mission
+from rota.plan import Trajectory
+
+Floats = NDArray[np.float64]
+
+TOUCH_M = 1e-6
+STILL_M = 1e-9
+SAME_RAD = 1e-6
+AHEAD_M = 1e-4  # so far on, a body that is stopped would be in the wall
+NEARER = 1e-5  # of the way ahead: what comes nearer by less goes along the wall
+
+
+class Walls:
+    """The borders and obstacles of a mission, for its widest body."""
+
+    def __init__(self, mission: Mission) -> None:
+        blocked = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_motion])
+        self._ground: Any = shapely.difference(mission.area, blocked)
+        shapely.prepare(self._ground)
+        self._tree = shapely.STRtree(lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)])))
+        robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
+        self._body_m = max(robot.body_radius_m for robot in robots)
+
+    def clear_m(self, place_m: Floats) -> float:
+        """How far the body at a place is from the nearest wall; below 0: in it."""
+        point = shapely.Point(place_m)
+        away = float(self._tree.query_nearest(point, return_distance=True, all_matches=False)[1][0])
+        return (away if shapely.covers(self._ground, point) else -away) - self._body_m
+
+    def stop(self, place_m: Floats, heading_rad: float) -> bool:
+        """Whether the body touches a wall within 1e-6 m and would go into it."""
+        here_m = self.clear_m(place_m)
+        ahead = np.array([math.cos(heading_rad), math.sin(heading_rad)]) * AHEAD_M
+        return here_m <= 2 * TOUCH_M and self.clear_m(place_m + ahead) < here_m - NEARER * AHEAD_M
+
+
+def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> list[Violation]:
+    """Turns that are no bounces: by another angle, or where no wall stops the robot; waiting, and resting."""
+    places, times = trajectory.positions_m[:, :2], trajectory.times_s
+    ways = np.diff(places, axis=0)
+    lengths = np.hypot(*ways.T)
+    moving = [int(k) for k in np.flatnonzero(lengths > STILL_M)]
+    looping = [k for k in moving if k >= trajectory.loop_index]
+
+    def wrong(kind: str, k: int, value: float, limit: float, unit: str) -> Violation:
+        x, y = places[k]
+        return Violation(
+            kind=kind,
+            who=trajectory.robot,
+            place_m=(float(x), float(y)),
+            time_s=float(times[k]),
+            value=value,
+            limit=limit,
+            unit=unit,
+        )
+
+    if not looping:
+        return [wrong("rests where nothing is in the way", len(places) - 1, 0.0, math.degrees(angle_rad), "degrees")]
+    found = []
+    directions = np.arctan2(ways[:, 1], ways[:, 0])
+    for before, after in [*itertools.pairwise(moving), (looping[-1], looping[0])]:
+        noise = SAME_RAD + 8 * STILL_M * (1 / lengths[before] + 1 / lengths[after])
+        turned = float((directions[after] - directions[before]) % math.tau)
+        seam_s = times[-1] - times[before + 1] + times[after] - trajectory.loop_start_s
+        pause_s = seam_s if after <= before else times[after] - times[before + 1]
+        straight = min(turned, math.tau - turned) <= noise
+        if straight and pause_s <= 0:
+            continue
+        count = 1 if straight else _bounces(turned, angle_rad, noise)
+        degrees = math.degrees(turned)
+        if count is None:
+            found.append(wrong("turns by another angle", after, degrees, math.degrees(angle_rad), "degrees"))
+        elif not all(walls.stop(places[after], directions[before] + j * angle_rad) for j in range(count)):
+            found.append(wrong("turns where nothing is in the way", after, degrees, math.degrees(angle_rad), "degrees"))
+    return found
+
+
+def _bounces(turned_rad: float, angle_rad: float, noise_rad: float) -> int | None:
+    """How many bounces turn so far; None: no number up to a whole round of them does."""
+    for count in range(1, 361):
+        off = (count * angle_rad - turned_rad + math.pi) % math.tau - math.pi
+        if abs(off) <= noise_rad:
+            return count
+        if count * angle_rad % math.tau < SAME_RAD:
+            return None  # round and round again from here on
+    return None
