@@ -7,23 +7,34 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shapely import box
 
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.problem import common_robot
 from rota.planners.patrol.sun2019.frame_settings import TABLE_4, PartitionSettings
 from rota.planners.patrol.sun2019.partition import partition_frame
 from rota.planners.patrol.sun2019.pso import rules_of
 from rota.planners.patrol.sun2019.pso_kernels import cost_of
-from rota.planners.patrol.sun2019.route import as_line, borders_of, length_m, route_round, stretch_line
+from rota.planners.patrol.sun2019.route import length_m, route_round, stretch_line
 from rota.planners.patrol.sun2019.route_lengths import route_lengths_m, segment_lengths_m, segment_periods_s
+from rota.planners.patrol.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.sun2019.settings import MethodSettings
 from rota.planners.patrol.sun2019.stages import Framed, cut_in_segments, framed_sensors, measured
-from rota.studies.sun2019 import figure_13, paper
+from rota.studies.sun2019 import paper
 
 SMALL_SWARMS = replace(TABLE_4, swarms=20, particles=40)
 SETTINGS = MethodSettings(partition=SMALL_SWARMS)
-MISSION = figure_13()
+FINE = RouteSettings(hole=0.01)
+MISSION = Mission(
+    name="yard",
+    area=box(0, 0, 70, 60),
+    obstacles=(Obstacle(shape=box(20, 20, 50, 40), blocks="sight"),),  # routes go round it, and may go through
+    zones=(Zone(name="gate", shape=box(40, 40, 65, 55), period_s=5),),
+    period_s=20,
+    fleet=Fleet(speed_m_s=20, sensor=DiscSensor(radius_m=5)),
+)
 PATHS = ShortestPaths(standing_space(MISSION, 0.0))
 
 
@@ -36,21 +47,17 @@ def test_lengths_are_those_of_the_routes(framed: Framed) -> None:
     (part,) = framed.parts
     frame, n = part.frame, len(part.frame.order)
     found_m = route_lengths_m(
-        frame, part.waypoint_periods_s, PATHS, speed_m_s=20, radius_m=5, joining_legs=False
+        frame, part.waypoint_periods_s, PATHS, speed_m_s=20, radius_m=5, joining_legs=False, settings=FINE
     )  # fmt: skip
     assert found_m.shape == (n, n)
     allowed_m = 20 * segment_periods_s(part.waypoint_periods_s)
     estimate_m = 2 * segment_lengths_m(frame.legs_m, joining_legs=False) + 10 * np.pi
-    rng, space = np.random.default_rng(4), PATHS.parts[0]
+    rng = np.random.default_rng(4)
     near = np.argwhere(found_m <= 1.3 * allowed_m)
-    several = 0
-    for a, k in rng.permutation(near)[:20].tolist():
+    for a, k in rng.permutation(near)[:200].tolist():
         line_m = stretch_line(frame, (a + np.arange(k + 1)) % n, joining_legs=False)
-        really_m = length_m(route_round(line_m, PATHS, radius_m=5))
+        really_m = length_m(route_round(line_m, PATHS, radius_m=5, settings=FINE))
         assert found_m[a, k] == pytest.approx(really_m, rel=1e-9)
-        line = as_line(line_m)
-        several += len(borders_of(line.buffer(5, quad_segs=8) & space, line, space, hole_m2=0.25 * np.pi * 25)) > 1
-    assert several > 0
     far = estimate_m > 3 * allowed_m
     assert found_m[far].tolist() == estimate_m[far].tolist()
     assert (found_m[~far & (found_m > 1.3 * allowed_m)] > 0).all()
