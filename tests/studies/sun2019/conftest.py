@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 from rota.compare import MethodOutcome
 from rota.mission import Mission
 from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota.planners.patrol.sun2019.route_lengths import segment_lengths_m
 from rota.planners.patrol.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.sun2019.settings import MethodSettings
+from rota.planners.patrol.sun2019.tour import Frame
 from rota.studies.sun2019 import runs as runs_module
 from rota.studies.sun2019.runs import Printed, Runs, StudySettings
 
@@ -26,7 +29,7 @@ SMALL = MethodSettings(
 
 @pytest.fixture(scope="session")
 def settings() -> StudySettings:
-    return StudySettings(figure_13=SMALL, figure_16=SMALL)
+    return StudySettings(figure_13=SMALL, figure_16=SMALL, further_seeds=1)
 
 
 @pytest.fixture
@@ -45,7 +48,10 @@ def printed_by_name() -> dict[str, Printed]:
 
 @pytest.fixture
 def without_search(printed_by_name: dict[str, Printed], monkeypatch: pytest.MonkeyPatch) -> list[Mission]:
-    """Methods answer at once with the printed routes of the method's small settings; the missions asked for so far."""
+    """Methods answer at once with the small settings' printed routes, lengths of routes are estimated.
+
+    The missions that methods were asked to plan so far.
+    """
     asked: list[Mission] = []
     run_it = Runs.printed
 
@@ -62,7 +68,16 @@ def without_search(printed_by_name: dict[str, Printed], monkeypatch: pytest.Monk
             method=mission.patrol.method, plan=known.plan, report=known.report, planning_s=0.0, reason="late"
         )
 
+    def mended(runs: Runs, mission: Mission, settings: MethodSettings) -> MethodOutcome:
+        known = runs.printed(mission, settings)
+        return MethodOutcome(method="sun2019", plan=known.plan, report=known.report, planning_s=0.0, reason="late")
+
+    def lengths_m(frame: Frame, *_: Any, radius_m: float, joining_legs: bool, **__: Any) -> np.ndarray:
+        return 2 * segment_lengths_m(frame.legs_m, joining_legs=joining_legs) + 2 * np.pi * radius_m
+
     monkeypatch.setattr(Runs, "printed", printed)
+    monkeypatch.setattr(Runs, "mended", mended)
+    monkeypatch.setattr(runs_module, "route_lengths_m", lengths_m)
 
     monkeypatch.setattr(runs_module, "outcome_of", answer)
     monkeypatch.setattr(runs_module, "load_compiled_loops", lambda: None)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,10 +15,13 @@ from PIL import Image
 
 from rota.errors import RotaError
 from rota.mission import Mission
+from rota.planners.patrol.context import Context
 from rota.planners.patrol.sun2019.deploy import deploy_sensors
+from rota.planners.patrol.sun2019.deploy_settings import TABLE_7
+from rota.planners.patrol.sun2019.settings import MethodSettings
 from rota.studies.study import Study, StudyStopped, listed_figures, write_study
-from rota.studies.sun2019.result_figures import AS_THE_PAPER
-from rota.studies.sun2019.runs import Runs, StudySettings
+from rota.studies.sun2019 import runs as runs_module
+from rota.studies.sun2019.runs import Reading, Runs, StudySettings
 from rota.studies.sun2019.stage_figures import figure_8_section
 from rota.studies.sun2019.study import sun2019_study
 
@@ -29,12 +34,15 @@ def study(settings: StudySettings) -> Study:
 
 
 def test_sensors_in_the_table_are_those_of_the_runs(study: Study, settings: StudySettings, make_runs) -> None:
-    (table,) = study.sections[0].tables
+    table, additions = study.sections[0].tables
     mission, deploy = make_runs().map_13, settings.figure_13.deployments[0]
     for row, under, paper in zip(table.rows, (deploy, deploy.without_rules()), ("99", "103"), strict=True):
         zones = [len(zone.positions_m) for zone in deploy_sensors(mission, under, seed=2).zones]
         assert row[1:] == (paper, str(sum(zones)), *map(str, zones))
         assert f"{sum(zones)} " in study.sections[0].found
+        other = len(deploy_sensors(mission, under, seed=3).positions_m)
+        assert additions.rows[0][1 if under is deploy else 2] == f"{sum(zones)}, {other}"
+    assert [row[0] for row in additions.rows[::4]] == ["as here", "all three, the letter of Algorithm 1"]
 
 
 def test_crossings_in_the_table_are_those_of_the_frames(study: Study, make_runs: Callable[..., Runs]) -> None:
@@ -66,7 +74,8 @@ def test_the_page_shows_every_picture_and_names_what_cannot_be_reproduced(study:
         f"## Figure {section.figure}: {section.heading}" for section in study.sections
     ]
     assert study.page.count("The map is a reconstruction: the paper prints no coordinates.") == len(STAGES)
-    for fault in ("61,025.99", "50 iterations", "168th", "T₁ > T₂ > T₃"):
+    assert "| **holds** |" in study.page or "| **does not hold** |" in study.page
+    for fault in ("61,025.99", "50 iterations", "168th", "T₁ > T₂ > T₃", "r_n = 2 r_s", "ξ₁ = 300", "5,709.0"):
         assert fault in study.page
 
 
@@ -105,7 +114,9 @@ def test_a_stop_ends_the_study_between_two_runs(settings: StudySettings) -> None
         sun2019_study(
             (6, 8), settings=settings, progress=lambda _, doing: told.append(doing), should_stop=lambda: len(told) == 2
         )
-    assert told == ["sun2019-fig13: deploying sensors and finding the frame", "sun2019-fig13: deploying sensors"]
+    assert told == [
+        "sun2019-fig13: deploying sensors and finding the frame, seed 0", "sun2019-fig13: deploying sensors, seed 0",
+    ]  # fmt: skip
 
 
 def test_progress_grows_to_the_last_figure(settings: StudySettings) -> None:
@@ -135,7 +146,7 @@ def test_what_figures_share_runs_once(settings: StudySettings) -> None:
     assert runs.printed(runs.map_13, settings.figure_13) is printed
     assert told == [
         f"sun2019-fig13: {doing}"
-        for doing in ("deploying sensors and finding the frame", "cutting the frame", "checking the routes")
+        for doing in ("deploying sensors and finding the frame, seed 0", "cutting the frame", "checking the routes")
     ]
 
 
@@ -143,9 +154,45 @@ def test_methods_are_asked_once(make_runs: Callable[..., Runs], without_search: 
     runs = make_runs()
     runs.printed(runs.map_13, runs.settings.figure_13)
     for _ in range(2):
-        runs.by_tours(runs.map_13)
-        runs.by_stages(runs.map_13)
-        runs.by_stages(runs.map_13, AS_THE_PAPER)
-    methods = [(mission.patrol.method, mission.patrol.sun2019.deployment) for mission in without_search]
-    assert methods == [("tours", "best"), ("sun2019", "best"), ("sun2019", "ccpso2")]
-    assert {mission.patrol.effort for mission in without_search} == {"quick"}
+        runs.by_method(runs.map_13, "tours")
+        runs.by_method(runs.map_13, "sun2019")
+        runs.by_method(runs.map_13, "tours", effort="normal")
+    asked = [(mission.patrol.method, mission.patrol.effort) for mission in without_search]
+    assert asked == [("tours", "quick"), ("sun2019", "quick"), ("tours", "normal")]
+
+
+def test_mending_is_done_once_with_the_figure_s_own_tables(
+    make_runs: Callable[..., Runs], without_search: list[Mission], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs = make_runs()
+    asked: list[tuple[str, MethodSettings]] = []
+
+    def searched(context: Context, settings: MethodSettings) -> SimpleNamespace:
+        asked.append((context.problem.mission.patrol.effort, settings))
+        plan = runs.printed(runs.map_15, runs.settings.figure_16).plan
+        return SimpleNamespace(plan=plan, met=True, fits=True)
+
+    monkeypatch.undo()
+    monkeypatch.setattr(runs_module, "fewest_robots_by_stages", searched)
+    found = runs.mended(runs.map_15, runs.settings.figure_16)
+    assert runs.mended(runs.map_15, runs.settings.figure_16) is found
+    assert (found.method, found.met) == ("sun2019", True)
+    ((effort, settings),) = asked
+    assert (effort, settings.route.routes) == ("quick", "repaired")
+    assert replace(settings, route=runs.settings.figure_16.route) == runs.settings.figure_16
+    assert StudySettings().figure_16.deployments == (TABLE_7,)
+
+
+@pytest.mark.usefixtures("without_search")
+def test_the_cheapest_partition_costs_no_more_than_the_swarms(make_runs: Callable[..., Runs]) -> None:
+    runs = make_runs()
+    settings = runs.settings.figure_13
+    printed = runs.printed(runs.map_13, settings)
+    own = Reading(settings.partition.joining_legs, settings.partition.weight_late)
+    least = runs.cheapest(printed.stages.framed, runs.map_13, settings, own)
+    assert least.cost <= printed.stages.partitions[0].cost
+    never = runs.cheapest(printed.stages.framed, runs.map_13, settings, Reading(False, 1e6))
+    assert never.kept
+    assert len(never.first) >= len(
+        runs.cheapest(printed.stages.framed, runs.map_13, settings, Reading(False, 200)).first
+    )

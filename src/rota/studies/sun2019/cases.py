@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from shapely import LineString, Point
@@ -11,30 +11,31 @@ from shapely import LineString, Point
 from rota.check import Report
 from rota.compare import MethodOutcome
 from rota.draw.routes import Route, routes_of
-from rota.mission import AREA, Mission
+from rota.mission import AREA, Method, Mission
 from rota.plan import Plan
 from rota.plan_table import zones_served
+from rota.planners.patrol.sun2019.settings import MethodSettings
 from rota.studies.sun2019.panels import zone_title
 from rota.studies.sun2019.paper import PaperCase, PaperRoute
-from rota.studies.sun2019.runs import Printed
+from rota.studies.sun2019.runs import Printed, Runs
 from rota.studies.tables import NOTHING, Table, number
+
+DEFAULTS: tuple[Method, ...] = ("sequential", "parallel", "decomposition", "sun2019", "tours")
+TIMED = ("mended", "sun2019", "tours")  # whose routes' times are told
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
     """A case with all that it is compared with.
 
-    printed: the paper's algorithms with its parameters, nothing mended. mended: the same by the method ``sun2019``,
-    which mends the routes until the check passes; None where that was not run. stages: ``sun2019`` as it chooses its
-    stages. tours: our method.
+    printed: the paper's algorithms with its parameters, nothing mended. outcomes: plans that the check judged, by the
+    heads of the tables' columns: the paper's algorithms with routes mended, and methods as they are by default.
     """
 
     paper: PaperCase
     mission: Mission
     printed: Printed
-    mended: MethodOutcome | None
-    stages: MethodOutcome
-    tours: MethodOutcome
+    outcomes: Mapping[str, MethodOutcome]
 
     @property
     def lower_bound(self) -> int | None:
@@ -55,10 +56,14 @@ class Case:
         return sum(demand.unseen_area_m2 for demand in self.printed.report.demands)
 
     @property
-    def outcomes(self) -> dict[str, MethodOutcome]:
-        """The plans that the check judged, by the heads of the tables' columns."""
-        mended = {} if self.mended is None else {"mended": self.mended}
-        return mended | {"sun2019": self.stages, "tours": self.tours}
+    def late(self) -> int:
+        """Routes that Eq. 26 has no shorter than their period."""
+        return sum(int((one.times_s >= one.periods_s).sum()) for one in self.printed.stages.partitions)
+
+    @property
+    def segments(self) -> int:
+        """Robots by the paper's algorithms here."""
+        return len(self.printed.stages.segments)
 
 
 def robots_told(outcome: MethodOutcome) -> str:
@@ -68,8 +73,29 @@ def robots_told(outcome: MethodOutcome) -> str:
     return str(outcome.robots) if outcome.met else f"{outcome.robots}, not met"
 
 
+def case_of(runs: Runs, case: PaperCase, mission: Mission, settings: MethodSettings) -> Case:
+    """A case of the paper with all its runs."""
+    printed, mended = runs.printed(mission, settings), runs.mended(mission, settings)
+    methods: dict[str, MethodOutcome] = {method: runs.by_method(mission, method) for method in DEFAULTS}
+    return Case(paper=case, mission=mission, printed=printed, outcomes={"mended": mended, **methods})
+
+
+def case_tables(title: str, cases: Sequence[Case]) -> tuple[Table, ...]:
+    """Robots, worst gaps and all routes of the cases."""
+    return (
+        robots_table(f"{title}: robots", cases),
+        gaps_table(f"{title}: worst T^a / T^c, or worst gap / period by the check", cases),
+        routes_table(f"{title}: times of the routes, s", cases),
+    )
+
+
+def with_late(robots: int, late: int) -> str:
+    """``11, 4 late``: robots, and how many of them miss their period."""
+    return f"{robots}" + (f", {late} late" if late else "")
+
+
 def robots_table(title: str, cases: Sequence[Case]) -> Table:
-    """A row for each case: robots by the paper, by its algorithms here, by two methods, and the proved bound."""
+    """A row for each case: robots by the paper, by its algorithms here, of all plans, and the proved bound."""
     head = ("case", "periods s", "paper", "Eq. 26", *cases[0].outcomes, "lower bound")
     rows = []
     for case in cases:
@@ -78,15 +104,14 @@ def robots_table(title: str, cases: Sequence[Case]) -> Table:
             (
                 case.paper.name,
                 ", ".join(f"{period_s:g}" for period_s in case.paper.periods_s),
-                f"{len(case.paper.routes)}" + (f", {late} late" if late else ""),
-                str(len(case.printed.stages.segments)),
+                with_late(len(case.paper.routes), late),
+                with_late(case.segments, case.late),
                 *(robots_told(outcome) for outcome in case.outcomes.values()),
                 number(case.lower_bound, "d"),
             )
         )
     if len(cases) > 1:
-        sums = [[len(case.paper.routes), len(case.printed.stages.segments)] for case in cases]
-        totals = [str(sum(column)) for column in zip(*sums, strict=True)]
+        totals = [str(sum(len(case.paper.routes) for case in cases)), str(sum(case.segments for case in cases))]
         totals += [_total([case.outcomes[way].robots for case in cases]) for way in cases[0].outcomes]
         rows.append(("together", "", *totals, _total([case.lower_bound for case in cases])))
     return Table(title=title, head=head, rows=tuple(rows), words=(0, 1))
@@ -99,7 +124,7 @@ def _total(values: Sequence[int | None]) -> str:
 
 def gaps_table(title: str, cases: Sequence[Case]) -> Table:
     """A row for each case: how much of a period is used at worst, and what the paper's routes leave unseen here."""
-    head = ("case", "paper", "Eq. 26", "as printed: m² unseen", *cases[0].outcomes)
+    head = ("case", "paper", "Eq. 26", "as printed: m² unseen", "as printed: seen too late", *cases[0].outcomes)
     rows = []
     for case in cases:
         partitions = case.printed.stages.partitions
@@ -110,10 +135,17 @@ def gaps_table(title: str, cases: Sequence[Case]) -> Table:
                 f"{max(route.time_s / route.period_s for route in case.paper.routes):.3f}",
                 f"{worst:.3f}",
                 f"{case.unseen_m2:,.0f}",
+                too_late_told(case.printed.report),
                 *(_ratio_told(outcome.worst_ratio) for outcome in case.outcomes.values()),
             )
         )
     return Table(title=title, head=head, rows=tuple(rows))
+
+
+def too_late_told(report: Report) -> str:
+    """Sub-regions that are seen to the last point, but too seldom, with their worst gaps; a dash for none."""
+    late = [one for one in report.demands if one.period_s < one.worst_gap_s < math.inf]
+    return "; ".join(f"{zone_title(one.name)}: {one.worst_gap_s:.1f} of {one.period_s:g} s" for one in late) or NOTHING
 
 
 def _ratio_told(ratio: float | None) -> str:
@@ -126,24 +158,25 @@ def routes_table(title: str, cases: Sequence[Case]) -> Table:
     A route of ours belongs to the sub-region whose period it must keep: the smallest of those it serves.
     """
     several = len(cases) > 1
-    head = ("sub-region", "T^c s", "paper: T^a s", "Eq. 26: T^a s", "as printed", "sun2019", "tours")
+    head = ("sub-region", "T^c s", "paper: T^a s", "Eq. 26: T^a s", *TIMED)
     rows: list[tuple[str, ...]] = []
     for case in cases:
         for k, (name, period_s) in enumerate(case.zones):
-            by_formula, driven = segment_times_s(case.printed, name)
             cells = (
                 zone_title(name),
                 f"{period_s:.2f}",
                 _listed([_paper_time(route) for route in case.paper.routes if _zone(route, case) == k]),
-                _listed([f"{time_s:.2f}" for time_s in sorted(by_formula)]),
-                _listed([f"{time_s:.2f}" for time_s in sorted(driven)]),
-                _listed(loop_times(case.stages.plan, name)),
-                _listed(loop_times(case.tours.plan, name)),
+                _listed([_our_time(time_s, period) for time_s, period in segment_times_s(case.printed, name)]),
+                *(_listed(loop_times(case.outcomes[way].plan, name)) for way in TIMED),
             )
             rows.append((case.paper.name if k == 0 else "", *cells) if several else cells)
     return Table(
         title=title, head=("case", *head) if several else head, rows=tuple(rows), words=(0, 1) if several else (0,)
     )
+
+
+def _our_time(time_s: float, period_s: float) -> str:
+    return f"{time_s:.2f}" + (" (late)" if time_s >= period_s else "")
 
 
 def _listed(times: list[str]) -> str:
@@ -162,25 +195,21 @@ def _paper_time(route: PaperRoute) -> str:
     return f"{route.time_s:.2f}" + (" (late)" if route.late else "")
 
 
-def segment_times_s(printed: Printed, name: str) -> tuple[list[float], list[float]]:
-    """Seconds of the segments that must keep this sub-region's period: by Eq. 26, and as their routes are driven.
+def segment_times_s(printed: Printed, name: str) -> list[tuple[float, float]]:
+    """Seconds of the segments that must keep this sub-region's period by Eq. 26, shortest first, each with its period.
 
     Of the sub-regions whose sensors a segment holds, that is the one deployed first.
     """
     framed = printed.stages.framed
     names = [zone.name for zone in framed.deployment.zones]
-    by_formula: list[float] = []
-    driven: list[float] = []
-    routes = iter(printed.plan.trajectories)
+    found: list[tuple[float, float]] = []
     for part, partition in zip(framed.parts, printed.stages.partitions, strict=True):
         zone_of = framed.deployment.zone_of[part.sensors][part.frame.order]
-        for k, time_s in enumerate(partition.times_s.tolist()):
-            route = next(routes)
+        for k, times in enumerate(zip(partition.times_s.tolist(), partition.periods_s.tolist(), strict=True)):
             # zones were deployed from the smallest period up
             if names[int(zone_of[partition.places(k, len(zone_of))].min())] == name:
-                by_formula.append(time_s)
-                driven.append(route.loop_duration_s)
-    return by_formula, driven
+                found.append(times)
+    return sorted(found)
 
 
 def loop_times(plan: Plan | None, name: str) -> list[str]:
@@ -216,7 +245,17 @@ def _kept_zone(plan: Plan, route: Route) -> str | None:
     return min(served, key=lambda zone: (periods_s[zone], -inside_m[zone]), default=None)
 
 
-def unseen_told(report: Report) -> str:
-    """What the check says of routes as printed, in a few words."""
+def unseen_and_late(report: Report) -> str:
+    """What routes as printed leave out: ground that is never seen, and sub-regions that are seen too seldom."""
     unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
-    return f"check: {report.verdict}" + (f", {unseen_m2:,.0f} m² never seen" if unseen_m2 > 0 else "")
+    asked_m2 = sum(demand.area_m2 for demand in report.demands)
+    told = []
+    if unseen_m2 > 0:
+        told.append(
+            f"{unseen_m2:,.0f} m² ({100 * unseen_m2 / asked_m2:.1f} %) are never seen, where lanes merge or routes are "
+            "cut at obstacles"
+        )
+    late = too_late_told(report)
+    if late != NOTHING:
+        told.append(f"seen to the last point but too seldom: {late}")
+    return "; ".join(told) or f"the check says {report.verdict!r}"

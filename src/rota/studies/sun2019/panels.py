@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import LineString
 
+from rota.check import Report
 from rota.compare import MethodOutcome
-from rota.draw.curve_panel import Curve, CurvePanel
+from rota.draw.curve_panel import Curve, CurvePanel, Level
 from rota.draw.map_panel import Dots, MapPanel, Strokes
 from rota.draw.palette import OVER_PERIOD, ROUTE_COLOURS, route_style
 from rota.geometry.free_space import standing_space
@@ -19,6 +20,7 @@ from rota.planners.patrol.sun2019.deploy import Deployment, ZoneDeployment
 from rota.planners.patrol.sun2019.graph import proximity_graph
 from rota.planners.patrol.sun2019.partition import Partition
 from rota.planners.patrol.sun2019.tour import Frame
+from rota.studies.sun2019.runs import Printed
 from rota.studies.tables import counted
 
 Floats = NDArray[np.float64]
@@ -26,6 +28,7 @@ Floats = NDArray[np.float64]
 # of sensors, by zone: shapes differ as well as colours
 ZONE_COLOURS, ZONE_MARKERS = tuple(ROUTE_COLOURS[k] for k in (0, 6, 7)), "osD"
 REST_COLOUR, REST_MARKER = ROUTE_COLOURS[3], "^"
+MOST_WAY = 3.0  # times its last length: a tour that is longer still has a crossing more
 INK, GREY = "#222222", "#8A8A8A"
 
 
@@ -71,14 +74,17 @@ def deployment_panel(title: str, mission: Mission, deployment: Deployment) -> Ma
 
 
 def cost_panel(title: str, deployments: Sequence[tuple[str, Deployment]], *, wide: bool = False) -> CurvePanel:
-    """The fitness of Eq. 11 by iteration: Figures 6c, 13b and 16b. Deployments without a history have no curve."""
+    """The fitness of Eq. 11 by iteration: Figures 6c, 13b and 16b. Deployments without a history have no curve.
+
+    The random start, of which half the sensors are deployed, costs so much that it would squeeze all else: it is told.
+    """
+    known = [(label, one.history.cost) for label, one in deployments if one.history is not None]
     curves = tuple(
-        Curve(label, deployment.history.cost, ZONE_COLOURS[k])
-        for k, (label, deployment) in enumerate(deployments)
-        if deployment.history is not None
+        Curve(label, cost[1:], ZONE_COLOURS[k], at=np.arange(1.0, len(cost)), marked=False)
+        for k, (label, cost) in enumerate(known)
     )
-    ends = " and ".join(f"{curve.values[-1]:,.0f}" for curve in curves)
-    note = f"ends at {ends}"
+    starts, ends = (" and ".join(f"{cost[at]:,.0f}" for _, cost in known) for at in (0, -1))
+    note = f"from {starts} to {ends}"
     return CurvePanel(
         title=title, note=note, curves=curves, across="iterations", up="cost (Eq. 11)", logarithmic=True, wide=wide
     )
@@ -106,7 +112,7 @@ def frame_panel(
         blocked = [piece for piece in pieces if not _free(mission, piece)]
         strokes.append(Strokes("leg through a wall", tuple(blocked), OVER_PERIOD, (0.0, (2.0, 1.0)), 2.2))
     crossings_m = crossing_places(deployment, frame)
-    dots = [dots._replace(size_pt=2.2) for dots in sensor_dots(mission, deployment, discs=False)]
+    dots = [dots._replace(size_pt=3.2) for dots in sensor_dots(mission, deployment, discs=False)]
     if len(crossings_m):
         dots.append(Dots("crossing", crossings_m, OVER_PERIOD, "o", 5.5, filled=False))
     note = f"{frame.length_m:,.0f} m, {counted(frame.zone_crossings, 'crossing')} between zones"
@@ -135,19 +141,35 @@ def _free(mission: Mission, piece_m: Floats) -> bool:
 
 
 def tour_panel(title: str, frame: Frame) -> CurvePanel:
-    """The shortest tour so far by generation: Figures 13d and 16d."""
+    """The way of the shortest tour so far by generation, from when on it has as few crossings as in the end.
+
+    With more of them it would be thousands of metres longer, alpha for each.
+    """
+    way_m = frame.history - (frame.tour_length - frame.length_m)
+    last = np.flatnonzero(way_m < MOST_WAY * frame.length_m)
     note = f"ends at {frame.tour_length:,.0f}, {frame.length_m:,.0f} m of it way"
-    curve = Curve("shortest tour", frame.history, ZONE_COLOURS[0])
-    return CurvePanel(
-        title=title, note=note, curves=(curve,), across="generations", up="length with α (Eq. 12)", logarithmic=True
-    )
+    curve = Curve("shortest tour", way_m[last], ZONE_COLOURS[0], at=last.astype(np.float64), marked=False)
+    return CurvePanel(title=title, note=note, curves=(curve,), across="generations", up="way without α, m")
 
 
-def partition_panel(title: str, partition: Partition) -> CurvePanel:
-    """The lowest cost of Eq. 28 by iteration: Figures 13f and 16f."""
-    curve = Curve("lowest cost", partition.history, ZONE_COLOURS[0])
+def partition_panel(title: str, partition: Partition, least: float) -> CurvePanel:
+    """The lowest cost of Eq. 28 by iteration, and the least of all partitions: Figures 13f and 16f."""
+    curve = Curve("swarms", partition.history, ZONE_COLOURS[0])
     note = f"{partition.cost:,.0f} from iteration {settled(partition.history)} on"
-    return CurvePanel(title=title, note=note, curves=(curve,), across="iterations", up="cost (Eq. 28)")
+    levels = (Level(f"least possible: {least:,.0f}", least, INK),)
+    return CurvePanel(title=title, note=note, curves=(curve,), levels=levels, across="iterations", up="cost (Eq. 28)")
+
+
+def printed_panel(title: str, printed: Printed) -> MapPanel:
+    """Figures 12, 13e, 14 and 16e: the routes as the paper has them, with what the check says of them."""
+    note = f"{counted(len(printed.plan.trajectories), 'robot')}; {unseen_told(printed.report)}"
+    return MapPanel(title=title, note=note, mission=printed.mission, plan=printed.plan, listed_zones=True)
+
+
+def unseen_told(report: Report) -> str:
+    """What the check says of routes as printed, in a few words."""
+    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
+    return f"check: {report.verdict}" + (f", {unseen_m2:,.0f} m² never seen" if unseen_m2 > 0 else "")
 
 
 def settled(history: Floats) -> int:

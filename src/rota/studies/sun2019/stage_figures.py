@@ -12,7 +12,7 @@ from rota.draw.study_picture import study_picture
 from rota.mission import Mission
 from rota.planners.patrol.sun2019.deploy import Deployment
 from rota.planners.patrol.sun2019.tour import Frame
-from rota.studies.section import Picture, Section
+from rota.studies.section import Picture, Section, Verdict
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.maps import RECONSTRUCTED
 from rota.studies.sun2019.panels import (
@@ -20,12 +20,15 @@ from rota.studies.sun2019.panels import (
     deployment_panel,
     frame_panel,
     graph_edges,
+    printed_panel,
     rest_note,
     segments_panel,
     sensors_by_zone,
     zone_title,
 )
+from rota.studies.sun2019.readings import LETTER, Counts, addition_table, counts_by_addition, spread
 from rota.studies.sun2019.runs import Runs
+from rota.studies.sun2019.verdicts import rules_verdicts
 from rota.studies.tables import Table, counted
 
 ONE_MAP_WIDTH = 3.9  # inches
@@ -51,6 +54,7 @@ def figure_6_section(runs: Runs) -> Section:
             ("without", f"{paper.SENSORS_WITHOUT_RULES}", f"{theirs}", *map(str, sensors_by_zone(mission, without))),
         ),
     )
+    counts = counts_by_addition(runs)
     return Section(
         figure=6,
         heading="sensors with and without the heuristic rules",
@@ -69,8 +73,9 @@ def figure_6_section(runs: Runs) -> Section:
         " faster (Section 4.2).",
         found=f"{counted(ours, 'sensor')} with the rules, {theirs} without. "
         f"{_saved(theirs - ours, paper.SENSORS_WITHOUT_RULES - paper.SENSORS_WITH_RULES)} "
-        f"{_convergence(with_rules, without)}",
-        tables=(table,),
+        f"{_by_the_letter(counts)} {_convergence(with_rules, without)}",
+        tables=(table, addition_table(runs, counts)),
+        verdicts=rules_verdicts(counts, _faster(with_rules, without)),
     )
 
 
@@ -78,6 +83,22 @@ def _saved(ours: int, theirs: int) -> str:
     if ours > 0:
         return f"The rules save {ours}, the paper's {theirs}."
     return f"The rules save none here, unlike the paper's, which save {theirs}."
+
+
+def _by_the_letter(counts: Counts) -> str:
+    """What becomes of the rules when our readings are left out."""
+    with_rules, without = counts[LETTER]
+    return (
+        f"That rests on three additions of ours, without which Algorithm 1 takes {spread(with_rules)} sensors with the "
+        f"rules and {spread(without)} without."
+    )
+
+
+def _faster(with_rules: Deployment, without: Deployment) -> bool:
+    """Whether the run with rules passes the other's last cost before its end."""
+    if with_rules.history is None or without.history is None:
+        return False
+    return bool((with_rules.history.cost[:-1] < without.history.cost[-1]).any())
 
 
 def _convergence(with_rules: Deployment, without: Deployment) -> str:
@@ -138,6 +159,15 @@ def figure_8_section(runs: Runs) -> Section:
         + _blocked(straight, graph)
         + f" The frame is {100 * abs(longer):.1f} % {'longer' if longer >= 0 else 'shorter'} for that.",
         tables=(table,),
+        verdicts=(
+            Verdict(
+                "Distances of Eq. 14 make the frame cross between sub-regions less often",
+                "4.3",
+                "holds" if fewer else "does not hold",
+                f"{graph.zone_crossings} crossings for {straight.zone_crossings} (the paper: {paper.CROSSINGS_GRAPH} "
+                f"for {paper.CROSSINGS_EUCLIDEAN}), by α = {settings.tour.alpha:,.0f}.",
+            ),
+        ),
     )
 
 
@@ -151,7 +181,8 @@ def _blocked(straight: Frame, graph: Frame) -> str:
 def figure_12_section(runs: Runs) -> Section:
     """Figure 12: the stages of the method one after the other."""
     mission, settings = runs.map_13, runs.settings.figure_13
-    stages = runs.printed(mission, settings).stages
+    printed = runs.printed(mission, settings)
+    stages = printed.stages
     deployment, frame, partition = stages.framed.deployment, stages.framed.parts[0].frame, stages.partitions[0]
     range_m = settings.tour.neighbour_range * deployment.virtual_radius_m
     edges = graph_edges(mission, deployment, range_m)
@@ -160,6 +191,7 @@ def figure_12_section(runs: Runs) -> Section:
         deployment_panel("(2) Sensors (Algorithm 1)", mission, deployment),
         frame_panel("(3) Graph and frame (Algorithm 2)", mission, deployment, frame, edges=edges),
         segments_panel("(4) Segments (Algorithm 3)", mission, deployment, frame, partition),
+        printed_panel("(5) Routes", printed),
     ]
     ours, theirs = sensors_by_zone(mission, deployment), paper.FIGURE_13.sensors
     return Section(
@@ -168,13 +200,12 @@ def figure_12_section(runs: Runs) -> Section:
         pictures=(
             Picture(
                 "figure-12.png",
-                "The mission, sensors with what they see, the frame through them, and its segments",
+                "The mission, sensors with what they see, the frame through them, its segments, and their routes",
                 study_picture(panels),
             ),
         ),
         caption=f"Figure 12. {RECONSTRUCTED} Every sensor is drawn with the {deployment.virtual_radius_m:g} m that it "
-        f"sees (r_v = 2 r_s); the graph joins sensors at most {range_m:g} m apart (r_n) with no wall between them. The "
-        "routes round the segments are in Figure 13e.",
+        f"sees (r_v = 2 r_s); the graph joins sensors at most {range_m:g} m apart (r_n) with no wall between them.",
         paper="Sensors are deployed zone by zone, from the smallest period up, joined to a closed frame, and the frame "
         "is cut into one segment for each robot (Section 4.5). The text says T₁ > T₂ > T₃, Table 1 the contrary, which "
         "we follow: the smallest period is the most important.",

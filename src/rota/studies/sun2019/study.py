@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from rota.studies.study import PaperStudy
+from rota.studies.sun2019.figure_14 import figure_14_section
 from rota.studies.sun2019.page import page_markdown
-from rota.studies.sun2019.result_figures import figure_13_section, figure_14_section, figure_16_section
+from rota.studies.sun2019.result_figures import figure_13_section, figure_16_section
 from rota.studies.sun2019.runs import Runs, StudySettings
 from rota.studies.sun2019.stage_figures import (
     figure_6_section,
@@ -17,16 +18,16 @@ sun2019_study = PaperStudy(
     page_file="sun2019.md",
     pictures="figure-*.png",
     figures={
-        6: (figure_6_section, 8),
-        8: (figure_8_section, 6),
-        12: (figure_12_section, 6),
-        13: (figure_13_section, 20),
-        14: (figure_14_section, 150),
+        6: (figure_6_section, 80),
+        8: (figure_8_section, 10),
+        12: (figure_12_section, 10),
+        13: (figure_13_section, 200),
+        14: (figure_14_section, 500),
         15: (figure_15_section, 1),
-        16: (figure_16_section, 30),
+        16: (figure_16_section, 80),
     },
     settings=StudySettings,
     runs=Runs,
-    page=lambda sections, seed, settings: page_markdown(sections, seed=seed, effort=settings.effort),
+    page=lambda sections, seed, settings: page_markdown(sections, seed=seed, settings=settings),
 )
 """The figures and tables of Sun et al. 2019."""
