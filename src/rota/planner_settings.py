@@ -54,7 +54,7 @@ def require_text(where: str, name: str) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Sun2019:
-    """How the stages of the method ``sun2019`` are done; ours, which take fewest robots, unless the paper's are named.
+    """How the stages of the method ``sun2019`` are done: by ours, which take fewest robots, unless others are named.
 
     ``deployment`` of virtual sensors: "best" of set covers and swarms, as many as the effort allows; "greedy" or
     "exact" set cover; "ccpso2", the paper's swarms. ``tour``, the frame past them: "local_search" or the paper's
@@ -85,9 +85,10 @@ class PatrolSettings:
     """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
 
     ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
-    "sequential" scanning, area "decomposition"; or the paper's own, "sun2019", whose stages ``sun2019`` chooses. A
-    reserve against wind and poor localisation: the plan keeps periods shorter by the share ``period_margin``, and with
-    sensors whose reach in every direction is shorter by ``range_margin_m``.
+    "sequential" scanning, area "decomposition"; or "sun2019", the paper's stages, by default each done by an algorithm
+    of ours; ``sun2019`` chooses the paper's. A reserve against wind and poor localisation: the plan keeps periods
+    shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
+    ``range_margin_m``.
     """
 
     planner: ClassVar[str] = "patrol"

@@ -79,13 +79,13 @@ def sun2019(
     seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same page.")] = 0,
     effort: Annotated[
         Literal["quick", "normal", "high"],
-        typer.Option(metavar="EFFORT", help="quick, normal or high, of sun2019 and tours."),
+        typer.Option(metavar="EFFORT", help="quick, normal or high, of all methods."),
     ] = "quick",
 ) -> None:
-    """Sun et al. 2019, figure by figure: the paper's numbers beside those of its method and of ours.
+    """Sun et al. 2019, claim by claim and figure by figure: its numbers beside those of its method and of ours.
 
-    Takes some minutes; Figures 14 and 16 take most of them. Table 5 comes with Figure 13, Table 6 with 14, Table 8 with
-    16. Ctrl-C writes nothing.
+    Takes about a quarter of an hour; Figures 13 and 14 take most of it. Table 5 comes with Figure 13, Table 6 with 14,
+    Table 8 with 16. Ctrl-C writes nothing.
     """
     from rota.studies.sun2019.runs import StudySettings
     from rota.studies.sun2019.study import sun2019_study

@@ -47,7 +47,7 @@ class PatrolBlock(Block):
     """Settings of the patrol planner."""
 
     effort: Literal["quick", "normal", "high"] = "normal"
-    method: Method = Field("tours", description="tours, or to compare with: a traditional method or the paper's own")
+    method: Method = Field("tours", description="tours, or to compare with: a traditional method or Sun 2019's stages")
     period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
         0.0, description="reserve: plan with periods shorter by this share"
     )
