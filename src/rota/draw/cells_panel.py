@@ -64,10 +64,10 @@ class HeatPanel(MapPanel):
     @property
     def entries(self) -> list[Artist]:
         """What the legend tells of it."""
-        steps = np.linspace(0, 1, LEGEND_LEVELS)
-        found: list[Artist] = [
-            Patch(facecolor=_colour(step), label=format(step * self.top, self.form)) for step in steps
-        ]
+        levels = np.linspace(0, self.top, LEGEND_LEVELS)
+        # a level is told as it is rounded, and has the colour of what is told
+        told = dict.fromkeys(format(level, self.form) for level in levels)
+        found: list[Artist] = [Patch(facecolor=_colour(float(text) / self.top), label=text) for text in told]
         return [*found, *mission_legend(self.mission)]
 
     def draw(self, ax: Axes) -> None:

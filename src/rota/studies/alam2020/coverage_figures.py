@@ -14,6 +14,13 @@ from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.study_picture import Panel, study_picture
 from rota.planner_settings import BounceMethod
 from rota.studies.alam2020 import maps, paper
+from rota.studies.alam2020.claims import (
+    driven_verdict,
+    fewer_steps_verdict,
+    figure_6_verdicts,
+    large_room_verdict,
+    more_robots_verdict,
+)
 from rota.studies.alam2020.panels import entries_panel, headings_panel, starts_panel, ways_panel
 from rota.studies.alam2020.runs import METHODS, CoverRuns, Runs, steps_until
 from rota.studies.section import Picture, Section
@@ -89,6 +96,15 @@ def figure_6_section(runs: Runs) -> Section:
         f"{plus_minus(printed.steps)} steps; improved, from {improved.complete}, after {plus_minus(improved.steps)}. "
         f"Runs with no more than one step of contact, as the paper's: {few[0]} as printed, {few[1]} improved.",
         tables=(table,),
+        verdicts=figure_6_verdicts(
+            {method: found.complete for method, found in by_method.items()},
+            len(printed.found),
+            few,
+            driven_verdict(
+                {f"{m} {k}": one.plan(k) for m, one in by_method.items() for k in range(len(one.found))},
+                "5.1, Figure 6d-f",
+            ),
+        ),
     )
 
 
@@ -165,6 +181,9 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
         f"{sum(any(b > a for a, b in itertools.pairwise(one)) for one in other_means)} some team takes longer than a "
         "smaller one.",
         tables=(table, _layouts_table(grid, others, printed, runs.settings.layout_steps)),
+        verdicts=(
+            (fewer_steps_verdict if grid.figure == 7 else more_robots_verdict)(means["as_printed"], other_means),
+        ),
     )  # fmt: skip
 
 
@@ -280,4 +299,5 @@ def figure_9_section(runs: Runs) -> Section:
         + f"Improved: {plus_minus(until['improved'][0])} and {plus_minus(improved.steps)} "
         f"({improved.complete} of {len(improved.found)} complete).",
         tables=(table,),
+        verdicts=(large_room_verdict({m: found.complete for m, found in by_method.items()}, len(printed.found)),),
     )

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rota.draw.study_picture import Panel, study_picture
-from rota.make_plan import search_plan
+from rota.errors import NoPlanFound, PlanError
+from rota.files.create2_legs import drives_of
+from rota.make_plan import PlanSearch, search_plan
 from rota.mission import Mission
 from rota.plan import Plan
 from rota.planner_settings import Purpose
@@ -20,10 +23,11 @@ from rota.planners.bounce.group_count import count_groups
 from rota.planners.bounce.limit_cycles import seen_by_cycles, zone_cells
 from rota.planners.bounce.monitoring import Watch, groups
 from rota.studies.alam2020 import maps, paper
+from rota.studies.alam2020.claims import apart_verdict, driven_verdict, groups_verdict
 from rota.studies.alam2020.panels import headings_panel, ways_panel
 from rota.studies.alam2020.runs import Runs
 from rota.studies.section import Picture, Section
-from rota.studies.tables import Table, counted
+from rota.studies.tables import NOTHING, Table, counted
 
 ROBOTS = 2
 OTHER_ANGLE_DEG = 135.0
@@ -84,10 +88,12 @@ def figure_11_section(runs: Runs) -> Section:
 def _monitoring(runs: Runs, place: _Place) -> Section:
     angle_deg, said = paper.GROUPS[place.figure]
     panels: list[Panel] = []
+    shown: dict[float, Plan] = {}
     for letters, angle in zip((("a", "b"), ("c", "d")), (angle_deg, OTHER_ANGLE_DEG), strict=True):
         one, two = letters
         runs.now(f"figure {place.figure}: groups by {angle:g}°")
         plan, note = shown_group(place.mission(angle), runs.seed)
+        shown[angle] = plan
         panels.append(headings_panel(f"({one}) {angle:g}°: cells and headings", plan, note))
         panels.append(ways_panel(f"({two}) {angle:g}°: ways", plan, note, named_zones=True))
     counts = {}
@@ -110,6 +116,13 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
         for told, number in (("as printed", ours.printed), ("told apart", ours.apart), ("unordered", ours.unordered))
         if number == said
     ]
+    plans = _plans(runs, place.mission)
+    runs.now(f"figure {place.figure}: clocks and turns of the group shown")
+    told = f"Ours has {ours.apart:,} told apart, {ours.unordered:,} without names, {ours.printed:,} as printed"
+    verdicts = [groups_verdict(place.figure, told, spread), apart_verdict(shown[angle_deg], place.figure)]
+    if place.figure == 11:
+        by_purpose = {f"{angle:g} {told}": found.plan for (angle, told), found in plans.items() if found is not None}
+        verdicts.append(driven_verdict(by_purpose, "5.2, Figure 11d-f"))
     table = Table(
         title=f"Periodic groups of two robots that watch A and B, {place.where}",
         head=(
@@ -129,8 +142,9 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
                 study_picture(panels),
             ),
         ),
-        caption=f"Figure {place.figure}, with regions of ours, on a random map on which cycles cross by the paper's "
-        "angle (few do); it was not looked for by its count of groups. (a) and (b) by the paper's angle, (c) and "
+        caption=f"Figure {place.figure}, with regions of ours, on a map chosen because cycles cross on it by the "
+        "paper's angle (few maps have that); it was not looked for by its count of groups. (a) and (b) by the paper's "
+        "angle, (c) and "
         f"(d) by {OTHER_ANGLE_DEG:g}°: of the groups on two limit cycles that share cells, if there are any, "
         "the one that enters most; of these the one with the shortest worst gap. Robots begin in the circles, "
         "on their cycles, and never leave them.",
@@ -144,7 +158,8 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
         f"number told apart goes from {min(spread):,} to {max(spread):,} (median {int(np.median(spread)):,}): {said} "
         + ("lies within. " if min(spread) <= said <= max(spread) else "lies outside. ")
         + "A count alone cannot be compared without the map.",
-        tables=(table, purposes_table(runs, place.mission)),
+        tables=(table, purposes_table(plans)),
+        verdicts=tuple(verdicts),
     )
 
 
@@ -212,24 +227,50 @@ def random_region_counts(mission: Mission, pairs: int, seed: int) -> list[int]:
     return found
 
 
-def purposes_table(runs: Runs, mission_by_angle: Callable[[float], Mission]) -> Table:
-    """What ``rota plan`` finds for each purpose and angle, as its check sees it."""
-    rows = []
+def _plans(runs: Runs, mission_by_angle: Callable[[float], Mission]) -> dict[tuple[float, str], PlanSearch | None]:
+    """What ``rota plan`` finds for each angle and purpose; None: no plan."""
+    found: dict[tuple[float, str], PlanSearch | None] = {}
     for angle in paper.ANGLES_DEG:
         mission = mission_by_angle(angle)
         for purpose, told in PURPOSES.items():
             runs.now(f"plans that watch by {angle:g}°: {told}")
             asked = replace(mission, planning=replace(mission.bounce, purpose=purpose))
-            search = search_plan(asked, seed=runs.seed)
-            if search.plan is None or search.report is None:
-                rows.append((f"{angle:g}°", told, "none", "", "", ""))
-                continue
-            gaps = (f"{demand.worst_gap_s:.0f}" for demand in search.report.demands)
-            touches = str(len(search.report.violations))
-            rows.append((f"{angle:g}°", told, search.report.verdict, *gaps, touches))
+            try:
+                found[angle, told] = search_plan(asked, seed=runs.seed)
+            except NoPlanFound:
+                found[angle, told] = None
+    return found
+
+
+def purposes_table(plans: dict[tuple[float, str], PlanSearch | None]) -> Table:
+    """The plans as their check sees them, and what a Create 2 needs to drive them."""
+    rows = []
+    for (angle, told), search in plans.items():
+        if search is None:
+            rows.append((f"{angle:g}°", told, "none", *[""] * 5))
+            continue
+        report = search.report
+        gaps = (f"{demand.worst_gap_s:.0f}" for demand in report.demands)
+        margin_s = math.inf if report.clock_margin_s is None else report.clock_margin_s
+        rows.append(
+            (
+                f"{angle:g}°", told, report.verdict, *gaps, str(len(report.violations)),
+                "any time" if math.isinf(margin_s) else f"{margin_s:.2g}", _slowing(search.plan),
+            )
+        )  # fmt: skip
     return Table(
         title=f"Plans found and checked: worst gap between visits, s, for a period of {maps.PERIOD_S:g} s",
-        head=("angle", "purpose", "verdict", "A", "B", "violations"),
+        head=(
+            "angle", "purpose", "verdict", "A", "B", "violations", "clocks may differ, s",
+            "driven by a Create 2, times slower",
+        ),
         rows=tuple(rows),
         words=(0, 1, 2),
-    )
+    )  # fmt: skip
+
+
+def _slowing(plan: Plan) -> str:
+    try:
+        return f"{drives_of(plan)[0].slowing:.2f}"
+    except PlanError:
+        return NOTHING

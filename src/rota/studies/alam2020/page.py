@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
-from rota.studies.alam2020 import paper
+from rota.studies.alam2020 import maps, paper
+from rota.studies.alam2020.claims import standing_verdicts
 from rota.studies.section import Section
-from rota.studies.tables import joined
+from rota.studies.tables import NOTHING, Table, joined
+
+CLAIMS = "## The paper's claims"
 
 HEADING = "# Alam & Bobadilla 2020, figure by figure"
 
@@ -35,7 +39,37 @@ LEFT_OPEN = (
     "**Periodic groups.** Whether a group is a cycle without contact or a whole trajectory without contact from its "
     "start, and whether robots are told apart, is not told. As printed, what is kept depends on the order in which "
     "cells are taken.",
+    "**SAMEREGION**(F, x) of Algorithm 2 is read as: each target region is entered by some robot on the trajectory. As "
+    "printed the way into the cycle counts, too, so a group may be kept whose cycle misses a region. Another reading, "
+    "a region of its own for each robot, is possible.",
+    "**When coverage is tested.** Algorithm 1, line 13, tests after an iteration; here every step is looked at, and a "
+    "run ends with the step that enters the last cell.",
+    "**Speed.** Robots are said to keep one speed; on a grid a diagonal move is √2 as long as a straight one. A step "
+    "lasts as long as the robot that needs longest, turns as long as a diagonal move. Straight ways of robots in step "
+    "with slower ones are driven slower.",
+    "**Clocks.** The paper's robots know the time, and nothing is said of clocks that differ. Here they may differ by "
+    "the margin that each plan's check tells.",
+    "**Figures 1 to 5** are drawings of ideas; 6a, 6d-f, 11a and 11d-f are photographs. They are not made again.",
 )
+
+
+def claims_table(sections: Sequence[Section]) -> Table:
+    """A verdict for each claim that the sections are evidence for, then for those that need no figure."""
+    rows = [
+        (one.claim, one.place, one.outcome, one.why, str(section.figure))
+        for section in sections
+        for one in section.verdicts
+    ]
+    two_robots = maps.lab(maps.LAB_2, 2, paper.GROUPS[11][0])
+    rows += [(one.claim, one.place, one.outcome, one.why, NOTHING) for one in standing_verdicts(two_robots)]
+    counts = Counter(row[2] for row in rows)
+    told = ", ".join(f"{outcome}: {count}" for outcome, count in counts.items())
+    return Table(
+        title=f"{len(rows)} claims ({told})",
+        head=("claim", "section there", "verdict", "why", "figure here"),
+        rows=tuple(rows),
+        words=(0, 1, 2, 3),
+    )
 
 
 def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
@@ -50,6 +84,8 @@ def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
         "cover a room or watch regions of it. "
         + (f"Beyond the paper, whose conclusion asks for it: {joined(extras)}. " if extras else "")
         + "All numbers under **Here** and in columns of ours come from that one run.",
+        CLAIMS,
+        claims_table(sections).markdown,
         "## The methods",
         "\n".join(f"- {line}" for line in METHODS),
         "## What the paper leaves open, and how we read it",
