@@ -56,7 +56,8 @@ class Strokes(NamedTuple):
 class MapPanel:
     """A mission's map under a title; on it strokes, then the routes of a plan, then dots. ``note``: below the title.
 
-    named_zones: whether each zone carries its name and period; listed_zones: whether the legend tells them.
+    named_zones: whether each zone carries its name and period, or its name alone (``brief_zones``).
+    listed_zones: whether the legend tells them.
     """
 
     title: str
@@ -66,6 +67,7 @@ class MapPanel:
     dots: tuple[Dots, ...] = ()
     plan: Plan | None = None
     named_zones: bool = False
+    brief_zones: bool = False
     listed_zones: bool = False
 
     @property
@@ -113,7 +115,9 @@ class MapPanel:
                 markeredgecolor="white" if dots.filled else dots.colour, zorder=5,
             )  # fmt: skip
         if self.named_zones:
-            draw_zone_labels(self.mission, ax, [] if self.plan is None else routes_of(self.plan))
+            draw_zone_labels(
+                self.mission, ax, [] if self.plan is None else routes_of(self.plan), brief=self.brief_zones
+            )
 
 
 def _seen(dots: Dots, ax: Axes) -> Collection:

@@ -70,17 +70,17 @@ def _away_costs(spots: list[Polygon], shape: Polygon, elsewhere: BaseGeometry, b
     return np.asarray(costs)
 
 
-def _label(zone: Zone, ax: Axes) -> Text:
-    text = f"{plain(zone.name, 28)}  {asked(zone.period_s, zone.demand)}"
+def _label(zone: Zone, ax: Axes, *, brief: bool) -> Text:
+    text = plain(zone.name, 28) + ("" if brief else f"  {asked(zone.period_s, zone.demand)}")
     label = ax.text(0, 0, text, fontsize=FONT_PT, ha="center", va="center", color="#3A2A08", zorder=6)
     label.set_bbox({"boxstyle": f"round,pad={PAD_PT / FONT_PT}", "fc": "white", "ec": ZONE_EDGE, "lw": 0.5})
     return label
 
 
-def draw_zone_labels(mission: Mission, ax: Axes, routes: Sequence[Route] = ()) -> None:
+def draw_zone_labels(mission: Mission, ax: Axes, routes: Sequence[Route] = (), *, brief: bool = False) -> None:
     """Each zone's name and period, in or right beside it, clear of each other and of the ``routes`` where they can be.
 
-    ``ax`` has its limits and an equal aspect. Of a zone in several parts the largest is labelled.
+    ``ax`` has its limits and an equal aspect. Of a zone in several parts the largest is labelled. brief: by its name.
     """
     scale = points_per_metre(ax)
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
@@ -90,7 +90,7 @@ def draw_zone_labels(mission: Mission, ax: Axes, routes: Sequence[Route] = ()) -
     parts = [max(_parts(zone, mission), key=lambda part: part.area) for zone in mission.zones]
     taken: list[Polygon] = []
     for k, (zone, shape) in enumerate(zip(mission.zones, parts, strict=True)):
-        label = _label(zone, ax)
+        label = _label(zone, ax, brief=brief)
         window = label.get_window_extent()
         width_m, height_m = (
             (72 * side_px / ax.figure.dpi + 2 * PAD_PT) / scale for side_px in (window.width, window.height)

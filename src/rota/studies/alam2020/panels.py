@@ -35,8 +35,9 @@ def ways_panel(title: str, plan: Plan, note: str = "", *, named_zones: bool = Fa
         strokes.append(Strokes(one.robot, (places,), colour, width_pt=0.9))
         dots.append(Dots(f"start of {one.robot}", places[:1], colour, size_pt=START_PT))
     return MapPanel(
-        title=title, note=note, mission=plan.mission, strokes=tuple(strokes), dots=tuple(dots), named_zones=named_zones
-    )
+        title=title, note=note, mission=plan.mission, strokes=tuple(strokes), dots=tuple(dots), named_zones=named_zones,
+        brief_zones=True,
+    )  # fmt: skip
 
 
 def starts_panel(title: str, plan: Plan, note: str = "") -> MapPanel:
