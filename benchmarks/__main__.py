@@ -57,8 +57,12 @@ def arguments() -> argparse.ArgumentParser:
         help="of sun-cases, sun2019-method, one-robot, plan-1-km2, plan-10-km2 and random-missions; default quick,"
         " as all else is",
     )
-    parser.add_argument("--missions", type=count, default=1000, metavar="N", help="of random-missions; default 1000")
-    parser.add_argument("--first-seed", type=seed, default=0, metavar="K", help="of random-missions; default 0")
+    parser.add_argument(
+        "--missions", type=count, default=1000, metavar="N", help="of random-missions, known-plans; default 1000"
+    )
+    parser.add_argument(
+        "--first-seed", type=seed, default=0, metavar="K", help="of random-missions, known-plans; default 0"
+    )
     parser.add_argument("--processes", type=count, metavar="N", help="for random-missions; default one a core")
     parser.add_argument(
         "--tile", type=metres, default=1000.0, metavar="M", help="side of a tile of plan-1-km2 and plan-10-km2, metres"

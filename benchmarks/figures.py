@@ -10,6 +10,7 @@ from pathlib import Path
 from benchmarks.bounce_joint_maps import bounce_map
 from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
 from benchmarks.create2_sketch import create2_sketch
+from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
@@ -141,6 +142,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,
+    "known-plans": known_plans,
     "mutated-missions": mutated_missions,
     "random-missions": random_missions,
 }

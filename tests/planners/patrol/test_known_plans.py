@@ -1,0 +1,29 @@
+"""The proved bound is never above the robots of a plan that is known to meet the mission."""
+
+from __future__ import annotations
+
+from benchmarks.known_plans import bound_of, known_plan
+
+from rota.check import check_plan
+
+SEEDS = range(30)
+
+
+def test_no_bound_is_above_a_plan_that_meets_the_mission() -> None:
+    met, highest = 0, 0
+    for seed in SEEDS:
+        plan = known_plan(seed)
+        robots, bound = len(plan.trajectories), bound_of(plan)
+        assert 1 <= bound <= robots, seed
+        met += bound == robots
+        highest = max(highest, bound)
+    # bounds of 1 for everything would pass, too
+    assert highest >= 3
+    assert met >= 5
+
+
+def test_the_check_passes_the_known_plans() -> None:
+    for seed in range(5):
+        plan = known_plan(seed)
+        assert check_plan(plan).verdict == "met"
+        assert plan == known_plan(seed)
