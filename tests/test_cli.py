@@ -367,6 +367,24 @@ def test_sigterm_stops_a_search_and_keeps_what_there_is(mission: str, asked: int
     assert check_plan(read_plan("mission.rota.json")).verdict == "met"
 
 
+def test_a_search_that_does_not_stop_is_ended(yard: Path) -> None:
+    script = (
+        "import importlib, os, signal, sys\n"
+        "from rota import interrupt\n"
+        "from rota.cli import run\n"
+        "interrupt.GRACE_S = 1\n"
+        "def deaf(mission, **_):\n"
+        "    os.kill(os.getpid(), signal.SIGTERM)\n"
+        "    while True:\n"
+        "        pass\n"
+        "importlib.import_module('rota.make_plan')._planner = lambda mission: deaf\n"
+        "sys.exit(run(['plan', 'yard.yaml']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False, timeout=60)
+    assert done.returncode == -signal.SIGALRM
+    assert os.listdir() == ["yard.yaml"]
+
+
 def test_sigterm_outside_the_search_leaves_no_half_of_a_file(
     plan_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

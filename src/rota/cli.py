@@ -113,6 +113,7 @@ def plan(
     from rota.files.atomic_write import require_suffix
     from rota.files.mission_file import read_mission
     from rota.files.run_file import read_run
+    from rota.work_ahead import planning_ahead, reading_ahead
 
     target = output if output is not None else f"{mission.stem}.rota.json"
     _require_target(target, source=mission)
@@ -121,10 +122,14 @@ def plan(
     if metrics is not None:
         require_suffix(metrics, (".csv",), "a table")
         _require_target(metrics, source=mission)
+    if (long := reading_ahead(mission)) is not None:
+        say(long)
     read = read_mission(mission)
     for warning in read.warnings:
         say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
+    for long in planning_ahead(asked):
+        say(f"this takes long: {long}")
     patrol = asked.planning.planner == "patrol"
     kernels = ("planners/patrol/annealing", "geometry") if patrol else (f"planners/{asked.planning.planner}",)
     mention_compiling(*kernels, *_compiled_for_check(asked))

@@ -11,6 +11,9 @@ from types import FrameType
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}  # what ends a program, as people call it
 
 
+GRACE_S = 60  # after SIGTERM: who sends it is a machine, and counts on an end
+
+
 class Terminated(KeyboardInterrupt):
     """SIGTERM where nothing handles it better: what is open is cleaned up on the way out, as after Ctrl-C."""
 
@@ -43,8 +46,9 @@ class StopFlag:
 def stop_on_interrupt(announce: Callable[[str], None]) -> Iterator[StopFlag]:
     """Within the block the first SIGINT or SIGTERM raises the flag; the next one ends the process at once.
 
-    ``announce`` is called with the name of the first. Outside the main thread, where Python hands out no signals, the
-    flag stays down; a signal that whoever started the program had it ignore (nohup) stays ignored.
+    So does the system, by SIGALRM, when a block that SIGTERM should stop goes on for ``GRACE_S`` more. ``announce`` is
+    called with the name of the first. Outside the main thread, where Python hands out no signals, the flag stays down;
+    a signal that whoever started the program had it ignore (nohup) stays ignored.
     """
     flag = StopFlag()
 
@@ -53,12 +57,16 @@ def stop_on_interrupt(announce: Callable[[str], None]) -> Iterator[StopFlag]:
         # left to the system, so that a long compiled loop cannot hold up the next one
         for each in taken:
             signal.signal(each, signal.SIG_DFL)
+        if flag.by == signal.SIGTERM and hasattr(signal, "alarm"):
+            signal.alarm(GRACE_S)
         announce(NAMES[flag.by])
 
     taken = _taken(raise_flag)
     try:
         yield flag
     finally:
+        if flag.by == signal.SIGTERM and hasattr(signal, "alarm"):
+            signal.alarm(0)
         for number, before in taken.items():
             signal.signal(number, before)
 

@@ -205,14 +205,25 @@ def comfortably(context: Context, ways: list[Start], robots: int, best: Settled 
 
 
 def fewest_with_room(ways: list[Start], room: float) -> int:
-    """The fewest robots with which the budgets of some way are so many times the ideal lengths."""
-    robots = min(len(way.tours) for way in ways)
-    while not any(
-        counts is not None and squeeze(way, counts) >= room
-        for way, counts in ((way, robots_each(way, robots)) for way in ways)
-    ):
-        robots += 1
-    return robots
+    """The fewest robots with which the budgets of some way are so many times the ideal lengths.
+
+    More robots have no less room, so doubling and halving find it: where turning takes minutes they are thousands.
+    """
+
+    def have_room(robots: int) -> bool:
+        handed = ((way, robots_each(way, robots)) for way in ways)
+        return any(counts is not None and squeeze(way, counts) >= room for way, counts in handed)
+
+    fewest = min(len(way.tours) for way in ways)
+    step = 1
+    while not have_room(fewest):
+        fewest, step = fewest + step, 2 * step
+    # the last step led here from too few robots
+    too_few = fewest - step // 2
+    while fewest - too_few > 1:
+        middle = (too_few + fewest) // 2
+        too_few, fewest = (too_few, middle) if have_room(middle) else (middle, fewest)
+    return fewest
 
 
 def surely_enough(ways: list[Start]) -> int:
