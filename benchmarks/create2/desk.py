@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -35,13 +35,15 @@ class Desk:
 class Driven:
     """What a robot did: (n,) times on the plan's clock, (n, 2) places, (n,) headings, one for each tick.
 
-    ``turns`` (n,): how many turns in place it had begun by then.
+    ``turns`` (n,): how many turns in place it had begun by then. ``began_s``: when the plan's clock showed 0, seconds
+    after all were switched on.
     """
 
     times_s: Floats
     places_m: Floats
     headings_rad: Floats
     turns: NDArray[np.int64]
+    began_s: float
 
 
 def set_up(plan: Plan, folder: Path) -> Desk:
@@ -57,14 +59,23 @@ def drive(
     duration_s: float,
     faults: Faults | None = None,
     on_tick: Callable[[float, list[Create2]], None] | None = None,
+    *,
+    rates: Sequence[float] | None = None,
+    signal: Callable[[float], bool] = lambda _: False,
 ) -> list[Driven]:
-    """Let all robots drive for so long on the plan's clock. on_tick: called at each tick with this clock's time."""
+    """Let all robots drive for so long on the plan's clock. on_tick: called at each tick with this clock's time.
+
+    rates: of the clocks of the Unos. signal: whether the common pulse is there, by seconds since the switching on.
+    """
     robots = robots_of(desk, faults or Faults())
     begin_s = [math.inf] * len(robots)  # of the plan's clock, on the simulation's
     rows: list[list[tuple[float, ...]]] = [[] for _ in robots]
     tick, frames = 0, [b""] * len(robots)
     with ExitStack() as stack:
-        unos = [stack.enter_context(closing(Uno(desk.simulator, firmware))) for firmware in desk.firmware]
+        unos = [
+            stack.enter_context(closing(Uno(desk.simulator, firmware, rate)))
+            for firmware, rate in zip(desk.firmware, rates or [1.0] * len(desk.firmware), strict=True)
+        ]
         while tick * TICK_US / 1e6 < max(begin_s, default=0.0) + duration_s:
             if not tick < 10 * BOOT_TICKS + duration_s * 1e6 / TICK_US:
                 raise RuntimeError("a robot has not begun to move")
@@ -72,7 +83,7 @@ def drive(
             sent = [
                 (byte.at_us, number, byte.byte)
                 for number, uno in enumerate(unos)
-                for byte in uno.run(TICK_US, frames[number])
+                for byte in uno.run(TICK_US, frames[number], signal=signal(now_s))
             ]
             _move_all(robots, sorted(sent))
             tick += 1
@@ -92,6 +103,7 @@ def _driven(rows: Floats, begin_s: float) -> Driven:
         places_m=rows[:, 1:3],
         headings_rad=rows[:, 3],
         turns=rows[:, 4].astype(np.int64),
+        began_s=begin_s,
     )
 
 

@@ -1,14 +1,17 @@
 /* An Arduino Uno in simavr, its serial port on stdin and stdout, in the simulated time of its own clock.
  *
- * Usage: uno FIRMWARE.elf. Each request: a uint32 of microseconds to run, a uint8 n, n bytes that the Uno receives from
- * the beginning of that time on. Each answer: a uint16 m, then m times a uint32 (when, in microseconds since the
+ * Usage: uno FIRMWARE.elf [RATE]. RATE: of its clock, 1 by default; microseconds below are those of a clock that is right.
+ * Each request: a uint32 of microseconds to run, a uint8 that draws pin 3 to ground unless it is 0, a uint8 n, n bytes
+ * that the Uno receives from the beginning of that time on. Each answer: a uint16 m, then m times a uint32 (when, in microseconds since the
  * beginning of that time) and the byte that the Uno sent. Native byte order. Ends with its input; code 2 on a crash.
  */
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
@@ -24,11 +27,12 @@ static avr_t *avr;
 static avr_cycle_count_t began;
 static struct sent sent[MOST_SENT];
 static uint16_t sent_count;
+static double cycles_per_us = CYCLES_PER_US;
 
 static void on_sent(struct avr_irq_t *irq, uint32_t value, void *param) {
   (void)irq, (void)param;
   if (sent_count < MOST_SENT) {
-    sent[sent_count].at_us = (uint32_t)((avr->cycle - began) / CYCLES_PER_US);
+    sent[sent_count].at_us = (uint32_t)((avr->cycle - began) / cycles_per_us);
     sent[sent_count++].byte = (uint8_t)value;
   }
 }
@@ -53,7 +57,8 @@ int main(int argc, char **argv) {
   if (!answers || !freopen("/dev/null", "w", stdout)) return 1; /* where simavr writes what it thinks */
   elf_firmware_t firmware;
   memset(&firmware, 0, sizeof(firmware));
-  if (argc != 2 || elf_read_firmware(argv[1], &firmware)) return 1;
+  if (argc > 2) cycles_per_us *= atof(argv[2]);
+  if (argc < 2 || argc > 3 || elf_read_firmware(argv[1], &firmware)) return 1;
   avr = avr_make_mcu_by_name("atmega328p");
   if (!avr) return 1;
   avr_init(avr);
@@ -67,14 +72,18 @@ int main(int argc, char **argv) {
   avr_irq_t *input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
   avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_sent, NULL);
 
+  avr_irq_t *pin = avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), 3);
+
   uint32_t run_us;
-  uint8_t count, bytes[255];
+  uint8_t grounded, count, bytes[255];
   avr_cycle_count_t until = 0;
-  while (fread(&run_us, sizeof(run_us), 1, stdin) == 1 && fread(&count, 1, 1, stdin) == 1) {
+  while (fread(&run_us, sizeof(run_us), 1, stdin) == 1 && fread(&grounded, 1, 1, stdin) == 1 &&
+         fread(&count, 1, 1, stdin) == 1) {
     if (fread(bytes, 1, count, stdin) != count) break;
     began = until;
     if (began) stop_idle_timers(); /* the core has started them in the first of all times */
-    until += (avr_cycle_count_t)run_us * CYCLES_PER_US;
+    until += (avr_cycle_count_t)(run_us * cycles_per_us);
+    avr_raise_irq(pin, !grounded);
     sent_count = 0;
     for (uint8_t k = 0; k < count; k++) avr_raise_irq(input, bytes[k]);
     while (avr->cycle < until) {

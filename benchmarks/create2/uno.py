@@ -80,15 +80,20 @@ def _run(*command: str) -> None:
 
 
 class Uno:
-    """An Arduino Uno with its firmware; ``run`` lets it run for a while. To be closed after use."""
+    """An Arduino Uno with its firmware; ``run`` lets it run for a while. To be closed after use. rate: of its clock."""
 
-    def __init__(self, simulator: Path, firmware: Path) -> None:
-        self._process = subprocess.Popen([simulator, firmware], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    def __init__(self, simulator: Path, firmware: Path, rate: float = 1.0) -> None:
+        self._process = subprocess.Popen(
+            [simulator, firmware, str(rate)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
 
-    def run(self, duration_us: int, received: bytes = b"") -> list[Sent]:
-        """Run for so long; it receives up to 60 bytes from the beginning on. Returns what it sent."""
+    def run(self, duration_us: int, received: bytes = b"", *, signal: bool = False) -> list[Sent]:
+        """Run for so long; it receives up to 60 bytes from the beginning on. Returns what it sent.
+
+        signal: pin 3 is drawn to ground.
+        """
         to, back = self._pipes()
-        to.write(struct.pack("=IB", duration_us, len(received)) + received)
+        to.write(struct.pack("=IBB", duration_us, signal, len(received)) + received)
         to.flush()
         (count,) = struct.unpack("=H", _read(back, 2))
         return [Sent(*item) for item in struct.iter_unpack("=IB", _read(back, 5 * count))] if count else []

@@ -164,6 +164,46 @@ def test_late_bumps_and_inexact_turns_lead_astray(hall: Desk) -> None:
     assert driven.turns[-1] >= len(off_m)  # but it bounces on
 
 
+def with_signal(desk: Desk, every_ms: int, folder: Path) -> Desk:
+    """The same sketches, waiting for the common pulse, which sets their clocks every so many milliseconds."""
+    firmware = []
+    for number, known in enumerate(desk.firmware):
+        text = known.with_suffix(".ino").read_text().replace("WAIT_FOR_SIGNAL = false", "WAIT_FOR_SIGNAL = true")
+        text = text.replace("SIGNAL_EVERY_MS = 0", f"SIGNAL_EVERY_MS = {every_ms}")
+        own = folder / str(number)
+        own.mkdir()
+        firmware.append(compile_text(text, own))
+    return replace(desk, firmware=tuple(firmware))
+
+
+@needs_tools
+def test_clocks_that_drift_are_set_by_a_common_pulse(tmp_path: Path) -> None:
+    """One clock 3 % fast, one 3 % slow: 1.5 s apart after 25 s, unless a pulse every 5 s sets them."""
+    plain = set_up(corridor_plan(), tmp_path)
+
+    def apart_s(every_ms: int) -> tuple[float, float]:
+        folder = tmp_path / f"every-{every_ms}"
+        folder.mkdir()
+        desk = with_signal(plain, every_ms, folder)
+        driven = drive(desk, 25.0, rates=(1.03, 0.97), signal=lambda t: t >= 6.0 and (t - 6.0) % 5.0 < 0.06)
+        ends = [one.began_s + one.times_s[np.flatnonzero(np.diff(one.turns))] for one in driven]
+        count = min(map(len, ends))
+        assert count >= 2
+        return abs(driven[0].began_s - driven[1].began_s), float(np.abs(ends[0][:count] - ends[1][:count]).max())
+
+    start_apart_s, set_apart_s = apart_s(5000)
+    assert start_apart_s < 0.25  # 3 s of either clock after the pulse
+    assert set_apart_s < 0.45  # and 5 s, and a leg's own time by either clock
+    _, loose_apart_s = apart_s(0)
+    assert loose_apart_s > set_apart_s + 0.2
+
+
+@needs_tools
+def test_the_plan_begins_at_a_time_after_switching_on(hall: Desk) -> None:
+    """Not after the robot's first answer, for which it is asked once a second."""
+    assert drive(hall, 1.0)[0].began_s == pytest.approx(10.0, abs=0.05)
+
+
 @needs_tools
 @pytest.mark.parametrize("danger", ["cliff", "dropped"])
 @pytest.mark.parametrize("full_mode", [False, True])

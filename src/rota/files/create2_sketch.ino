@@ -17,7 +17,7 @@
 //   pin 4  TXD            -> pin 0 (RX)
 //   pin 5  BRC            -> pin 2 (WAKE_PIN below)
 //   pin 6 or 7  ground    -> GND
-//   a button, or a radio or infrared receiver, common to all robots -> pin 3 (SIGNAL_PIN), to ground; may be left out
+//   a button or receiver for all robots -> pin 3 (SIGNAL_PIN), to ground; may be left out
 //   pin 1 or 2  battery   -> 9 V regulator -> VIN; never straight to the Arduino: it is up to 20 V
 // Unplug pins 0 and 1 while you upload. The LED on the Arduino is lit while all is well and blinks after a stop.
 
@@ -171,11 +171,16 @@ void heedSignal() {
   signalDueMs = nowMs + SIGNAL_EVERY_MS;
 }
 
-// To be called all the time: reads the robot, and stops where it must not go on.
-void watch() {
+// Reads the robot, and stops where it must not go on.
+void guard() {
   readRobot();
-  heedSignal();
   if (inDanger || millis() - lastFrameMs > SILENCE_MS) stopForGood();
+}
+
+// To be called all the time.
+void watch() {
+  guard();
+  heedSignal();
 }
 
 // ---------------------------------------------------------------- moves
@@ -254,11 +259,11 @@ void startRobot() {
   }
 }
 
-// Sets the clock: by the common signal, or by the moment of switching on, which does not depend on when a robot wakes.
+// Sets the clock: by the common signal, or by the moment of switching on, whenever the robot wakes.
 void setClock() {
   clockZeroMs = POWER_ON_TO_START_MS;
   if (WAIT_FOR_SIGNAL) {
-    while (!signalBegins()) watch();
+    while (!signalBegins()) guard();
     clockZeroMs = millis() + SIGNAL_TO_START_MS;
     signalDueMs = millis() + SIGNAL_EVERY_MS;
   } else if (millis() > POWER_ON_TO_START_MS) {

@@ -113,14 +113,12 @@ def _found(mean: dict[tuple[float, str], Estimate], least: dict[tuple[float, str
     by_angle = {angle: mean[angle, EXACT].value for angle in (45.0, 90.0, 135.0, 180.0)}
     holds = min(by_angle[135.0], by_angle[45.0]) > max(by_angle[90.0], by_angle[180.0])
     order = ", ".join(f"{angle:g}° {100 * value:.1f}%" for angle, value in by_angle.items())
-    worst = min(ALL_ANGLES_DEG, key=lambda angle: least[angle, SHOWN].value)
     return (
         f"{runs:,} runs of each angle and error; nothing is rounded to headings. Errors help to cover: by "
         f"{SHOWN_ANGLE_DEG:g}° a robot sees a cell with a mean chance of {_percent(exact)} when exact and "
         f"{_percent(inexact)} with turns {SHOWN}, since it does not stay on a limit cycle for ever. "
-        f"{_best(mean, 'By the mean over all cells')} {_best(least, 'By the cell least likely seen')} The worst with "
-        f"turns {SHOWN} is {worst:g}°, where the least is {_percent(least[worst, SHOWN])}. The paper's claim on angles "
-        f"{'holds' if holds else 'does not hold'} here for exact robots: {order}."
+        f"{_best(mean, 'By the mean over all cells')} {_best(least, 'By the cell least likely seen')} The paper's "
+        f"claim on angles {'holds' if holds else 'does not hold'} here for exact robots: {order}."
     )
 
 
@@ -129,15 +127,13 @@ def _percent(one: Estimate) -> str:
 
 
 def _best(found: dict[tuple[float, str], Estimate], by: str) -> str:
-    """The angles that are best for a shown error, with all that cannot be told from the best."""
-    top = max((found[angle, SHOWN] for angle in ALL_ANGLES_DEG), key=lambda one: one.value)
-    equal = [
-        angle
-        for angle in ALL_ANGLES_DEG
-        if found[angle, SHOWN].value + found[angle, SHOWN].error >= top.value - top.error
-    ]
-    names = joined([f"{angle:g}°" for angle in equal])
-    return f"{by}, turns {SHOWN}: best by {names}" + (", which the runs cannot tell apart." if len(equal) > 1 else ".")
+    """The angles from the best to the worst for the shown error, and which the runs cannot tell from the best."""
+    order = sorted(ALL_ANGLES_DEG, key=lambda angle: -found[angle, SHOWN].value)
+    top = found[order[0], SHOWN]
+    equal = [angle for angle in order if found[angle, SHOWN].value + found[angle, SHOWN].error >= top.value - top.error]
+    told = ", ".join(f"{angle:g}° {100 * found[angle, SHOWN].value:.1f}%" for angle in order)
+    more = f"; the runs cannot tell {joined([f'{angle:g}°' for angle in equal])} apart" if len(equal) > 1 else ""
+    return f"{by} with turns {SHOWN}, from the best angle: {told}{more}."
 
 
 def _panels(room: _Room, found: dict[tuple[float, str], InexactRuns], steps: int) -> list[Panel]:
