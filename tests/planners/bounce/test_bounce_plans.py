@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from rota.make_plan import make_plan, search_plan
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan
 from rota.plan_table import rattling_sentence, swept_sentence
+from rota.planners.bounce import chosen_group
 from rota.planners.bounce.asked import bouncing_robots, covered_by, monitoring_plan, watch_of
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
@@ -333,12 +335,13 @@ def test_the_printed_algorithm_tells_its_own_groups() -> None:
     assert search_plan(improved).told[1] == "Its worst gap, in steps, is the shortest of all groups, proved."
 
 
-def test_what_was_stopped_is_not_said_to_be_impossible() -> None:
+def test_what_was_not_searched_to_the_end_is_not_said_to_be_impossible(monkeypatch: pytest.MonkeyPatch) -> None:
     mission = mission_on(ROOM, 2, ZONES, purpose="worst_gap")
-    with pytest.raises(
-        NoPlanFound, match=r"was found that .* is not proved: the search was stopped \(stopped early\)$"
-    ):
-        make_plan(mission, should_stop=lambda: True)
+    found = search_plan(mission, should_stop=lambda: True)
+    assert any("not proved to be the shortest of all groups: the search was stopped" in told for told in found.told)
+    monkeypatch.setattr(chosen_group, "best_group", partial(chosen_group.best_group, most_nodes=1))
+    with pytest.raises(NoPlanFound, match=r"was found that .* is not proved: the search ended after 1 partial team$"):
+        make_plan(mission)
 
 
 def test_bodies_too_wide_to_pass_keep_apart_by_their_swept_distance() -> None:

@@ -313,8 +313,12 @@ def test_cycles_that_never_enter_a_zone_do_not_count_as_good() -> None:
     assert found.proved
     assert found.group.ratio == 0.1  # in its room at every step
     # with too few partial teams to look at, nothing is said to be impossible
+    few = best_group(watch, most_nodes=4)
+    assert (few.group, few.proved, few.unproved) == (None, False, "the search ended after 4 partial teams")
+    # a search that is stopped has its first team, which the bound of the rooms does not prove
     stopped = best_group(watch, should_stop=lambda: True)
-    assert (stopped.group, stopped.proved, stopped.unproved) == (None, False, "the search was stopped")
+    assert stopped.group is not None
+    assert (stopped.proved, stopped.unproved) == (False, "the search was stopped")
     # one robot less leaves a room unseen, and that is proved
     fewer = limit_cycles(make_team(cells, [2] * (rooms - 1)))
     sees = seen_by_cycles(fewer, inside, 8)

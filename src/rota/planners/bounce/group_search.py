@@ -151,7 +151,7 @@ class _Search:
         else:
             order = self._roomiest(candidates, room)
         for node in candidates[order]:
-            if budget[0] <= 0 or self.stopped():
+            if budget[0] <= 0 or (self.best is not None and self.stopped()):  # a first team is soon found or given up
                 return False
             robot = self._robot_for(node, chosen)
             left = [z for z in zones if self.alone[cycles.cycle[node], z] > limit]
@@ -303,7 +303,7 @@ class _Search:
         if self.stopped():
             return "the search was stopped"
         if self.cut_short:
-            return f"the search ended after {self.most_nodes:,} partial teams"
+            return f"the search ended after {self.most_nodes:,} partial team" + "s" * (self.most_nodes != 1)
         return "the robots' common period is too long to know all gaps"
 
     def done(self) -> bool:
