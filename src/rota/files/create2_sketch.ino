@@ -185,8 +185,8 @@ void watch() {
 
 // ---------------------------------------------------------------- moves
 
-// Goes on with what the wheels do for so long, to some microseconds: a millisecond is a tenth of a degree. From the time
-// before the command was given on: to hand over its bytes takes as long as to hand over those of the next.
+// Goes on with what the wheels do for so long, to some microseconds: a millisecond is a tenth of a degree. Counted from
+// before the command was given: to hand over its bytes takes as long as to hand over those of the next.
 void keepOn(uint32_t beganUs, uint32_t durationUs) {
   uint32_t goneUs;
   while ((goneUs = micros() - beganUs) < durationUs) {
