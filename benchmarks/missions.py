@@ -28,7 +28,28 @@ fleet:
   sensor: {{shape: disc, radius_m: 2}}
   body_radius_m: 0.2
 """
-REAL_INPUTS = {"parcel-nl": PARCEL_NL, "cumberland": CUMBERLAND}
+BOUNCING = """\
+rota: 1
+name: bounce-{purpose}
+area: {{{{map: "{{data}}/maps/cumberland.yaml", inside: [20, 20]}}}}
+zones:
+  - {{{{name: west, period_s: 1200, demand: visit, ring: [[6.5, 11.5], [9.5, 11.5], [9.5, 14.5], [6.5, 14.5]]}}}}
+  - {{{{name: middle, period_s: 1200, demand: visit, ring: [[25.5, 15], [28.5, 15], [28.5, 18], [25.5, 18]]}}}}
+  - {{{{name: east, period_s: 1200, demand: visit, ring: [[40.5, 26.5], [43.5, 26.5], [43.5, 29.5], [40.5, 29.5]]}}}}
+fleet:
+  robots: 3
+  speed_m_s: 0.2
+  sensor: {{{{shape: disc, radius_m: 0.25}}}}
+  body_radius_m: 0.17
+  turn_rate_rad_s: 1.5
+planner: bounce
+bounce: {{{{cell_m: 0.5, bouncing_angles_deg: [90], purpose: {purpose}}}}}
+"""
+REAL_INPUTS = {
+    "parcel-nl": PARCEL_NL,
+    "cumberland": CUMBERLAND,
+    **{f"bounce-{purpose}": BOUNCING.format(purpose=purpose) for purpose in ("periods", "worst_gap")},
+}
 
 
 def example_missions() -> list[Path]:

@@ -19,7 +19,7 @@ from rota.make_plan import make_plan, search_plan
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan
 from rota.plan_table import rattling_sentence, swept_sentence
-from rota.planners.bounce import chosen_group
+from rota.planners.bounce import chosen_group, sentences
 from rota.planners.bounce.asked import bouncing_robots, covered_by, monitoring_plan, watch_of
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
@@ -129,10 +129,13 @@ def test_robots_that_turn_slowly_have_time_for_turns_to_headings_that_are_a_litt
     assert check_plan(make_plan(mission)).verdict == "met"
 
 
-def test_groups_are_counted_in_words_that_fit_their_number() -> None:
+def test_groups_are_counted_in_words_that_fit_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
     zones = (visit("west", 34, 0, 0, 1, 1), visit("east", 34, 5, 0, 6, 1))
     found = search_plan(mission_on("......", 1, zones, bouncing_angles_deg=(180,)))
     assert found.told[0] == "1 robot has 1 periodic group in which every zone is visited."
+    monkeypatch.setattr(sentences, "MOST_COUNTING", 1)
+    found = search_plan(mission_on(ROOM, 2, ZONES))
+    assert found.told[0] == "Their periodic groups are not counted: that would take long."
 
 
 def test_as_few_robots_as_possible_are_enough() -> None:
@@ -330,9 +333,9 @@ def test_the_printed_algorithm_tells_its_own_groups() -> None:
         f"Algorithm 2 as printed keeps {kept:,} periodic groups (r), of {p:,} joint states (P), and {q:,} transient"
     )
     assert told[0].startswith(groups)
-    assert told[1] == "Its worst gap, in steps, is the shortest of those that Algorithm 2 as printed keeps, proved."
+    assert told[1] == "The worst gap, in steps, is the shortest of those that Algorithm 2 as printed keeps, proved."
     improved = replace(mission, planning=replace(mission.bounce, method="improved"))
-    assert search_plan(improved).told[1] == "Its worst gap, in steps, is the shortest of all groups, proved."
+    assert search_plan(improved).told[1] == "The worst gap, in steps, is the shortest of all groups, proved."
 
 
 def test_what_was_not_searched_to_the_end_is_not_said_to_be_impossible(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -36,8 +36,8 @@ def proof_sentence(mission: Mission, choice: Choice) -> str | None:
     if len(choice.chosen.transient) or any(robot.start is not None for robot in mission.fleet.robots or ()):
         among = "of all groups that robots come to from their starts"
     if choice.proved:
-        return f"Its worst gap, in steps, is the shortest {among}, proved."
-    return f"Its worst gap, in steps, is the best found, not proved to be the shortest {among}: {choice.unproved}."
+        return f"The worst gap, in steps, is the shortest {among}, proved."
+    return f"The worst gap, in steps, is the best found, not proved to be the shortest {among}: {choice.unproved}."
 
 
 def entered_sentence(found: Coverage, robots: int, duration_s: float) -> str:
