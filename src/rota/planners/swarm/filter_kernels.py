@@ -31,6 +31,9 @@ Rounding. A gap of g metres counts as g - 1e-9, and as 0 below that. Distances a
 may exceed 0 by ROUNDING |w|, without which a robot could not glide along what it touches: bodies may come nearer by
 ROUNDING of a step's way, 1e-15 m for 0.5 m, and by what places round in every step anyway.
 
+Discs that move and do not give way are dodged beforehand: the wish is changed (``dodge_kernels``), and the claim holds
+of what is left of it. That no disc is met is not claimed.
+
 Old news. A robot that is known from an old message only may have gone s = age v_B dt since: it is somewhere in the disc
 of radius s round the place told. Let d be the distance to that place and D >= d - s the true one, u the true direction.
 If v . u <= (d - s - r_A - r_B) / (2 dt) for every u that leads into the disc, then v . u <= (D - r_A - r_B) / (2 dt)
@@ -47,6 +50,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rota.planners.swarm.dodge_kernels import dodged
 from rota.planners.swarm.kernels import cell_of, compiled, to_wall
 
 ROUNDING_M = 1e-9  # kept between bodies, so that rounding of places never makes them touch
@@ -248,15 +252,19 @@ def filter_velocities(
 
     nearest2: (n,) squared distance of the nearest robot, so that most robots need no second look. widest_m: the largest
     body plus the longest step of any robot. spread_m: how far each robot may have gone from its place, (n,), or (0,)
-    where places are exact. Discs that move are kept clear of as far as they leave a choice. normals, spare: room.
+    where places are exact. Discs that move are dodged, and kept clear of as far as they leave a choice. normals, spare:
+    room.
     """
     bounds = spare.x
     for i in range(begin, end):
         vx, vy = new_vx[i], new_vy[i]
-        if vx == 0.0 and vy == 0.0:
-            continue
         kind, x, y = robots.kind[i], robots.x[i], robots.y[i]
         body = kinds.body_m[kind]
+        if moving.x.shape[0] > 0:
+            vx, vy = dodged(x, y, vx, vy, body, kinds.speed_m_s[kind], moving, time_step_s)
+            new_vx[i], new_vy[i] = vx, vy
+        if vx == 0.0 and vy == 0.0:
+            continue
         c = cell_of(x, y, grid)
         reach = body + kinds.speed_m_s[kind] * time_step_s + widest_m
         crowded = nearest2[i] <= reach * reach
