@@ -73,8 +73,10 @@ def _cases_found(cases: Sequence[Case]) -> str:
         sums.append(f"{way} {robots}" + ("" if met == len(cases) else f" ({met} of {len(cases)} cases met)"))
     bounds = [case.lower_bound for case in cases if case.lower_bound is not None]
     unseen, late = [case.unseen_m2 for case in cases], sum(case.late for case in cases)
+    seldom = [case.late_m2 for case in cases]
     return (
         f"Robots of all {len(cases)} cases together: the paper {theirs}; its algorithms here {here} by Eq. 26, of "
         f"which {late} miss their period; {', '.join(sums)}; proved: at least {sum(bounds)}. Routes as printed leave "
-        f"{min(unseen):,.0f} to {max(unseen):,.0f} m² unseen."
+        f"{min(unseen):,.0f} to {max(unseen):,.0f} m² unseen, and see {min(seldom):,.0f} to {max(seldom):,.0f} m² too "
+        "seldom."
     )

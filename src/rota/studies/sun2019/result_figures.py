@@ -163,10 +163,9 @@ def _beside(ours: int, theirs: int) -> str:
 
 def _checked_told(case: Case) -> str:
     """Whether the routes as printed do what they shall."""
-    report = case.printed.report
-    if report.verdict == "met":
+    if case.printed.report.verdict == "met":
         return "The routes round these segments pass the check as they are."
-    return f"That they “cover the task area completely and persistently” does not hold: {unseen_and_late(report)}."
+    return f"That they “cover the task area completely and persistently” does not hold: {unseen_and_late(case)}."
 
 
 def _compared(case: Case) -> str:

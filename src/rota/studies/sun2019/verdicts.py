@@ -63,7 +63,7 @@ def coverage_verdict(case: Case, place: str) -> Verdict:
     return Verdict(
         "The routes cover the area “completely and persistently”", place, "holds" if met else "does not hold",
         f"{case.paper.name}, routes as printed: "
-        + ("the check passes them." if met else f"{unseen_and_late(case.printed.report)}."),
+        + ("the check passes them." if met else f"{unseen_and_late(case)}."),
     )  # fmt: skip
 
 
