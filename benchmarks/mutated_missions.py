@@ -194,7 +194,7 @@ def _resize(rng: random.Random, block: Any, key: Any) -> None:
     value = block[key]
     if isinstance(value, int | float) and not isinstance(value, bool):
         block[key] = rng.choice(
-            (value * 10.0 ** rng.randrange(-12, 13), -value, value + 1e-9, value * (1 + 2**-52), int(value))
+            (value * 10.0 ** rng.randrange(-12, 13), -value, value + 1e-9, value * (1 + 2**-52), value // 1)
         )
     elif isinstance(value, list):
         kinds = (

@@ -1,4 +1,4 @@
-"""Reads mutated missions one after another, and tells of each on a line: what became of it, seconds, peak bytes.
+"""Reads mutated missions one after another, and tells of each on a line: what became of it, CPU seconds, peak bytes.
 
 Run by ``reader_runs`` in a process of its own, so that a crash is noticed: ``benchmarks.reader_process FIRST END``.
 """
@@ -31,10 +31,10 @@ def main() -> None:
             name, files = mutated(seed)
             for path, data in files.items():
                 Path(path).write_bytes(data)
-            began_s = time.perf_counter()
+            began_s = time.process_time()
             outcome = outcome_of(name, confine=seed % 2 == 0)
             peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-            print(seed, outcome, f"{time.perf_counter() - began_s:.3f}", peak, flush=True)
+            print(seed, outcome, f"{time.process_time() - began_s:.3f}", peak, flush=True)
 
 
 def outcome_of(name: str, *, confine: bool) -> str:

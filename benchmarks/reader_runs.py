@@ -15,7 +15,7 @@ from benchmarks.row import Options, Row
 
 MISSIONS, FIRST_SEED = 5000, 10_000
 LONGEST_S, MOST_BYTES = 10.0, 2e9
-PATIENCE_S = 30.0  # for one mission, files and start of the process included
+PATIENCE_S = 120.0  # for one mission, on a busy machine too, files and start of the process included
 
 
 class Reading(NamedTuple):
@@ -46,7 +46,7 @@ def mutated_missions(options: Options) -> Iterator[Row]:
     yield Row(
         f"{MISSIONS:,} mutated missions: YAML, JSON, GeoJSON, ROS maps, images",
         "read or refused with line, value and what is allowed; each < 10 s, < 2 GB",
-        f"{counts['read']} read, {counts['refused']} refused, {counts['fault']} neither; {slowest.seconds:.1f} s, "
+        f"{counts['read']} read, {counts['refused']} refused, {counts['fault']} neither; CPU {slowest.seconds:.1f} s, "
         f"{peak / 1e6:.0f} MB",
         counts["fault"] == 0,
     )

@@ -14,6 +14,9 @@ OF_RECIPROCAL = ("velocity", "samples", "boundary", "horizon_s", "neighbours", "
 NEEDED = {"samples": ("velocity", "sampled"), "horizon_s": ("boundary", "circle")}
 
 
+OF_TASK = {"purpose": "monitor", "contact_free": "monitor", "most_steps": "cover"}  # of bouncing robots
+
+
 def unused_by_patrol(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
     """What of a mission file the planner patrol cannot use."""
     if data.get("moving_obstacles"):
@@ -112,6 +115,9 @@ def unused_by_bounce(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         if isinstance(angles, list) and len(angles) not in (1, count):
             each = f" or one for each of {count}" if count is not None else ""
             yield ("bounce", name), f"{len(angles)} angles are not allowed; one for all robots{each} is needed"
+    for name, only in OF_TASK.items():
+        if _inner(data, "bounce", name) is not None and task in ("monitor", "cover") and task != only:
+            yield ("bounce", name), f"is for task: {only} only: remove it"
     if task == "monitor":
         yield from _unwatched_by_bounce(data)
     elif task == "cover":
