@@ -16,8 +16,10 @@ from rota.draw.cells_picture import cells_figure, draw_cells
 from rota.draw.entered_cells import entries_of_cells, faced_cells
 from rota.draw.plan_picture import plan_figure
 from rota.errors import PlanError
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, PatrolSettings, Robot
+from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, PatrolSettings, Robot, Zone
 from rota.plan import Plan, Trajectory
+
+VISITED = Zone(name="door", shape=box(1, 2, 1.5, 2.5), period_s=60, demand="visit")
 
 
 def plan() -> Plan:
@@ -111,3 +113,7 @@ def test_files_are_equal_and_a_plan_without_cells_is_refused(tmp_path: Path) -> 
     mission = Mission(name="m", area=bounced.mission.area, fleet=fleet, period_s=9, planning=PatrolSettings())
     with pytest.raises(PlanError, match="a plan of patrol has no cells"):
         draw_cells(Plan(mission=mission, trajectories=()), tmp_path / "c.svg")
+    free = replace(bounced.mission, planning=BounceSettings(cells="none"), zones=(VISITED,))
+    with pytest.raises(PlanError, match=r"without a grid .* has no cells"):
+        draw_cells(replace(bounced, mission=free), tmp_path / "d.svg")
+    assert not (tmp_path / "d.svg").exists()
