@@ -375,3 +375,23 @@ def test_ground_that_is_all_sliver_was_not_looked_at() -> None:
     report = check_plan(Plan(mission=sliver, trajectories=(stands,)))
     assert report.verdict == "not proven"
     assert report.demands[0].undecided_cells == 1
+
+
+def test_ground_that_nobody_can_see_is_not_held_against_a_zone_beside_it() -> None:
+    # the bodies see down to y = 0.2: the zone b of 3 mm begins there, all of it can be seen, and nobody goes there
+    robot = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=0.3), body_radius_m=0.5)
+    zones = (
+        Zone(name="a", shape=box(1, 0.8, 1.4, 1.2), period_s=20),
+        Zone(name="b", shape=box(55, 0.2, 56, 0.203), period_s=1),
+    )
+    asked = field(area=MultiPolygon([box(0, 0, 60, 2)]), zones=zones, period_s=None, fleet=robot)
+    stands = Trajectory(robot="a", times_s=[0.0], positions_m=[(1.2, 1.0)])
+    for mission in (asked, dataclasses.replace(asked, period_s=1000.0)):
+        report = check_plan(Plan(mission=mission, trajectories=(stands,)))
+        outcomes = {d.name: (d.outcome, d.excluded_area_m2) for d in report.demands}
+        assert outcomes["a"] == ("met", 0)
+        assert outcomes["b"] == ("violated", 0)
+    # what lies lower is seen by nobody, and left out
+    low = dataclasses.replace(asked, zones=(zones[0], Zone(name="c", shape=box(55, 0.1, 56, 0.19), period_s=1)))
+    report = check_plan(Plan(mission=low, trajectories=(stands,)))
+    assert report.demands[1].excluded_area_m2 == pytest.approx(0.09)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rota.check.bouncing import bounce_violations
 from rota.check.clocks import clock_margin_s, clock_violations
-from rota.check.demands import Asked, demands_of, open_ground, visits
+from rota.check.demands import Asked, demands_of, visits
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.pieces import Pieces, convex_pieces, joined
@@ -105,17 +105,19 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
     pieces, owners, size = _tiles(mission, size)
     limits = np.array([demand.period_s for demand in asked]) * (1 + PERIOD_TOLERANCE)
 
-    ground = open_ground(mission)
-    shapely.prepare(ground)
+    regions = [demand.region for demand in asked]
+    shapely.prepare(regions)
 
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
 
-    def is_seeable(points_m: Floats, spread_m: float) -> NDArray[np.bool_]:
+    def is_seeable(points_m: Floats, spread_m: float, demands: Ints) -> NDArray[np.bool_]:
+        found = np.ones(len(points_m), np.bool_)
         with one_at_a_time:
-            # places where nothing is asked are not held against the piece beside them
-            found = ~shapely.contains_xy(ground, *points_m.T)
-            found[~found] = seeable(mission, grounds_of(mission), points_m[~found], spread_m)
-        return np.asarray(found)
+            for k in np.unique(demands):
+                mine = np.flatnonzero(demands == k)
+                mine = mine[shapely.contains_xy(regions[k], *points_m[mine].T)]
+                found[mine] = seeable(mission, grounds_of(mission), points_m[mine], spread_m)
+        return found
 
     found = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=max(finest_m, size / 4))
     for k in _left_out(mission, asked, pieces, owners):

@@ -17,7 +17,7 @@ from rota.check.revisits import Sights, piece_gaps, point_pieces, swath_cuts
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-IsSeeable = Callable[[Floats, float], Flags]
+IsSeeable = Callable[[Floats, float, Ints], Flags]
 
 MOST_PIECES = 600_000
 MOST_TOGETHER = 250_000  # pieces at first; of more, so many at a time are refined by themselves
@@ -95,11 +95,12 @@ def refine(
 ) -> list[Found]:
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
-    owners: (n,) index of each piece's demand into limits_s (demands,). ``is_seeable(points, spread)``: whether a body
-    can stand where it sees the point (within the spread); it is asked from several threads. Pieces of a demand that is
-    already violated are cut to ``coarse_m`` only. When more than 600,000 pieces would be open at once, all are left
-    undecided as they are. Very many pieces are refined in parts, each by itself, so that memory and work for one piece
-    do not grow with their number.
+    owners: (n,) index of each piece's demand into limits_s (demands,). ``is_seeable(points, spread, demands)``: whether
+    a body can stand where it sees the point (within the spread), or nothing is asked of the point by that demand, so
+    that ground of no demand, or of another, is not held against a piece; it is asked from several threads. Pieces of a
+    demand that is already violated are cut to ``coarse_m`` only. When more than 600,000 pieces would be open at once,
+    all are left undecided as they are. Very many pieces are refined in parts, each by itself, so that memory and work
+    for one piece do not grow with their number.
     """
 
     def part(first: int) -> list[Found]:
@@ -187,12 +188,12 @@ class _Level:
     def note_samples(self, found: list[Found], is_seeable: IsSeeable, finest_m: float) -> None:
         """Find the middles that nobody can see, and the worst of the others for each demand."""
         unseen = np.flatnonzero(self.unseen)
-        self.hidden[unseen] = ~is_seeable(self.middles[unseen], 0.0)
+        self.hidden[unseen] = ~is_seeable(self.middles[unseen], 0.0, self.owners[unseen])
         # the finest piece round a place at the rim of all that can be seen may be excluded: it speaks, not the place
         unseen = unseen[~self.hidden[unseen]]
         square = finest_m / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         round_m = (self.middles[unseen][:, None] + square).reshape(-1, 2)
-        inside = is_seeable(round_m, 0.0).reshape(-1, 4).all(axis=1)
+        inside = is_seeable(round_m, 0.0, np.repeat(self.owners[unseen], 4)).reshape(-1, 4).all(axis=1)
         self.bad[unseen[~inside]] = False
         counted = ~self.hidden & (self.bad | np.isfinite(self.gaps_s))
         for k in np.unique(self.owners[counted]):
@@ -236,19 +237,21 @@ class _Level:
         corners, owner = self._inner_corners(index)
         radii = np.zeros(len(index))
         np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
-        return ~is_seeable(self.middles[index], float(radii.max()) * (1 + 1e-9))
+        return ~is_seeable(self.middles[index], float(radii.max()) * (1 + 1e-9), self.owners[index])
 
     def _partly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
         hidden = np.zeros(len(index), bool)
         if len(index):
             corners, owner = self._inner_corners(index)
-            # and as far again outside: what is seen only from the very edge of the standing ground is no fair demand
+            # and as far again outside, in the same demand: what of it is seen only from the very edge of the standing
+            # ground, beside what is never seen, is no fair demand
             beyond = corners + (corners - self.middles[index][owner])
             corners, owner = np.vstack([corners, beyond]), np.tile(owner, 2)
             never = np.flatnonzero(
                 np.isinf(piece_gaps(self.sights, point_pieces(corners), np.zeros(len(corners))).gaps_s)
             )
-            np.logical_or.at(hidden, owner[never], ~is_seeable(corners[never], 0.0))
+            demands = self.owners[index[owner[never]]]
+            np.logical_or.at(hidden, owner[never], ~is_seeable(corners[never], 0.0, demands))
         return hidden
 
     def _note_corners(self, found: list[Found], index: Ints) -> None:
