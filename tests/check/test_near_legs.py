@@ -55,6 +55,22 @@ def test_pairs_are_those_of_comparing_all_with_all(seed: int, monkeypatch: pytes
     assert set(found) == all_with_all(routes, bodies)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_ways_are_near_whatever_their_times(seed: int) -> None:
+    routes = routes_of(random_plan(np.random.default_rng(seed)))
+    lines = [LineString(leg.reshape(2, 2)) for leg in routes.legs_m]
+    every = range(len(lines))
+    expected = {
+        (i, j)
+        for i in every
+        for j in every
+        if routes.robots[i] < routes.robots[j] and lines[i].distance(lines[j]) <= 0.9
+    }
+    found = [pair for a, b in near.near_ways(routes, 0.9) for pair in zip(a.tolist(), b.tolist(), strict=True)]
+    assert len(found) == len(set(found))
+    assert set(found) == expected
+
+
 def test_a_robot_that_trembles_is_not_compared_with_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     # two robots side by side, each leg of either within reach of all others: work must grow as the legs do
     asked = []

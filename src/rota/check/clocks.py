@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from rota.check.motion import segment_distances
+from rota.check.near_legs import near_ways
 from rota.check.report import Violation
-from rota.check.routes import HOLD, LOOP, Routes, lines_of, routes_of
+from rota.check.routes import HOLD, LOOP, Routes, routes_of
 from rota.mission import BounceSettings
 from rota.plan import Plan
 
@@ -38,14 +38,11 @@ def clock_margin_s(plan: Plan) -> float | None:
         return None
     routes = routes_of(plan)
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
-    lines = lines_of(routes.legs_m)
     reach = float(np.sort(bodies)[-2:].sum())
-    a, b = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach)
-    first = routes.robots[a] < routes.robots[b]
-    a, b = a[first], b[first]
     margin = math.inf
-    for k in range(0, len(a), CHUNK):
-        margin = min(margin, _margin(routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK]))
+    for a, b in near_ways(routes, reach):
+        for k in range(0, len(a), CHUNK):
+            margin = min(margin, _margin(routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK]))
     return margin
 
 

@@ -51,14 +51,29 @@ def _candidates(routes: Routes, lines: NDArray[np.object_], reach_m: float) -> I
             yield a[here], b[here]
     yield from ((a[a < b], b[a < b]) for a, b in _met(routes, lines, holds, holds, reach_m))
     yield from _met(routes, lines, before, holds, reach_m)
-    low = np.minimum(routes.legs_m[:, :2], routes.legs_m[:, 2:])
-    high = np.maximum(routes.legs_m[:, :2], routes.legs_m[:, 2:])
     for robot in np.unique(routes.robots[loops]):
         own = loops[routes.robots[loops] == robot]
         others = (routes.robots > robot) | ((routes.robots < robot) & (routes.kinds != LOOP))
-        left, right = low[own].min(axis=0) - reach_m, high[own].max(axis=0) + reach_m
-        near = (low <= right).all(axis=1) & (high >= left).all(axis=1)
-        yield from _met(routes, lines, own, np.flatnonzero(others & near), reach_m)
+        yield from _met(routes, lines, own, _beside(routes, own, others, reach_m), reach_m)
+
+
+def near_ways(routes: Routes, reach_m: float) -> Iterator[tuple[Ints, Ints]]:
+    """Pairs of legs of different robots within a distance as lines, whatever their times; the lower robot's leg first.
+
+    No pair is given twice.
+    """
+    lines = lines_of(routes.legs_m)
+    for robot in np.unique(routes.robots):
+        own = np.flatnonzero(routes.robots == robot)
+        yield from _met(routes, lines, own, _beside(routes, own, routes.robots > robot, reach_m), reach_m)
+
+
+def _beside(routes: Routes, own: Ints, others: NDArray[np.bool_], reach_m: float) -> Ints:
+    """Those of other legs whose boxes come within a distance of the box round one's own."""
+    low = np.minimum(routes.legs_m[:, :2], routes.legs_m[:, 2:])
+    high = np.maximum(routes.legs_m[:, :2], routes.legs_m[:, 2:])
+    left, right = low[own].min(axis=0) - reach_m, high[own].max(axis=0) + reach_m
+    return np.flatnonzero(others & (low <= right).all(axis=1) & (high >= left).all(axis=1))
 
 
 def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float]]:
