@@ -9,12 +9,14 @@ from pathlib import Path
 
 from benchmarks.bounce_joint_maps import bounce_map
 from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
+from benchmarks.check_legs import check_legs
 from benchmarks.create2_sketch import create2_sketch
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
 from benchmarks.one_robot import one_robot
+from benchmarks.plan_fuzz import mutated_plans
 from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
 from benchmarks.random_runs import random_missions
 from benchmarks.reader_runs import mutated_missions
@@ -144,6 +146,12 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "plan-10-km2": ten_tiles,
     "known-plans": known_plans,
     "mutated-missions": mutated_missions,
+    "mutated-plans": mutated_plans,
+    "check-legs": check_legs,
     "random-missions": random_missions,
 }
-LONG = ("random-missions", "swarm-million")  # half an hour and more: measured only when named, or with --all
+LONG = (
+    "random-missions",
+    "swarm-million",
+    "mutated-plans",
+)  # half an hour and more: measured only when named, or with --all
