@@ -16,6 +16,7 @@ from rota.planners.bounce.asked import bouncing_robots, covered_by
 from rota.planners.bounce.cells import make_cells
 from rota.studies.alam2020 import maps, study as study_module
 from rota.studies.alam2020.monitoring_figures import group_counts, shown_group
+from rota.studies.alam2020.page import claims_table
 from rota.studies.alam2020.runs import StudySettings, steps_until
 from rota.studies.alam2020.study import alam2020_study
 from rota.studies.study import Study, StudyStopped
@@ -66,6 +67,18 @@ def test_steps_are_those_of_the_planner(study: Study) -> None:
         f"{np.mean(steps):,.0f} ± {np.std(steps, ddof=1):,.0f}",
         f"{min(steps)} to {max(steps)}",
     )
+
+
+def test_each_claim_has_a_verdict_with_its_reason(study: Study) -> None:
+    table = claims_table(study.sections)
+    outcomes = {"holds", "bettered", "does not hold", "cannot be told"}
+    assert len(table.rows) >= 16
+    assert {row[2] for row in table.rows} <= outcomes
+    assert all(len(row[3]) > 20 for row in table.rows)
+    assert study.page.index("## The paper's claims") < study.page.index("## The methods")
+    driven = [row for row in table.rows if "Create 2" in row[0]]
+    assert [row[1] for row in driven] == ["5.1, Figure 6d-f", "5.2, Figure 11d-f"]
+    assert "4 of 4 plans" in driven[0][3]  # two starts, two methods
 
 
 def test_the_papers_counts_stand_at_their_angles(study: Study) -> None:
