@@ -21,6 +21,7 @@ from benchmarks.planning import median_run, met_with, peak, plan_and_check, plan
 from benchmarks.random_runs import random_missions
 from benchmarks.reader_runs import mutated_missions
 from benchmarks.row import Options, Row
+from benchmarks.scanned_floors import FLOORS, corners_of, write_floor
 from benchmarks.shell import python, rota
 from benchmarks.sun_cases import sun_cases
 from benchmarks.sun_deploy import sun_deploy
@@ -36,6 +37,7 @@ from benchmarks.warm_cache import measured_warm
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
 NOT_PATROLS = ("bounce-cover", "bounce-monitor", "swarm-square", "swarm-space")  # so many robots as there are
+FLOOR_PATIENCE_S = 1800.0
 BUILDINGS = ("building",)  # walls cut sight there, so nothing general can be asked of the number of robots
 
 
@@ -73,6 +75,18 @@ def _real(name: str, folder: Path) -> Row:
     runs = planned_warm(write_real_mission(name, folder), folder)
     reached = median_run(runs).wall_s < 60 and met_with(runs) is not None
     return Row(what, asked, told(runs), reached)
+
+
+def scanned_floors(options: Options) -> Iterator[Row]:
+    """Floors like scanned buildings, as ragged as those can be."""
+    for name in ("office", "ragged"):
+        mission = write_floor(name, FLOORS[name], 0, options.folder)
+        found = plan_and_check(mission, options.folder, patience_s=FLOOR_PATIENCE_S)
+        floor, corners = FLOORS[name], corners_of(mission)
+        what = f"{name} floor of {floor.columns} x {floor.rows} pixels, {corners} corners, quick"
+        reached = found.met and found.plan.wall_s < 180 and found.peak_bytes < 2e9
+        measured = f"{told([found])}; CPU {found.cpu_s:.0f} s"
+        yield Row(what, "met, plan in < 180 s, < 2 GB", measured, reached)
 
 
 def importing(options: Options) -> Iterator[Row]:
@@ -122,6 +136,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "fig13-cold": fig13_cold,
     "parcel-nl": parcel_nl,
     "cumberland": cumberland,
+    "scanned-floors": scanned_floors,
     "import": importing,
     "square-kilometre": square_kilometre,
     "examples": examples,
@@ -154,4 +169,5 @@ LONG = (
     "random-missions",
     "swarm-million",
     "mutated-plans",
+    "scanned-floors",
 )  # half an hour and more: measured only when named, or with --all

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
+
+import rota
 
 FREE, UNKNOWN, OCCUPIED = 254, 205, 0  # as map_saver writes them
 
@@ -84,6 +87,11 @@ def write_floor(name: str, floor: Floor, seed: int, folder: Path) -> Path:
         "period_s: 600\nfleet:\n  speed_m_s: 0.8\n  sensor: {shape: disc, radius_m: 2.5}\n  body_radius_m: 0.2\n"
     )
     return mission
+
+
+def corners_of(mission: Path) -> int:
+    """Corners of the area that the mission's map is read as."""
+    return int(shapely.get_num_coordinates(rota.read_mission(mission).mission.area))
 
 
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in the building's frame, metres

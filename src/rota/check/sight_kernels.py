@@ -8,6 +8,8 @@ import math
 import numpy as np
 from numba import njit
 
+SOME_DIRECTIONS = 64
+
 from rota.check.tiling_kernels import cell_along
 
 
@@ -65,6 +67,19 @@ def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_cr
 
 
 @njit(cache=True)
+def _sees_along(angles, x, y, reach_m, square, walls, near_walls, ground, near_ground):
+    """Whether (x, y) sees some of the ground in reach in one of the directions."""
+    for angle in angles:
+        cx, cy = math.cos(angle), math.sin(angle)
+        far = reach_m / max(abs(cx), abs(cy)) if square else reach_m
+        hit = _first_hit(ground, near_ground, x, y, cx, cy)
+        # ground that ends at a wall: from the wall itself one sees past it, as sight lines may touch walls
+        if hit <= far and hit <= _first_hit(walls, near_walls, x, y, cx, cy) + 1e-9:
+            return True
+    return False
+
+
+@njit(cache=True)
 def sees_ground(
     points, reach_m, square, grid, shape,
     walls, wall_offsets, wall_index, ground, ground_offsets, ground_index, crossings, cross_offsets, cross_index,
@@ -84,13 +99,10 @@ def sees_ground(
             continue
         near_walls = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
         near_crossings = cross_index[cross_offsets[cell] : cross_offsets[cell + 1]]
-        angles = _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square)
-        for angle in angles:
-            cx, cy = math.cos(angle), math.sin(angle)
-            far = reach_m / max(abs(cx), abs(cy)) if square else reach_m
-            hit = _first_hit(ground, near_ground, x, y, cx, cy)
-            # ground that ends at a wall: from the wall itself one sees past it, as sight lines may touch walls
-            if hit <= far and hit <= _first_hit(walls, near_walls, x, y, cx, cy) + 1e-9:
-                found[p] = True
-                break
+        # in most places one of a few directions, whichever they are, shows that ground is seen
+        some = (np.arange(SOME_DIRECTIONS) + 0.5) * (2 * math.pi / SOME_DIRECTIONS)
+        found[p] = _sees_along(some, x, y, reach_m, square, walls, near_walls, ground, near_ground)
+        if not found[p]:
+            every = _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square)
+            found[p] = _sees_along(every, x, y, reach_m, square, walls, near_walls, ground, near_ground)
     return found

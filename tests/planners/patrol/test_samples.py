@@ -16,6 +16,7 @@ from rota.planners.patrol.samples import (
     border,
     joined,
     lattice,
+    one_a_cell,
     points_of,
     prepare,
     region_points,
@@ -239,3 +240,12 @@ def test_what_is_known_of_the_first_points_is_used_as_if_it_were_found_again() -
     assert one.tolist() == other.tolist()
     for name, field in at_once._asdict().items():
         assert getattr(in_steps, name).tolist() == field.tolist(), name
+
+
+def test_of_very_many_points_one_in_each_cell_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    points = np.random.default_rng(3).uniform(-2, 2, (500, 2))
+    assert one_a_cell(points, 0.5) is points  # few
+    monkeypatch.setattr("rota.planners.patrol.samples.MANY_CORNERS", 100)
+    kept = one_a_cell(points, 0.5)
+    assert len(kept) == len(np.unique(np.floor(kept / 0.5), axis=0)) == len(np.unique(np.floor(points / 0.5), axis=0))
+    assert {tuple(point) for point in kept} <= {tuple(point) for point in points}

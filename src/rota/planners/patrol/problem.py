@@ -18,7 +18,7 @@ from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.proved_bound import ProvedBound, prove_bound
 from rota.planners.patrol.rims import fine_arc_corners, has_rim, rim_points, surely_seeable_m2, with_reach_for
-from rota.planners.patrol.samples import SamplePoints, joined, prepare, region_points
+from rota.planners.patrol.samples import MANY_CORNERS, SamplePoints, joined, prepare, region_points
 from rota.planners.patrol.start.nearest_places import nearest_places
 from rota.planners.patrol.start.viewpoints import (
     candidate_places,
@@ -40,6 +40,7 @@ SAMPLES_PER_REACH: dict[Effort, int] = {"quick": 8, "normal": 12, "high": 16}
 # of the lattice's spacing: what lies between its points is then nearly always seen too, or needs a point of its own
 SHRINK: dict[Effort, float] = {"quick": 0.4, "normal": 0.2, "high": 0.15}
 LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000
+COARSE_ARC_CORNERS = 8  # of a whole turn round corners of ground that has very many of them
 HAIR_M = 1e-6  # less than this inside of the sensor's reach counts for nothing
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 
@@ -214,7 +215,8 @@ def space_and_rim(
     place to stand at all, or none in a zone that asks for visits.
     """
     body_m = robot.body_radius_m
-    space = standing_space(mission, body_m)
+    corners = shapely.get_num_coordinates([mission.area, *(obstacle.shape for obstacle in mission.obstacles)]).sum()
+    space = standing_space(mission, body_m, arc_corners=16 if corners <= MANY_CORNERS else COARSE_ARC_CORNERS)
     visits = [region for region in regions if region.demand == "visit"]
     rim = has_rim(regions, space, robot, margin_m)
     if rim or any(shapely.disjoint(region.shape, space) for region in visits):

@@ -14,6 +14,7 @@ from rota.geometry.free_space import DemandedRegion
 from rota.planners.patrol.kernels import TOUCH_M, Samples
 from rota.planners.patrol.start.kernels import walls_that_hide
 
+MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
 
 Floats = NDArray[np.float64]
@@ -123,7 +124,15 @@ def border(shape: MultiPolygon, spacing_m: float, inset_m: float) -> Floats:
     if inner.is_empty:
         inner = shape
     dense = shapely.segmentize(inner.boundary, spacing_m)
-    return np.unique(shapely.get_coordinates(dense), axis=0)
+    return one_a_cell(np.unique(shapely.get_coordinates(dense), axis=0), spacing_m / 4)
+
+
+def one_a_cell(xy_m: Floats, cell_m: float) -> Floats:
+    """The points (n, 2), or, of very many, the first in each cell of a lattice: ragged walls have a corner a pixel."""
+    if len(xy_m) <= MANY_CORNERS:
+        return xy_m
+    _, first = np.unique(np.floor(xy_m / cell_m).astype(np.int64), axis=0, return_index=True)
+    return xy_m[np.sort(first)]
 
 
 def region_points(

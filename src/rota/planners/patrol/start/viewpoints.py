@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.samples import ON_THE_SPOT_M, lattice
+from rota.planners.patrol.samples import ON_THE_SPOT_M, lattice, one_a_cell
 from rota.planners.patrol.start.kernels import greedy_cover, places_see
 
 Floats = NDArray[np.float64]
@@ -37,7 +37,8 @@ def candidate_places(space: MultiPolygon, spacing_m: float, coarsest_m: float = 
     spacing_m = max(spacing_m, min(float(np.sqrt(space.area / MOST_CANDIDATES)), coarsest_m))
     border = shapely.get_coordinates(shapely.segmentize(space.boundary, spacing_m))
     middles = shapely.get_coordinates(shapely.point_on_surface(np.array(space.geoms)))
-    return np.ascontiguousarray(np.vstack([lattice(space, spacing_m), np.unique(border, axis=0), middles]))
+    border = one_a_cell(np.unique(border, axis=0), spacing_m / 8)
+    return np.ascontiguousarray(np.vstack([lattice(space, spacing_m), border, middles]))
 
 
 def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, samples: Samples) -> tuple[Ints, Ints]:
