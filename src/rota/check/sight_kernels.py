@@ -8,9 +8,9 @@ import math
 import numpy as np
 from numba import njit
 
-SOME_DIRECTIONS = 64
-
 from rota.check.tiling_kernels import cell_along
+
+SOME_DIRECTIONS = 64
 
 
 @njit(cache=True)
