@@ -212,6 +212,20 @@ def test_a_clock_slowed_as_little_as_the_tightest_leg_needs() -> None:
         drives_of(plan, most_slowing=1.0)
 
 
+def test_a_leg_that_only_changes_its_speed_is_never_late() -> None:
+    """1 m at 0.2 / sqrt(2) m/s and on at 0.2: in whole millimetres per second 141 would lag, 142 waits."""
+    plan = bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.2, headings=4)
+    slow_s = 1.0 / (0.2 / math.sqrt(2))
+    changes = with_trajectory(
+        plan, times_s=[0, slow_s, slow_s + 2.5, slow_s + 5, slow_s + 10],
+        positions_m=[[0.25, 0.25], [1.25, 0.25], [1.75, 0.25], [1.75, 0.25], [1.75, 1.25]], headings_rad=None,
+        loop_start_s=slow_s + 10,
+    )  # fmt: skip
+    first, second = drives_of(changes)[0].legs[:2]
+    assert (first.turn_rad, first.speed_m_s, second.speed_m_s) == (0.0, 0.142, 0.2)
+    assert first.spare_s >= 0
+
+
 def test_too_fast_a_plan_is_slowed_to_what_wheels_can_do() -> None:
     (drive,) = drives_of(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.9, headings=4))
     assert max(leg.speed_m_s for leg in drive.legs) <= 0.5

@@ -202,7 +202,10 @@ def _as_planned(way: _Way, wheels_m_s: float, *, meetings: bool) -> Leg:
 
 
 def _planned_mm_s(way: _Way) -> int:
-    return max(round(1e3 * way.way.length_m / (way.way.end_s - way.way.begin_s)), 1)
+    """The plan's speed, rounded; upwards where no turn follows, in whose time a robot that is late would catch up."""
+    planned_mm_s = 1e3 * way.way.length_m / (way.way.end_s - way.way.begin_s)
+    whole = round(planned_mm_s) if abs(way.turn_rad) > SAME_RAD else math.ceil(planned_mm_s - 1e-6)
+    return max(whole, 1)
 
 
 def _leg(way: _Way, contact: Contact | None, speed_mm_s: int, wheels_m_s: float, slowing: float) -> Leg:

@@ -122,5 +122,5 @@ def test_what_is_told_of_it(pair: Plan) -> None:
 def test_it_can_be_driven_and_has_no_cells_to_draw(pair: Plan, tmp_path: object) -> None:
     drives = drives_of(pair)
     assert all(leg.bumps for drive in drives for leg in drive.legs if leg.length_m > 0)
-    with pytest.raises(PlanError, match="there are no cells to draw"):
+    with pytest.raises(PlanError, match="has no cells to draw"):
         draw_cells(pair, f"{tmp_path}/cells.png")
