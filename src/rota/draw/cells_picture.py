@@ -109,8 +109,6 @@ def draw_cells(plan: Plan, path: str | Path) -> None:
         raise PlanError(f"a plan of {plan.mission.planning.planner} has no cells to draw; one of bounce is needed")
     if plan.mission.bounce.cell_m == 0:
         raise PlanError("a plan of robots that bounce without a grid (bounce.cells: none) has no cells to draw")
-    if plan.mission.bounce.cell_m == 0:
-        raise PlanError(f"mission {plan.mission.name}: bounce.cells is none: there are no cells to draw")
     with house_style():
         fig = cells_figure(plan)
         with replaced_file(path) as partial:
