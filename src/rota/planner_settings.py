@@ -114,11 +114,12 @@ MOST_DELAY = 20  # steps; robots with older news of each other could only stand
 class SwarmSettings:
     """Settings of the ``swarm`` planner; defaults are those of Chen et al. 2018, Table 2, where it has any.
 
-    ``controller``: "settle", which covers most and comes to rest; "reciprocal", the paper's own; or what the paper
-    compares with: range-limited "voronoi" cells, "virtual_force". Of "reciprocal": ``velocity``, the set's exact
-    centroid or the mean of ``samples`` random ones (Algorithm 1); ``boundary`` of the set, the tangent or the circle at
-    ``horizon_s``; the ``neighbours`` nearest count that are within ``neighbour_range_m`` (None: 2.04 times the largest
-    sensor radius, as in the paper); ``alpha`` of Eq. 15, how much a robot makes way for what moves and does not.
+    ``controller``: "settle", which covers most, also from heaps in corners and through doors; "reciprocal", the paper's
+    own; or what the paper compares with: range-limited "voronoi" cells, "virtual_force". Of "reciprocal": ``velocity``,
+    the set's exact centroid or the mean of ``samples`` random ones (Algorithm 1); ``boundary`` of the set, the tangent
+    or the circle at ``horizon_s``; the ``neighbours`` nearest count that are within ``neighbour_range_m`` (None: 2.04
+    times the largest sensor radius, as in the paper); ``alpha`` of Eq. 15, how much a robot makes way for what moves
+    and does not.
 
     ``wall_range_m``: walls farther off do not count (None: the robot's sensor radius). ``filter``: no step may make
     bodies touch, or touch a wall. Steps take ``time_step_s``, until no robot moves by more than ``stop_m`` in one

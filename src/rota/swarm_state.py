@@ -22,7 +22,8 @@ class SwarmState:
     places_m and velocities_m_s (n, 2), or (n, 3) with altitudes, as all places here. thinned_m: by how much
     trajectories may err. Trajectories so far: kept_steps and kept_robots (k,) with kept_places_m (k, 2), and recent_m
     (r, n, 2), the places since, which are not thinned yet. The last of these come in the order of the fleet, and so
-    does past (h, 4, n): what messages may still tell, places and velocities.
+    does past (h, 4, n): what messages may still tell, places and velocities. news_m (k,): how far it is to
+    free ground from the places of the map that "settle" uses; none of other controllers, and before the first step.
     """
 
     mission: Mission
@@ -38,12 +39,14 @@ class SwarmState:
     kept_places_m: Floats
     recent_m: Floats
     past: Floats
+    news_m: Floats
 
     def __post_init__(self) -> None:
         n, axes = len(self.mission.fleet.robots or ()), 2 if self.mission.swarm.altitudes_m is None else 3
         shapes = {"names": (n,), "places_m": (n, axes), "velocities_m_s": (n, axes)}
         shapes |= {"recent_m": (len(self.recent_m), n, axes), "kept_robots": self.kept_steps.shape}
         shapes["past"] = (len(self.past), 4, n)
+        shapes["news_m"] = (self.news_m.size,)
         shapes["kept_places_m"] = (len(self.kept_robots), axes)
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:

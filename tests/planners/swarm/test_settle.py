@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
+import shapely
 from scipy.spatial.distance import pdist
 from shapely import MultiPolygon, box
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
-from rota.planners.swarm.asked import ALL_NEIGHBOURS, run_mission
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
+from rota.planners.swarm.asked import ALL_NEIGHBOURS, free_ground, make_swarm, run_mission
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.studies.chen2018.maps import square
@@ -20,44 +25,67 @@ SQUARE = MultiPolygon([box(0, 0, 250, 250)])
 def test_two_discs_come_apart_until_they_touch_and_rest_there() -> None:
     swarm = in_box([[115, 100], [135, 100]], rule=ALL, decide=decide_settle, neighbour_range_m=50)
     moved = [swarm.step() for _ in range(400)]
-    assert moved[-1] <= 1e-5
-    # momentum may carry them on, never back into overlap
-    assert pdist(swarm.places_m)[0] >= 50 - 1e-3
+    assert moved[-1] == 0
+    # momentum may carry them on, and friction stops them a little before
+    assert pdist(swarm.places_m)[0] >= 50 - 0.03
     assert swarm.places_m[:, 1] == pytest.approx([100, 100])
-    assert swarm.places_m.mean(axis=0) == pytest.approx([125, 100])
+    assert swarm.places_m.mean(axis=0) == pytest.approx([125, 100], abs=0.5)
 
 
-def test_a_step_is_a_share_of_the_overlap_and_of_the_step_before() -> None:
-    swarm = in_box(
-        [[110, 100], [140, 100]], rule=ALL, decide=decide_settle, neighbour_range_m=50, speed_m_s=100,
-        velocities_m_s=np.array([[2.0, 4.0], [0.0, 0.0]]),
-    )  # fmt: skip
-    swarm.step()
-    # 20 m of overlap: 6 m each; and 0.92 of 0.25 s at (2, 4) m/s
-    wished = np.array([[-6 + 0.46, 0.92], [6.0, 0.0]])
-    length = np.hypot(*wished.T)[:, None]
-    # friction of 25 m: 2e-5 of it for the first, which moves; 1e-4 for the second, which sets out from rest
-    wished *= 1 - np.array([[0.0005], [0.0025]]) / length
-    assert swarm.places_m == pytest.approx(np.array([[110, 100], [140, 100]]) + wished, abs=1e-9)
+def rooms(robots: int, **settings: Any) -> Mission:
+    """Four rooms of 25 m with doors of 1.5 m between them, and robots in a corner of one."""
+    walls = [box(24.75, a, 25.25, b) for a, b in ((-1, 11.75), (13.25, 36.75), (38.25, 51))]
+    walls += [box(a, 24.75, b, 25.25) for a, b in ((-1, 11.75), (13.25, 36.75), (38.25, 51))]
+    blocks = shapely.get_parts(shapely.union_all(walls).intersection(box(0, 0, 50, 50)))
+    like = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=5), body_radius_m=0.5)
+    return Mission(
+        name="rooms",
+        area=MultiPolygon([box(0, 0, 50, 50)]),
+        obstacles=tuple(Obstacle(shape=MultiPolygon([block])) for block in blocks),
+        fleet=replace(
+            like,
+            robots=tuple(like.equal_robot(f"r{k}") for k in range(robots)),
+            start=StartBox(low_m=(1, 1), high_m=(13, 13)),
+        ),
+        planning=SwarmSettings(**settings),
+    )
 
 
-def test_friction_lets_overlaps_of_millimetres_stand_and_no_greater_ones() -> None:
-    def step_m(overlap_m: float) -> float:
-        apart = in_box([[100, 100], [150 - overlap_m, 100]], rule=ALL, decide=decide_settle, neighbour_range_m=50)
-        return apart.step()
+def test_robots_in_a_full_room_go_on_through_doors() -> None:
+    asked = rooms(36, most_steps=3000)
+    run = run_mission(asked, seed=3)
+    places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
+    in_rooms = np.histogram2d(*places.T, bins=2, range=((0, 50), (0, 50)))[0]
+    assert in_rooms.min() >= 6
+    assert covered_share(places, np.full(36, 5.0), free_ground(asked)) > 0.88
 
-    assert step_m(0.008) == 0.0  # 0.3 of it is less than 2.5 mm
-    assert step_m(0.009) == pytest.approx(0.3 * 0.009 - 0.0025, abs=1e-9)
+
+@pytest.mark.parametrize("late", [False, True])
+def test_heaps_in_corners_open_and_rest_for_ever(late: bool) -> None:
+    like = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=25), body_radius_m=0.5)
+    robots = tuple(like.equal_robot(f"r{k}") for k in range(16))
+    fleet = replace(like, robots=robots, start=StartBox(low_m=(1, 1), high_m=(16, 16)))
+    planning = SwarmSettings(most_steps=6000, delay_steps=int(late), messages_lost=0.1 * late)
+    asked = Mission(name="heap", area=MultiPolygon([box(0, 0, 200, 200)]), fleet=fleet, planning=planning)
+    run = run_mission(asked, seed=1)
+    places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
+    assert run.at_rest
+    assert covered_share(places, np.full(16, 25.0), asked.area) > 0.76
+    if late:
+        return
+    state = run.state
+    swarm = make_swarm(asked, asked.area, state.places_m, seed=1, reserve_m=state.thinned_m, resume=state)
+    assert max(swarm.step() for _ in range(1000)) == 0
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_49_robots_rest_whose_rows_buckle_slowly(seed: int) -> None:
-    """Without friction these are not at rest after 4,000 steps, and cover 0.1 % of the area more at most."""
+    """Without friction such rows move on for thousands of steps, and cover 0.1 % of the area more at most."""
     run = run_mission(square(49, "between"), seed=seed)
     places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
     assert run.at_rest
     assert run.steps < 2000
-    assert covered_share(places, np.full(49, 25.0), MultiPolygon([box(0, 0, 350, 350)])) > 0.784
+    assert covered_share(places, np.full(49, 25.0), MultiPolygon([box(0, 0, 350, 350)])) > 0.783
 
 
 @pytest.mark.parametrize(("low", "most_steps"), [(100.0, 1000), (1.0, 1600)], ids=["centre", "corner"])

@@ -160,6 +160,7 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
         kept_places_m=np.empty((0, starts.shape[1])),
         recent_m=starts[None],
         past=np.empty((0, 4, len(starts))),
+        news_m=np.empty(0),
     )
 
 
@@ -187,6 +188,7 @@ def _state_of(
         kept_places_m=kept.places_m,
         recent_m=log.recent_m.copy(),
         past=swarm.past,
+        news_m=swarm.news_m,
     )
 
 
@@ -283,7 +285,8 @@ def _begun(state: SwarmState | None) -> dict[str, Any]:
     if state is None:
         return {}
     begun = {"velocities_m_s": state.velocities_m_s, "names": state.names, "steps": state.steps}
-    return begun | ({"past": state.past} if len(state.past) else {})
+    begun |= {"past": state.past} if len(state.past) else {}
+    return begun | ({"news_m": state.news_m} if state.steps > 0 else {})
 
 
 def rule_of(settings: SwarmSettings, seed: int) -> Rule:
@@ -296,6 +299,7 @@ def rule_of(settings: SwarmSettings, seed: int) -> Rule:
         samples=settings.samples if settings.velocity == "sampled" else 0,
         seed=seed % LARGEST_SEED,
         time_step_s=settings.time_step_s,
+        late=hearing_of(settings) is not None,
     )
 
 

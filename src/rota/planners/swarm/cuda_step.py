@@ -41,8 +41,10 @@ class CudaStep:
         x, y, vx, vy, kind, name = map(cuda.to_device, robots[:-1])
         there = Robots(x, y, vx, vy, kind, name, robots.member_kinds)
         wall_start, wall_item, walls = self._walls
+        arrays = {k: cuda.to_device(v) for k, v in grid.roads._asdict().items() if isinstance(v, np.ndarray)}
         near = grid._replace(
-            start=cuda.to_device(grid.start), wall_start=wall_start, wall_item=wall_item, walls=walls
+            start=cuda.to_device(grid.start), wall_start=wall_start, wall_item=wall_item, walls=walls,
+            roads=grid.roads._replace(**arrays),
         )  # fmt: skip
         discs = type(moving)(*map(cuda.to_device, moving))
         new = tuple(cuda.device_array(n, np.float64) for _ in range(3))

@@ -51,6 +51,30 @@ class Kinds(NamedTuple):
     wall_range_m: Floats
 
 
+class Roads(NamedTuple):
+    """Places on the map (k,), in the order of the cells of a lattice, and ways between them; made by ``roads``.
+
+    From place k lead the ways way_start[k] up to way_start[k + 1], to way_to and so long, way_m. Cell (i, j) of the
+    lattice has the places cell_start[c] up to cell_start[c + 1], c = j * columns + i. away_m (2, k): how far it is to
+    free ground, as told at even and at odd steps, at most far_m; held (k,): the last step at which a robot was near.
+    """
+
+    x: Floats
+    y: Floats
+    way_start: Ints
+    way_to: Ints
+    way_m: Floats
+    x0: float
+    y0: float
+    cell_m: float
+    columns: int
+    rows: int
+    cell_start: Ints
+    held: Ints
+    away_m: Floats
+    far_m: float
+
+
 class Grid(NamedTuple):
     """Square cells over the area with a rim of empty ones; made by ``world.make_world``.
 
@@ -68,6 +92,7 @@ class Grid(NamedTuple):
     wall_start: Ints
     wall_item: Ints
     walls: Floats
+    roads: Roads
 
 
 class Moving(NamedTuple):
@@ -83,7 +108,8 @@ class Moving(NamedTuple):
 class Rule(NamedTuple):
     """How velocities are chosen; what is of no use to a controller it does not read.
 
-    ``samples`` 0: the exact centroid; ``circle``: the set ends at the circle of ``horizon_s``, not at its tangent.
+    ``samples`` 0: the exact centroid; ``circle``: the set ends at the circle of ``horizon_s``, not at its tangent;
+    ``late``: robots know others from messages only.
     """
 
     neighbours: int
@@ -93,6 +119,7 @@ class Rule(NamedTuple):
     samples: int
     seed: int
     time_step_s: float
+    late: bool = False
 
 
 class Hearing(NamedTuple):

@@ -10,13 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rota.errors import MissionError
+from rota.errors import MissionError, RunError
 from rota.mission import Device, MovingObstacle
 from rota.planners.swarm.cuda_step import CudaStep
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard
+from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard, hold_places_told
 from rota.planners.swarm.kernels import Grid, Hearing, Kinds, Near, Robots, Rule, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
+from rota.planners.swarm.news_kernels import hold_places_of_all, pass_on_news
+from rota.planners.swarm.roads import roads_of
+from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
@@ -48,7 +51,7 @@ class Swarm:
     Robots may leave and join between two steps; those that have left are nobody's neighbours any more.
 
     To go on with a run that was stopped after so many ``steps``: names (n,), the numbers in the fleet of those at
-    places_m, in the order in which they stood in ``robots``, and past, what ``past`` was.
+    places_m, in the order in which they stood in ``robots``, past and news_m, what ``past`` and ``news_m`` were.
     """
 
     def __init__(
@@ -68,6 +71,7 @@ class Swarm:
         names: Ints | None = None,
         steps: int = 0,
         past: Floats | None = None,
+        news_m: Floats | None = None,
         threads: int = 1,
     ) -> None:
         n = len(places_m)
@@ -77,6 +81,10 @@ class Swarm:
         self.moving = moving
         unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
         self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, unheard_m)
+        if decide is decide_settle:
+            self.grid = self.grid._replace(roads=roads_of(walls, kinds))
+        if news_m is not None:
+            self.grid.roads.away_m[steps % 2] = _require_places(news_m, len(self.grid.roads.x))
         self.kinds, self.rule, self.safe = with_absent(kinds), rule, safe
         self._present_kind, self._member_kinds = kind.astype(np.int64), len(kinds.body_m)
         self._decide = decide
@@ -120,6 +128,11 @@ class Swarm:
     def past(self) -> Floats:
         """(h, 4, n): places and velocities that messages may still tell; none where everybody knows all."""
         return np.empty((0, 4, len(self))) if self._messages is None else self._messages.past.copy()
+
+    @property
+    def news_m(self) -> Floats:
+        """(k,): how far it is to free ground from each place of the map, as told; of "settle" only, else k = 0."""
+        return np.array(self.grid.roads.away_m[self.steps % 2])
 
     @property
     def present(self) -> NDArray[np.bool_]:
@@ -196,6 +209,8 @@ class Swarm:
         moving = moving_at(self.moving, self.steps * self.rule.time_step_s, self.rule.time_step_s)
         if self._messages is not None:
             self._messages.tell(self.steps, self._robots, self.grid)
+        if len(self.grid.roads.x):
+            self._pass_on_news()
         if self._device is not None:
             filtered = self._widest_m if self.safe else None
             new = self._spare
@@ -212,6 +227,15 @@ class Swarm:
             for job in jobs:
                 job.result()
         return self._take_decided()
+
+    def _pass_on_news(self) -> None:
+        """What robots tell of the way to free ground for the next step; in this one they go by what they were told."""
+        heard, roads = self._messages, self.grid.roads
+        if heard is None:
+            hold_places_of_all(self.steps, self._robots, self.kinds, roads)
+        else:
+            hold_places_told(self.steps, self._robots, self.kinds, self.rule, heard.hearing, heard.past, roads)
+        pass_on_news(self.steps, roads)
 
     def _take_decided(self) -> float:
         """Move as decided, sort, and count the step."""
@@ -248,6 +272,12 @@ class Swarm:
 
     def _in_order(self, x: Floats, y: Floats) -> Floats:
         return in_fleet_order(self._robots, x, y)
+
+
+def _require_places(news_m: Floats, places: int) -> Floats:
+    if len(news_m) != places:
+        raise RunError(f"news_m: numbers of {len(news_m)} places; {places} are needed")
+    return news_m
 
 
 def room_for(n: int, member_kinds: int) -> Robots:

@@ -1,24 +1,34 @@
-"""Compiled decision of the controller that comes to rest: overlaps push as springs do, and motion goes on a while."""
+"""Compiled decision of the controller that comes to rest: where each robot covers most, and on to free ground."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
+from rota.planners.swarm.arc_kernels import area_gradient, exposed_arcs
 from rota.planners.swarm.baseline_kernels import MANY_CAUSES, sum_of_overlaps, towards
-from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
+from rota.planners.swarm.news_kernels import way_to_free_ground
+from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
-STIFFNESS = 0.3  # share of each overlap that a robot takes away in a step; measured: with more, swarms tremble
+SHARE = 0.3  # of an overlap that a robot takes away in a step; measured: with more, swarms tremble
 MOMENTUM = 0.92  # share of the last step that is made again
+LATE_MOMENTUM, LATE_FRICTION = 0.5, 6.0  # with late news: that share, and how many times the friction
+SLOW_M = 2e-3  # of the sensor's radius; slower robots drop their momentum where they would turn back
 # friction, as shares of the sensor's radius in a step; measured: swarms rest in half the steps and cover as much
-KINETIC, STATIC = 2e-5, 1e-4
-SLOW = 4e-4  # below this step friction grows, up to the static one
+KINETIC, STATIC = 2.5e-5, 1.25e-4
+STOPPING = 5e-4  # below this step friction grows, up to the static one
+# shares of the ground in range that are a robot's own
+PRESSED, ALONE = 0.85, 1.1  # pushes count in full up to one, and not at all from the other on
+OPEN, WALLED = 0.5, 0.75  # with less robots go on to free ground, in the open and with walls in range
+HASTE = 4.0  # from that share on down to how much less of it they do so at full speed, as 1 / HASTE
+CLEAR = 0.6  # of the sum of two bodies' radii that the one behind keeps between them
 
 
 @compiled
 def rubbed(dx: float, dy: float, last_m: float, sensor_m: float) -> tuple[float, float]:
     """What friction leaves of a step (dx, dy) after one of ``last_m``: nothing of a step that is shorter than it."""
-    slowness = max(0.0, 1.0 - last_m / (SLOW * sensor_m))
+    slowness = max(0.0, 1.0 - last_m / (STOPPING * sensor_m))
     friction_m = sensor_m * (KINETIC + (STATIC - KINETIC) * slowness)
     length = math.sqrt(dx * dx + dy * dy)
     left = 1.0 - friction_m / length if length > friction_m else 0.0
@@ -26,25 +36,143 @@ def rubbed(dx: float, dy: float, last_m: float, sensor_m: float) -> tuple[float,
 
 
 @compiled
+def area_in_disc(outline: Any, corners: int, radius: float) -> float:
+    """Area of (convex polygon that holds the origin, within the disc of a radius round it)."""
+    twice, r2 = 0.0, radius * radius
+    px, py = outline.x[corners - 1], outline.y[corners - 1]
+    for k in range(corners):
+        qx, qy = outline.x[k], outline.y[k]
+        dx, dy = qx - px, qy - py
+        a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - r2
+        root, t0, t1 = b * b - a * c, 0.0, 0.0
+        if a > 0.0 and root > 0.0:
+            root = math.sqrt(root)
+            t0, t1 = min(max((-b - root) / a, 0.0), 1.0), min(max((-b + root) / a, 0.0), 1.0)
+        # the side from t0 to t1 lies in the disc: a sector up to it, a triangle over it, a sector after it
+        ux, uy, wx, wy = px + t0 * dx, py + t0 * dy, px + t1 * dx, py + t1 * dy
+        twice += ux * wy - uy * wx
+        twice += r2 * math.atan2(px * uy - py * ux, px * ux + py * uy) if t0 > 0.0 else 0.0
+        twice += r2 * math.atan2(wx * qy - wy * qx, wx * qx + wy * qy) if t1 < 1.0 else 0.0
+        px, py = qx, qy
+    return 0.5 * twice
+
+
+@compiled
+def own_share(
+    i: int, found: int, robots: Any, kinds: Any, grid: Any, near: Any, outline: Any, spare: Any
+) -> tuple[float, bool]:
+    """Which share of its disc's ground robot i has to itself, by the power diagram; whether walls are in range.
+
+    Of the ground each wall leaves what is on this side of its nearest point, as in ``decide_voronoi``.
+    """
+    x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
+    corners, walled = square_round(sensor, outline), False
+    c = cell_of(x, y, grid)
+    for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
+        dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
+        distance = math.sqrt(dx * dx + dy * dy)
+        if distance >= sensor:
+            continue
+        walled = True
+        if distance > 1e-12 and is_cut(outline, corners, dx / distance, dy / distance, distance):
+            corners = cut(outline, corners, dx / distance, dy / distance, distance, spare)
+            outline, spare = spare, outline
+    whole = area_in_disc(outline, corners, sensor) if corners > 0 else 0.0
+    if whole <= 0.0:
+        return 1.0, walled
+    for k in range(found):
+        j = near.robot[k]
+        distance, other = math.sqrt(near.distance2[k]), kinds.sensor_m[robots.kind[j]]
+        if distance <= 1e-9:
+            continue
+        ex, ey = (robots.x[j] - x) / distance, (robots.y[j] - y) / distance
+        bound = 0.5 * (distance + (sensor * sensor - other * other) / distance)
+        if bound <= 0.0:
+            return 0.0, walled
+        if is_cut(outline, corners, ex, ey, bound):
+            corners = cut(outline, corners, ex, ey, bound, spare)
+            outline, spare = spare, outline
+            if corners == 0:
+                return 0.0, walled
+    return area_in_disc(outline, corners, sensor) / whole, walled
+
+
+@compiled
+def room_for_those_ahead(
+    i: int, found: int, away_m: float, step: int, robots: Any, kinds: Any, grid: Any, near: Any
+) -> tuple[float, float, float]:
+    """Away from robots close by that are nearer to free ground than robot i: the sum, and the greatest, of the shares.
+
+    Robots that all press on through a door block each other in it; those that leave those ahead their room pass.
+    """
+    body, sensor = kinds.body_m[robots.kind[i]], kinds.sensor_m[robots.kind[i]]
+    bx, by, most = 0.0, 0.0, 0.0
+    for k in range(found):
+        j = near.robot[k]
+        distance, bodies = math.sqrt(near.distance2[k]), body + kinds.body_m[robots.kind[j]]
+        if distance <= 0.0 or distance >= (1.0 + CLEAR) * bodies:
+            continue
+        x, y = robots.x[j], robots.y[j]
+        other_m, _, _ = way_to_free_ground(x, y, sensor, step, cell_of(x, y, grid), grid)
+        if other_m > away_m or (other_m == away_m and robots.name[j] > robots.name[i]):
+            continue
+        share = min(1.0 - (distance - bodies) / (CLEAR * bodies), 1.0)
+        bx -= share * (x - robots.x[i]) / distance
+        by -= share * (y - robots.y[i]) / distance
+        most = max(most, share)
+    return bx, by, most
+
+
+@compiled
 def decide_settle(
     begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
     new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
 ) -> None:  # fmt: skip
-    """Virtual forces with momentum (Polyak's heavy ball): a step is a share of the overlaps and of the step before.
+    """Up the gradient of the covered area, with momentum; pressed robots by overlaps, and on to free ground.
 
-    The overlap of two discs is a potential that every robot sees of its own and that is flat where nothing overlaps,
-    hence rest; momentum takes the slow, long waves through a swarm that forces alone need thousands of steps for, and
-    carries it past the poorer arrangements in which they get stuck.
+    Which share of the ground in its range is nearer to it than to others tells a robot what to do. With all of it for
+    itself it goes along the gradient g of the covered area, by ``SHARE`` |g|^2 / 4 R: for two discs that is of their
+    overlap, and it fades where g does, so that steps do not overshoot. The gradient of a disc that others cover is 0
+    and heaps would never open: with less for themselves, robots in the open push each other by their overlaps. Pushes
+    end at walls and hold up heaps in corners, and rooms: a robot that has little for itself goes on by the shortest
+    way to ground that it has heard is free (``news_kernels``), and leaves those ahead their room.
 
-    Rows of discs that overlap by millimetres buckle so slowly that they would move for thousands of steps, for no
-    ground worth it; dry friction, greater the slower a robot is, lets such rows stand and ends each motion in finite
-    time.
+    Momentum (Polyak's heavy ball) takes the long waves through a swarm that forces alone need thousands of steps for.
+    Slow robots drop it where they would turn back, and dry friction, greater the slower a robot is, ends each motion in
+    finite time.
     """
     for i in range(begin, end):
-        fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
-        gain = STIFFNESS * MANY_CAUSES / max(MANY_CAUSES, causes)
-        again, speed = MOMENTUM * rule.time_step_s, kinds.speed_m_s[robots.kind[i]]
-        dx, dy = gain * fx + again * robots.vx[i], gain * fy + again * robots.vy[i]
-        last_m = math.sqrt(robots.vx[i] * robots.vx[i] + robots.vy[i] * robots.vy[i]) * rule.time_step_s
-        dx, dy = rubbed(dx, dy, last_m, kinds.sensor_m[robots.kind[i]])
-        new_vx[i], new_vy[i] = towards(dx, dy, speed, rule.time_step_s)
+        kind = robots.kind[i]
+        sensor, speed = kinds.sensor_m[kind], kinds.speed_m_s[kind]
+        found, nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], near)
+        new_vx[i], new_vy[i] = 0.0, 0.0
+        if sensor <= 0.0 or speed <= 0.0:
+            continue
+        gx, gy = area_gradient(sensor, exposed_arcs(i, found, robots, kinds, grid, near, outline), outline)
+        gain = SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
+        dx, dy = gain * gx, gain * gy
+        own, walled = own_share(i, found, robots, kinds, grid, near, outline, spare)
+        going = min(max(HASTE * ((WALLED if walled else OPEN) - own), 0.0), 1.0)
+        away_m, wx, wy = 0.0, 0.0, 0.0
+        if going > 0.0:
+            c = cell_of(robots.x[i], robots.y[i], grid)
+            away_m, wx, wy = way_to_free_ground(robots.x[i], robots.y[i], sensor, step, c, grid)
+            going = going if wx != 0.0 or wy != 0.0 else 0.0
+        pressed = 0.0 if walled else min(max((ALONE - own) / (ALONE - PRESSED), 0.0), 1.0) * max(0.0, 1.0 - 4.0 * going)
+        if pressed > 0.0:
+            fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
+            push = SHARE * MANY_CAUSES / max(MANY_CAUSES, causes)
+            dx, dy = dx + pressed * (push * fx - dx), dy + pressed * (push * fy - dy)
+        last_x, last_y = robots.vx[i] * rule.time_step_s, robots.vy[i] * rule.time_step_s
+        last_m = math.sqrt(last_x * last_x + last_y * last_y)
+        turns = last_m < SLOW_M * sensor and dx * last_x + dy * last_y < 0.0
+        again = 0.0 if turns else LATE_MOMENTUM if rule.late else MOMENTUM
+        rubs_m = LATE_FRICTION * sensor if rule.late else sensor
+        dx, dy = rubbed(dx + again * last_x, dy + again * last_y, last_m, rubs_m)
+        vx, vy = towards(dx, dy, speed, rule.time_step_s)
+        if going > 0.0:
+            bx, by, behind = room_for_those_ahead(i, found, away_m, step, robots, kinds, grid, near)
+            length = math.sqrt(wx * wx + wy * wy)
+            wx, wy = towards((1.0 - behind) * wx / length + bx, (1.0 - behind) * wy / length + by, speed, 1.0 / speed)
+            vx, vy = vx + going * (wx - vx), vy + going * (wy - vy)
+        new_vx[i], new_vy[i] = vx, vy

@@ -86,6 +86,11 @@ class SpaceSwarm:
         return np.empty((0, 4, len(self)))
 
     @property
+    def news_m(self) -> Floats:
+        """None: robots in space keep no numbers of places."""
+        return np.empty(0)
+
+    @property
     def places_m(self) -> Floats:
         """(n, 3) in the order of the fleet."""
         return self._in_order(self._robots.x, self._robots.y, self._heights.z)

@@ -13,6 +13,7 @@ from rota.errors import MissionError
 from rota.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import ROUNDING_M
 from rota.planners.swarm.kernels import Grid, Kinds, Moving, walls_of_cells
+from rota.planners.swarm.roads import no_roads
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -122,6 +123,7 @@ def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, unhe
         wall_start=np.zeros(cells + 1, np.int64),
         wall_item=np.empty(0, np.int64),
         walls=walls,
+        roads=no_roads(),
     )
     within = max(float(kinds.wall_range_m.max()), float(kinds.sensor_m.max()), widest_m(kinds, time_step_s))
     total = walls_of_cells(grid, within, False)

@@ -46,7 +46,12 @@ CIRCLE_5 = _controller(
 FILTERED = _controller("RD + filter", "tangent, exact, last filter", controller="reciprocal", filter=True)
 VORONOI = _controller("V-based", "range-limited Voronoi cells, last filter", controller="voronoi", filter=True)
 FORCES = _controller("VFA", "virtual forces, last filter", controller="virtual_force", filter=True)
-SETTLE = _controller("settle", "ours: forces with momentum, last filter", controller="settle", filter=True)
+SETTLE = _controller(
+    "settle",
+    "ours: covered-area gradient, overlaps, news of free ground; last filter",
+    controller="settle",
+    filter=True,
+)
 
 READINGS = (SAMPLED, EXACT, CIRCLE_1, CIRCLE_5, FILTERED)
 """Of the published controller."""

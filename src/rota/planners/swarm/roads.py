@@ -1,0 +1,123 @@
+"""The map that robots share: places all over the ground where bodies have room, and the ways between them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from rota.planners.swarm.kernels import Kinds, Roads
+
+Floats = NDArray[np.float64]
+
+APART = 0.5  # of the smallest sensor's radius between places
+MOST_PLACES = 2**18  # no more than about that, so that a huge area costs no memory
+LONGEST = 1.95  # of that distance: ways to places so near, which the next but one of a lattice are
+NARROWER = 0.95  # of the body, for ways along walls that the places themselves touch
+
+
+def no_roads() -> Roads:
+    """A map without places."""
+    return _roads(np.empty((0, 2)), np.empty((0, 2), np.int64), 1.0, np.zeros(2), (1, 1))
+
+
+def roads_of(walls: Floats, kinds: Kinds) -> Roads:
+    """Places and ways in the ground within walls (m, 4), closed rings, where the largest of the bodies have room.
+
+    One place for each square of a lattice, or for each part of it that walls divide, and one at each corner that ways
+    may turn about. Any two that are not far apart, and between which a body can go straight, are joined.
+    """
+    sensors = kinds.sensor_m[kinds.sensor_m > 0]
+    if not len(sensors):
+        return no_roads()
+    body_m, sensor_m = float(kinds.body_m.max()), float(sensors.min())
+    lines = shapely.linestrings(walls.reshape(-1, 2, 2))
+    ground = shapely.build_area(shapely.node(shapely.multilinestrings(lines)))
+    room = ground.buffer(-body_m, join_style="mitre")
+    if room.is_empty:
+        return no_roads()
+    low, high = np.array(ground.bounds[:2]), np.array(ground.bounds[2:])
+    apart_m = max(APART * sensor_m, math.sqrt(ground.area / MOST_PLACES), float((high - low).max()) / MOST_PLACES)
+    columns, rows = (int(extent // apart_m) + 1 for extent in high - low)
+    places = np.vstack([_places(room, low, apart_m, 0, 0, _power(max(columns, rows))), _turning_points(room)])
+    i, j = np.clip(((places - low) / apart_m).astype(np.int64), 0, (columns - 1, rows - 1)).T
+    places = places[np.argsort(j * columns + i, kind="stable")]
+    pairs = cKDTree(places).query_pairs(LONGEST * apart_m, output_type="ndarray")
+    free = ground.buffer(-NARROWER * body_m, join_style="mitre")
+    shapely.prepare(free)
+    pairs = pairs[shapely.covers(free, shapely.linestrings(places[pairs]))]
+    return _roads(places, pairs, apart_m, low, (columns, rows))
+
+
+def _power(cells: int) -> int:
+    return 1 << (cells - 1).bit_length()
+
+
+def _places(room: BaseGeometry, low: Floats, side_m: float, i: int, j: int, cells: int) -> Floats:
+    """One place in each part that a lattice's squares cut a room into, of those from (i, j) on, so many a side."""
+    x, y = low + side_m * np.array([i, j])
+    width = side_m * cells
+    part = shapely.intersection(room, shapely.box(x, y, x + width, y + width))
+    if part.is_empty or part.area == 0:
+        return np.empty((0, 2))
+    if part.area >= width * width * (1 - 1e-12):
+        steps = side_m * (np.arange(cells) + 0.5)
+        return np.stack(np.meshgrid(x + steps, y + steps), axis=-1).reshape(-1, 2)
+    if cells > 1:
+        half = cells // 2
+        return np.vstack([_places(part, low, side_m, i + a, j + b, half) for b in (0, half) for a in (0, half)])
+    pieces = [piece for piece in shapely.get_parts(part) if piece.area > 0]
+    middles = [piece.centroid if piece.contains(piece.centroid) else piece.representative_point() for piece in pieces]
+    found: Floats = shapely.get_coordinates(middles)
+    return found
+
+
+def _turning_points(room: BaseGeometry) -> Floats:
+    """Corners (k, 2) of a room that stand out into it."""
+    found = [np.empty((0, 2))]
+    for part in shapely.get_parts(room):
+        if not isinstance(part, Polygon):
+            continue
+        for ring in shapely.get_rings(shapely.orient_polygons(part)):  # so that the room is on the left
+            points = shapely.get_coordinates(ring)[:-1]
+            before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+            found.append(points[before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0])
+    return np.vstack(found)
+
+
+def _roads(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> Roads:
+    n, (columns, rows) = len(places), shape
+    both = np.vstack([pairs, pairs[:, ::-1]])
+    both = both[np.lexsort((both[:, 1], both[:, 0]))]
+    length_m = np.hypot(*(places[both[:, 0]] - places[both[:, 1]]).T)
+    links = np.searchsorted(both[:, 0], np.arange(n + 1))
+    i, j = np.clip(((places - low) / cell_m).astype(np.int64), 0, (columns - 1, rows - 1)).T
+    far_m = 1.0
+    if n:
+        # from any place through one and on to the farthest of its part is as far as ways within the part can be
+        graph = csr_matrix((length_m, both[:, 1], links), shape=(n, n))
+        reached = dijkstra(graph, indices=[n // 2])
+        far_m = 2.0 * float(reached[np.isfinite(reached)].max()) + 1.0
+    return Roads(
+        x=np.ascontiguousarray(places[:, 0]),
+        y=np.ascontiguousarray(places[:, 1]),
+        way_start=links.astype(np.int64),
+        way_to=np.ascontiguousarray(both[:, 1]),
+        way_m=length_m,
+        x0=float(low[0]),
+        y0=float(low[1]),
+        cell_m=cell_m,
+        columns=columns,
+        rows=rows,
+        cell_start=np.searchsorted(j * columns + i, np.arange(columns * rows + 1)).astype(np.int64),
+        held=np.full(n, -1, np.int64),
+        away_m=np.full((2, n), far_m),
+        far_m=far_m,
+    )
