@@ -11,6 +11,7 @@ from numba import njit
 from rota.check.tiling_kernels import cell_along
 
 SOME_DIRECTIONS = 64
+MANY_NEAR, SECTORS = 8, 128  # with more walls and sides near a point, those that walls hide are left out first
 
 
 @njit(cache=True)
@@ -67,6 +68,55 @@ def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_cr
 
 
 @njit(cache=True)
+def _span(segment, x, y):
+    """Nearest and farthest distance of a segment, where it begins as one turns left, and the angle that it spans.
+
+    The angle is below pi, and pi where rounding leaves it unclear on which side of it (x, y) lies.
+    """
+    ux, uy, vx, vy = segment[0] - x, segment[1] - y, segment[2] - x, segment[3] - y
+    wx, wy = vx - ux, vy - uy
+    length2 = wx * wx + wy * wy
+    along = min(1.0, max(0.0, -(ux * wx + uy * wy) / length2)) if length2 > 0.0 else 0.0
+    near, far = math.hypot(ux + along * wx, uy + along * wy), max(math.hypot(ux, uy), math.hypot(vx, vy))
+    one, other = math.atan2(uy, ux), math.atan2(vy, vx)
+    turn = (other - one) % (2 * math.pi)
+    begin = one if turn <= math.pi else other
+    turn = min(turn, 2 * math.pi - turn)
+    return near, far, begin + math.pi, math.pi if near < 1e-6 or turn > math.pi - 1e-6 else turn
+
+
+@njit(cache=True)
+def _not_hidden_alone(x, y, walls, near_walls, ground, near_ground):
+    """The sides of the ground without those that lie farther than walls in every sector they reach into.
+
+    A wall that spans a whole sector is hit by each ray in it, no farther away than its farther end: what lies beyond
+    is not seen there, whatever else is.
+    """
+    width = 2 * math.pi / SECTORS
+    blocked_at = np.full(SECTORS, math.inf)
+    for k in near_walls:
+        _, far, begin, turn = _span(walls[k], x, y)
+        if turn == math.pi:
+            continue
+        for n in range(math.ceil((begin + 1e-9) / width), math.floor((begin + turn - 1e-9) / width)):
+            blocked_at[n % SECTORS] = min(blocked_at[n % SECTORS], far)
+    kept = np.empty_like(near_ground)
+    count = 0
+    for k in near_ground:
+        near, _, begin, turn = _span(ground[k], x, y)
+        hidden = turn < math.pi
+        if hidden:
+            for n in range(math.floor((begin - 1e-9) / width), math.floor((begin + turn + 1e-9) / width) + 1):
+                if blocked_at[n % SECTORS] >= near - 1e-6:
+                    hidden = False
+                    break
+        if not hidden:
+            kept[count] = k
+            count += 1
+    return kept[:count]
+
+
+@njit(cache=True)
 def _sees_along(angles, x, y, reach_m, square, walls, near_walls, ground, near_ground):
     """Whether (x, y) sees some of the ground in reach in one of the directions."""
     for angle in angles:
@@ -98,6 +148,10 @@ def sees_ground(
         if len(near_ground) == 0:
             continue
         near_walls = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
+        if len(near_walls) + len(near_ground) > MANY_NEAR:
+            near_ground = _not_hidden_alone(x, y, walls, near_walls, ground, near_ground)
+            if len(near_ground) == 0:
+                continue
         near_crossings = cross_index[cross_offsets[cell] : cross_offsets[cell + 1]]
         # in most places one of a few directions, whichever they are, shows that ground is seen
         some = (np.arange(SOME_DIRECTIONS) + 0.5) * (2 * math.pi / SOME_DIRECTIONS)
