@@ -40,6 +40,7 @@ def run() -> SwarmState:
         kept_places_m=rng.uniform(0, 100, (4, 2)),
         recent_m=rng.uniform(0, 100, (4, 3, 2)),
         past=rng.uniform(0, 100, (9, 4, 3)),
+        news_m=rng.uniform(0, 100, 5),
     )
 
 
