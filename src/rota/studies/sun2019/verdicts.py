@@ -92,8 +92,9 @@ def verdicts_of_cases(cases: Sequence[Case]) -> tuple[Verdict, ...]:
     in_time = Verdict(
         "Every route keeps its period, but in Case 6", "5.2, Table 6",
         "holds" if all(case.late == 0 for case in cases[:-1]) else "does not hold",
-        f"By Eq. 26 here {with_late(sum(here), sum(case.late for case in cases))}; none late in "
-        f"{joined(kept) if kept else 'no case'}. ξ₁ decides, and no ξ₁ gives all of the paper's counts.",
+        f"By Eq. 26 here {with_late(sum(here), sum(case.late for case in cases))}; "
+        f"{'none in ' + joined(kept) if kept else 'some in every case'}. ξ₁ decides, and no ξ₁ gives "
+        "all of the paper's counts.",
     )  # fmt: skip
     return adapts, in_time, _case_2(cases), _case_6(cases), _traditional(cases)
 
