@@ -17,10 +17,11 @@ LATE_MOMENTUM, LATE_FRICTION = 0.5, 6.0  # with late news: that share, and how m
 SLOW_M = 2e-3  # of the sensor's radius; slower robots drop their momentum where they would turn back
 # friction, as shares of the sensor's radius in a step; measured: swarms rest in half the steps and cover as much
 KINETIC, STATIC = 2.5e-5, 1.25e-4
-STOPPING = 5e-4  # below this step friction grows, up to the static one
+STOPPING = 1.5e-3  # below this step friction grows, up to the static one
 # shares of the ground in range that are a robot's own
 PRESSED, ALONE = 0.85, 1.1  # pushes count in full up to one, and not at all from the other on
 OPEN, WALLED = 0.5, 0.75  # with less robots go on to free ground, in the open and with walls in range
+NEARING = 0.1  # of the sensor's radius that a wall is in range before it counts in full
 HASTE = 4.0  # from that share on down to how much less of it they do so at full speed, as 1 / HASTE
 CLEAR = 0.6  # of the sum of two bodies' radii that the one behind keeps between them
 
@@ -60,20 +61,21 @@ def area_in_disc(outline: Any, corners: int, radius: float) -> float:
 @compiled
 def own_share(
     i: int, found: int, robots: Any, kinds: Any, grid: Any, near: Any, outline: Any, spare: Any
-) -> tuple[float, bool]:
-    """Which share of its disc's ground robot i has to itself, by the power diagram; whether walls are in range.
+) -> tuple[float, float]:
+    """Which share of its disc's ground robot i has to itself, by the power diagram; how much walls are in range, 0..1.
 
-    Of the ground each wall leaves what is on this side of its nearest point, as in ``decide_voronoi``.
+    Of the ground each wall leaves what is on this side of its nearest point, as in ``decide_voronoi``. What walls
+    change sets in gradually: a robot that it pushed out of a wall's range at once would come back, for ever.
     """
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
-    corners, walled = square_round(sensor, outline), False
+    corners, walled = square_round(sensor, outline), 0.0
     c = cell_of(x, y, grid)
     for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
         dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
         distance = math.sqrt(dx * dx + dy * dy)
         if distance >= sensor:
             continue
-        walled = True
+        walled = max(walled, min((sensor - distance) / (NEARING * sensor), 1.0))
         if distance > 1e-12 and is_cut(outline, corners, dx / distance, dy / distance, distance):
             corners = cut(outline, corners, dx / distance, dy / distance, distance, spare)
             outline, spare = spare, outline
@@ -152,13 +154,13 @@ def decide_settle(
         gain = SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
         dx, dy = gain * gx, gain * gy
         own, walled = own_share(i, found, robots, kinds, grid, near, outline, spare)
-        going = min(max(HASTE * ((WALLED if walled else OPEN) - own), 0.0), 1.0)
+        going = min(max(HASTE * (OPEN + walled * (WALLED - OPEN) - own), 0.0), 1.0)
         away_m, wx, wy = 0.0, 0.0, 0.0
         if going > 0.0:
             c = cell_of(robots.x[i], robots.y[i], grid)
             away_m, wx, wy = way_to_free_ground(robots.x[i], robots.y[i], sensor, step, c, grid)
             going = going if wx != 0.0 or wy != 0.0 else 0.0
-        pressed = 0.0 if walled else min(max((ALONE - own) / (ALONE - PRESSED), 0.0), 1.0) * max(0.0, 1.0 - 4.0 * going)
+        pressed = min(max((ALONE - own) / (ALONE - PRESSED), 0.0), 1.0) * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
         if pressed > 0.0:
             fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
             push = SHARE * MANY_CAUSES / max(MANY_CAUSES, causes)
