@@ -29,14 +29,16 @@ from benchmarks.sun_frame import sun_frame
 from benchmarks.sun_method import sun_method
 from benchmarks.swarm_adversarial import swarm_adversarial
 from benchmarks.swarm_coverage import swarm_coverage
+from benchmarks.swarm_jams import swarm_jams
 from benchmarks.swarm_million import swarm_million
 from benchmarks.swarm_peer import swarm_peer
 from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
+from rota.files.mission_file import read_mission
+from rota.mission import PatrolSettings
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
-NOT_PATROLS = ("bounce-cover", "bounce-monitor", "swarm-square", "swarm-space")  # so many robots as there are
 FLOOR_PATIENCE_S = 1800.0
 BUILDINGS = ("building",)  # walls cut sight there, so nothing general can be asked of the number of robots
 
@@ -113,7 +115,7 @@ def square_kilometre(options: Options) -> Iterator[Row]:
 def examples(options: Options) -> Iterator[Row]:
     """Every example mission."""
     for mission in example_missions():
-        other = mission.stem in NOT_PATROLS
+        other = not isinstance(read_mission(mission).mission.planning, PatrolSettings)  # so many robots as there are
         runs = planned_warm(mission, options.folder, None if other else "quick")
         if other:
             yield Row(f"examples/{mission.name}", "met", told(runs), met_with(runs) is not None)
@@ -146,6 +148,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "sun2019-frame": sun_frame,
     "sun2019-method": sun_method,
     "swarm-coverage": swarm_coverage,
+    "swarm-jams": swarm_jams,
     "swarm-adversarial": swarm_adversarial,
     "swarm-step": swarm_step,
     "swarm-threads": swarm_threads,
