@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError, NoPlanFound
@@ -151,7 +151,10 @@ class _Judge:
 
         last = self._last  # which another thread may change
         if last is None or last[0] is not plan:
-            self._last = last = (plan, check_plan(plan))
+            # on the way planners try longer periods, of which the bound that the plan claims says nothing
+            claims = plan.mission is self._mission
+            judged = plan if claims else replace(plan, lower_bound_robots=None, lower_bound_reason=None)
+            self._last = last = (plan, check_plan(judged))
             # plans for parts of the area tell nothing of how far the whole has come
             if self._watch is not None and plan.mission.area == self._mission.area:
                 self._watch(_checked(*last))
