@@ -73,6 +73,7 @@ def test_what_cannot_be_is_refused_before_any_run(
 
 @pytest.mark.usefixtures("small")
 def test_ctrl_c_writes_nothing(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell's background jobs ignore
     figures = sun2019_study.figures
     make, share = figures[15]
 
