@@ -13,8 +13,11 @@ from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
 SHARE = 0.3  # of an overlap that a robot takes away in a step; measured: with more, swarms tremble
 MOMENTUM = 0.92  # share of the last step that is made again
-LATE_FRICTION = 6.0  # times the friction, with late news; measured: with 3 robots creep on, with 10 they cover less
-SLOW_M = 2e-3  # of the sensor's radius; slower robots drop their momentum where they would turn back
+# with late news, and times the friction; measured: without momentum, or with 0.5 two steps late, robots creep on
+LATE_MOMENTUM, LATE_FRICTION = 0.4, 7.0
+SLOW_M = 4e-3  # of the sensor's radius; slower robots that would turn back drop their momentum
+BACK = 0.5  # and go this share of the way: measured: some would go to and fro for ever by the whole of it
+TOUCH_M = 1e-3  # of the sensor's radius; a body so near a wall does not push on into it
 # friction, as shares of the sensor's radius in a step; measured: swarms rest in half the steps and cover as much
 KINETIC, STATIC = 2.5e-5, 1.25e-4
 STOPPING = 1.5e-3  # below this step friction grows, up to the static one
@@ -35,6 +38,22 @@ def rubbed(dx: float, dy: float, last_m: float, sensor_m: float) -> tuple[float,
     length = math.sqrt(dx * dx + dy * dy)
     left = 1.0 - friction_m / length if length > friction_m + STILL * sensor_m else 0.0
     return left * dx, left * dy
+
+
+@compiled
+def not_into_walls(x: float, y: float, near_m: float, dx: float, dy: float, grid: Any) -> tuple[float, float]:
+    """What is left of (dx, dy) without what leads from (x, y) into walls within a distance.
+
+    A robot at a wall goes along it. What pushes it into the wall must not count, else it makes each step along the wall
+    too long, and friction too weak: such a robot goes to and fro for ever.
+    """
+    c = cell_of(x, y, grid)
+    for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
+        wx, wy = to_wall(x, y, grid.walls[grid.wall_item[item]])
+        distance2, into = wx * wx + wy * wy, dx * wx + dy * wy
+        if into > 0.0 and 0.0 < distance2 < near_m * near_m:
+            dx, dy = dx - into * wx / distance2, dy - into * wy / distance2
+    return dx, dy
 
 
 @compiled
@@ -141,10 +160,9 @@ def decide_settle(
     way to ground that it has heard is free (``news_kernels``), and leaves those ahead their room.
 
     Momentum (Polyak's heavy ball) takes the long waves through a swarm that forces alone need thousands of steps for.
-    Slow robots drop it where they would turn back, and dry friction, greater the slower a robot is, ends each motion in
-    finite time. With late news there is no momentum: it makes old places of others drive a swarm to and fro at full
-    speed, two steps late. Without it a robot, which knows its own place, goes by a share of what is left to do, however
-    old the places of the others are.
+    Slow robots drop it where they would turn back, and go half as far there; dry friction, greater the slower a robot
+    is, ends each motion in finite time. With late news there is less momentum and more friction: with all of it old
+    places of others drive a swarm to and fro at full speed.
     """
     for i in range(begin, end):
         kind = robots.kind[i]
@@ -154,14 +172,15 @@ def decide_settle(
         if sensor <= 0.0 or speed <= 0.0:
             continue
         gx, gy = area_gradient(sensor, exposed_arcs(i, found, robots, kinds, grid, near, outline), outline)
+        x, y, near_m = robots.x[i], robots.y[i], kinds.body_m[kind] + TOUCH_M * sensor
+        gx, gy = not_into_walls(x, y, near_m, gx, gy, grid)
         gain = SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
         dx, dy = gain * gx, gain * gy
         own, walled = own_share(i, found, robots, kinds, grid, near, outline, spare)
         going = min(max(HASTE * (OPEN + walled * (WALLED - OPEN) - own), 0.0), 1.0)
         away_m, wx, wy = 0.0, 0.0, 0.0
         if going > 0.0:
-            c = cell_of(robots.x[i], robots.y[i], grid)
-            away_m, wx, wy = way_to_free_ground(robots.x[i], robots.y[i], sensor, step, c, grid)
+            away_m, wx, wy = way_to_free_ground(x, y, sensor, step, cell_of(x, y, grid), grid)
             going = going if wx != 0.0 or wy != 0.0 else 0.0
         pressed = min(max((ALONE - own) / (ALONE - PRESSED), 0.0), 1.0) * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
         if pressed > 0.0:
@@ -170,10 +189,11 @@ def decide_settle(
             dx, dy = dx + pressed * (push * fx - dx), dy + pressed * (push * fy - dy)
         last_x, last_y = robots.vx[i] * rule.time_step_s, robots.vy[i] * rule.time_step_s
         last_m = math.sqrt(last_x * last_x + last_y * last_y)
-        turns = last_m < SLOW_M * sensor and dx * last_x + dy * last_y < 0.0
-        again = 0.0 if turns or rule.late else MOMENTUM
-        rubs_m = LATE_FRICTION * sensor if rule.late else sensor
-        dx, dy = rubbed(dx + again * last_x, dy + again * last_y, last_m, rubs_m)
+        again, share = LATE_MOMENTUM if rule.late else MOMENTUM, 1.0
+        if not rule.late and last_m < SLOW_M * sensor and dx * last_x + dy * last_y < 0.0:
+            again, share = 0.0, BACK
+        dx, dy = not_into_walls(x, y, near_m, share * dx + again * last_x, share * dy + again * last_y, grid)
+        dx, dy = rubbed(dx, dy, last_m, LATE_FRICTION * sensor if rule.late else sensor)
         vx, vy = towards(dx, dy, speed, rule.time_step_s)
         if going > 0.0:
             bx, by, behind = room_for_those_ahead(i, found, away_m, step, robots, kinds, grid, near)
