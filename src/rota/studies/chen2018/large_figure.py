@@ -104,8 +104,8 @@ def figure_21_section(runs: Runs) -> Section:
         "until those outside have gone; (b) shows that only the outer robots move. It is no standstill: it creeps on, "
         f"{_creeping(runs)} (the same seed, from the corner). The start box decides how far it comes by step "
         f"{steps:,} (last table). "
-        + ("No two bodies touch" if least_m >= 2 * paper.BODY_M else "Bodies touch")
-        + f": the least distance is {least_m:.3f} m. What else the "
+        + ("By RD no two bodies touch" if least_m >= 2 * paper.BODY_M else "By RD bodies touch")
+        + f": the least distance of middles is {least_m:.3f} m. What else the "
         "paper's program did with empty sets is not told.",
         tables=(table, places),
         verdicts=(_verdict(ends, found[SETTLE.name], steps),),

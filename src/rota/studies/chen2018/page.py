@@ -19,7 +19,8 @@ CONTROLLERS = (
     "*V-based*: `voronoi`, range-limited Voronoi cells (Lloyd's step, over-relaxed). *VFA*: `virtual_force`, "
     "overlapping "
     "discs push each other. Both with the last filter: without it VFA leaves the area from a corner.",
-    "*settle*: Rota's default, with the last filter.",
+    "*settle*: Rota's default: up the gradient of the covered area, and on to ground that nobody holds; with the last "
+    "filter.",
     "*at rest*: no robot moves by more than 0.00001 m in a step (settle: in two).",
 )
 
@@ -70,15 +71,16 @@ def _claims(sections: Sequence[Section]) -> str:
 
 def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
     """The page; its pictures are beside it. seed: with which it was made."""
-    figures = joined([str(section.figure) for section in sections])
+    figures = [str(section.figure) for section in sections if not section.extra]
+    made = f"{'Figure' if len(figures) == 1 else 'Figures'} {joined(figures)}" if figures else "Claims"
     parts = [
         HEADING,
-        f"{'Figure' if len(sections) == 1 else 'Figures'} {figures} of {paper.CITATION}, made again by `rota study "
+        f"{made} of {paper.CITATION}, made again by `rota study "
         f"chen2018` with seed {seed}: 25 robots (and 1,000) that know only their neighbours spread from a box over an "
         "area and hold. Each figure has what the paper says beside what its controller, the two methods that it "
         "compares "
         "with and Rota's own do here. All numbers under **Here** and in columns of ours come from that one run; only "
-        "the times in Table 3 differ from machine to machine.",
+        "the times of decisions (Table 3 and the last section) differ from machine to machine, and from hour to hour.",
         *(["## What became of the claims", _claims(sections)] if any(section.verdicts for section in sections) else []),
         "## The controllers",
         "\n".join(f"- {line}" for line in CONTROLLERS),
