@@ -13,7 +13,7 @@ from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
 SHARE = 0.3  # of an overlap that a robot takes away in a step; measured: with more, swarms tremble
 MOMENTUM = 0.92  # share of the last step that is made again
-# with late news, and times the friction; measured: without momentum, or with 0.5 two steps late, robots creep on
+# with late news: share of the last step, and times the friction; measured: with a share of 0 or 0.5 robots creep on
 LATE_MOMENTUM, LATE_FRICTION = 0.4, 7.0
 SLOW_M = 4e-3  # of the sensor's radius; slower robots that would turn back drop their momentum
 BACK = 0.5  # and go this share of the way: measured: some would go to and fro for ever by the whole of it
