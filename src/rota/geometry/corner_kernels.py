@@ -60,7 +60,7 @@ def bitangents_of(first, last, corners, corner_part, grid):
     return found[:count].copy()
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def tangents(points, part, corners, corner_part, grid):
     """(n, c) bool: the corners of its own part that each point sees along a tangent."""
     linked = np.zeros((len(points), len(corners)), np.bool_)
@@ -82,7 +82,7 @@ def _lengths_to_corners(px, py, linked, corners, between, lengths):
             lengths[n] = min(lengths[n], first + between[m, n])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def path_lengths(a, part_a, start_a, items_a, b, part_b, start_b, items_b, corners, between, grid, symmetric):
     """(n, m) lengths of shortest paths, inf between different parts; part -1 is outside and reaches nothing.
 
@@ -112,7 +112,7 @@ def path_lengths(a, part_a, start_a, items_a, b, part_b, start_b, items_b, corne
     return found
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def lengths_by_way_of(a, part_a, reached, b, part_b, start_b, items_b, corners, grid, symmetric, first):
     """(n, m) lengths of shortest paths, as ``path_lengths`` gives them; reached (n, c): the lengths to the corners.
 
@@ -135,7 +135,7 @@ def lengths_by_way_of(a, part_a, reached, b, part_b, start_b, items_b, corners, 
     return found
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def corner_chain(ax, ay, from_a, bx, by, from_b, corners, start, items):
     """Corners on the shortest path from a to b that bends; none where there is no such path.
 

@@ -25,6 +25,7 @@ Ints = NDArray[np.int64]
 
 MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of them take some 100 MB
 ROWS_TOGETHER, SOURCES_TOGETHER = 200, 100
+MOST_REMEMBERED = 100_000  # points
 
 
 class _Ends(NamedTuple):
@@ -64,6 +65,8 @@ class ShortestPaths:
         # the points between which all lengths were asked for last: some of them are often asked for again
         self._measured: dict[tuple[float, ...], int] = {}
         self._measured_m = np.zeros((0, 0))
+        # the corners that points see along tangents, where that takes a look at very many: tours ask again and again
+        self._seen_corners: dict[tuple[float, ...], Ints] = {}
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
@@ -122,7 +125,10 @@ class ShortestPaths:
 
         inf between different parts and from and to points outside.
         """
-        return self._lengths(self._ends(a_m), self._ends(b_m), symmetric=False)
+        a, b = self._ends(a_m), self._ends(b_m)
+        if not self._dense and len(b.points) < len(a.points):  # each point searched from costs a search
+            return np.ascontiguousarray(self._lengths(b, a, symmetric=False).T)
+        return self._lengths(a, b, symmetric=False)
 
     def all_pairs(self, points_m: Floats) -> Floats:
         """Lengths (n, n) in metres of the shortest paths between all points (n, 2); exactly symmetric.
@@ -165,9 +171,22 @@ class ShortestPaths:
     def _ends(self, points_m: Floats) -> _Ends:
         points = _points(points_m)
         part = self.part_of(points)
-        linked = corner_kernels.tangents(points, part, self._corners, self._corner_part, self.grid)
-        start = np.concatenate([[0], np.cumsum(linked.sum(axis=1))]).astype(np.int64)
-        return _Ends(points, part, start, np.nonzero(linked)[1].astype(np.int64))
+        if self._dense:
+            linked = corner_kernels.tangents(points, part, self._corners, self._corner_part, self.grid)
+            start = np.concatenate([[0], np.cumsum(linked.sum(axis=1))]).astype(np.int64)
+            return _Ends(points, part, start, np.nonzero(linked)[1].astype(np.int64))
+        if len(self._seen_corners) > MOST_REMEMBERED:
+            self._seen_corners = {}  # another thread may still be reading the old one
+        known = self._seen_corners
+        keys = list(map(tuple, points.tolist()))
+        new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
+        for some in np.array_split(new, 1 + len(new) // SOURCES_TOGETHER):
+            linked = corner_kernels.tangents(points[some], part[some], self._corners, self._corner_part, self.grid)
+            for k, row in zip(some, linked, strict=True):
+                known[keys[k]] = np.flatnonzero(row)
+        items = [known[key] for key in keys]
+        start = np.concatenate([[0], np.cumsum([len(corners) for corners in items])]).astype(np.int64)
+        return _Ends(points, part, start, np.concatenate([np.zeros(0, dtype=np.int64), *items]))
 
     def _lengths(self, a: _Ends, b: _Ends, *, symmetric: bool) -> Floats:
         if not len(a.items) or not len(b.items):  # no path bends, and the graph need not be made for it
