@@ -142,6 +142,9 @@ def test_verdict_agrees_with_many_points(seed: int) -> None:
             assert d.outcome == "violated"
             place = next(v.place_m for v in report.violations if v.kind == "gap")
             assert worst_gaps_s(plan, np.array([place]))[0] > period
+            shown = report.shown_unmet_m[:: 1 + len(report.shown_unmet_m) // 300]
+            assert len(shown)
+            assert (worst_gaps_s(plan, shown) > period).all()
             # every point that was found bad by itself lies on a piece that was not shown met: near an unmet point
             bad = points[gaps > period * 1.001][:300]
             away = np.hypot(*(bad[:, None] - report.unmet_points_m[None]).transpose(2, 0, 1)).min(axis=1)

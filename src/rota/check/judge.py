@@ -21,7 +21,7 @@ from rota.check.presence import presence_violations
 from rota.check.refine import Found, refine
 from rota.check.report import DemandVerdict, Outcome, Report, Violation
 from rota.check.revisits import Sights, loop_gap, sights_of, slack_of
-from rota.check.seeable import grounds_of, seeable
+from rota.check.seeable import grounds_of, has_many_sides, seeable
 from rota.check.separation import separation_violations
 from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan
@@ -43,6 +43,8 @@ class _Verdicts:
     firsts_s: list[float] = field(default_factory=list)
     unmet_m: list[Floats] = field(default_factory=list)
     unmet_demand: list[Ints] = field(default_factory=list)
+    shown_m: list[Floats] = field(default_factory=list)
+    shown_demand: list[Ints] = field(default_factory=list)
 
 
 def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
@@ -82,7 +84,8 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         )
         verdict = "violated"
     first = max(verdicts.firsts_s, default=0.0)
-    unmet, unmet_demand = _capped(verdicts)
+    unmet, unmet_demand = _capped(verdicts.unmet_m, verdicts.unmet_demand)
+    shown, shown_demand = _capped(verdicts.shown_m, verdicts.shown_demand)
     return Report(
         verdict=verdict,
         robots=robots,
@@ -95,6 +98,8 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         first_coverage_s=first if math.isfinite(first) else None,
         unmet_points_m=unmet,
         unmet_demand=unmet_demand,
+        shown_unmet_m=shown,
+        shown_unmet_demand=shown_demand,
         run_end=plan.run_end,
     )
 
@@ -119,7 +124,9 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
                 found[mine] = seeable(mission, grounds_of(mission), points_m[mine], spread_m)
         return found
 
-    found = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=max(finest_m, size / 4))
+    # on ragged ground walls hide part of most pieces: coarse ones would not tell what is missed
+    coarse_m = finest_m if has_many_sides(mission) else max(finest_m, size / 4)
+    found = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m)
     for k in _left_out(mission, asked, pieces, owners):
         found[k].undecided_cells += 1
     return found
@@ -217,6 +224,9 @@ def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, found: Found, refu
     points = found.unmet_points_m()
     verdicts.unmet_m.append(points)
     verdicts.unmet_demand.append(np.full(len(points), k, np.int64))
+    shown = found.shown_unmet_m()
+    verdicts.shown_m.append(shown)
+    verdicts.shown_demand.append(np.full(len(shown), k, np.int64))
 
 
 def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mission: Mission) -> None:
@@ -304,10 +314,10 @@ def _violation(
     return Violation(kind=kind, who=who, place_m=place_m, time_s=0.0, value=value, limit=limit, unit=unit)
 
 
-def _capped(verdicts: _Verdicts) -> tuple[Floats, Ints]:
-    """All unmet points, or an even choice of them when there are too many."""
-    points = np.vstack([np.empty((0, 2)), *verdicts.unmet_m])
-    demand = np.concatenate([np.empty(0, np.int64), *verdicts.unmet_demand])
+def _capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
+    """All places and their demands, or an even choice of them when there are too many."""
+    points = np.vstack([np.empty((0, 2)), *places_m])
+    demand = np.concatenate([np.empty(0, np.int64), *demands])
     if len(points) > MOST_UNMET_POINTS:
         chosen = np.linspace(0, len(points) - 1, MOST_UNMET_POINTS).astype(np.int64)
         points, demand = points[chosen], demand[chosen]

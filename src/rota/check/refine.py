@@ -23,6 +23,7 @@ MOST_PIECES = 600_000
 MOST_TOGETHER = 250_000  # pieces at first; of more, so many at a time are refined by themselves
 MOST_PLACES = 8
 SAMPLED_MET = 200
+FINER, MOST_FINER = 8, 2_000  # pieces so few are cut so many times smaller than the finest where no sample is unmet
 INSIDE = 1 - 1e-6  # corners are asked a little inside of their piece, off walls and borders
 
 
@@ -41,12 +42,17 @@ class Found:
     undecided_cells: int = 0
     excluded: list[Floats] = field(default_factory=list)
     unmet: list[Floats] = field(default_factory=list)
+    shown: list[Floats] = field(default_factory=list)
 
     def unmet_points_m(self) -> Floats:
         """(n, 2) corners and middles of all pieces not shown met, and the worst place (its piece may be excluded)."""
         worst = [] if self.worst_place_m is None else [np.array([self.worst_place_m])]
         points = np.vstack([np.empty((0, 2)), *self.unmet, *worst])
         return np.unique(points, axis=0)
+
+    def shown_unmet_m(self) -> Floats:
+        """(n, 2) places that were looked at by themselves and are unmet: many of the others may yet be met."""
+        return np.unique(np.vstack([np.empty((0, 2)), *self.shown]), axis=0)
 
     def excluded_places(self) -> list[tuple[float, float, float]]:
         """(x, y, area) of the largest connected parts that nobody can see; the place is in the part."""
@@ -127,6 +133,7 @@ def _together(parts: Iterable[Found]) -> Found:
         whole.undecided_cells += one.undecided_cells
         whole.excluded += one.excluded
         whole.unmet += one.unmet
+        whole.shown += one.shown
     return whole
 
 
@@ -199,6 +206,8 @@ class _Level:
         for k in np.unique(self.owners[counted]):
             mine = np.flatnonzero(counted & (self.owners == k))
             worst = mine[np.argmax(self.gaps_s[mine])]
+            if self.bad[mine].any():
+                found[k].shown.append(self.middles[mine[self.bad[mine]]])
             if self.bad[worst]:
                 self._note_worst(found[k], self.gaps_s[worst], self.begins_s[worst], self.middles[worst])
             else:
@@ -214,6 +223,9 @@ class _Level:
         out[some] = self.hidden[some] | self._partly_hidden(some, is_seeable)
         self._note_corners(found, np.flatnonzero(finest & ~out & ~self.bad))
         done = ~out & (finest | (violated & (self.sizes_m <= coarse_m) & ~self.hidden))
+        # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
+        parts = np.flatnonzero(done & ~self.bad & ~violated & (self.sizes_m > finest_m / FINER))
+        done[parts[:MOST_FINER]] = False
         ask = np.flatnonzero(self.bad & ~self.hidden & ~out & ~done)
         done[ask] = self._corners_bad(ask)
         still = np.flatnonzero(~out & ~done)
@@ -247,11 +259,7 @@ class _Level:
             # ground, beside what is never seen, is no fair demand
             beyond = corners + (corners - self.middles[index][owner])
             corners, owner = np.vstack([corners, beyond]), np.tile(owner, 2)
-            never = np.flatnonzero(
-                np.isinf(piece_gaps(self.sights, point_pieces(corners), np.zeros(len(corners))).gaps_s)
-            )
-            demands = self.owners[index[owner[never]]]
-            np.logical_or.at(hidden, owner[never], ~is_seeable(corners[never], 0.0, demands))
+            np.logical_or.at(hidden, owner, ~is_seeable(corners, 0.0, self.owners[index[owner]]))
         return hidden
 
     def _note_corners(self, found: list[Found], index: Ints) -> None:
@@ -264,6 +272,7 @@ class _Level:
         for row in np.flatnonzero(over):
             piece = index[owner[row]]
             self.bad[piece] = True
+            found[self.owners[piece]].shown.append(corners[row : row + 1])
             self._note_worst(found[self.owners[piece]], samples.gaps_s[row], samples.begins_s[row], corners[row])
 
     def _note_worst(self, found: Found, gap_s: float, begin_s: float, place_m: Floats) -> None:

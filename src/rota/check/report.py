@@ -67,7 +67,9 @@ class Report:
 
     ``first_coverage_s``: by then all that is demanded has been seen once (an upper bound; None: some is never seen).
     ``unmet_points_m`` (n, 2) and ``unmet_demand`` (n,): corners and middle of every piece not shown met, and the
-    index of its demand in ``demands``. ``run_end``: what the plan says of the end of a swarm's run; it is not judged.
+    index of its demand in ``demands``. ``shown_unmet_m`` (m, 2) and ``shown_unmet_demand`` (m,): places that were
+    looked at by themselves and are unmet, while some of the pieces may be met all the same. ``run_end``: what the plan
+    says of the end of a swarm's run; it is not judged.
     ``clock_margin_s``: by how much any two robots' clocks may differ before bodies touch (inf: by anything); None where
     that is not judged, which it is of robots that bounce. ``lower_bound_robots`` is the plan's own claim.
     ``cells_entered``: of a plan that is to cover its floor, how many cells robots enter and how many there are.
@@ -82,6 +84,8 @@ class Report:
     first_coverage_s: float | None
     unmet_points_m: NDArray[np.float64] = field(repr=False)
     unmet_demand: NDArray[np.int64] = field(repr=False)
+    shown_unmet_m: NDArray[np.float64] = field(repr=False)
+    shown_unmet_demand: NDArray[np.int64] = field(repr=False)
     run_end: RunEnd | None = None
     clock_margin_s: float | None = None
     cells_entered: tuple[int, int] | None = None

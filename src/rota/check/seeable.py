@@ -20,8 +20,9 @@ Flags = NDArray[np.bool_]
 
 TOUCH_M = 1e-6
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
-MANY_SIDES, COARSE_ARC_STEPS = 10_000, 8
+MANY_SIDES, COARSE_ARC_STEPS, ROOMIER = 10_000, 8, 1.025
 MOST_GRID_CELLS = 250_000
+NARROWEST = 1e-3  # radians
 BOX, NEAR, MOST_SPREAD = 2.0, 2.0, 0.4  # of the reach: boxes of points, what is near them, and spreads that allows for
 
 
@@ -37,7 +38,8 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
 
     It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
-    replaced by their chords; by up to 5e-3 of it where sides are very many.
+    replaced by their chords. Where sides are very many there are few chords, and the ground is smaller by up to 2.5 %
+    of the radius: what is seen from such a rim alone is no fair demand.
     """
     blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
     body = body_radius_m - TOUCH_M
@@ -46,7 +48,9 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     open_ground = shapely.difference(mission.area, blocked)
     # side by side, since offsetting a whole polygon loses corridors only just as wide as the body
     sides = lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)]))
-    steps = ARC_STEPS if len(sides) <= MANY_SIDES else COARSE_ARC_STEPS
+    steps = ARC_STEPS
+    if len(sides) > MANY_SIDES:
+        steps, body = COARSE_ARC_STEPS, ROOMIER * body
     return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=steps)))
 
 
@@ -59,8 +63,16 @@ def grounds_of(mission: Mission) -> tuple[Ground, ...]:
     return tuple(Ground(shape=standing(mission, body), sensor=sensor) for body, sensor in kinds)
 
 
+def has_many_sides(mission: Mission) -> bool:
+    """Whether walls have so many sides, as on a scanned floor, that most pieces of the ground are cut by some."""
+    return int(shapely.get_num_coordinates(_hidden(mission))) > MANY_SIDES
+
+
 def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
     """Whether each of the points (n, 2) can be seen from anywhere some robot can stand: (n,) bool.
+
+    Ground seen within an angle of less than 1e-3 does not count: what is seen along one line past two corners is seen
+    by nobody who stands beside that line.
 
     With ``spread_m``: False proves that nothing within that distance of the point can be seen. (If q is seen from p,
     all of the segment from p to a point x near q is within |q - x| of points that are not in an obstacle, so it stays
@@ -71,13 +83,22 @@ def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spr
     corners = shapely.get_num_coordinates([hidden, *(ground.shape for ground in grounds)]).sum()
     if corners <= MANY_SIDES or spread_m > MOST_SPREAD * reach_m:
         return _seen_from_any(grounds, hidden, points_m, spread_m)
-    found = np.zeros(len(points_m), np.bool_)
-    boxes, box_of = np.unique(np.floor(points_m / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
+    known = _known(mission, grounds, spread_m)
+    keys = list(map(tuple, points_m.tolist()))
+    new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
+    boxes, box_of = np.unique(np.floor(points_m[new] / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
     for k, (i, j) in enumerate(boxes):
-        mine = box_of.ravel() == k
+        mine = new[box_of.ravel() == k]
         near = _near_box(mission, grounds, reach_m, int(i), int(j))
-        found[mine] = _seen_from_any(*near, points_m[mine], spread_m)
-    return found
+        found = _seen_from_any(*near, points_m[mine], spread_m)
+        known.update((keys[at], seen) for at, seen in zip(mine, found.tolist(), strict=True))
+    return np.array([known[key] for key in keys], dtype=np.bool_)
+
+
+@functools.lru_cache(maxsize=16)
+def _known(mission: Mission, grounds: tuple[Ground, ...], spread_m: float) -> dict[tuple[float, float], bool]:
+    """What was found out about places on ragged ground: a search has hundreds of plans of one mission checked."""
+    return {}
 
 
 @functools.lru_cache(maxsize=4)
@@ -127,18 +148,20 @@ def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float) -
         ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
         away = np.abs(ends[:, 1] - ends[:, 0])
         far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
-        core = shapely.buffer(hidden, -1e-7, join_style="mitre")
+        # what is asked of a place alone must hold beside that line as well
+        core = shapely.buffer(hidden, -1e-7 if spread_m > 0 else 1e-6, join_style="mitre")
         shapely.prepare(core)
         found[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
         # out of range of the nearest ground, no other is in range (a square's corner is the farthest it reaches)
         corner = half * math.sqrt(2) if square else half
         left = left[~found[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + 1e-9)]
     if len(left):
-        found[left] = _ray_test(ground.shape, hidden, points_m[left], half + spread_m, square)
+        narrowest = 0.0 if spread_m > 0 else NARROWEST
+        found[left] = _ray_test(ground.shape, hidden, points_m[left], half + spread_m, square, narrowest)
     return found
 
 
-def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:
+def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool, narrowest: float) -> Flags:
     low, high = points_m.min(axis=0), points_m.max(axis=0)
     origin = (low + high) / 2
     margin = reach_m * (math.sqrt(2) if square else 1.0) + 1e-6
@@ -155,5 +178,5 @@ def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square
         near = np.ascontiguousarray(segments - np.tile(origin, 2))
         layers += [near, *tiling_kernels.rasterise(near, margin, grid, shape)]
     points = np.ascontiguousarray(points_m - origin)
-    found: Flags = sight_kernels.sees_ground(points, reach_m, square, grid, shape, *layers)
+    found: Flags = sight_kernels.sees_ground(points, reach_m, narrowest, square, grid, shape, *layers)
     return found
