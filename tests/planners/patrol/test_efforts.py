@@ -14,7 +14,7 @@ from shapely import MultiPolygon, box
 
 from rota.check import check_plan
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Obstacle, PatrolSettings
-from rota.planners.patrol import cooling, tours
+from rota.planners.patrol import cooling, problem as problem_module, tours
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.context import Context
@@ -43,6 +43,21 @@ def test_less_effort_keeps_the_bound_and_lays_a_coarser_lattice() -> None:
     assert quick.work.moves < normal.work.moves
     proved = (quick.problem.lower_bound, quick.problem.lower_bound_reason, quick.problem.enough_robots)
     assert proved == (7, "so", 9)
+
+
+def test_fewer_robots_on_ragged_ground_are_looked_for_with_more_effort_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    def searched(*_: object, **__: object) -> None:
+        raise AssertionError("a search")
+
+    monkeypatch.setattr(problem_module, "MOST_DENSE", 0)
+    monkeypatch.setattr(tours, "with_so_many", searched)
+    quick = context(YARD.with_effort("quick"))
+    assert quick.problem.is_ragged
+    found = tours.with_fewer(quick, None)
+    assert found.met
+    assert check_plan(found.plan).verdict == "met"
+    with pytest.raises(AssertionError, match="a search"):
+        tours.with_fewer(context(YARD), None)
 
 
 def test_more_effort_is_spent_only_while_fewer_robots_may_do(monkeypatch: pytest.MonkeyPatch) -> None:

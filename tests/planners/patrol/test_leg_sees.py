@@ -12,8 +12,9 @@ from shapely import LineString, MultiPolygon, Polygon, box
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import border_segments
-from rota.planners.patrol.kernels import Samples, leg_sees, range_interval
+from rota.planners.patrol.kernels import Samples, leg_sees
 from rota.planners.patrol.samples import SamplePoints, joined, lattice_places, points_of, prepare
+from rota.planners.patrol.sight_kernels import range_interval
 
 Floats = NDArray[np.float64]
 NO_WALLS = np.zeros((0, 4))

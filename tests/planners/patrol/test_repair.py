@@ -128,6 +128,8 @@ def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(
             verdict="violated",
             unmet_points_m=missed,
             unmet_demand=np.zeros(len(missed), dtype=np.int64),
+            shown_unmet_m=np.zeros((0, 2)),
+            shown_unmet_demand=np.zeros(0, dtype=np.int64),
         )
 
     found = repair.settle(

@@ -107,6 +107,16 @@ class Verdict(Protocol):
         """For each of these places the index of its demand."""
         ...
 
+    @property
+    def shown_unmet_m(self) -> NDArray[np.float64]:
+        """Places (m, 2) where it is shown not to be met."""
+        ...
+
+    @property
+    def shown_unmet_demand(self) -> NDArray[np.int64]:
+        """For each of these places the index of its demand."""
+        ...
+
 
 Judge = Callable[[Plan], Verdict]
 
@@ -130,7 +140,8 @@ class Work:
     is missed tours are bent, of the reach. groupings: of the period classes. least_squeeze: budgets, as a multiple of
     the ideal lengths, below which a number of robots is not tried. stretches: of the periods, tried for the best that a
     fixed number of robots can do, until one that failed and one that passed differ by no more than the factor
-    ``nearness``. begins_anew: whether from new tours too, after some have passed.
+    ``nearness``. begins_anew: whether from new tours too, after some have passed. searches_ragged: whether fewer robots
+    than the first tours need are looked for on ground with very many corners, where every look takes minutes.
     """
 
     moves: int
@@ -160,6 +171,7 @@ class Work:
     stretches: int
     nearness: float
     begins_anew: bool
+    searches_ragged: bool
 
 
 WORK: dict[Effort, Work] = {
@@ -191,6 +203,7 @@ WORK: dict[Effort, Work] = {
         stretches=4,
         nearness=1.025,
         begins_anew=False,
+        searches_ragged=False,
     ),
     "normal": Work(
         moves=600_000,
@@ -220,6 +233,7 @@ WORK: dict[Effort, Work] = {
         stretches=6,
         nearness=1.015,
         begins_anew=True,
+        searches_ragged=True,
     ),
     "high": Work(
         moves=800_000,
@@ -249,6 +263,7 @@ WORK: dict[Effort, Work] = {
         stretches=9,
         nearness=1.01,
         begins_anew=True,
+        searches_ragged=True,
     ),
 }
 

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.geometry.shortest_path import MOST_DENSE
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, over_budget_share
 from rota.planners.patrol.context import Context, Work
@@ -199,7 +198,7 @@ def corners_that_count(problem: Problem, tours: list[Tour]) -> float:
     ground asks for.
     """
     corners = sum(len(tour.vertices_m) for tour in tours)
-    if len(problem.paths.corners_m) <= MOST_DENSE:
+    if not problem.is_ragged:
         return corners
     ideal_m = sum(r.shape.area for r in problem.regions if r.demand == "every_point") / problem.swath_m
     return float(min(corners, CORNERS_A_REACH * ideal_m / problem.reach_m))

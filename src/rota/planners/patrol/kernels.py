@@ -3,39 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from rota.planners.patrol.sight_kernels import STANDING_M2, TOUCH_M, compiled, in_sight, inlined, range_interval
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "_nrt": False}
-
-
-def compiled(function: Callable[..., Any]) -> Any:
-    """A compiled function that allocates no array.
-
-    Such functions pass tuples of many arrays to each other; to count references to every array on every call (numba's
-    runtime, "nrt") would take more time than all the rest.
-    """
-    return njit(**OPTIONS)(function)
-
-
-def inlined(function: Callable[..., Any]) -> Any:
-    """A compiled function that becomes part of its callers."""
-    return njit(**OPTIONS, inline="always")(function)
-
-
 Index = np.uint64  # in the hottest loops: each index that may be negative costs a look whether it is
-STANDING_M2 = 1e-18  # a leg with less length (squared) is a place where the robot stands
-TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not hide it
 
 
 class Samples(NamedTuple):
-    """Points that must be seen: those of lattices row by row, then all others by bins; see ``samples.py``."""
+    """Points that must be seen: those of lattices row by row, then all others by bins; see ``samples.py``.
+
+    depth2: how far each sees in each sector of directions; see ``depth_kernels.py``.
+    """
 
     x: Floats
     y: Floats
@@ -46,6 +30,7 @@ class Samples(NamedTuple):
     wall_start: Ints
     wall_item: Ints
     walls: Floats
+    depth2: NDArray[np.float32]
     next_walled: Ints
     frames: Floats
     frame_ints: Ints
@@ -53,115 +38,6 @@ class Samples(NamedTuple):
     bin_start: Ints
     origin: Floats
     bins: Ints
-
-
-@compiled
-def norm(dx: float, dy: float) -> float:
-    """Length of a vector; the library's hypot guards against overflow, which costs more than all the rest here."""
-    return math.sqrt(dx * dx + dy * dy)
-
-
-@compiled
-def hidden_until(
-    t: float, ux: float, uy: float, vx: float, vy: float, px: float, py: float, dx: float, dy: float, corner: float
-) -> float:  # fmt: skip
-    """End of the interval of leg parameters round ``t`` in which a wall hides the origin, or t if it does not.
-
-    The wall runs from u to v, its obstacle on the left, the leg from p on along d, all seen from the hidden point. A
-    point that lies on the wall, farther than ``corner`` from its ends, is hidden from the obstacle's side.
-    """
-    wx, wy = vx - ux, vy - uy
-    turn = ux * vy - uy * vx
-    if turn < 0:
-        wx, wy = -wx, -wy
-    # the shadow is where all three are positive: behind the wall, and between the rays through its ends
-    at, slope = wy * (px - ux) - wx * (py - uy), wy * dx - wx * dy
-    now = at + t * slope
-    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
-        if turn >= 0:  # the sign above is for the side away from the point: here it is the obstacle's that counts
-            at, slope, now = -at, -slope, -now
-        now -= TOUCH_M * norm(wx, wy)
-        if now <= 0 or ux * vx + uy * vy >= 0 or min(ux * ux + uy * uy, vx * vx + vy * vy) <= corner * corner:
-            return t
-        return t - now / slope if slope < 0 else math.inf
-    if now < 0 or (now == 0 and slope <= 0):
-        return t
-    end = -at / slope if slope < 0 else math.inf
-    if turn < 0:
-        ux, uy, vx, vy = vx, vy, ux, uy
-    at, slope = ux * py - uy * px, ux * dy - uy * dx
-    now = at + t * slope
-    if now < 0 or (now == 0 and slope <= 0):
-        return t
-    if slope < 0:
-        end = min(end, -at / slope)
-    at, slope = px * vy - py * vx, dx * vy - dy * vx
-    now = at + t * slope
-    if now < 0 or (now == 0 and slope <= 0):
-        return t
-    return min(end, -at / slope) if slope < 0 else end
-
-
-@compiled
-def range_interval(px: float, py: float, dx: float, dy: float, reach: float, square: int) -> tuple[float, float]:
-    """First and last leg parameter at which the origin is in range of p + t d; first > last when it never is."""
-    first, last = 0.0, 1.0
-    if square:
-        for axis in range(2):
-            p, d = (px, dx) if axis == 0 else (py, dy)
-            if abs(d) < 1e-12:
-                if abs(p) > reach:
-                    return 1.0, 0.0
-                continue
-            t0, t1 = (-reach - p) / d, (reach - p) / d
-            first, last = max(first, min(t0, t1)), min(last, max(t0, t1))
-        return first, last
-    aa = dx * dx + dy * dy
-    ab = px * dx + py * dy
-    cc = px * px + py * py - reach * reach
-    if aa < STANDING_M2:
-        return (0.0, 1.0) if cc <= 0 else (1.0, 0.0)
-    under = ab * ab - aa * cc
-    if under < 0:
-        return 1.0, 0.0
-    root = math.sqrt(under)
-    return max(0.0, (-ab - root) / aa), min(1.0, (-ab + root) / aa)
-
-
-@inlined
-def in_sight(
-    px: float, py: float, dx: float, dy: float, near: float, reach: float, square: int, cx: float, cy: float,
-    walls: Any, items: Any, begin: int, end: int, corner: float,
-) -> bool:  # fmt: skip
-    """Whether c is in range and not hidden somewhere on a leg that starts at c + p and runs along d.
-
-    near: a leg parameter in range, where sight is likeliest: mostly one look from there is enough.
-    """
-    hidden = False
-    for j in range(begin, end):
-        k = items[j]
-        ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-        if hidden_until(near, ux, uy, vx, vy, px, py, dx, dy, corner) > near:
-            hidden = True
-            break
-    if not hidden:
-        return True
-    if dx * dx + dy * dy < STANDING_M2:
-        return False
-    t, last = range_interval(px, py, dx, dy, reach, square)
-    moved = True
-    while moved:
-        moved = False
-        for j in range(begin, end):
-            k = items[j]
-            ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-            until = hidden_until(t, ux, uy, vx, vy, px, py, dx, dy, corner)
-            if until > t:
-                if until >= last:
-                    return False
-                t = until + 1e-12
-                moved = True
-    return True
 
 
 @inlined
@@ -257,6 +133,7 @@ def lattice_runs(
     xs, ys = s.x, s.y
     wall_start, wall_item, walls, next_walled = s.wall_start, s.wall_item, s.walls, s.next_walled
     frames, ints, column_start, corner = s.frames, s.frame_ints, s.column_start, s.origin[4]
+    depth2 = s.depth2
     dx, dy = bx - ax, by - ay
     aa = dx * dx + dy * dy
     per_aa = 1 / aa if aa >= STANDING_M2 else 0.0
@@ -297,7 +174,7 @@ def lattice_runs(
                     t = nearest_in_range(px, py, dx, dy, per_aa, r, square, TOUCH_M)
                     first, last = wall_start[i], wall_start[i + 1]
                     if t < 0 or not in_sight(
-                        px, py, dx, dy, t, r, square, cx, cy, walls, wall_item, first, last, corner
+                        px, py, dx, dy, t, r, square, cx, cy, walls, wall_item, first, last, corner, depth2, i
                     ):
                         i += 1
                         continue
@@ -320,7 +197,7 @@ def loose_runs(
     """The part of ``leg_sees`` that lies on no lattice, bin by bin; ``found`` numbers have been written before."""
     # local names: the loop below runs over everything near every leg that is ever tried
     xs, ys, period, visit, shrink = s.x, s.y, s.period, s.visit_m, s.shrink_m
-    wall_start, wall_item, walls, bin_start = s.wall_start, s.wall_item, s.walls, s.bin_start
+    wall_start, wall_item, walls, bin_start, depth2 = s.wall_start, s.wall_item, s.walls, s.bin_start, s.depth2
     left, low, cell, farthest, corner = s.origin[0], s.origin[1], s.origin[2], s.origin[3], s.origin[4]
     columns, rows = s.bins[0], s.bins[1]
     far = max(reach * (1.4142135623730951 if square else 1.0), farthest)
@@ -351,7 +228,7 @@ def loose_runs(
             if (
                 visit[i] == 0
                 and last > first
-                and not in_sight(px, py, dx, dy, t, r, wide, cx, cy, walls, wall_item, first, last, corner)
+                and not in_sight(px, py, dx, dy, t, r, wide, cx, cy, walls, wall_item, first, last, corner, depth2, i)
             ):
                 continue
             if found > 0 and out[found - 1] == i:

@@ -13,7 +13,7 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, border_segments, demanded_regions, sight_walls, standing_space
 from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
-from rota.geometry.shortest_path import ShortestPaths
+from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.proved_bound import ProvedBound, prove_bound
@@ -81,6 +81,11 @@ class Problem:
         """Radius of the sensor's disc, or half the side of its square."""
         sensor = self.robot.sensor
         return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+
+    @property
+    def is_ragged(self) -> bool:
+        """Whether the ground has very many corners, as that of a scanned floor has."""
+        return len(self.paths.corners_m) > MOST_DENSE
 
     @property
     def swath_m(self) -> float:

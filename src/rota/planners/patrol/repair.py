@@ -226,10 +226,13 @@ def new_points(
     shorter_m: by how much less than they reach sensors are taken to reach for them.
     """
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
+    unmet_m, unmet_demand = verdict.unmet_points_m, verdict.unmet_demand
+    if problem.is_ragged and len(verdict.shown_unmet_m):  # most others lie in pieces of ground that walls cut in two
+        unmet_m, unmet_demand = verdict.shown_unmet_m, verdict.shown_unmet_demand
     grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
     found = [no_points()]
     for k, demand in enumerate(verdict.demands):
-        xy = verdict.unmet_points_m[verdict.unmet_demand == k]
+        xy = unmet_m[unmet_demand == k]
         if demand.name not in by_name or not len(xy):
             continue
         i = by_name[demand.name]

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import DemandedRegion
-from rota.planners.patrol.kernels import TOUCH_M, Samples
+from rota.planners.patrol.depth_kernels import depths
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.sight_kernels import TOUCH_M
 from rota.planners.patrol.start.kernels import walls_that_hide
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
@@ -223,6 +225,7 @@ def prepare(
         wall_start=wall_start,
         wall_item=wall_item,
         walls=np.ascontiguousarray(longer),
+        depth2=depths(points.xy_m, wall_start, wall_item, longer),
         next_walled=next_with_walls(wall_start),
         frames=frames,
         frame_ints=frame_ints,

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.kernels import Index, Samples, compiled, leg_sees, norm
+from rota.planners.patrol.kernels import Index, Samples, leg_sees
+from rota.planners.patrol.sight_kernels import compiled, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -156,6 +156,10 @@ def with_fewer(context: Context, best: Settled | None) -> Settled:
     """
     problem, work = context.problem, context.work
     ways = starts(problem, work.groupings)
+    if problem.is_ragged and not work.searches_ragged:
+        mended = as_they_are(context, ways)
+        if mended.met:
+            return mended
     context = replace(context, dear=worth_of_seeing(ways))
     comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     if best is None or not best.met or robots_of(best) > comfortable + 1:
@@ -200,6 +204,11 @@ def comfortably(context: Context, ways: list[Start], robots: int, best: Settled 
         robots += 1 if turn < context.work.tries else max(1, robots // 8)
     if best is not None and best.met:
         return best
+    return as_they_are(context, ways)
+
+
+def as_they_are(context: Context, ways: list[Start]) -> Settled:
+    """The first tours mended until they pass, with as many robots as they then need."""
     context.progress(0.4, "finishing with the robots that surely suffice")
     return settle(context, ways[0].tours, no_points(), may_add=True, rounds=3 * context.work.repairs)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
-from rota.planners.patrol.kernels import Samples, compiled, norm
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.sight_kernels import compiled, norm
 from rota.planners.patrol.tour_kernels import (
     Tours,
     begin,

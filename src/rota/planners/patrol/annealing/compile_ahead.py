@@ -21,6 +21,7 @@ WHOLE = {
     "unseen_item", "unseen_place", "unseen_in", "ints", "tried_new", "tried_old", "start", "items", "clear",
 }  # fmt: skip
 SHORT = {"column_start", "seen", "times_seen", "bucket_of_sample"}  # 32 bits
+SINGLE = {"depth2"}  # of three dimensions, and 32 bits a number
 
 
 def compile_moves() -> None:
@@ -58,5 +59,7 @@ def _states() -> tuple[Any, Any, Any]:
 
 
 def _array(name: str) -> Any:
+    if name in SINGLE:
+        return np.zeros((0, 0, 0), dtype=np.float32)
     kind = np.int32 if name in SHORT else np.int64 if name in WHOLE else np.uint64 if name == "rng" else np.float64
     return np.zeros((0, 0) if name in WIDE else 0, dtype=kind)

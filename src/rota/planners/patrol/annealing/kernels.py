@@ -14,7 +14,8 @@ from rota.geometry.kernels import EdgeGrid, point_in_space
 from rota.planners.patrol.annealing.anchor_kernels import move_together, pinned
 from rota.planners.patrol.annealing.meeting_kernels import try_meeting_near
 from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
-from rota.planners.patrol.kernels import Samples, compiled, norm
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.sight_kernels import compiled, norm
 from rota.planners.patrol.tour_kernels import FULL, UNSEEN, VERTICES, Tours, apart, tour_length, uniform
 
 MEETINGS = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do

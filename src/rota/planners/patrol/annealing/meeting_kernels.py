@@ -6,7 +6,8 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.move_kernels import link
-from rota.planners.patrol.kernels import Samples, compiled, norm
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.sight_kernels import compiled, norm
 from rota.planners.patrol.tour_kernels import (
     Tours,
     apart,

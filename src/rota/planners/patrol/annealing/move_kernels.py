@@ -18,7 +18,8 @@ from rota.planners.patrol.annealing.estimate_kernels import (
     note_way,
     unseen_near,
 )
-from rota.planners.patrol.kernels import Samples, compiled, norm
+from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.sight_kernels import compiled, norm
 from rota.planners.patrol.tour_kernels import (
     FULL,
     VERTICES_LEFT,

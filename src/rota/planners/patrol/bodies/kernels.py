@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.kernels import Ints, compiled
+from rota.planners.patrol.kernels import Ints
+from rota.planners.patrol.sight_kernels import compiled
 
 Bytes = NDArray[np.uint8]
 ShortInts = NDArray[np.int32]

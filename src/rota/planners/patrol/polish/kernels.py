@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.patrol.kernels import STANDING_M2, Samples, compiled, hidden_until, leg_sees, norm, range_interval
+from rota.planners.patrol.kernels import Samples, leg_sees
+from rota.planners.patrol.sight_kernels import STANDING_M2, compiled, hidden_until, norm, range_interval
 
 
 @compiled

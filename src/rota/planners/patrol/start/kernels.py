@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from rota.planners.patrol.kernels import TOUCH_M, Samples, leg_sees
+from rota.planners.patrol.kernels import Samples, leg_sees
+from rota.planners.patrol.sight_kernels import TOUCH_M
 
 MANY_WALLS, MOST_SECTORS = 40, 256  # from so many walls on round a point they are sorted by direction
 

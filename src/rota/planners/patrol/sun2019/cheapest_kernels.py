@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.patrol.kernels import compiled
+from rota.planners.patrol.sight_kernels import compiled
 from rota.planners.patrol.sun2019.partition_kernels import Ring, late_s
 from rota.planners.patrol.sun2019.pso_kernels import Rules, cost_of
 

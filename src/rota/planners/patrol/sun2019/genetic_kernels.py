@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rota.planners.patrol.kernels import compiled
+from rota.planners.patrol.sight_kernels import compiled
 from rota.planners.patrol.tour_kernels import uniform
 
 

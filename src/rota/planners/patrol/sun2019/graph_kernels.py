@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.kernels import compiled, norm
+from rota.planners.patrol.sight_kernels import compiled, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

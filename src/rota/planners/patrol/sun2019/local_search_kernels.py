@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from rota.planners.patrol.kernels import compiled
+from rota.planners.patrol.sight_kernels import compiled
 from rota.planners.patrol.tour_kernels import uniform
 
 # places in Search.ints

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rota.planners.patrol.kernels import compiled
+from rota.planners.patrol.sight_kernels import compiled
 
 TIE = 1e-9  # seconds late, or shares of a period, that differ by no more are equal but for rounding
 

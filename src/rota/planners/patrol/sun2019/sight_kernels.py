@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from rota.geometry.kernels import EdgeGrid, point_in_space, point_sees_point
-from rota.planners.patrol.kernels import compiled
+from rota.planners.patrol.sight_kernels import compiled
 
 HAIR = 1e-9  # of a length: what is nearer to a wall, or to the end of the reach, is settled with care, or in favour
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from rota.planners.patrol.kernels import compiled
+from rota.planners.patrol.sight_kernels import compiled
 
 X, Y, FLAG = 0, 1, 2
 DEPLOYED = 0.5  # the least flag of a sensor that counts

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rota.planners.patrol.kernels import compiled
+from rota.planners.patrol.sight_kernels import compiled
 from rota.planners.patrol.sun2019.sight_kernels import CellTable, Ground, cells_seen, is_place
 from rota.planners.patrol.sun2019.swarm_kernels import (
     DEPLOYED,
