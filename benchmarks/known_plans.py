@@ -37,7 +37,8 @@ def known_plan(seed: int) -> Plan:
     rng = np.random.default_rng(seed)
     for _ in range(DRAWS):
         try:
-            plan = _tightened(_drawn(rng, f"known-{seed}"))
+            drawn = _drawn(rng, f"known-{seed}")
+            plan = None if drawn is None else _tightened(drawn)
         except RotaError:  # a zone beside the ground, say
             continue
         if plan is not None and check_plan(plan).verdict == "met":
@@ -45,8 +46,8 @@ def known_plan(seed: int) -> Plan:
     raise RuntimeError(f"seed {seed}: no plan in {DRAWS} draws")
 
 
-def _drawn(rng: np.random.Generator, name: str) -> Plan:
-    """Loops and zones beside them, whose periods are far too long."""
+def _drawn(rng: np.random.Generator, name: str) -> Plan | None:
+    """Loops and zones beside them, whose periods are far too long; None where no loop found room."""
     area, reach_m, speed_m_s = ground(rng), between(rng, 2, 8), between(rng, 0.5, 8)
     body_m = between(rng, 0.05, 0.3) if rng.random() < 0.3 else 0.0
     disc = rng.random() < 0.7
@@ -65,6 +66,8 @@ def _drawn(rng: np.random.Generator, name: str) -> Plan:
     trajectories: list[Trajectory] = []
     for _ in range(int(rng.integers(1, 4))):
         trajectories += _one_loop(rng, paths, reach_m, speed_m_s, len(trajectories))
+    if not trajectories:
+        return None
     zones = [_zone(rng, trajectories, reach_m, k) for k in range(int(rng.integers(1, 5)))]
     # the area asks nothing itself: seldom do so few loops see all of it
     mission = replace(mission, zones=tuple(zones), period_s=1e6 if rng.random() < 0.2 else None)
