@@ -10,7 +10,7 @@ from tests.planners.swarm.conftest import PAPER, in_box, scattered
 from tests.planners.swarm.test_last_filter import apart, packed, wishing
 
 from rota.planners.swarm.asked import DECIDE
-from rota.planners.swarm.hearing_kernels import MOST_LOST_IN_ROW, age_of
+from rota.planners.swarm.hearing_kernels import GAIN, MOST_LOST_IN_ROW, age_of, gone_m
 from rota.planners.swarm.kernels import Hearing
 
 
@@ -58,7 +58,10 @@ def test_whatever_robots_wish_for_old_news_keep_them_apart(
         before = swarm.places_m
         wish[:] = (side / 2 - before) * (1 if step % 8 < 4 else -1) + rng.normal(size=wish.shape)
         wish *= (speeds / np.maximum(np.hypot(*wish.T), 1e-9))[:, None]
+        slow = np.hypot(*swarm.velocities_m_s.T)
         swarm.step()
+        if delay > 0 or lost > 0:  # what the others count on
+            assert (np.hypot(*swarm.velocities_m_s.T) <= slow + GAIN * speeds + 1e-12).all()
         for part in np.linspace(0, 1, 5):  # bodies stay apart at every moment of the step
             between = before + part * (swarm.places_m - before)
             assert len(bodies) < 2 or apart(between, bodies) > -1e-12
@@ -100,8 +103,17 @@ def test_news_without_delay_and_loss_are_the_truth() -> None:
         assert known.places_m == pytest.approx(exact.places_m, abs=1e-6)
 
 
+def test_the_way_gone_since_a_message_is_that_of_gaining_all_the_time() -> None:
+    most, told, gained = 0.5, 0.1, GAIN * 0.5
+    assert gone_m(0, told, most) == 0
+    assert gone_m(2, told, most) == pytest.approx(2 * told + 3 * gained)
+    assert gone_m(2, told, most) < 2 * most
+    assert gone_m(40, told, most) == pytest.approx(sum(min(most, told + k * gained) for k in range(1, 41)))
+    assert gone_m(3, most, most) == pytest.approx(3 * most)
+
+
 def test_a_robot_heeds_what_the_other_one_told_a_step_before() -> None:
-    late = in_box([[100, 100], [110, 100]], hearing=Hearing(delay_steps=1, lost=0.0))
+    late = in_box([[100, 100], [110, 100]], safe=False, hearing=Hearing(delay_steps=1, lost=0.0))
     late.step()
     away = 2 * 4 / (3 * np.pi)  # the centroid of half the disc of speeds
     assert late.velocities_m_s == pytest.approx(np.array([[-away, 0], [away, 0]]))

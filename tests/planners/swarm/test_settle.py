@@ -101,6 +101,15 @@ def test_49_robots_rest_whose_rows_buckle_slowly(seed: int) -> None:
     assert covered_share(places, np.full(49, 25.0), MultiPolygon([box(0, 0, 350, 350)])) > 0.782
 
 
+@pytest.mark.parametrize("side_m", [10.0, 15.0])
+def test_heaps_open_with_news_two_steps_late(side_m: float) -> None:
+    """With nothing but top speeds known the last filter holds them for good: 8.9 % and 72.5 % are covered."""
+    run = run_mission(heap(49, side_m, delay_steps=2), seed=100)
+    places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
+    assert run.at_rest
+    assert covered_share(places, np.full(49, 25.0), MultiPolygon([box(0, 0, 350, 350)])) > 0.77
+
+
 @pytest.mark.parametrize(("low", "most_steps"), [(100.0, 1000), (1.0, 1600)], ids=["centre", "corner"])
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_25_robots_cover_nearly_all_that_discs_can_and_rest(low: float, most_steps: int, seed: int) -> None:

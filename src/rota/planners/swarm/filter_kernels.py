@@ -34,8 +34,9 @@ ROUNDING of a step's way, 1e-15 m for 0.5 m, and by what places round in every s
 Discs that move and do not give way are dodged beforehand: the wish is changed (``dodge_kernels``), and the claim holds
 of what is left of it. That no disc is met is not claimed.
 
-Old news. A robot that is known from an old message only may have gone s = age v_B dt since: it is somewhere in the disc
-of radius s round the place told. Let d be the distance to that place and D >= d - s the true one, u the true direction.
+Old news. A robot that is known from an old message only may have gone up to s since, no more than age v_B dt and less
+where it told of going slowly (``hearing_kernels.gone_m``): it is somewhere in the disc of radius s round the place
+told. Let d be the distance to that place and D >= d - s the true one, u the true direction.
 If v . u <= (d - s - r_A - r_B) / (2 dt) for every u that leads into the disc, then v . u <= (D - r_A - r_B) / (2 dt)
 for the true one; the other robot, with its own old message and its own bound below D, does the same against -u, so
 along u the two together take no more than lies between them. For s < d the directions are a cone of half-angle p =

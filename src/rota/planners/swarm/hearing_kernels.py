@@ -4,10 +4,15 @@
 Every robot tells its place and velocity at every step. What it told at step s reaches another one ``delay`` steps
 later, or never; lost messages are drawn for each pair and step from the seed, and of ``MOST_LOST_IN_ROW`` + 1 in a row
 one arrives. A robot heeds the last message it has of each other one, as old as it is, and its own place as it is.
+
+Where the last filter watches and news may be late, no robot gains more than ``GAIN`` of its top speed from one step to
+the next. All know that: one that told of standing still cannot have gone far since. So heaps open, in which nobody
+could stir as long as everybody may be anywhere within steps at full speed.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -20,6 +25,7 @@ from rota.planners.swarm.reciprocal_kernels import decide_reciprocal, sample_key
 from rota.planners.swarm.settle_kernels import decide_settle
 
 MOST_LOST_IN_ROW = 8
+GAIN = 0.15  # of the top speed, from one step to the next
 OWN, RECIPROCAL, VORONOI, VIRTUAL_FORCE, SETTLE = -1, 0, 1, 2, 3
 NUMBER_OF = {
     decide_reciprocal: RECIPROCAL,
@@ -44,6 +50,22 @@ def age_of(seed: int, listener: int, teller: int, step: int, delay: int, lost: f
         while age < delay + MOST_LOST_IN_ROW and is_lost(seed, listener, teller, step - age, lost):
             age += 1
     return age
+
+
+@compiled
+def gone_m(age: int, told_m: float, most_m: float) -> float:
+    """How far a robot may have gone in so many steps since it told of a step of told_m; no step is above most_m."""
+    gone = 0.0
+    for k in range(1, age + 1):
+        gone += min(most_m, told_m + k * GAIN * most_m)
+    return gone
+
+
+@compiled
+def no_faster(vx: float, vy: float, speed: float) -> tuple[float, float]:
+    """The velocity, made as short as the speed where it is longer: the filter allows every share of what it allows."""
+    length = math.sqrt(vx * vx + vy * vy)
+    return (vx * speed / length, vy * speed / length) if length > speed else (vx, vy)
 
 
 @compiled
@@ -84,7 +106,8 @@ def look_round(
             view.x[found], view.y[found] = told[0, teller], told[1, teller]
             view.vx[found], view.vy[found] = told[2, teller], told[3, teller]
             view.kind[found], view.name[found] = robots.kind[j], teller
-            spread_m[found] = age * step_m[teller]
+            told_m = math.sqrt(told[2, teller] ** 2 + told[3, teller] ** 2) * rule.time_step_s
+            spread_m[found] = gone_m(age, told_m, step_m[teller])
             found += 1
     start[c - stride - 1], start[c - stride + 2] = 0, 0
     start[c - 1], start[c + 2] = 0, found
@@ -140,4 +163,7 @@ def decide_heard(
                 0, 1, view, kinds, view_grid, moving, rule.time_step_s, widest_m, spread_m, vx, vy, nearest2, outline,
                 spare,
             )  # fmt: skip
+            if hearing.delay_steps > 0 or hearing.lost > 0.0:
+                speed = math.sqrt(robots.vx[i] * robots.vx[i] + robots.vy[i] * robots.vy[i])
+                vx[0], vy[0] = no_faster(vx[0], vy[0], speed + GAIN * kinds.speed_m_s[robots.kind[i]])
         new_vx[i], new_vy[i] = vx[0], vy[0]
