@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from benchmarks import plan_hashes
 from benchmarks.__main__ import arguments, line_of
 from benchmarks.figures import FIGURES, LONG
 from benchmarks.large_areas import growth_row, write_tiles
@@ -335,3 +336,25 @@ def test_a_small_run_is_measured_as_it_is() -> None:
     assert run.so_far[-1] == pytest.approx(run.covered, abs=2e-3)
     assert run.between_m == pytest.approx(pdist(starts).min() - 1)  # they only come apart
     assert run.beside_m > 20
+
+
+def test_hashes_of_plans_name_what_differs() -> None:
+    now = [
+        "examples/a.yaml: 2 robots, bound 1, 00ff",
+        "random/3: 4 robots, bound 2, ab12",
+        "random/4: NoPlanFound: why",
+    ]
+    assert not plan_hashes.differences(list(reversed(now)), now)
+    before = [now[0], now[1].replace("ab12", "cd34"), "random/9: 1 robots, bound 1, 77"]
+    assert plan_hashes.differences(before, now) == [
+        "random/3: 4 robots, bound 2, cd34 -> random/3: 4 robots, bound 2, ab12",
+        "not there before -> random/4: NoPlanFound: why",
+    ]
+
+
+def test_a_plan_has_the_same_hash_in_any_folder(tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+    assert "examples/swarm-square.yaml" in plan_hashes.names()
+    one, other = (plan_hashes.line_of("examples/swarm-square.yaml", at) for at in (tmp_path, tmp_path / "other"))
+    assert one == other
+    assert one.startswith("examples/swarm-square.yaml: 25 robots, bound None, ")
