@@ -117,11 +117,10 @@ def _span(segment, x, y):
 
 
 @njit(cache=True)
-def _not_hidden_alone(x, y, walls, near_walls, ground, near_ground):
-    """The sides of the ground without those that lie farther than walls in every sector they reach into.
+def _blocked_at(x, y, walls, near_walls):
+    """For each sector of directions the distance beyond which nothing is seen, since one wall spans all of it.
 
-    A wall that spans a whole sector is hit by each ray in it, no farther away than its farther end: what lies beyond
-    is not seen there, whatever else is.
+    Such a wall is hit by each ray in the sector, no farther away than its farther end.
     """
     width = 2 * math.pi / SECTORS
     blocked_at = np.full(SECTORS, math.inf)
@@ -131,14 +130,21 @@ def _not_hidden_alone(x, y, walls, near_walls, ground, near_ground):
             continue
         for n in range(math.ceil((begin + 1e-9) / width), math.floor((begin + turn - 1e-9) / width)):
             blocked_at[n % SECTORS] = min(blocked_at[n % SECTORS], far)
-    kept = np.empty_like(near_ground)
+    return blocked_at
+
+
+@njit(cache=True)
+def _not_beyond(x, y, blocked_at, segments, near):
+    """The segments without those that lie beyond what is seen in every sector they reach into: none is hit first."""
+    width = 2 * math.pi / SECTORS
+    kept = np.empty_like(near)
     count = 0
-    for k in near_ground:
-        near, _, begin, turn = _span(ground[k], x, y)
+    for k in near:
+        nearest, _, begin, turn = _span(segments[k], x, y)
         hidden = turn < math.pi
         if hidden:
             for n in range(math.floor((begin - 1e-9) / width), math.floor((begin + turn + 1e-9) / width) + 1):
-                if blocked_at[n % SECTORS] >= near - 1e-6:
+                if blocked_at[n % SECTORS] >= nearest - 1e-6:
                     hidden = False
                     break
         if not hidden:
@@ -181,9 +187,11 @@ def sees_ground(
             continue
         near_walls = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
         if len(near_walls) + len(near_ground) > MANY_NEAR:
-            near_ground = _not_hidden_alone(x, y, walls, near_walls, ground, near_ground)
+            blocked_at = _blocked_at(x, y, walls, near_walls)
+            near_ground = _not_beyond(x, y, blocked_at, ground, near_ground)
             if len(near_ground) == 0:
                 continue
+            near_walls = _not_beyond(x, y, blocked_at, walls, near_walls)
         near_crossings = cross_index[cross_offsets[cell] : cross_offsets[cell + 1]]
         # in most places one of a few directions, whichever they are, shows that ground is seen
         some = (np.arange(SOME_DIRECTIONS) + 0.5) * (2 * math.pi / SOME_DIRECTIONS)
