@@ -138,12 +138,3 @@ def test_what_is_near_a_box_of_points_decides_as_all_of_it_does(
         assert (seeable(m, grounds_of(m), points, spread_m) == whole).all()
         monkeypatch.undo()
         assert (~whole).sum() > 0 or spread_m > 0
-
-
-@pytest.mark.parametrize(("gap_m", "counts"), [(0.0, False), (0.002, False), (0.02, True)])
-def test_view_between_two_corners_counts_from_a_thousandth_on(gap_m: float, counts: bool) -> None:
-    below, above = obstacle(box(2, -3, 3, 0)), obstacle(box(4, gap_m, 5, 3))
-    m = mission(box(0, -3, 12, 3), below, above, obstacle(box(0, -3, 6, 3), "motion"), sensor=DiscSensor(radius_m=8.0))
-    # of the place (1, 0) the ground beyond is seen within an angle of gap / 4
-    assert seen(m, (1.0, 0.0)) == [counts]
-    assert seen(m, (1.0, 0.0), spread=0.01) == [True]  # so that nothing near it is taken for hidden

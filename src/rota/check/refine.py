@@ -259,7 +259,11 @@ class _Level:
             # ground, beside what is never seen, is no fair demand
             beyond = corners + (corners - self.middles[index][owner])
             corners, owner = np.vstack([corners, beyond]), np.tile(owner, 2)
-            np.logical_or.at(hidden, owner, ~is_seeable(corners, 0.0, self.owners[index[owner]]))
+            never = np.flatnonzero(
+                np.isinf(piece_gaps(self.sights, point_pieces(corners), np.zeros(len(corners))).gaps_s)
+            )
+            demands = self.owners[index[owner[never]]]
+            np.logical_or.at(hidden, owner[never], ~is_seeable(corners[never], 0.0, demands))
         return hidden
 
     def _note_corners(self, found: list[Found], index: Ints) -> None:

@@ -20,9 +20,8 @@ Flags = NDArray[np.bool_]
 
 TOUCH_M = 1e-6
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
-MANY_SIDES, COARSE_ARC_STEPS, ROOMIER = 10_000, 8, 1.025
+MANY_SIDES, COARSE_ARC_STEPS = 10_000, 8
 MOST_GRID_CELLS = 250_000
-NARROWEST = 1e-3  # radians
 BOX, NEAR, MOST_SPREAD = 2.0, 2.0, 0.4  # of the reach: boxes of points, what is near them, and spreads that allows for
 
 
@@ -38,8 +37,7 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
 
     It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
-    replaced by their chords. Where sides are very many there are few chords, and the ground is smaller by up to 2.5 %
-    of the radius: what is seen from such a rim alone is no fair demand.
+    replaced by their chords; by up to 5e-3 of it where sides are very many.
     """
     blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
     body = body_radius_m - TOUCH_M
@@ -48,9 +46,7 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     open_ground = shapely.difference(mission.area, blocked)
     # side by side, since offsetting a whole polygon loses corridors only just as wide as the body
     sides = lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)]))
-    steps = ARC_STEPS
-    if len(sides) > MANY_SIDES:
-        steps, body = COARSE_ARC_STEPS, ROOMIER * body
+    steps = ARC_STEPS if len(sides) <= MANY_SIDES else COARSE_ARC_STEPS
     return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=steps)))
 
 
@@ -70,9 +66,6 @@ def has_many_sides(mission: Mission) -> bool:
 
 def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
     """Whether each of the points (n, 2) can be seen from anywhere some robot can stand: (n,) bool.
-
-    Ground seen within an angle of less than 1e-3 does not count: what is seen along one line past two corners is seen
-    by nobody who stands beside that line.
 
     With ``spread_m``: False proves that nothing within that distance of the point can be seen. (If q is seen from p,
     all of the segment from p to a point x near q is within |q - x| of points that are not in an obstacle, so it stays
@@ -148,20 +141,18 @@ def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float) -
         ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
         away = np.abs(ends[:, 1] - ends[:, 0])
         far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
-        # what is asked of a place alone must hold beside that line as well
-        core = shapely.buffer(hidden, -1e-7 if spread_m > 0 else 1e-6, join_style="mitre")
+        core = shapely.buffer(hidden, -1e-7, join_style="mitre")
         shapely.prepare(core)
         found[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
         # out of range of the nearest ground, no other is in range (a square's corner is the farthest it reaches)
         corner = half * math.sqrt(2) if square else half
         left = left[~found[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + 1e-9)]
     if len(left):
-        narrowest = 0.0 if spread_m > 0 else NARROWEST
-        found[left] = _ray_test(ground.shape, hidden, points_m[left], half + spread_m, square, narrowest)
+        found[left] = _ray_test(ground.shape, hidden, points_m[left], half + spread_m, square)
     return found
 
 
-def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool, narrowest: float) -> Flags:
+def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:
     low, high = points_m.min(axis=0), points_m.max(axis=0)
     origin = (low + high) / 2
     margin = reach_m * (math.sqrt(2) if square else 1.0) + 1e-6
@@ -178,5 +169,5 @@ def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square
         near = np.ascontiguousarray(segments - np.tile(origin, 2))
         layers += [near, *tiling_kernels.rasterise(near, margin, grid, shape)]
     points = np.ascontiguousarray(points_m - origin)
-    found: Flags = sight_kernels.sees_ground(points, reach_m, narrowest, square, grid, shape, *layers)
+    found: Flags = sight_kernels.sees_ground(points, reach_m, square, grid, shape, *layers)
     return found

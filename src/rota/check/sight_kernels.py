@@ -34,33 +34,10 @@ def _first_hit(segments, index, x, y, cx, cy):
 
 
 @njit(cache=True)
-def _leaves_reach(px, py, dx, dy, reach_m, square):
-    """Where on p + u d, seen from the origin, the reach begins and ends; both beyond (-1) where all is out of reach."""
-    if square:
-        first, last = -math.inf, math.inf
-        for p, d in ((px, dx), (py, dy)):
-            if d != 0:
-                one, other = (-reach_m - p) / d, (reach_m - p) / d
-                first, last = max(first, min(one, other)), min(last, max(one, other))
-        return (first, last) if first <= last else (-1.0, -1.0)
-    length2 = dx * dx + dy * dy
-    if length2 == 0:
-        return -1.0, -1.0
-    along = -(px * dx + py * dy) / length2
-    half2 = along * along - (px * px + py * py - reach_m * reach_m) / length2
-    if half2 < 0:
-        return -1.0, -1.0
-    return along - math.sqrt(half2), along + math.sqrt(half2)
-
-
-@njit(cache=True)
-def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square, reach_m, narrowest):
-    """Angles between which neither the first wall nor the first side of the ground changes, ascending, with middles.
-
-    narrowest: above 0 the middles alone, of those that lie farther apart; then neither does what is in reach change.
-    """
-    # two for each wall, five for each side of the ground, one for each crossing, and eight: all that is written below
-    angles = np.empty(2 * len(near_walls) + 5 * len(near_ground) + len(near_crossings) + 8)
+def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square):
+    """Angles between which neither the first wall nor the first side of the ground changes, ascending, with middles."""
+    # two for each wall, three for each side of the ground, one for each crossing, and eight: all that is written below
+    angles = np.empty(2 * len(near_walls) + 3 * len(near_ground) + len(near_crossings) + 8)
     n = 0
     for k in near_walls:
         for end in range(2):
@@ -76,11 +53,6 @@ def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_cr
         if 0 < u < 1 and not square:
             angles[n] = math.atan2(ground[k, 1] + u * dy - y, ground[k, 0] + u * dx - x)
             n += 1
-        if narrowest > 0:
-            for u in _leaves_reach(ground[k, 0] - x, ground[k, 1] - y, dx, dy, reach_m, square):
-                if 0 < u < 1:
-                    angles[n] = math.atan2(ground[k, 1] + u * dy - y, ground[k, 0] + u * dx - x)
-                    n += 1
     for k in near_crossings:
         angles[n] = math.atan2(crossings[k, 1] - y, crossings[k, 0] - x)
         n += 1
@@ -89,13 +61,10 @@ def _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_cr
         n += 1
     angles = np.sort(angles[:n])
     middles = np.empty(n)
-    wide = np.empty(n, np.bool_)
     for k in range(n - 1):
         middles[k] = 0.5 * (angles[k] + angles[k + 1])
-        wide[k] = angles[k + 1] - angles[k] > narrowest
     middles[n - 1] = 0.5 * (angles[n - 1] + angles[0]) + math.pi
-    wide[n - 1] = angles[0] + 2 * math.pi - angles[n - 1] > narrowest
-    return middles[wide] if narrowest > 0 else np.append(angles, middles)
+    return np.append(angles, middles)
 
 
 @njit(cache=True)
@@ -168,15 +137,14 @@ def _sees_along(angles, x, y, reach_m, square, walls, near_walls, ground, near_g
 
 @njit(cache=True)
 def sees_ground(
-    points, reach_m, narrowest, square, grid, shape,
+    points, reach_m, square, grid, shape,
     walls, wall_offsets, wall_index, ground, ground_offsets, ground_index, crossings, cross_offsets, cross_index,
 ):  # fmt: skip
     """Whether each point (outside of the ground) sees some of the ground in reach, past walls that it may touch.
 
     The first wall and the first side of the ground change only at their corners and where they cross; the distance to
     a side is smallest at a corner or a foot (for a square: at a diagonal or an axis). So those directions and the
-    middles between them decide. narrowest: above 0, in radians, ground that is seen only within a narrower angle, along
-    one line past two corners say, does not count.
+    middles between them decide.
     """
     found = np.zeros(len(points), np.bool_)
     for p in range(len(points)):
@@ -197,8 +165,6 @@ def sees_ground(
         some = (np.arange(SOME_DIRECTIONS) + 0.5) * (2 * math.pi / SOME_DIRECTIONS)
         found[p] = _sees_along(some, x, y, reach_m, square, walls, near_walls, ground, near_ground)
         if not found[p]:
-            every = _directions(
-                x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square, reach_m, narrowest
-            )
+            every = _directions(x, y, walls, near_walls, ground, near_ground, crossings, near_crossings, square)
             found[p] = _sees_along(every, x, y, reach_m, square, walls, near_walls, ground, near_ground)
     return found
