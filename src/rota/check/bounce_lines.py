@@ -57,6 +57,7 @@ def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> l
     looping = [k for k in moving if k >= trajectory.loop_index]
 
     def wrong(kind: str, k: int, value: float, limit: float, unit: str) -> Violation:
+        """A violation at the robot's position k."""
         x, y = places[k]
         return Violation(
             kind=kind,

@@ -14,6 +14,11 @@ from rota.plan import EndReason, RunEnd
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
 CELLS = ("entered", "of")
+# what values a report has, as JSON Schema
+NUMBER, TEXT, COUNT = {"type": "number"}, {"type": "string"}, {"type": "integer", "minimum": 0}
+SIZE = {"type": "number", "minimum": 0}
+OUTCOMES = {"enum": ["met", "violated", "not proven"]}
+SECONDS_OR_NEVER = {"type": ["number", "null"], "description": "seconds; null: never"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,39 +176,11 @@ def _object(**properties: Any) -> dict[str, Any]:
 
 def report_schema() -> dict[str, Any]:
     """JSON Schema (2020-12) of what ``report_to_json`` returns, version 1."""
-    number, text, count = {"type": "number"}, {"type": "string"}, {"type": "integer", "minimum": 0}
-    size = {"type": "number", "minimum": 0}
-    maybe = {"type": ["number", "null"], "description": "seconds; null: never"}
     ratio = {"type": ["number", "null"], "minimum": 0}
-    outcome = {"enum": ["met", "violated", "not proven"]}
-    place = {"type": ["array", "null"], "items": number, "minItems": 2, "maxItems": 2}
-    demand = _object(
-        name=text,
-        period_s=number,
-        demand={"enum": ["every_point", "visit"]},
-        area_m2=size,
-        worst_gap_s={**maybe, "description": "no point waits longer; null: some of it is never seen"},
-        worst_gap_at_least_s={**maybe, "description": "some point waits at least so long; null: for ever"},
-        unseen_area_m2=size,
-        excluded_area_m2=size,
-        excluded_places={"type": "array", "items": _object(x=number, y=number, area_m2=size)},
-        undecided_cells=count,
-        outcome=outcome,
-    )
-    violation = _object(
-        kind=text,
-        who=text,
-        place_m=place,
-        time_s=maybe,
-        value={**maybe, "description": "in unit; null: without end"},
-        limit=number,
-        unit=text,
-        text=text,
-    )
     report = _object(
         rota_report={"const": 1},
-        verdict=outcome,
-        robots=count,
+        verdict=OUTCOMES,
+        robots=COUNT,
         lower_bound_robots={
             "type": ["integer", "null"],
             "minimum": 0,
@@ -211,31 +188,63 @@ def report_schema() -> dict[str, Any]:
         },
         cells={
             "description": "of a floor that is to be covered",
-            "oneOf": [{"type": "null"}, _object(entered=count, of=count)],
+            "oneOf": [{"type": "null"}, _object(entered=COUNT, of=COUNT)],
         },
-        not_judged={"type": "array", "items": text, "description": "what the plan says and the check leaves open"},
-        first_coverage_s=maybe,
+        not_judged={"type": "array", "items": TEXT, "description": "what the plan says and the check leaves open"},
+        first_coverage_s=SECONDS_OR_NEVER,
         run_end={
             "description": "what the plan says of the end of a swarm's run; null: nothing",
             "oneOf": [
                 {"type": "null"},
-                _object(at_rest={"type": "boolean"}, steps=count, reason={"enum": list(get_args(EndReason))}),
+                _object(at_rest={"type": "boolean"}, steps=COUNT, reason={"enum": list(get_args(EndReason))}),
             ],
         },
         clock_margin_s={**ratio, "description": "by how much clocks may differ; null: by anything, or not judged"},
         worst_ratio={**ratio, "description": "no gap is longer than so many times its period; null: not shown"},
         worst_ratio_at_least={**ratio, "description": "some gap is so many times its period; null: for ever"},
-        demands={"type": "array", "items": demand},
-        violations={"type": "array", "items": violation},
-        unmet_points=count,
+        demands={"type": "array", "items": _demand_schema()},
+        violations={"type": "array", "items": _violation_schema()},
+        unmet_points=COUNT,
         unmet_points_m={
             "type": "array",
             "maxItems": LISTED_POINTS,
-            "items": _object(x=number, y=number, demand=text),
+            "items": _object(x=NUMBER, y=NUMBER, demand=TEXT),
         },
     )
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "Rota report, version 1"}
     return {**head, **report}
+
+
+def _demand_schema() -> dict[str, Any]:
+    """What a report says of one demand."""
+    gap = SECONDS_OR_NEVER
+    return _object(
+        name=TEXT,
+        period_s=NUMBER,
+        demand={"enum": ["every_point", "visit"]},
+        area_m2=SIZE,
+        worst_gap_s={**gap, "description": "no point waits longer; null: some of it is never seen"},
+        worst_gap_at_least_s={**gap, "description": "some point waits at least so long; null: for ever"},
+        unseen_area_m2=SIZE,
+        excluded_area_m2=SIZE,
+        excluded_places={"type": "array", "items": _object(x=NUMBER, y=NUMBER, area_m2=SIZE)},
+        undecided_cells=COUNT,
+        outcome=OUTCOMES,
+    )
+
+
+def _violation_schema() -> dict[str, Any]:
+    """What a report says of one violation."""
+    return _object(
+        kind=TEXT,
+        who=TEXT,
+        place_m={"type": ["array", "null"], "items": NUMBER, "minItems": 2, "maxItems": 2},
+        time_s=SECONDS_OR_NEVER,
+        value={**SECONDS_OR_NEVER, "description": "in unit; null: without end"},
+        limit=NUMBER,
+        unit=TEXT,
+        text=TEXT,
+    )
 
 
 def report_table(report: Report) -> str:
