@@ -15,6 +15,7 @@ import typer
 
 from rota.errors import NoPlanFound, RotaError
 from rota.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
+from rota.export_command import ExportFormat, write_export
 from rota.interrupt import Terminated, clean_end_on_terminate, stop_on_interrupt
 from rota.plan_command import plan_and_write
 from rota.study_command import app as study_app
@@ -38,7 +39,6 @@ app = typer.Typer(
 )
 app.add_typer(study_app, name="study")
 
-ExportFormat = Literal["geojson", "qgroundcontrol", "qgroundcontrol-px4", "create2-sketch"]
 SchemaName = Literal["mission", "plan", "report"]
 EffortName = Literal["quick", "normal", "high"]
 
@@ -272,39 +272,8 @@ def export(
     answer = _read_plan(plan)
     if to == "geojson":
         _require_target(output, source=plan)
-        _export_geojson(answer, output)
-        return
-    if output == STANDARD_STREAM:
-        raise RotaError(f"-: {to} makes one file per robot and cannot write to stdout; the path of a folder is needed")
-    for path in _export_to_folder(answer, to, output):
+    for path in write_export(answer, to, output):
         typer.echo(path)
-
-
-def _export_to_folder(answer: Plan, to: ExportFormat, folder: str) -> tuple[Path, ...]:
-    if to == "create2-sketch":
-        from rota.check import check_plan
-        from rota.files.create2_legs import MOST_SLOWING
-        from rota.files.create2_sketch import write_create2_sketches
-
-        # a slower clock makes every gap as much longer
-        ratio = check_plan(answer).worst_ratio
-        most = min(1 / ratio if ratio > 0 else MOST_SLOWING, MOST_SLOWING)
-        return write_create2_sketches(answer, folder, most_slowing=max(most, 1.0))
-    from rota.files.qgroundcontrol import write_qgroundcontrol
-
-    return write_qgroundcontrol(answer, folder, autopilot="ardupilot" if to == "qgroundcontrol" else "px4")
-
-
-def _export_geojson(answer: Plan, output: str) -> None:
-    from rota.files.geojson import geojson_text, write_geojson
-
-    if answer.mission.origin is None:
-        say("warning: the mission has no origin: coordinates are in local metres, not in WGS84 as maps expect")
-    if output == STANDARD_STREAM:
-        typer.echo(geojson_text(answer), nl=False)
-    else:
-        write_geojson(answer, output)
-        typer.echo(output)
 
 
 # ---------------------------------------------------------------- new, schema
