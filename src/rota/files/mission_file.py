@@ -15,11 +15,12 @@ from shapely import MultiPolygon, unary_union
 from rota.errors import MissionError
 from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
-from rota.files.mission_schema import AreaBlock, FleetBlock, MissionFile, RobotBlock, SensorBlock
+from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock
 from rota.files.mission_starts import fleet_at_its_starts, moving_obstacles
 from rota.files.schema_block import SMALLEST_M
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
+from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.mission import (
     BounceSettings,

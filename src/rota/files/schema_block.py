@@ -14,6 +14,7 @@ SMALLEST_M, FARTHEST_M = 1e-3, 1e7  # beyond it no projection holds, and sums of
 SHORTEST_S, LONGEST_S = 1e-3, 1e9
 SLOWEST, FASTEST = 1e-6, 1e6  # metres or radians per second
 
+Text = Annotated[str, Field(strict=True, min_length=1)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
