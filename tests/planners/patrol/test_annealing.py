@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from shapely import LineString, Polygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.planners.patrol.annealing.chain_kernels import range_m
 from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_way, unseen_near
-from rota.planners.patrol.annealing.move_kernels import range_m
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.tour import Tour, split_legs, tour_length_m, turns_rad, without_repeats
 from rota.planners.patrol.kernels import Samples, leg_sees
 from rota.planners.patrol.problem import Problem, set_up_problem
+from rota.planners.patrol.random_kernels import uniform
 from rota.planners.patrol.repair import no_points, prepared_with
 from rota.planners.patrol.start.first_tours import first_tours
 from rota.planners.patrol.tour_kernels import (
@@ -31,7 +32,6 @@ from rota.planners.patrol.tour_kernels import (
     bucket_of,
     corner_m,
     tour_length,
-    uniform,
 )
 
 Floats = NDArray[np.float64]

@@ -82,17 +82,6 @@ class Tours(NamedTuple):
 
 
 @compiled
-def uniform(rng: Any) -> float:
-    """One number in [0, 1) of an xorshift64* sequence: the same on every machine and thread."""
-    s = rng[0]
-    s ^= s >> np.uint64(12)
-    s ^= s << np.uint64(25)
-    s ^= s >> np.uint64(27)
-    rng[0] = s
-    return float((s * np.uint64(2685821657736338717)) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
-
-
-@compiled
 def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
     """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
     runs = t.seen[slot]

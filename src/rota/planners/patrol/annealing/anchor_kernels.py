@@ -94,18 +94,29 @@ def move_together(
     keeps = metres + over_budget_cost(h, t) - was + t.unseen[0] - unseen <= limit
     if not keeps:
         undo(unseen, s, t)
-        x, y = kept
     else:
         keep(t)
+    put_meeting(h, meets, kept, (x, y), keeps, t)
+    return bool(keeps)
+
+
+@compiled
+def put_meeting(
+    h: int, meets: int, kept: tuple[float, float], moved: tuple[float, float], keeps: bool, t: Tours
+) -> None:
+    """End the trial of ``move_together``: all that meet at vertex ``meets`` of hub h, with their legs, stay or go.
+
+    kept, moved: where they were, and where they are tried.
+    """
+    first, last = t.petals[h, 0], t.petals[h, 1]
     made = 0
     for member in range(first - 1, last):
         k = h if member < first else member
         a = meeting_with(k, meets, t)
         if a < 0:
             continue
-        t.x[a], t.y[a] = kept
         leave_bucket(a, t)
-        t.x[a], t.y[a] = x, y
+        t.x[a], t.y[a] = moved if keeps else kept
         enter_bucket(a, t)
         if not keeps:
             t.length[k] = tour_length(k, t)
@@ -115,4 +126,3 @@ def move_together(
             made += 1
         t.slot[a] = t.tried_new[made]
         made += 1
-    return bool(keeps)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
-from rota.planners.patrol.annealing.move_kernels import link
+from rota.planners.patrol.annealing.chain_kernels import link
 from rota.planners.patrol.kernels import Samples
+from rota.planners.patrol.random_kernels import uniform
 from rota.planners.patrol.sight_kernels import compiled, norm
 from rota.planners.patrol.tour_kernels import (
     Tours,
@@ -20,7 +21,6 @@ from rota.planners.patrol.tour_kernels import (
     new_leg,
     old_leg,
     undo,
-    uniform,
 )
 
 FARTHEST_STEPS = 8  # along its hub that an empty petal goes

@@ -11,6 +11,20 @@ from typing import Any
 import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
+from rota.planners.patrol.annealing.chain_kernels import (
+    chain_is_free,
+    chain_m,
+    link,
+    new_chain,
+    old_legs,
+    place_legs,
+    put_between,
+    range_m,
+    replace_vertices,
+    short_ring_m,
+    take_out,
+    way_m,
+)
 from rota.planners.patrol.annealing.estimate_kernels import (
     gain_at_most,
     lost_at_least,
@@ -19,7 +33,7 @@ from rota.planners.patrol.annealing.estimate_kernels import (
     unseen_near,
 )
 from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.sight_kernels import compiled, norm
+from rota.planners.patrol.sight_kernels import compiled
 from rota.planners.patrol.tour_kernels import (
     FULL,
     VERTICES_LEFT,
@@ -27,105 +41,12 @@ from rota.planners.patrol.tour_kernels import (
     apart,
     begin,
     corner_at,
-    corner_m,
-    enter_bucket,
-    free_vertex,
     keep,
-    leave_bucket,
     length_cost,
     new_leg,
-    new_vertex,
     old_leg,
     undo,
 )
-
-
-@compiled
-def chain_m(p: int, q: int, new_x: Any, new_y: Any, added: int, most_m: float, k: int, t: Tours) -> float:
-    """Length of the way from vertex p past the new places to vertex q; inf when a leg of it is too long.
-
-    With the turning at p and q, if tour k takes time to turn, and at all places between them.
-    """
-    turn_m = t.turn_m[k]
-    total = 0.0
-    ax, ay = t.x[t.before[p]], t.y[t.before[p]]
-    bx, by = t.x[p], t.y[p]
-    for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
-        leg = norm(cx - bx, cy - by)
-        if leg > most_m:
-            return math.inf
-        total += leg
-        if turn_m > 0:
-            total += corner_m(ax, ay, bx, by, cx, cy, turn_m)
-        ax, ay, bx, by = bx, by, cx, cy
-    if turn_m > 0:
-        total += corner_m(ax, ay, bx, by, t.x[t.after[q]], t.y[t.after[q]], turn_m)
-    return total
-
-
-@compiled
-def way_m(p: int, q: int, t: Tours) -> float:
-    """Length of the tour from vertex p on to vertex q, with the turning at both and in between."""
-    k = t.tour[p]
-    total: float = 0.0
-    v = p
-    while True:
-        total += apart(v, t.after[v], t)
-        if t.turn_m[k] > 0:
-            total += corner_at(t.before[v], v, t.after[v], t)
-        v = t.after[v]
-        if v == q:
-            break
-    if t.turn_m[k] > 0:
-        total += corner_at(t.before[q], q, t.after[q], t)
-    return total
-
-
-@compiled
-def range_m(k: int, t: Tours) -> float:
-    """How far tour k sees, in any direction."""
-    return float(t.reach_m[k] * (1.4142135623730951 if t.square[k] else 1.0))
-
-
-@compiled
-def chain_is_free(p: int, q: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours) -> bool:
-    """Whether the way from vertex p past the new places to vertex q stays in the standing space."""
-    x, y = t.x[p], t.y[p]
-    for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
-        if not segment_is_free(x, y, cx, cy, space):
-            return False
-        x, y = cx, cy
-    return True
-
-
-@compiled
-def new_chain(p: int, q: int, new_x: Any, new_y: Any, added: int, k: int, s: Samples, t: Tours) -> bool:
-    """Count what the legs from vertex p past the new places to vertex q see, as legs of tour k."""
-    x, y = t.x[p], t.y[p]
-    for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
-        if not new_leg(x, y, cx, cy, k, s, t):
-            return False
-        x, y = cx, cy
-    return True
-
-
-@compiled
-def place_legs(p: int, first: int, count: int, t: Tours) -> None:
-    """Give the legs from vertex p on the slots of the trial's new legs, beginning with number ``first``."""
-    v = p
-    for i in range(count):
-        t.slot[v] = t.tried_new[first + i]
-        v = t.after[v]
-
-
-@compiled
-def link(a: int, b: int, t: Tours) -> None:
-    """Let vertex b follow vertex a."""
-    t.after[a] = b
-    t.before[b] = a
 
 
 @compiled
@@ -172,60 +93,15 @@ def change_legs(
     begin(t)
     counted = new_chain(p, q, new_x, new_y, added, k, s, t)
     if counted:
-        v = p
-        for _ in range(removed + 1):
-            old_leg(t.slot[v], s, t)
-            v = t.after[v]
+        old_legs(p, removed + 1, s, t)
     if not counted or length_cost(k, change_m, t) + t.unseen[0] - unseen > limit:
         undo(unseen, s, t)
         return False
     keep(t)
-    v = t.after[p]
-    last = p
-    for i in range(max(removed, added)):
-        if i < removed and i < added:
-            leave_bucket(v, t)
-            t.x[v], t.y[v] = new_x[i], new_y[i]
-            enter_bucket(v, t)
-            last, v = v, t.after[v]
-        elif i < removed:
-            gone, v = v, t.after[v]
-            if t.anchor[k] == gone:
-                t.anchor[k] = v
-            free_vertex(gone, t)
-        else:
-            made = new_vertex(new_x[i], new_y[i], k, t)
-            link(last, made, t)
-            last = made
-    link(last, q, t)
+    replace_vertices(p, q, removed, new_x, new_y, added, k, t)
     place_legs(p, np.int64(0), added + 1, t)
     t.length[k] += change_m
     return True
-
-
-@compiled
-def short_ring_m(p: int, removed: int, new_x: Any, new_y: Any, added: int, k: int, t: Tours) -> float:
-    """Length, turning included, of a ring of at most three vertices after the change; see ``change_legs``."""
-    x, y = t.scratch[2], t.scratch[3]
-    x[0], y[0] = t.x[p], t.y[p]
-    count = 1
-    for i in range(added):
-        x[count], y[count] = new_x[i], new_y[i]
-        count += 1
-    v = t.after[p]
-    for _ in range(removed):
-        v = t.after[v]
-    while v != p and count < 8:
-        x[count], y[count] = t.x[v], t.y[v]
-        count += 1
-        v = t.after[v]
-    total = 0.0
-    for i in range(count):
-        a, b, c = i, (i + 1) % count, (i + 2) % count
-        total += norm(x[b] - x[a], y[b] - y[a])
-        if count > 1:
-            total += corner_m(x[a], y[a], x[b], y[b], x[c], y[c], t.turn_m[k])
-    return total
 
 
 @compiled
@@ -343,29 +219,16 @@ def try_or_opt(
     begin(t)
     counted = new_leg(t.x[p], t.y[p], t.x[q], t.y[q], k, s, t) and new_chain(e, f, new_x, new_y, m, to, s, t)
     if counted:
-        u = p
-        for _ in range(m + 1):
-            old_leg(t.slot[u], s, t)
-            u = t.after[u]
+        old_legs(p, m + 1, s, t)
         old_leg(t.slot[e], s, t)
     if not counted or moved_cost(k, out_m, to, into_m, t) + t.unseen[0] - unseen > limit:
         undo(unseen, s, t)
         return False
     keep(t)
-    for _ in range(m):
-        if t.anchor[k] == v:
-            t.anchor[k] = q
-        after = t.after[v]
-        free_vertex(v, t)
-        v = after
+    take_out(v, m, q, t)
     link(p, q, t)
     t.slot[p] = t.tried_new[0]
-    last = e
-    for i in range(m):
-        made = new_vertex(new_x[i], new_y[i], to, t)
-        link(last, made, t)
-        last = made
-    link(last, f, t)
+    put_between(e, f, new_x, new_y, m, to, t)
     place_legs(e, np.int64(1), m + 1, t)
     t.length[k] += out_m
     t.length[to] += into_m

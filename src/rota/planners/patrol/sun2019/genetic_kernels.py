@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from rota.planners.patrol.random_kernels import uniform
 from rota.planners.patrol.sight_kernels import compiled
-from rota.planners.patrol.tour_kernels import uniform
 
 
 @compiled

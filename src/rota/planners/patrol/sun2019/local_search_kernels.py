@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from rota.planners.patrol.random_kernels import uniform
 from rota.planners.patrol.sight_kernels import compiled
-from rota.planners.patrol.tour_kernels import uniform
 
 # places in Search.ints
 REVERSALS, QUEUED, QUEUE_FIRST = range(3)

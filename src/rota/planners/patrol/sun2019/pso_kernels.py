@@ -6,9 +6,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from rota.planners.patrol.random_kernels import uniform
 from rota.planners.patrol.sight_kernels import compiled
 from rota.planners.patrol.sun2019.partition_kernels import Ring, late_s
-from rota.planners.patrol.tour_kernels import uniform
 
 
 class Rules(NamedTuple):

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from rota.planners.patrol.random_kernels import uniform
 from rota.planners.patrol.sight_kernels import compiled
 from rota.planners.patrol.sun2019.sight_kernels import CellTable, Ground, cells_seen, is_place
 from rota.planners.patrol.sun2019.swarm_kernels import (
@@ -19,7 +20,6 @@ from rota.planners.patrol.sun2019.swarm_kernels import (
     best_neighbour,
     copy_sensor,
 )
-from rota.planners.patrol.tour_kernels import uniform
 
 TRIES = 8  # at a random place, or a random cell, that suits
 
