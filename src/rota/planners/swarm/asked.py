@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.errors import MissionError, RunError
@@ -25,7 +24,7 @@ from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.space_rollout import SpaceSwarm
-from rota.planners.swarm.starts import place_starts
+from rota.planners.swarm.starts import place_starts, spare_room_m
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
 from rota.swarm_state import SwarmState
@@ -83,21 +82,10 @@ def run_mission(
     """
     settings = mission.swarm
     ground = free_ground(mission)
-    if resume is None:
-        resume = _beginning(mission, ground, seed)
-    else:
-        resume.require_same(mission, seed)
-        _require_past(resume)
-    reserve_m = resume.thinned_m if settings.filter else 0.0
-    if settings.altitudes_m is None:
-        swarm: Swarm | SpaceSwarm = make_swarm(
-            mission, ground, resume.places_m, seed=seed, reserve_m=reserve_m, threads=threads, resume=resume
-        )
-    else:
-        swarm = make_space_swarm(mission, ground, resume, reserve_m=reserve_m)
-    kept = (Kept(resume.kept_steps, resume.kept_robots, resume.kept_places_m),)
-    log = TrajectoryLog(resume.recent_m, resume.thinned_m, begin=resume.recent_from, kept=kept)
-    still, needed = resume.steps_at_rest, STEPS_AT_REST[settings.controller]
+    state = _beginning(mission, ground, seed) if resume is None else _resumed(resume, mission, seed)
+    swarm = _swarm_from(state, mission, ground, threads)
+    log = _log_from(state)
+    still, needed = state.steps_at_rest, STEPS_AT_REST[settings.controller]
     presence = Presence(mission)
     awaited = max(presence.last_change, last_motion(mission))
     observer = None
@@ -119,18 +107,15 @@ def run_mission(
         log.add(swarm.places_m)
         if swarm.steps % 50 == 0:
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
-    names = [robot.name for robot in mission.fleet.robots or ()]
-    trajectories = holding_from_joining(log.trajectories(names, settings.time_step_s), mission)
     at_rest = still >= needed and swarm.steps > awaited
     reason: EndReason = "rest" if at_rest else "stopped" if stopped else "most_steps"
     end = RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason)
-    plan = Plan(mission=mission, trajectories=trajectories, seed=seed, run_end=end)
     return SwarmRun(
-        plan=plan,
+        plan=_plan_of(log, mission, seed, end),
         steps=swarm.steps,
         at_rest=at_rest,
         history=None if observer is None else observer.history(),
-        state=_state_of(resume, mission, swarm, log, still),
+        state=_state_of(state, mission, swarm, log, still),
     )
 
 
@@ -140,7 +125,7 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
     _require_short_steps(mission, settings)
     wish_m = settings.thinning_m if settings.filter else 0.0
     starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
-    reserve_m = min(wish_m, _spare_room(mission, ground, starts, wish_m))
+    reserve_m = min(wish_m, spare_room_m(mission, ground, starts, wish_m))
     if settings.altitudes_m is not None:
         # apart in the plane, they are apart at any heights
         heights = np.random.default_rng([seed, HEIGHTS]).uniform(*settings.altitudes_m, len(starts))
@@ -164,11 +149,37 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
     )
 
 
-def _require_past(state: SwarmState) -> None:
+def _swarm_from(state: SwarmState, mission: Mission, ground: MultiPolygon, threads: int) -> Swarm | SpaceSwarm:
+    """The swarm that goes on from a state, on the ground or at the mission's altitudes."""
+    reserve_m = state.thinned_m if mission.swarm.filter else 0.0
+    if mission.swarm.altitudes_m is not None:
+        return make_space_swarm(mission, ground, state, reserve_m=reserve_m)
+    return make_swarm(
+        mission, ground, state.places_m, seed=state.seed, reserve_m=reserve_m, threads=threads, resume=state
+    )
+
+
+def _log_from(state: SwarmState) -> TrajectoryLog:
+    """The log that goes on from a state."""
+    kept = (Kept(state.kept_steps, state.kept_robots, state.kept_places_m),)
+    return TrajectoryLog(state.recent_m, state.thinned_m, begin=state.recent_from, kept=kept)
+
+
+def _plan_of(log: TrajectoryLog, mission: Mission, seed: int, end: RunEnd) -> Plan:
+    """The plan of the way that was logged, robots holding where they came to."""
+    names = [robot.name for robot in mission.fleet.robots or ()]
+    trajectories = holding_from_joining(log.trajectories(names, mission.swarm.time_step_s), mission)
+    return Plan(mission=mission, trajectories=trajectories, seed=seed, run_end=end)
+
+
+def _resumed(state: SwarmState, mission: Mission, seed: int) -> SwarmState:
+    """The state, once it is clear that it is one of a run of this mission with this seed; RunError otherwise."""
+    state.require_same(mission, seed)
     hearing = hearing_of(state.mission.swarm)
     needed = 0 if hearing is None else oldest_steps(hearing) + 1
     if len(state.past) not in (needed, 0 if state.steps == 0 else needed):
         raise RunError(f"past: messages of {len(state.past)} steps; {needed} are needed")
+    return state
 
 
 def _state_of(
@@ -334,13 +345,3 @@ def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:
                 f" goes {step_m:.6g} m in a step and heeds walls within {range_m:.6g} m only, so it may jump through"
                 " one; a shorter step or filter: true is needed"
             )
-
-
-def _spare_room(mission: Mission, ground: MultiPolygon, starts_m: Floats, wish_m: float) -> float:
-    """By how much all bodies may be wider at their starts without touching anything; no more than wish_m matters."""
-    bodies = np.array([robot.body_radius_m for robot in mission.fleet.robots or ()])
-    pairs = cKDTree(starts_m).query_pairs(2 * (bodies.max() + wish_m), output_type="ndarray")
-    a, b = pairs.T
-    gaps = np.hypot(*(starts_m[a] - starts_m[b]).T) - bodies[a] - bodies[b]
-    walls = shapely.distance(ground.boundary, shapely.points(starts_m)) - bodies
-    return float(max(0.0, min(gaps.min(initial=np.inf) / 2, walls.min())))

@@ -8,6 +8,7 @@ from collections import defaultdict
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.errors import MissionError
@@ -154,3 +155,13 @@ def _on_lattice(mission: Mission, ground: MultiPolygon, reserve_m: float, seed: 
         f"{where}: no room was found for {int(waiting.sum())} robots with bodies of up to {widest_m:.6g} m; a lattice"
         f" holds {fit} of them; give fewer robots or {larger}"
     )
+
+
+def spare_room_m(mission: Mission, ground: MultiPolygon, starts_m: Floats, wish_m: float) -> float:
+    """By how much all bodies may be wider at their starts without touching anything; no more than wish_m matters."""
+    bodies = np.array([robot.body_radius_m for robot in mission.fleet.robots or ()])
+    pairs = cKDTree(starts_m).query_pairs(2 * (bodies.max() + wish_m), output_type="ndarray")
+    a, b = pairs.T
+    gaps = np.hypot(*(starts_m[a] - starts_m[b]).T) - bodies[a] - bodies[b]
+    walls = shapely.distance(ground.boundary, shapely.points(starts_m)) - bodies
+    return float(max(0.0, min(gaps.min(initial=np.inf) / 2, walls.min())))
