@@ -27,6 +27,7 @@ from rota.planners.patrol.start.viewpoints import (
     sensor_arguments,
     what_places_see,
 )
+from rota.planners.patrol.unseeable import refuse_unseeable
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,7 +43,6 @@ SHRINK: dict[Effort, float] = {"quick": 0.4, "normal": 0.2, "high": 0.15}
 LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000
 COARSE_ARC_CORNERS = 8  # of a whole turn round corners of ground that has very many of them
 HAIR_M = 1e-6  # less than this inside of the sensor's reach counts for nothing
-MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,18 +129,8 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
     region_class = tuple(periods_s.index(region.period_s) for region in regions)
     margin_m = range_margin(reach_m)
     space, rim = space_and_rim(mission, regions, robot, margin_m)
-    asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
-    spacing_m = min(float(np.sqrt(asked_m2 / MOST_SAMPLES)), COARSEST * reach_m)
-    spacing_m = max(reach_m / SAMPLES_PER_REACH[mission.patrol.effort], spacing_m)
     walls = sight_walls(mission)
-    # on large areas rounds of mending cost more than a little overlap
-    shrink = SHRINK[mission.patrol.effort] if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
-    parts = [
-        region_points(
-            region, i, region_class[i], space, spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m
-        )
-        for i, region in enumerate(regions)
-    ]
+    parts, spacing_m = lattices(mission, regions, region_class, space, reach_m)
     rim_places_m = np.zeros((0, 2))
     if rim:
         parts.append(rim_points(regions, region_class, space, robot, margin_m=margin_m, spacing_m=spacing_m))
@@ -150,8 +140,7 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
     points, samples, further_m, hopeless, unseeable = places_for_all(
         points, samples, places_m, space, walls, robot, margin_m
     )
-    asked_shapes = [region.shape for region in regions if region.demand == "every_point"]
-    refuse_unseeable(mission, points, unseeable, asked_shapes)
+    refuse_unseeable(mission, points, unseeable, regions)
     if len(hopeless):
         keep = np.ones(len(points), dtype=bool)
         keep[hopeless] = False
@@ -238,6 +227,29 @@ def space_and_rim(
     return space, rim
 
 
+def lattices(
+    mission: Mission,
+    regions: tuple[DemandedRegion, ...],
+    region_class: tuple[int, ...],
+    space: MultiPolygon,
+    reach_m: float,
+) -> tuple[list[SamplePoints], float]:
+    """The sample points of each region, and the spacing of their lattices in metres: finer for more effort."""
+    effort = mission.patrol.effort
+    asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
+    spacing_m = min(float(np.sqrt(asked_m2 / MOST_SAMPLES)), COARSEST * reach_m)
+    spacing_m = max(reach_m / SAMPLES_PER_REACH[effort], spacing_m)
+    # on large areas rounds of mending cost more than a little overlap
+    shrink = SHRINK[effort] if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
+    parts = [
+        region_points(
+            region, i, region_class[i], space, spacing_m=spacing_m, shrink_m=shrink * spacing_m, inset_m=0.002 * reach_m
+        )
+        for i, region in enumerate(regions)
+    ]
+    return parts, spacing_m
+
+
 def laid_out(points: SamplePoints, walls: Floats, robot: Robot) -> tuple[SamplePoints, Samples, Ints]:
     """The points in the order in which the kernels take them, and as they take them, and that order.
 
@@ -296,33 +308,6 @@ def places_for_all(
     last_m, hopeless = search_unseen(left, near.get, sees)
     surely = np.isin(hopeless, left[(ranges_m > reach_m) | (points.visit_m[left] > 0)])
     return points, samples, np.vstack([further_m, last_m]), hopeless, hopeless[surely]
-
-
-def refuse_unseeable(mission: Mission, points: SamplePoints, hopeless: Ints, asked_shapes: list[MultiPolygon]) -> None:
-    """Stop when what cannot be seen is refused by the mission or is too much of it."""
-    inside = hopeless[points.shrink_m[hopeless] > 0]  # the lattice; border points stand for no ground of their own
-    # squares of the lattice stick out of narrow ground: only what lies on demanded ground is lost
-    half_m = np.sqrt(points.area_m2[inside]) / 2
-    x, y = points.xy_m[inside].T
-    squares = shapely.union_all(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
-    lost_m2 = float(shapely.area(shapely.intersection(squares, shapely.union_all(asked_shapes))))
-    asked_m2 = sum(shape.area for shape in asked_shapes)
-    share = lost_m2 / asked_m2 if asked_m2 > 0 else 0.0
-    if share <= MOST_EXCLUDED and (mission.unseeable == "exclude" or not len(hopeless)):
-        return
-    blobs = shapely.get_parts(
-        shapely.union_all(
-            shapely.buffer(shapely.points(points.xy_m[hopeless]), 1e-9 + np.sqrt(points.area_m2[hopeless]))
-        )
-    )
-    blobs = sorted(blobs, key=lambda blob: -float(blob.area))[:5]
-    places = ", ".join(f"({blob.centroid.x:.2f}, {blob.centroid.y:.2f})" for blob in blobs)
-    allowed = "unseeable: refuse allows none" if mission.unseeable == "refuse" else f"{MOST_EXCLUDED:.0%} is allowed"
-    lost = f"about {lost_m2:.2f} m2 ({share:.1%}" if lost_m2 >= 0.01 else "less than 0.01 m2 (0.0%"
-    raise NoPlanFound(
-        f"{lost} of what is asked) cannot be seen from anywhere a robot can stand,"
-        f" for instance round {places}; {allowed}"
-    )
 
 
 def stretched(problem: Problem, stretch: float) -> Problem:
