@@ -21,7 +21,8 @@ from rota.mission import DiscSensor, Fleet, Method, Mission, PatrolSettings, Zon
 from rota.plan_table import ratio_sentence
 from rota.planners.patrol.annealing.tour import Tour
 from rota.planners.patrol.problem import Problem, set_up_problem
-from rota.planners.patrol.worst_ratio import proved_ratio, stood_aside, stretched
+from rota.planners.patrol.spare_robots import stood_aside
+from rota.planners.patrol.worst_ratio import proved_ratio, stretched
 
 REACH_M = 5.0
 # both corners of an end of a corridor 4 m wide are in range from its middle line this far from the end

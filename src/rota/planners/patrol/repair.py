@@ -162,11 +162,19 @@ def settle(
             continue
         extra = settled.extra
         if stuck:
-            # every point is seen, but no one view takes in a whole piece round it: go and look from nearby
-            for i in range(min(len(found), MOST_VISITS)):
-                place = nearby_place(problem, found.xy_m[i], float(found.visit_m[i]), stuck)
-                if place is not None:
-                    tours = led_past(problem, tours, place, int(found.period[i]))
+            tours = visiting_stubborn(problem, tours, found, stuck)
+
+
+def visiting_stubborn(problem: Problem, tours: list[Tour], found: SamplePoints, stuck: int) -> list[Tour]:
+    """The tours led to where points can be seen from nearby, nearer by each round in which they are ``stuck``.
+
+    Every such point is seen, but no one view takes in a whole piece round it.
+    """
+    for i in range(min(len(found), MOST_VISITS)):
+        place = nearby_place(problem, found.xy_m[i], float(found.visit_m[i]), stuck)
+        if place is not None:
+            tours = led_past(problem, tours, place, int(found.period[i]))
+    return tours
 
 
 def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:

@@ -89,19 +89,7 @@ def find_frame(
     )
     straight_m = straight_distances(graph.positions_m)
     distance = graph_distances(graph) if settings.distance == "graph" else straight_m
-    if settings.method == "genetic":
-        order, history = genetic_tour(
-            distance,
-            generations=settings.generations,
-            population=settings.population,
-            regroup_every=settings.regroup_every,
-            reversal_tries=settings.reversal_tries,
-            seed=seed,
-        )
-    else:
-        order, history = locally_shortest_tour(
-            distance, nearness=straight_m, kicks_per_waypoint=settings.kicks_per_waypoint, seed=seed
-        )
+    order, history = shortest_order(distance, straight_m, settings, seed)
     order = told_in_one_way(order, graph.zone)
     if settings.distance == "euclidean":
         legs = [np.array([a, b]) for a, b in zip(order, np.roll(order, -1), strict=True)]
@@ -119,6 +107,22 @@ def find_frame(
         zone_crossings=changes,
         blocked_legs=sum(blocked),
         history=history,
+    )
+
+
+def shortest_order(distance: Floats, straight_m: Floats, settings: TourSettings, seed: int) -> tuple[Ints, Floats]:
+    """The sensors in the order of the shortest tour found over their distances (n, n), and its history."""
+    if settings.method == "genetic":
+        return genetic_tour(
+            distance,
+            generations=settings.generations,
+            population=settings.population,
+            regroup_every=settings.regroup_every,
+            reversal_tries=settings.reversal_tries,
+            seed=seed,
+        )
+    return locally_shortest_tour(
+        distance, nearness=straight_m, kicks_per_waypoint=settings.kicks_per_waypoint, seed=seed
     )
 
 
