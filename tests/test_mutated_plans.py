@@ -32,9 +32,7 @@ DOCUMENTS = [plan_to_json(plan) for plan in small_plans()]
 SCHEMA = jsonschema.Draft202012Validator(report_schema())
 LARGEST_AREA_M2 = 1e5  # that these tests let the check look at, since larger ground takes it minutes
 # line and column, the field, the byte, or that it is the whole file
-PLACED = re.compile(
-    r"mutated(:\d+:\d+: |: (.+?: |byte \d+ |and \d+ more faults|-?Infinity is|NaN is|not a plan file))"
-)
+PLACED = re.compile(r"mutated(:\d+:\d+: |: (.+?: |byte \d+ |and \d+ more faults|-?Infinity is|NaN is|not a plan file))")
 POINTS, WINDOWS, STEPS = 40, 5, 200  # of the simulation
 
 

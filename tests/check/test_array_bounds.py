@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
-import pytest
 
 from rota.check import tiling_kernels
 
 
-@pytest.mark.skipif(os.environ.get("NUMBA_BOUNDSCHECK") != "1", reason="compiled without checks of indices")
-def test_an_index_outside_raises() -> None:
-    with pytest.raises(IndexError):
-        tiling_kernels.half_widths(np.array([0, 9]), np.zeros((4, 2)))
+def test_an_index_outside_raises(tmp_path: Path) -> None:
+    # numba reads the setting when it is loaded, and keeps compiled code by function and not by setting
+    environment = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
+    program = (
+        "import numpy as np; from rota.check.tiling_kernels import half_widths;"
+        "half_widths(np.array([0, 9]), np.zeros((4, 2)))"
+    )
+    ran = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=300)
+    assert "IndexError" in ran.stderr, ran.stderr
 
 
 def test_no_number_leads_out_of_the_grid() -> None:
