@@ -140,6 +140,7 @@ def test_too_few_robots_exit_with_3_and_the_ratio_that_the_check_of_the_best_pla
     assert json.loads(answer.read_text())["meets_demand"] is False
     # the same routes, asked for no more than what was told; the bound was that of the shorter period
     eased = replace(plan, mission=replace(plan.mission, period_s=32 * (told + 5e-4)))
+    assert [wrong.kind for wrong in check_plan(eased).violations] == ["claims that fewer robots cannot do"]
     assert check_plan(replace(eased, lower_bound_robots=None, lower_bound_reason=None)).verdict == "met"
     assert CliRunner().invoke(app, ["check", str(answer)]).exit_code == 1
 

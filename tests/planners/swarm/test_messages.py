@@ -125,6 +125,21 @@ def test_a_robot_heeds_what_the_other_one_told_a_step_before() -> None:
     assert late.velocities_m_s[0] == pytest.approx([-2 / 3 * (r * r - h * h) ** 1.5 / area, 0])
 
 
+def test_with_the_last_filter_robots_heed_late_news_as_fast_as_they_may_gain_speed() -> None:
+    late = in_box([[100, 100], [110, 100]], hearing=Hearing(delay_steps=1, lost=0.0))
+    top, away = 2.0, 2 * 4 / (3 * np.pi)  # which the first step of the test before comes to
+    assert 2 * GAIN * top < away
+    for gained in (1, 2, 3):
+        late.step()
+        speed = gained * GAIN * top
+        assert late.velocities_m_s == pytest.approx(np.array([[-speed, 0], [speed, 0]]))
+    late.step()
+    # now nothing holds them back: each believes the other as slow as it was told a step before
+    h = (3 - 2) * GAIN * top / 2
+    area = top * top * np.arccos(h / top) - h * np.sqrt(top * top - h * h)
+    assert late.velocities_m_s[0] == pytest.approx([-2 / 3 * (top * top - h * h) ** 1.5 / area, 0])
+
+
 @pytest.mark.parametrize("decide", DECIDE.values(), ids=DECIDE)
 def test_threads_do_not_change_what_is_heard(decide) -> None:
     places = scattered(600, 5, 900, 1.2, seed=1)
