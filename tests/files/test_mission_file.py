@@ -292,14 +292,15 @@ def test_one_zone_per_feature(tmp_path):
         read(tmp_path, text + "zones: [{geojson: a.geojson, period_s: 50}]\n")
 
 
-def test_a_real_parcel_has_its_geodesic_area(tmp_path):
-    parcel = SHARED / "parcel-nl.geojson"
-    if not parcel.exists():
-        pytest.skip("shared data are not here")
-    text = BASE.replace("[[0, 0], [60, 0], [60, 40], [0, 40]]", f"{{geojson: {parcel}, feature: test parcel}}")
+PARCELS = [(ROOT / "examples" / "parcel.geojson", "field"), (SHARED / "parcel-nl.geojson", "test parcel")]
+
+
+@pytest.mark.parametrize(("parcel", "name"), [given for given in PARCELS if given[0].exists()])
+def test_a_parcel_has_its_geodesic_area(tmp_path, parcel, name):
+    text = BASE.replace("[[0, 0], [60, 0], [60, 40], [0, 40]]", f"{{geojson: {parcel}, feature: {name}}}")
     mission = read(tmp_path, text.replace("name: yard", "name: yard\ncoordinates: wgs84")).mission
     ring = json.loads(parcel.read_text())["features"][0]["geometry"]["coordinates"][0]
-    lon, lat, _ = np.array(ring).T
+    lon, lat = np.array(ring).T[:2]
     area_m2, _ = GEOD.polygon_area_perimeter(lon, lat)
     assert mission.area.area == pytest.approx(abs(area_m2), rel=1e-7)
 
