@@ -134,7 +134,7 @@ def _coverage_at(outcomes: Sequence[Outcome], step: int) -> list[float]:
 def figure_18_section(runs: Runs) -> Section:
     """Figure 18: the ways by each method, and how smooth they are."""
     mission, step = maps.small(SHOWN), paper.STEPS_FIGURE_12
-    panels, rows, turned = [], [], {}
+    panels = []
     for letter, controller in zip("abcd", COMPARED, strict=True):
         shown = runs(mission, controller)
         panels.append(
@@ -143,22 +143,12 @@ def figure_18_section(runs: Runs) -> Section:
                 paper.ROBOT_FIGURE_18,
             )
         )  # fmt: skip
-    for controller in WITH_SAMPLED:
-        outcomes = runs.seeds(mission, controller)
-        ways = [float(run.history.way_m[min(step, run.steps)]) for run in outcomes]
-        straight = [_straight_m(run, step) for run in outcomes]
-        turned[controller] = [100 * float(run.history.reversals[1 : step + 1].sum()) / step for run in outcomes]
-        detour = [way / line for way, line in zip(ways, straight, strict=True)]
-        told = "smoothest" if controller in (EXACT, SAMPLED) else NOTHING if controller is SETTLE else "less smooth"
-        rows.append(
-            (controller.name, told, plus_minus(ways, ".0f"), plus_minus(detour, ".2f"),
-             plus_minus(turned[controller], ".2f"))
-        )  # fmt: skip
+    rows, turned = _ways_told(runs, mission, step)
     means = {controller: float(np.mean(values)) for controller, values in turned.items()}
     table = Table(
         title=f"Ways up to k = {step}, {len(turned[EXACT])} seeds",
         head=("controller", "paper", "way m", "way / straight line", "velocity reversals %"),
-        rows=tuple(rows),
+        rows=rows,
         words=(0, 1),
     )
     holds = means[EXACT] < min(means[VORONOI], means[FORCES])
@@ -202,6 +192,25 @@ def figure_18_section(runs: Runs) -> Section:
     )  # fmt: skip
 
 
+def _ways_told(
+    runs: Runs, mission: Mission, step: int
+) -> tuple[tuple[tuple[str, ...], ...], dict[Controller, list[float]]]:
+    """A row for each controller of its ways up to a step, and what percentage of velocities each seed's turned back."""
+    rows, turned = [], {}
+    for controller in WITH_SAMPLED:
+        outcomes = runs.seeds(mission, controller)
+        ways = [float(run.history.way_m[min(step, run.steps)]) for run in outcomes]
+        straight = [_straight_m(run, step) for run in outcomes]
+        turned[controller] = [100 * float(run.history.reversals[1 : step + 1].sum()) / step for run in outcomes]
+        detour = [way / line for way, line in zip(ways, straight, strict=True)]
+        told = "smoothest" if controller in (EXACT, SAMPLED) else NOTHING if controller is SETTLE else "less smooth"
+        rows.append(
+            (controller.name, told, plus_minus(ways, ".0f"), plus_minus(detour, ".2f"),
+             plus_minus(turned[controller], ".2f"))
+        )  # fmt: skip
+    return tuple(rows), turned
+
+
 def _straight_m(run: Outcome, step: int) -> float:
     """The mean distance of robots from their starts, at a step."""
     return float(np.hypot(*(run.places_at(step) - run.places_m[0]).T).mean())
@@ -211,17 +220,6 @@ def figure_19_section(runs: Runs) -> Section:
     """Figure 19: coverage and deadweight loss by step."""
     mission = maps.small(SHOWN)
     found = [(controller, runs.seeds(mission, controller)) for controller in COMPARED]
-    most = Level(f"most possible, {MOST_PERCENT:.2f} %", MOST_PERCENT, OVER_PERIOD)
-    panels = [
-        CurvePanel(
-            title="(a) Coverage rate", curves=mean_curves(found, "coverage", CURVE_STEPS), across="step k", up="%",
-            levels=(most,), wide=True,
-        ),
-        CurvePanel(
-            title="(b) Deadweight loss", curves=mean_curves(found, "deadweight_loss", CURVE_STEPS), across="step k",
-            up="%", wide=True,
-        ),
-    ]  # fmt: skip
     rows, early = [], {}
     for controller, outcomes in found:
         early[controller] = [float(np.mean(_coverage_at(outcomes, step))) for step in MOMENTS]
@@ -247,7 +245,7 @@ def figure_19_section(runs: Runs) -> Section:
             Picture(
                 "chen2018-figure-19.png",
                 "Coverage and deadweight loss by step, mean and range of the seeds, for four controllers",
-                study_picture(panels),
+                study_picture(_curves_of(found)),
             ),
         ),
         caption="Figure 19: means over the seeds, and from the least to the most. Curves count pixels of 0.5 m, which "
@@ -268,6 +266,21 @@ def figure_19_section(runs: Runs) -> Section:
         tables=(table,),
         verdicts=(_ahead_verdict(ends, first), _loss_verdict(found), _growth_verdict(found[0][1])),
     )
+
+
+def _curves_of(found: Sequence[tuple[Controller, list[Outcome]]]) -> list[CurvePanel]:
+    """Coverage and deadweight loss by step, for each controller."""
+    most = Level(f"most possible, {MOST_PERCENT:.2f} %", MOST_PERCENT, OVER_PERIOD)
+    return [
+        CurvePanel(
+            title="(a) Coverage rate", curves=mean_curves(found, "coverage", CURVE_STEPS), across="step k", up="%",
+            levels=(most,), wide=True,
+        ),
+        CurvePanel(
+            title="(b) Deadweight loss", curves=mean_curves(found, "deadweight_loss", CURVE_STEPS), across="step k",
+            up="%", wide=True,
+        ),
+    ]  # fmt: skip
 
 
 def _ahead_verdict(ends: dict[Controller, float], first: Sequence[int]) -> Verdict:

@@ -10,6 +10,7 @@ import numpy as np
 from rota.draw.curve_panel import Curve, CurvePanel
 from rota.draw.map_panel import MapPanel
 from rota.draw.study_picture import study_picture
+from rota.mission import Mission
 from rota.planners.swarm.asked import free_ground, make_swarm
 from rota.planners.swarm.starts import place_starts
 from rota.studies.chen2018 import maps, paper
@@ -46,34 +47,6 @@ def figure_21_section(runs: Runs) -> Section:
     jobs = [Job(mission, controller, runs.seed, steps) for controller in CONTROLLERS]
     found = dict(zip((controller.name for controller in CONTROLLERS), runs.all(jobs), strict=True))
     shown = found[EXACT.name]
-    panels: list[MapPanel | CurvePanel] = [
-        coverage_panel("(a) Start", mission, shown, 0),
-        ways_panel("(b) RD: ways", mission, shown, steps),
-        coverage_panel("(c) RD: end", mission, shown, steps),
-        coverage_panel("(d) V-based: end", mission, found[VORONOI.name], steps),
-        coverage_panel("(e) VFA: end", mission, found[FORCES.name], steps),
-        coverage_panel("(f) settle: end", mission, found[SETTLE.name], steps),
-    ]
-    curves = [
-        Curve(name, 100 * found[name].history.coverage, COLOURS[name])
-        for name in (SAMPLED.name, EXACT.name, VORONOI.name, FORCES.name, SETTLE.name)
-    ]
-    panels.append(CurvePanel(title="(g) Coverage rate", curves=tuple(curves), across="step k", up="%", wide=True))
-    rows = []
-    for name, outcome in found.items():
-        at = (f"{100 * outcome.history.coverage[min(step, outcome.steps)]:.1f}" for step in MOMENTS)
-        least = float(outcome.history.body_gap_m.min()) + 2 * paper.BODY_M
-        rest = f"{outcome.steps:,}" if outcome.at_rest else "not by then"
-        rows.append(
-            (name, rest, *at, f"{100 * outcome.coverage:.2f}", f"{least:.3f}", f"{outcome.history.way_m[-1]:,.0f}")
-        )
-    table = Table(
-        title=f"{len(shown.places_m[0]):,} robots, one seed: at rest at step, coverage %, least distance of "
-        "middles, way",
-        head=("controller", "at rest", *(f"k = {step:,}" for step in MOMENTS), "end", "least m", "way m"),
-        rows=(("**the paper**", f"{paper.STEPS_FIGURE_21:,}", *["not printed"] * 5, "above 1", "not printed"), *rows),
-        words=(0,),
-    )
     places, ends = by_start(runs)
     least_m = float(shown.history.body_gap_m.min()) + 2 * paper.BODY_M
     stuck = float(shown.history.way_m[-1])
@@ -84,7 +57,7 @@ def figure_21_section(runs: Runs) -> Section:
             Picture(
                 "chen2018-figure-21.png",
                 "A thousand robots in a corner box, and what they cover in the end by four controllers",
-                study_picture(panels),
+                study_picture(_panels(mission, found, steps)),
             ),
         ),
         caption="Figure 21, from a box in the corner, which is our choice, as are the four obstacles: the paper's "
@@ -107,8 +80,45 @@ def figure_21_section(runs: Runs) -> Section:
         + ("By RD no two bodies touch" if least_m >= 2 * paper.BODY_M else "By RD bodies touch")
         + f": the least distance of middles is {least_m:.3f} m. What else the "
         "paper's program did with empty sets is not told.",
-        tables=(table, places),
+        tables=(_table(found), places),
         verdicts=(_verdict(ends, found[SETTLE.name], steps),),
+    )
+
+
+def _panels(mission: Mission, found: dict[str, Outcome], steps: int) -> list[MapPanel | CurvePanel]:
+    """The start, what each controller comes to, and how the coverage grows."""
+    shown = found[EXACT.name]
+    panels: list[MapPanel | CurvePanel] = [
+        coverage_panel("(a) Start", mission, shown, 0),
+        ways_panel("(b) RD: ways", mission, shown, steps),
+        coverage_panel("(c) RD: end", mission, shown, steps),
+        coverage_panel("(d) V-based: end", mission, found[VORONOI.name], steps),
+        coverage_panel("(e) VFA: end", mission, found[FORCES.name], steps),
+        coverage_panel("(f) settle: end", mission, found[SETTLE.name], steps),
+    ]
+    curves = [
+        Curve(name, 100 * found[name].history.coverage, COLOURS[name])
+        for name in (SAMPLED.name, EXACT.name, VORONOI.name, FORCES.name, SETTLE.name)
+    ]
+    panels.append(CurvePanel(title="(g) Coverage rate", curves=tuple(curves), across="step k", up="%", wide=True))
+    return panels
+
+
+def _table(found: dict[str, Outcome]) -> Table:
+    """What each controller comes to by which step."""
+    rows, robots = [], len(found[EXACT.name].places_m[0])
+    for name, outcome in found.items():
+        at = (f"{100 * outcome.history.coverage[min(step, outcome.steps)]:.1f}" for step in MOMENTS)
+        least = float(outcome.history.body_gap_m.min()) + 2 * paper.BODY_M
+        rest = f"{outcome.steps:,}" if outcome.at_rest else "not by then"
+        rows.append(
+            (name, rest, *at, f"{100 * outcome.coverage:.2f}", f"{least:.3f}", f"{outcome.history.way_m[-1]:,.0f}")
+        )
+    return Table(
+        title=f"{robots:,} robots, one seed: at rest at step, coverage %, least distance of middles, way",
+        head=("controller", "at rest", *(f"k = {step:,}" for step in MOMENTS), "end", "least m", "way m"),
+        rows=(("**the paper**", f"{paper.STEPS_FIGURE_21:,}", *["not printed"] * 5, "above 1", "not printed"), *rows),
+        words=(0,),
     )
 
 

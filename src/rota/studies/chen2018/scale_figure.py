@@ -22,34 +22,9 @@ from rota.studies.tables import Table, joined
 def figure_20_section(runs: Runs) -> Section:
     """Figure 20 and Table 3: steps by the number of robots, and the time of a decision."""
     settings = runs.settings
-    jobs = {
-        (controller.name, scale): [
-            Job(maps.square(scale, SHOWN), controller, runs.seed + k, settings.scale_steps)
-            for k in range(settings.scale_seeds)
-        ]
-        for scale in reversed(settings.scales)
-        for controller in COMPARED
-    }
-    runs.all([job for several in jobs.values() for job in several])  # two at a time, the longest first
-    curves, rows, settled, resting = [], [], {}, {}
-    at = np.array(settings.scales, dtype=np.float64)
-    for controller in COMPARED:
-        cells, rested_with = [], []
-        for scale in settings.scales:
-            outcomes = runs.all(jobs[controller.name, scale])
-            steps = [run.history.settled_step(at_rest=run.at_rest) for run in outcomes]
-            settled[controller.name, scale] = float(np.mean(steps))
-            rested = [run.steps for run in outcomes if run.at_rest]
-            all_rest = len(rested) == len(outcomes)
-            rested_with += [str(scale)] if all_rest else []
-            rest = plus_minus(rested, ",.0f") if all_rest else f"{len(rested)} of {len(outcomes)} rest"
-            cells.append(f"{_settled_cell(steps, settings.scale_steps)} / {rest}")
-        rows.append((controller.name, *cells))
-        resting[controller.name] = f"{joined(rested_with)} robots" if rested_with else "no number of robots"
-        values = np.array([min(settled[controller.name, scale], settings.scale_steps) for scale in settings.scales])
-        curves.append(Curve(controller.name, values, COLOURS[controller.name], at=at))
+    rows, curves, settled, resting = _by_scale(runs)
     panel = CurvePanel(
-        title="Steps until the coverage stays within half a point of its last value", curves=tuple(curves),
+        title="Steps until the coverage stays within half a point of its last value", curves=curves,
         across="robots", up="steps", logarithmic=True, logarithmic_across=True, wide=True,
     )  # fmt: skip
     largest = settings.scales[-1]
@@ -57,7 +32,7 @@ def figure_20_section(runs: Runs) -> Section:
     table = Table(
         title=f"Steps until coverage is within half a point / until rest, mean of {settings.scale_seeds} seeds",
         head=("controller", *(f"{scale} robots" for scale in settings.scales)),
-        rows=tuple(rows),
+        rows=rows,
     )
     times, means = decision_times(runs)
     return Section(
@@ -91,6 +66,40 @@ def figure_20_section(runs: Runs) -> Section:
         tables=(table, times),
         verdicts=(_scale_verdict(settled, settings), times_verdict(means)),
     )
+
+
+def _by_scale(
+    runs: Runs,
+) -> tuple[tuple[tuple[str, ...], ...], tuple[Curve, ...], dict[tuple[str, int], float], dict[str, str]]:
+    """Of each controller: its row, its curve, when it settled by the number of robots, and with which all rest."""
+    settings = runs.settings
+    jobs = {
+        (controller.name, scale): [
+            Job(maps.square(scale, SHOWN), controller, runs.seed + k, settings.scale_steps)
+            for k in range(settings.scale_seeds)
+        ]
+        for scale in reversed(settings.scales)
+        for controller in COMPARED
+    }
+    runs.all([job for several in jobs.values() for job in several])  # two at a time, the longest first
+    curves, rows, settled, resting = [], [], {}, {}
+    at = np.array(settings.scales, dtype=np.float64)
+    for controller in COMPARED:
+        cells, rested_with = [], []
+        for scale in settings.scales:
+            outcomes = runs.all(jobs[controller.name, scale])
+            steps = [run.history.settled_step(at_rest=run.at_rest) for run in outcomes]
+            settled[controller.name, scale] = float(np.mean(steps))
+            rested = [run.steps for run in outcomes if run.at_rest]
+            all_rest = len(rested) == len(outcomes)
+            rested_with += [str(scale)] if all_rest else []
+            rest = plus_minus(rested, ",.0f") if all_rest else f"{len(rested)} of {len(outcomes)} rest"
+            cells.append(f"{_settled_cell(steps, settings.scale_steps)} / {rest}")
+        rows.append((controller.name, *cells))
+        resting[controller.name] = f"{joined(rested_with)} robots" if rested_with else "no number of robots"
+        values = np.array([min(settled[controller.name, scale], settings.scale_steps) for scale in settings.scales])
+        curves.append(Curve(controller.name, values, COLOURS[controller.name], at=at))
+    return tuple(rows), tuple(curves), settled, resting
 
 
 def _settled_cell(steps: Sequence[float], most: int) -> str:
