@@ -187,6 +187,23 @@ def _meeting(m, x, y, dx, dy, moving, speed, apart):
 
 
 @njit(cache=True, nogil=True)
+def _watch_zones(
+    x, y, dx, dy, moving, speed, now_s, then_s, zone_sides, zone_first, periods_s, duration_s, cuts, visits,
+    known_until, watched_s,
+):  # fmt: skip
+    """Note from now_s to then_s who is in which zone; watched_s: (z,) of this run, see ``_watch``."""
+    for z in range(len(periods_s)):
+        count = 0
+        for i in range(len(x)):
+            way = speed * (then_s - now_s) if moving[i] else 0.0
+            count = _note_visits(
+                x[i], y[i], x[i] + way * dx[i], y[i] + way * dy[i], now_s, then_s,
+                zone_sides[zone_first[z] : zone_first[z + 1]], cuts, visits, count,
+            )  # fmt: skip
+        _watch(visits, count, periods_s[z], duration_s, known_until, watched_s, z)
+
+
+@njit(cache=True, nogil=True)
 def run_inexact(
     rim, kind, radius, apart, angle, error, shape, speed, turn_s, duration_s,
     starts, seeds, corner_x, corner_y, cell_m, number, zone_sides, zone_first, periods_s, entered_s, watched_s,
@@ -208,13 +225,10 @@ def run_inexact(
     known_until, cuts, visits = np.empty(zones), np.empty(64), np.empty((MOST_VISITS, 2))
     for r in range(runs):
         random[0] = seeds[r]
-        entered_s[r, :] = inf
-        watched_s[r, :] = 0.0
-        known_until[:] = 0.0
+        entered_s[r, :], watched_s[r, :], known_until[:] = inf, 0.0, 0.0
         left, now_s = entered_s.shape[1], 0.0
         turning = (angle, error, shape, turn_s, random)
-        for i in range(m):
-            x[i], y[i], heading[i] = starts[r, i, 0], starts[r, i, 1], starts[r, i, 2]
+        x[:], y[:], heading[:] = starts[r, :, 0], starts[r, :, 1], starts[r, :, 2]
         for i in range(m):
             left -= _mark(x[i], y[i], x[i], y[i], 0.0, 0.0, corner_x, corner_y, cell_m, number, entered_s[r])
             _begin(i, 0.0, rim, kind, radius, x, y, heading, moving, dx, dy, until_s, contact, speed, turning)
@@ -225,15 +239,10 @@ def run_inexact(
             for i in range(m):
                 if until_s[i] <= then_s:  # before robots that touch: turns that end together do so for both
                     then_s, event = until_s[i], i
-            for z in range(zones):
-                count = 0
-                for i in range(m):
-                    way = speed * (then_s - now_s) if moving[i] else 0.0
-                    count = _note_visits(
-                        x[i], y[i], x[i] + way * dx[i], y[i] + way * dy[i], now_s, then_s,
-                        zone_sides[zone_first[z] : zone_first[z + 1]], cuts, visits, count,
-                    )  # fmt: skip
-                _watch(visits, count, periods_s[z], duration_s, known_until, watched_s[r], z)
+            _watch_zones(
+                x, y, dx, dy, moving, speed, now_s, then_s, zone_sides, zone_first, periods_s, duration_s,
+                cuts, visits, known_until, watched_s[r],
+            )  # fmt: skip
             for i in range(m):
                 if moving[i]:
                     way = speed * (then_s - now_s)
