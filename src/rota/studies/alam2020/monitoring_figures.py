@@ -86,28 +86,13 @@ def figure_11_section(runs: Runs) -> Section:
 
 
 def _monitoring(runs: Runs, place: _Place) -> Section:
+    """The section of a place: groups shown, counted on our map and on random regions, and what the paper says."""
     angle_deg, said = paper.GROUPS[place.figure]
-    panels: list[Panel] = []
-    shown: dict[float, Plan] = {}
-    for letters, angle in zip((("a", "b"), ("c", "d")), (angle_deg, OTHER_ANGLE_DEG), strict=True):
-        one, two = letters
-        runs.now(f"figure {place.figure}: groups by {angle:g}°")
-        plan, note = shown_group(place.mission(angle), runs.seed)
-        shown[angle] = plan
-        panels.append(headings_panel(f"({one}) {angle:g}°: cells and headings", plan, note))
-        panels.append(ways_panel(f"({two}) {angle:g}°: ways", plan, note, named_zones=True))
+    panels, shown = _shown(runs, place, angle_deg)
     counts = {}
     for angle in paper.ANGLES_DEG:
         runs.now(f"figure {place.figure}: counting groups by {angle:g}°")
         counts[angle] = group_counts(place.mission(angle))
-    counted_rows = [
-        (
-            f"{angle:g}°", f"{said}" if angle == angle_deg else "", f"{one.printed:,}", f"{one.apart:,}",
-            f"{one.unordered:,}", f"{one.anywhere:,}", f"{one.cycles:,} ({one.states:,})", f"{one.basin:.1%}",
-            f"{one.free_basin:.1%}",
-        )
-        for angle, one in counts.items()
-    ]  # fmt: skip
     runs.now(f"figure {place.figure}: random regions")
     spread = random_region_counts(place.mission(angle_deg), runs.settings.region_pairs, runs.seed)
     ours = counts[angle_deg]
@@ -123,15 +108,6 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
     if place.figure == 11:
         by_purpose = {f"{angle:g} {told}": found.plan for (angle, told), found in plans.items() if found is not None}
         verdicts.append(driven_verdict(by_purpose, "5.2, Figure 11d-f"))
-    table = Table(
-        title=f"Periodic groups of two robots that watch A and B, {place.where}",
-        head=(
-            "angle", "the paper, r", "Algorithm 2 as printed", "all, robots told apart", "all, unordered",
-            "without regions, told apart", "cycles of one robot (states)", "joint states that come to one",
-            "without contact on the way",
-        ),
-        rows=tuple(counted_rows),
-    )  # fmt: skip
     return Section(
         figure=place.figure,
         heading=f"two robots watch two regions of {place.where}",
@@ -158,9 +134,45 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
         f"number told apart goes from {min(spread):,} to {max(spread):,} (median {int(np.median(spread)):,}): {said} "
         + ("lies within. " if min(spread) <= said <= max(spread) else "lies outside. ")
         + "A count alone cannot be compared without the map.",
-        tables=(table, purposes_table(plans)),
+        tables=(_groups_table(place, counts), purposes_table(plans)),
         verdicts=tuple(verdicts),
     )
+
+
+def _shown(runs: Runs, place: _Place, angle_deg: float) -> tuple[list[Panel], dict[float, Plan]]:
+    """A group by the paper's angle and one by another: their panels, and their plans by angle."""
+    panels: list[Panel] = []
+    shown: dict[float, Plan] = {}
+    for letters, angle in zip((("a", "b"), ("c", "d")), (angle_deg, OTHER_ANGLE_DEG), strict=True):
+        one, two = letters
+        runs.now(f"figure {place.figure}: groups by {angle:g}°")
+        plan, note = shown_group(place.mission(angle), runs.seed)
+        shown[angle] = plan
+        panels.append(headings_panel(f"({one}) {angle:g}°: cells and headings", plan, note))
+        panels.append(ways_panel(f"({two}) {angle:g}°: ways", plan, note, named_zones=True))
+    return panels, shown
+
+
+def _groups_table(place: _Place, counts: dict[float, _Counts]) -> Table:
+    """How many periodic groups there are, in each way of counting, by bouncing angle."""
+    angle_deg, said = paper.GROUPS[place.figure]
+    rows = [
+        (
+            f"{angle:g}°", f"{said}" if angle == angle_deg else "", f"{one.printed:,}", f"{one.apart:,}",
+            f"{one.unordered:,}", f"{one.anywhere:,}", f"{one.cycles:,} ({one.states:,})", f"{one.basin:.1%}",
+            f"{one.free_basin:.1%}",
+        )
+        for angle, one in counts.items()
+    ]  # fmt: skip
+    return Table(
+        title=f"Periodic groups of two robots that watch A and B, {place.where}",
+        head=(
+            "angle", "the paper, r", "Algorithm 2 as printed", "all, robots told apart", "all, unordered",
+            "without regions, told apart", "cycles of one robot (states)", "joint states that come to one",
+            "without contact on the way",
+        ),
+        rows=tuple(rows),
+    )  # fmt: skip
 
 
 def shown_group(mission: Mission, seed: int) -> tuple[Plan, str]:
