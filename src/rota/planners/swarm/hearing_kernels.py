@@ -20,7 +20,7 @@ import numpy as np
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.kernels import cell_of, compiled
-from rota.planners.swarm.news_kernels import HELD, hold_places
+from rota.planners.swarm.news_kernels import add_load
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal, sample_key
 from rota.planners.swarm.settle_kernels import decide_settle
 
@@ -115,18 +115,17 @@ def look_round(
 
 
 @compiled
-def hold_places_told(
-    step: int, robots: Any, kinds: Any, rule: Any, hearing: Any, past: Any, roads: Any
-) -> None:  # fmt: skip
-    """Mark the places that robots held at a step as far as messages tell; those that keep them all listen as one."""
+def load_with_told(step: int, robots: Any, kinds: Any, rule: Any, hearing: Any, past: Any, roads: Any) -> None:
+    """Load the places with robots' discs as far as messages tell; those that keep the places all listen as one."""
     listener = robots.x.shape[0]
+    roads.load[:] = 0.0
     for i in range(robots.x.shape[0]):
         sensor = kinds.sensor_m[robots.kind[i]]
         if sensor > 0.0:
             teller = robots.name[i]
             age = age_of(rule.seed, listener, teller, step, hearing.delay_steps, hearing.lost)
             told = past[(step - age) % past.shape[0]]
-            hold_places(told[0, teller], told[1, teller], HELD * sensor, step, roads)
+            add_load(told[0, teller], told[1, teller], sensor, 1.0, roads)
 
 
 @compiled

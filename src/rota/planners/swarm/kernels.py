@@ -56,7 +56,8 @@ class Roads(NamedTuple):
 
     From place k lead the ways way_start[k] up to way_start[k + 1], to way_to and so long, way_m. Cell (i, j) of the
     lattice has the places cell_start[c] up to cell_start[c + 1], c = j * columns + i. away_m (2, k): how far it is to
-    free ground, as told at even and at odd steps, at most far_m; held (k,): the last step at which a robot was near.
+    free ground, as told at even and at odd steps, at most far_m; load (k,): how much of discs lies round each place;
+    ground (k,): how much ground does, by the same measure.
     """
 
     x: Floats
@@ -70,7 +71,8 @@ class Roads(NamedTuple):
     columns: int
     rows: int
     cell_start: Ints
-    held: Ints
+    load: Floats
+    ground: Floats
     away_m: Floats
     far_m: float
 

@@ -1,8 +1,9 @@
 # mypy: disable-error-code="no-any-return"
 """Compiled news of free ground: numbers at places of the map, which the robots near them keep and pass on.
 
-All robots have the same map, and on it the same places and ways between them. A place that is within ``HELD`` sensor
-radii of a robot is held by it, one that nobody holds is free. Robots tell each other the number of each place that they
+All robots have the same map, and on it the same places and ways between them. The load of a place tells how much of
+discs lies round it, by a cone of ``REACH`` sensor radii; so much ground lies there, too. A place of little load for its
+ground is free, others are held by the robots round them. Robots tell each other the number of each place that they
 hold: how far it is from there to free ground, along ways and over places that are held. That is 0 where a way ends at
 a free place, and else follows from the numbers beside it, so that news go on by one way, less than a sensor's radius,
 in a step. The numbers are the same to all that hold a place, hence kept once.
@@ -15,14 +16,18 @@ from typing import Any
 
 from rota.planners.swarm.kernels import compiled
 
-# sensor radii; of a robot at a place that is free by this and has neighbours all round half is for itself
-HELD = 1.5
+REACH = 2.0  # sensor radii, within which a robot loads places
+# square metres of discs for one of ground: a place gets free with less than the one, and is held from the other on;
+# measured: where both are .3, robots that hold a place by coming and free it by going keep 1 in 10 heaps from rest
+FREE, HELD = 0.25, 0.5
 FARTHER = 0.98  # of the way to a place seen counts, so that of two on the same way the farther one leads
 
 
 @compiled
-def hold_places(x: float, y: float, reach_m: float, step: int, roads: Any) -> None:
-    """Mark the places within reach of (x, y) as held at a step."""
+def add_load(x: float, y: float, sensor_m: float, discs: float, roads: Any) -> None:
+    """Load the places within reach of (x, y) with so many discs: by a cone over the plane of the volume of a disc."""
+    reach_m = REACH * sensor_m
+    top = 3.0 / (REACH * REACH) * discs
     i0 = max(int((x - reach_m - roads.x0) / roads.cell_m), 0)
     i1 = min(int((x + reach_m - roads.x0) / roads.cell_m), roads.columns - 1)
     j0 = max(int((y - reach_m - roads.y0) / roads.cell_m), 0)
@@ -31,17 +36,27 @@ def hold_places(x: float, y: float, reach_m: float, step: int, roads: Any) -> No
         begin, end = roads.cell_start[j * roads.columns + i0], roads.cell_start[j * roads.columns + i1 + 1]
         for k in range(begin, end):
             dx, dy = roads.x[k] - x, roads.y[k] - y
-            if dx * dx + dy * dy < reach_m * reach_m:
-                roads.held[k] = step
+            distance2 = dx * dx + dy * dy
+            if distance2 < reach_m * reach_m:
+                roads.load[k] += top * (1.0 - math.sqrt(distance2) / reach_m)
 
 
 @compiled
-def hold_places_of_all(step: int, robots: Any, kinds: Any, roads: Any) -> None:
-    """Mark the places that robots hold where they are at a step."""
+def load_with_ground(area_m2: Any, sensor_m: float, roads: Any) -> None:
+    """Load the places with the ground about each of them, area_m2 (k,): up to 1, less where there are walls."""
+    roads.load[:] = 0.0
+    for k in range(roads.x.shape[0]):
+        add_load(roads.x[k], roads.y[k], sensor_m, area_m2[k] / (math.pi * sensor_m * sensor_m), roads)
+
+
+@compiled
+def load_with_all(robots: Any, kinds: Any, roads: Any) -> None:
+    """Load the places with the discs of robots where they are."""
+    roads.load[:] = 0.0
     for i in range(robots.x.shape[0]):
         sensor = kinds.sensor_m[robots.kind[i]]
         if sensor > 0.0:
-            hold_places(robots.x[i], robots.y[i], HELD * sensor, step, roads)
+            add_load(robots.x[i], robots.y[i], sensor, 1.0, roads)
 
 
 @compiled
@@ -54,8 +69,8 @@ def pass_on_news(step: int, roads: Any) -> None:
     """
     told, new = roads.away_m[step % 2], roads.away_m[(step + 1) % 2]
     for k in range(roads.x.shape[0]):
-        least = 0.0
-        if roads.held[k] == step:
+        least, most = 0.0, HELD if told[k] == 0.0 else FREE
+        if roads.load[k] >= most * roads.ground[k]:
             least = roads.far_m
             for way in range(roads.way_start[k], roads.way_start[k + 1]):
                 least = min(least, told[roads.way_to[way]] + roads.way_m[way])

@@ -14,6 +14,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.planners.swarm.kernels import Kinds, Roads
+from rota.planners.swarm.news_kernels import load_with_ground
 
 Floats = NDArray[np.float64]
 
@@ -46,37 +47,44 @@ def roads_of(walls: Floats, kinds: Kinds) -> Roads:
     low, high = np.array(ground.bounds[:2]), np.array(ground.bounds[2:])
     apart_m = max(APART * sensor_m, math.sqrt(ground.area / MOST_PLACES), float((high - low).max()) / MOST_PLACES)
     columns, rows = (int(extent // apart_m) + 1 for extent in high - low)
-    places = np.vstack([_places(room, low, apart_m, 0, 0, _power(max(columns, rows))), _turning_points(room)])
+    pieces, turning = _pieces(room, low, apart_m, 0, 0, _power(max(columns, rows))), _turning_points(room)
+    places, area_m2 = np.vstack([pieces[:, :2], turning]), np.concatenate([pieces[:, 2], np.zeros(len(turning))])
     i, j = np.clip(((places - low) / apart_m).astype(np.int64), 0, (columns - 1, rows - 1)).T
-    places = places[np.argsort(j * columns + i, kind="stable")]
+    order = np.argsort(j * columns + i, kind="stable")
+    places, area_m2 = places[order], area_m2[order]
     pairs = cKDTree(places).query_pairs(LONGEST * apart_m, output_type="ndarray")
     free = ground.buffer(-NARROWER * body_m, join_style="mitre")
     shapely.prepare(free)
     pairs = pairs[shapely.covers(free, shapely.linestrings(places[pairs]))]
-    return _roads(places, pairs, apart_m, low, (columns, rows))
+    roads = _roads(places, pairs, apart_m, low, (columns, rows))
+    load_with_ground(area_m2, sensor_m, roads)
+    return roads._replace(ground=roads.load.copy())
 
 
 def _power(cells: int) -> int:
     return 1 << (cells - 1).bit_length()
 
 
-def _places(room: BaseGeometry, low: Floats, side_m: float, i: int, j: int, cells: int) -> Floats:
-    """One place in each part that a lattice's squares cut a room into, of those from (i, j) on, so many a side."""
+def _pieces(room: BaseGeometry, low: Floats, side_m: float, i: int, j: int, cells: int) -> Floats:
+    """One place in each part that a lattice's squares cut a room into, of those from (i, j) on, so many a side.
+
+    (k, 3): x and y of the place, and the area of the part.
+    """
     x, y = low + side_m * np.array([i, j])
     width = side_m * cells
     part = shapely.intersection(room, shapely.box(x, y, x + width, y + width))
     if part.is_empty or part.area == 0:
-        return np.empty((0, 2))
+        return np.empty((0, 3))
     if part.area >= width * width * (1 - 1e-12):
         steps = side_m * (np.arange(cells) + 0.5)
-        return np.stack(np.meshgrid(x + steps, y + steps), axis=-1).reshape(-1, 2)
+        places = np.stack(np.meshgrid(x + steps, y + steps), axis=-1).reshape(-1, 2)
+        return np.column_stack([places, np.full(len(places), side_m * side_m)])
     if cells > 1:
         half = cells // 2
-        return np.vstack([_places(part, low, side_m, i + a, j + b, half) for b in (0, half) for a in (0, half)])
+        return np.vstack([_pieces(part, low, side_m, i + a, j + b, half) for b in (0, half) for a in (0, half)])
     pieces = [piece for piece in shapely.get_parts(part) if piece.area > 0]
     middles = [piece.centroid if piece.contains(piece.centroid) else piece.representative_point() for piece in pieces]
-    found: Floats = shapely.get_coordinates(middles)
-    return found
+    return np.column_stack([shapely.get_coordinates(middles), shapely.area(pieces)])
 
 
 def _turning_points(room: BaseGeometry) -> Floats:
@@ -117,7 +125,8 @@ def _roads(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats,
         columns=columns,
         rows=rows,
         cell_start=np.searchsorted(j * columns + i, np.arange(columns * rows + 1)).astype(np.int64),
-        held=np.full(n, -1, np.int64),
+        load=np.zeros(n),
+        ground=np.ones(n),
         away_m=np.full((2, n), far_m),
         far_m=far_m,
     )

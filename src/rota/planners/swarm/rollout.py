@@ -14,10 +14,10 @@ from rota.errors import MissionError, RunError
 from rota.mission import Device, MovingObstacle
 from rota.planners.swarm.cuda_step import CudaStep
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard, hold_places_told
+from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard, load_with_told
 from rota.planners.swarm.kernels import Grid, Hearing, Kinds, Near, Robots, Rule, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
-from rota.planners.swarm.news_kernels import hold_places_of_all, pass_on_news
+from rota.planners.swarm.news_kernels import load_with_all, pass_on_news
 from rota.planners.swarm.roads import roads_of
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
@@ -232,9 +232,9 @@ class Swarm:
         """What robots tell of the way to free ground for the next step; in this one they go by what they were told."""
         heard, roads = self._messages, self.grid.roads
         if heard is None:
-            hold_places_of_all(self.steps, self._robots, self.kinds, roads)
+            load_with_all(self._robots, self.kinds, roads)
         else:
-            hold_places_told(self.steps, self._robots, self.kinds, self.rule, heard.hearing, heard.past, roads)
+            load_with_told(self.steps, self._robots, self.kinds, self.rule, heard.hearing, heard.past, roads)
         pass_on_news(self.steps, roads)
 
     def _take_decided(self) -> float:
