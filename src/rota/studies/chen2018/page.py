@@ -19,8 +19,8 @@ CONTROLLERS = (
     "*V-based*: `voronoi`, range-limited Voronoi cells (Lloyd's step, over-relaxed). *VFA*: `virtual_force`, "
     "overlapping "
     "discs push each other. Both with the last filter: without it VFA leaves the area from a corner.",
-    "*settle*: Rota's default: up the gradient of the covered area, and on to ground that few discs cover; with the last "
-    "filter.",
+    "*settle*: Rota's default: up the gradient of the covered area, and on to ground that few discs cover; with the "
+    "last filter.",
     "*at rest*: no robot moves by more than 0.00001 m in a step (settle: in two).",
 )
 
