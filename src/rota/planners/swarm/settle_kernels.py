@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from rota.planners.swarm.arc_kernels import area_gradient, exposed_arcs
-from rota.planners.swarm.baseline_kernels import MANY_CAUSES, overlaps_with_robots, sum_of_overlaps, towards
+from rota.planners.swarm.baseline_kernels import MANY_CAUSES, sum_of_overlaps, towards
 from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
 from rota.planners.swarm.news_kernels import way_to_free_ground
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
@@ -17,7 +17,6 @@ MOMENTUM = 0.92  # share of the last step that is made again
 # 7 of 36 swarms do not rest within 6,000 steps
 LATE_MOMENTUM, LATE_FRICTION = 0.5, 7.0
 SLOW_M = 2e-3  # of the sensor's radius; slower robots that would turn back drop their momentum
-BACK = 0.5  # and go this share of the way: measured: some would go to and fro for ever by the whole of it
 TOUCH_M = 1e-3  # of the sensor's radius; a body so near a wall does not push on into it
 # friction, as shares of the sensor's radius in a step; measured: swarms rest in half the steps and cover as much
 KINETIC, STATIC = 2.5e-5, 1.25e-4
@@ -161,10 +160,10 @@ def decide_settle(
     way to ground that it has heard is free (``news_kernels``), and leaves those ahead their room.
 
     Momentum (Polyak's heavy ball) takes the long waves through a swarm that forces alone need thousands of steps for.
-    Slow robots drop it where they would turn back, and go half as far there; dry friction, greater the slower a robot
-    is, ends each motion in finite time, and holds back what leads on to free ground as well: without that robots at the
-    border of going on tremble for ever. With late news there is less momentum and more friction: with all of it old
-    places of others drive a swarm to and fro at full speed.
+    Slow robots drop it where they would turn back; dry friction, greater the slower a robot is, ends each motion in
+    finite time, and holds back what leads on to free ground as well: without that robots at the border of going on
+    tremble for ever. With late news there is less momentum and more friction: with all of it old places of others drive
+    a swarm to and fro at full speed.
     """
     for i in range(begin, end):
         kind = robots.kind[i]
@@ -186,13 +185,10 @@ def decide_settle(
             going = going if wx != 0.0 or wy != 0.0 else 0.0
         pressed = min(max((ALONE - own) / (ALONE - PRESSED), 0.0), 1.0) * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
         if pressed > 0.0:
-            if rule.late:  # without walls 1 of 36 swarms more does not rest
-                fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
-            else:  # the many walls of a round obstacle together push too far, to and fro for ever
-                fx, fy, causes = overlaps_with_robots(i, found, robots, kinds, near)
+            fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
             push = SHARE * MANY_CAUSES / max(MANY_CAUSES, causes)
             dx, dy = dx + pressed * (push * fx - dx), dy + pressed * (push * fy - dy)
-        again, share, most_m = LATE_MOMENTUM if rule.late else MOMENTUM, 1.0, speed * rule.time_step_s
+        again, most_m = LATE_MOMENTUM if rule.late else MOMENTUM, speed * rule.time_step_s
         if going > 0.0:
             bx, by, behind = room_for_those_ahead(i, found, away_m, step, robots, kinds, grid, near)
             length = math.sqrt(wx * wx + wy * wy)
@@ -202,7 +198,7 @@ def decide_settle(
         last_x, last_y = robots.vx[i] * rule.time_step_s, robots.vy[i] * rule.time_step_s
         last_m = math.sqrt(last_x * last_x + last_y * last_y)
         if not rule.late and last_m < SLOW_M * sensor and dx * last_x + dy * last_y < 0.0:
-            again, share = 0.0, BACK
-        dx, dy = not_into_walls(x, y, near_m, share * dx + again * last_x, share * dy + again * last_y, grid)
+            again = 0.0
+        dx, dy = not_into_walls(x, y, near_m, dx + again * last_x, dy + again * last_y, grid)
         dx, dy = rubbed(dx, dy, last_m, LATE_FRICTION * sensor if rule.late else sensor)
         new_vx[i], new_vy[i] = towards(dx, dy, speed, rule.time_step_s)
