@@ -276,6 +276,8 @@ def test_the_port_s_robots_spread_round_its_buildings(tmp_path: Path, capsys: py
     assert run(["plan", str(EXAMPLES / "swarm-port.yaml"), "-o", str(plan_file)]) == 0
     assert "Check: no violations." in capsys.readouterr().out
     plan = read_plan(plan_file)
+    assert plan.run_end is not None
+    assert plan.run_end.at_rest
     ends = [trajectory.positions_m[-1] for trajectory in plan]
     assert len(ends) == 60
     free = plan.mission.area.difference(union_all([obstacle.shape for obstacle in plan.mission.obstacles]))

@@ -16,7 +16,9 @@ from tests.planners.swarm.conftest import PAPER, in_box, scattered
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
 from rota.planners.swarm.asked import ALL_NEIGHBOURS, free_ground, make_swarm, run_mission
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.rollout import deciding_room
+from rota.planners.swarm.settle_kernels import SHARE, decide_settle, pushes
+from rota.planners.swarm.world import walls_of
 from rota.studies.chen2018.maps import square
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
@@ -31,6 +33,30 @@ def test_two_discs_come_apart_until_they_touch_and_rest_there() -> None:
     assert pdist(swarm.places_m)[0] >= 50 - 0.03
     assert swarm.places_m[:, 1] == pytest.approx([100, 100])
     assert swarm.places_m.mean(axis=0) == pytest.approx([125, 100], abs=0.5)
+
+
+def push_of_walls(place: tuple[float, float], ground: MultiPolygon) -> tuple[float, float]:
+    swarm = in_box([place], walls=walls_of(ground), rule=ALL, decide=decide_settle)
+    room = deciding_room(ALL)
+    return pushes(0, 0, swarm.robots, swarm.kinds, swarm.grid, room.near, room.outline)
+
+
+@pytest.mark.parametrize("overlap_m", [0.5, 2.5])
+def test_a_straight_wall_pushes_by_nearly_twice_its_overlap(overlap_m: float) -> None:
+    px, py = push_of_walls((125, 25 - overlap_m), SQUARE)
+    assert px == pytest.approx(0, abs=1e-9)
+    assert py == pytest.approx(SHARE * overlap_m * (2 - overlap_m / 25))
+
+
+@pytest.mark.parametrize("sides", [64, 256])
+def test_a_round_obstacle_pushes_the_same_of_however_many_walls_it_is(sides: int) -> None:
+    """By the closed form for two circles, 45 m apart; never more than a straight wall."""
+    ground = SQUARE.difference(shapely.Point(125, 125).buffer(22, quad_segs=sides // 4))
+    px, py = push_of_walls((80, 125), MultiPolygon([ground]))
+    cosine = (25**2 + 45**2 - 22**2) / (2 * 25 * 45)
+    assert py == pytest.approx(0, abs=1e-9)
+    assert px == pytest.approx(-SHARE * 25 * (1 - cosine**2), rel=0.03)
+    assert abs(px) < SHARE * 2 * (25 + 22 - 45)
 
 
 def rooms(robots: int, **settings: Any) -> Mission:

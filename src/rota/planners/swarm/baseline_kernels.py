@@ -66,6 +66,25 @@ def decide_voronoi(
 
 
 @compiled
+def overlaps_with_robots(i: int, found: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
+    """How far the sensor of robot i overlaps its neighbours': the sum, each away from its cause, and how many.
+
+    near: the neighbours found, by ``find_neighbours``.
+    """
+    x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
+    fx, fy, causes = 0.0, 0.0, 0.0
+    for k in range(found):
+        j = near.robot[k]
+        distance = math.sqrt(near.distance2[k])
+        overlap = sensor + kinds.sensor_m[robots.kind[j]] - distance
+        if overlap > 0.0 and distance > 0.0:
+            fx -= overlap * (robots.x[j] - x) / distance
+            fy -= overlap * (robots.y[j] - y) / distance
+            causes += 1.0
+    return fx, fy, causes
+
+
+@compiled
 def sum_of_overlaps(
     i: int, robots: Any, kinds: Any, grid: Any, most: int, nearest2: Any, near: Any
 ) -> tuple[float, float, float]:
@@ -76,15 +95,7 @@ def sum_of_overlaps(
     kind = robots.kind[i]
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
     found, nearest2[i] = find_neighbours(i, most, robots, grid, kinds.neighbour_range_m[kind], near)
-    fx, fy, causes = 0.0, 0.0, 0.0
-    for k in range(found):
-        j = near.robot[k]
-        distance = math.sqrt(near.distance2[k])
-        overlap = sensor + kinds.sensor_m[robots.kind[j]] - distance
-        if overlap > 0.0 and distance > 0.0:
-            fx -= overlap * (robots.x[j] - x) / distance
-            fy -= overlap * (robots.y[j] - y) / distance
-            causes += 1.0
+    fx, fy, causes = overlaps_with_robots(i, found, robots, kinds, near)
     c = cell_of(x, y, grid)
     for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
         dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])

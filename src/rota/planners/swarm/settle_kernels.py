@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.swarm.arc_kernels import area_gradient, exposed_arcs
-from rota.planners.swarm.baseline_kernels import MANY_CAUSES, sum_of_overlaps, towards
+from rota.planners.swarm.arc_kernels import arcs_in_ground, area_gradient, exposed_arcs
+from rota.planners.swarm.baseline_kernels import MANY_CAUSES, overlaps_with_robots, towards
 from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
 from rota.planners.swarm.news_kernels import way_to_free_ground
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
@@ -16,7 +16,9 @@ MOMENTUM = 0.92  # share of the last step that is made again
 # with late news: share of the last step, and times the friction; measured: with shares of 0.4, 0.5 and 0.55 1, none and
 # 7 of 36 swarms do not rest within 6,000 steps
 LATE_MOMENTUM, LATE_FRICTION = 0.5, 7.0
-SLOW_M = 2e-3  # of the sensor's radius; slower robots that would turn back drop their momentum
+# of the sensor's radius; slower robots that would turn back drop their momentum, with a wall in range at twice that
+SLOW_M = 2e-3
+BACK = 0.5  # and go this share of the way: by the whole of it some go to and fro for ever
 TOUCH_M = 1e-3  # of the sensor's radius; a body so near a wall does not push on into it
 # friction, as shares of the sensor's radius in a step; measured: swarms rest in half the steps and cover as much
 KINETIC, STATIC = 2.5e-5, 1.25e-4
@@ -146,6 +148,22 @@ def room_for_those_ahead(
 
 
 @compiled
+def pushes(i: int, found: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> tuple[float, float]:
+    """How far neighbours and walls push robot i in a step: by ``SHARE`` of the overlaps, by less where very many push.
+
+    Walls push by |h|^2 / 4 R for the gradient h of the ground in the disc: one straight wall by nearly twice its
+    overlap, since it does not give way. So does a round obstacle, of however many short walls: where each of those
+    pushed by its own overlap, together they pushed by far too much, and robots went to and fro for ever.
+    """
+    sensor = kinds.sensor_m[robots.kind[i]]
+    fx, fy, causes = overlaps_with_robots(i, found, robots, kinds, near)
+    hx, hy = area_gradient(sensor, arcs_in_ground(robots.x[i], robots.y[i], sensor, grid, arcs), arcs)
+    by_walls = math.sqrt(hx * hx + hy * hy) / (4.0 * sensor)
+    share = SHARE * MANY_CAUSES / max(MANY_CAUSES, causes)
+    return share * (fx + by_walls * hx), share * (fy + by_walls * hy)
+
+
+@compiled
 def decide_settle(
     begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
     new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
@@ -160,10 +178,11 @@ def decide_settle(
     way to ground that it has heard is free (``news_kernels``), and leaves those ahead their room.
 
     Momentum (Polyak's heavy ball) takes the long waves through a swarm that forces alone need thousands of steps for.
-    Slow robots drop it where they would turn back; dry friction, greater the slower a robot is, ends each motion in
-    finite time, and holds back what leads on to free ground as well: without that robots at the border of going on
-    tremble for ever. With late news there is less momentum and more friction: with all of it old places of others drive
-    a swarm to and fro at full speed.
+    Slow robots drop it where they would turn back, and go half as far there. Near walls, where pushes fade on a short
+    way, faster ones do so as well. Dry friction, greater the slower a robot is, ends each motion in finite time, and
+    holds back what leads on to free ground as well: without that robots at the border of going on tremble for ever.
+    With late news there is less momentum and more friction: with all of it old places of others drive a swarm to and
+    fro at full speed.
     """
     for i in range(begin, end):
         kind = robots.kind[i]
@@ -185,9 +204,8 @@ def decide_settle(
             going = going if wx != 0.0 or wy != 0.0 else 0.0
         pressed = min(max((ALONE - own) / (ALONE - PRESSED), 0.0), 1.0) * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
         if pressed > 0.0:
-            fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
-            push = SHARE * MANY_CAUSES / max(MANY_CAUSES, causes)
-            dx, dy = dx + pressed * (push * fx - dx), dy + pressed * (push * fy - dy)
+            px, py = pushes(i, found, robots, kinds, grid, near, outline)
+            dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)
         again, most_m = LATE_MOMENTUM if rule.late else MOMENTUM, speed * rule.time_step_s
         if going > 0.0:
             bx, by, behind = room_for_those_ahead(i, found, away_m, step, robots, kinds, grid, near)
@@ -197,8 +215,9 @@ def decide_settle(
             dx, dy, again = dx + going * (wx - dx), dy + going * (wy - dy), (1.0 - going) * again
         last_x, last_y = robots.vx[i] * rule.time_step_s, robots.vy[i] * rule.time_step_s
         last_m = math.sqrt(last_x * last_x + last_y * last_y)
-        if not rule.late and last_m < SLOW_M * sensor and dx * last_x + dy * last_y < 0.0:
-            again = 0.0
+        slow_m = SLOW_M * sensor * (2.0 if walled > 0.0 else 1.0)
+        if not rule.late and last_m < slow_m and dx * last_x + dy * last_y < 0.0:
+            again, dx, dy = 0.0, BACK * dx, BACK * dy
         dx, dy = not_into_walls(x, y, near_m, dx + again * last_x, dy + again * last_y, grid)
         dx, dy = rubbed(dx, dy, last_m, LATE_FRICTION * sensor if rule.late else sensor)
         new_vx[i], new_vy[i] = towards(dx, dy, speed, rule.time_step_s)
