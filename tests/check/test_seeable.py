@@ -9,8 +9,10 @@ import pytest
 import shapely
 from shapely import MultiPolygon, Polygon, box
 
+from rota.check.revisits import worst_gaps_s
 from rota.check.seeable import grounds_of, seeable, standing
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
+from rota.plan import Plan, Trajectory
 
 
 def mission(area: Polygon, *obstacles: Obstacle, body: float = 0.0, sensor: Sensor | None = None) -> Mission:
@@ -138,3 +140,16 @@ def test_what_is_near_a_box_of_points_decides_as_all_of_it_does(
         assert (seeable(m, grounds_of(m), points, spread_m) == whole).all()
         monkeypatch.undo()
         assert (~whole).sum() > 0 or spread_m > 0
+
+
+def test_a_place_is_asked_for_only_if_it_is_seen_by_the_tolerance_that_plans_are_judged_by() -> None:
+    """On top of a wall, 2e-9 m beside its edge: the straight way down to the robots' lane goes through that edge."""
+    walls = (box(3, 0.6, 10, 0.8), box(0, 0.6, 3 - 1e-6, 1))  # between them is a slit of 1e-6 m
+    m = mission(box(0, 0, 10, 1), *(obstacle(wall, "sight") for wall in walls), obstacle(box(0, 0.6, 10, 1), "motion"))
+    place = (3 + 2e-9, 0.8 + 4e-9)
+    assert seen(m, place) == [False]
+    # who sees it from below sees it from where that line leaves the lane
+    along = np.array([[0.0, 0.6], [10.0, 0.6], [0.0, 0.6]])
+    drive = Trajectory(robot="robot-1", times_s=np.array([0.0, 10.0, 20.0]), positions_m=along)
+    plan = Plan(mission=m, trajectories=(drive,))
+    assert worst_gaps_s(plan, np.array([place, (3 - 5e-7, 0.7)])).tolist() == [np.inf, pytest.approx(14.0, abs=1e-3)]

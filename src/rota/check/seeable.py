@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +14,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check import sight_kernels, tiling_kernels
+from rota.check.revisits import slack_of
 from rota.check.routes import lines_of, segments_of
 from rota.mission import DiscSensor, Mission, Sensor
 
@@ -20,7 +23,7 @@ Flags = NDArray[np.bool_]
 
 TOUCH_M = 1e-6
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
-MANY_SIDES, COARSE_ARC_STEPS = 10_000, 8
+MANY_SIDES, RAGGED_SIDES = 10_000, 5_000
 MOST_GRID_CELLS = 250_000
 BOX, NEAR, MOST_SPREAD = 2.0, 2.0, 0.4  # of the reach: boxes of points, what is near them, and spreads that allows for
 
@@ -37,7 +40,7 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
 
     It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
-    replaced by their chords; by up to 5e-3 of it where sides are very many.
+    replaced by their chords.
     """
     blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
     body = body_radius_m - TOUCH_M
@@ -46,8 +49,7 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
     open_ground = shapely.difference(mission.area, blocked)
     # side by side, since offsetting a whole polygon loses corridors only just as wide as the body
     sides = lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)]))
-    steps = ARC_STEPS if len(sides) <= MANY_SIDES else COARSE_ARC_STEPS
-    return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=steps)))
+    return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=ARC_STEPS)))
 
 
 @functools.lru_cache(maxsize=4)
@@ -61,7 +63,7 @@ def grounds_of(mission: Mission) -> tuple[Ground, ...]:
 
 def has_many_sides(mission: Mission) -> bool:
     """Whether walls have so many sides, as on a scanned floor, that most pieces of the ground are cut by some."""
-    return int(shapely.get_num_coordinates(_hidden(mission))) > MANY_SIDES
+    return int(shapely.get_num_coordinates(_hidden(mission))) > RAGGED_SIDES
 
 
 def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
@@ -72,19 +74,23 @@ def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spr
     out of obstacles made thinner by that much.) Points must not lie inside what blocks sight.
     """
     reach_m = max((ground.sensor.reach_m for ground in grounds), default=0.0)
-    hidden = _hidden(mission)
+    hidden, slack_m = _hidden(mission), slack_of(mission)
     corners = shapely.get_num_coordinates([hidden, *(ground.shape for ground in grounds)]).sum()
     if corners <= MANY_SIDES or spread_m > MOST_SPREAD * reach_m:
-        return _seen_from_any(grounds, hidden, points_m, spread_m)
+        return _seen_from_any(grounds, hidden, points_m, spread_m, slack_m)
     known = _known(mission, grounds, spread_m)
     keys = list(map(tuple, points_m.tolist()))
     new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
     boxes, box_of = np.unique(np.floor(points_m[new] / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
-    for k, (i, j) in enumerate(boxes):
+
+    def in_box(k: int) -> tuple[NDArray[np.int64], Flags]:
         mine = new[box_of.ravel() == k]
-        near = _near_box(mission, grounds, reach_m, int(i), int(j))
-        found = _seen_from_any(*near, points_m[mine], spread_m)
-        known.update((keys[at], seen) for at, seen in zip(mine, found.tolist(), strict=True))
+        near = _near_box(mission, grounds, reach_m, *boxes[k].tolist())
+        return mine, _seen_from_any(*near, points_m[mine], spread_m, slack_m)
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        for mine, found in pool.map(in_box, range(len(boxes))):
+            known.update((keys[at], seen) for at, seen in zip(mine, found.tolist(), strict=True))
     return np.array([known[key] for key in keys], dtype=np.bool_)
 
 
@@ -118,18 +124,20 @@ def _cut_to(frame: Any, shape: Any) -> Any:
     return shapely.multipolygons(parts[shapely.get_type_id(parts) == 3])
 
 
-def _seen_from_any(grounds: tuple[Ground, ...], hidden: Any, points_m: Floats, spread_m: float) -> Flags:
+def _seen_from_any(
+    grounds: tuple[Ground, ...], hidden: Any, points_m: Floats, spread_m: float, slack_m: float
+) -> Flags:
     found = np.zeros(len(points_m), np.bool_)
     thin = shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
     for ground in grounds:
         left = np.flatnonzero(~found)
         if not len(left) or ground.shape.is_empty:
             continue
-        found[left] = _seen_from(ground, thin, points_m[left], spread_m)
+        found[left] = _seen_from(ground, thin, points_m[left], spread_m, slack_m)
     return found
 
 
-def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float) -> Flags:
+def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float, slack_m: float) -> Flags:
     points = shapely.points(points_m)
     shapely.prepare(ground.shape)
     found: Flags = shapely.dwithin(ground.shape, points, spread_m + 1e-9)
@@ -141,7 +149,7 @@ def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float) -
         ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
         away = np.abs(ends[:, 1] - ends[:, 0])
         far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
-        core = shapely.buffer(hidden, -1e-7, join_style="mitre")
+        core = shapely.buffer(hidden, -slack_m, join_style="mitre")
         shapely.prepare(core)
         found[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
         # out of range of the nearest ground, no other is in range (a square's corner is the farthest it reaches)

@@ -135,7 +135,7 @@ def _sees_along(angles, x, y, reach_m, square, walls, near_walls, ground, near_g
     return False
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def sees_ground(
     points, reach_m, square, grid, shape,
     walls, wall_offsets, wall_index, ground, ground_offsets, ground_index, crossings, cross_offsets, cross_index,
