@@ -32,6 +32,7 @@ Ints = NDArray[np.int64]
 PERIOD_TOLERANCE = 1e-9
 TOUCH_M = 1e-6
 MOST_EXCLUDED = 0.05
+FEW_PIECES = 2_000  # still open on ragged ground: all that is unmet among them is told
 MOST_CELLS = 4_000_000
 MOST_UNMET_POINTS = 200_000
 
@@ -124,9 +125,10 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
                 found[mine] = seeable(mission, grounds_of(mission), points_m[mine], spread_m)
         return found
 
-    # on ragged ground walls hide part of most pieces: coarse ones would not tell what is missed
-    coarse_m = finest_m if has_many_sides(mission) else max(finest_m, size / 4)
-    found = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m)
+    # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed
+    few = FEW_PIECES if has_many_sides(mission) else 0
+    coarse_m = max(finest_m, size / 4)
+    found = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
     for k in _left_out(mission, asked, pieces, owners):
         found[k].undecided_cells += 1
     return found

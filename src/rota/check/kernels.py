@@ -19,7 +19,7 @@ TRANSIENT, LOOP, HOLD = 0, 1, 2
 
 
 @njit(cache=True)
-def _shrunk(corners, start, stop, slack_m):
+def shrunk(corners, start, stop, slack_m):
     """The piece with all its sides moved inwards by at least ``slack_m``, by scaling about the mean of its corners."""
     piece = corners[start:stop].copy()
     if stop - start < 3:
@@ -33,7 +33,7 @@ def _shrunk(corners, start, stop, slack_m):
 
 
 @njit(cache=True)
-def _in_range(piece, leg, reach_m, square):
+def part_in_range(piece, leg, reach_m, square):
     """The part (lo, hi) of a leg, in 0..1, from which every corner is in range; lo > hi when there is none."""
     lo, hi = 0.0, 1.0
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
@@ -123,10 +123,14 @@ def _shadow(piece, wall, slack_m, shadow):
 
 
 @njit(cache=True)
-def _shadows(piece, walls, near, slack_m, reach_m):
-    """Shadows (n, 9) and boxes (n, 4) of walls that may hide part of the piece, nearest first; n < 0: one cuts it."""
+def shadows_of(piece, walls, near, slack_m, reach_m):
+    """Shadows (n, 9), boxes (n, 4) and indices (n,) of walls that may hide part of the piece, nearest first.
+
+    n < 0: one of them cuts the piece.
+    """
     x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
     shadows, boxes, distances = np.empty((len(near), 9)), np.empty((len(near), 4)), np.empty(len(near))
+    index = np.empty(len(near), np.int64)
     n = 0
     for k in near:
         wall = walls[k]
@@ -137,19 +141,20 @@ def _shadows(piece, walls, near, slack_m, reach_m):
             continue
         outcome = _shadow(piece, wall, slack_m, shadows[n])
         if outcome == 2:
-            return shadows, boxes, -1
+            return shadows, boxes, index, -1
         if outcome == 1:
             boxes[n, 0], boxes[n, 1], boxes[n, 2], boxes[n, 3] = wx0, wy0, wx1, wy1
             distances[n] = gap
+            index[n] = k
             n += 1
     if n > 4:
         order = np.argsort(distances[:n])
-        shadows, boxes = shadows[order], boxes[order]
-    return shadows, boxes, n
+        shadows, boxes, index = shadows[order], boxes[order], index[order]
+    return shadows, boxes, index, n
 
 
 @njit(cache=True)
-def _blocked(shadow, leg, lo, hi):
+def blocked_part(shadow, leg, lo, hi):
     """The open part of lo..hi of a leg inside a shadow; empty when the first is not below the second."""
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
     for k in range(0, 9, 3):
@@ -165,9 +170,9 @@ def _blocked(shadow, leg, lo, hi):
 
 
 @njit(cache=True)
-def _leg_sights(piece, leg, reach_m, square, shadows, boxes, n_shadows, slack_m, starts, ends):
+def leg_sights(piece, leg, reach_m, square, shadows, boxes, n_shadows, slack_m, starts, ends):
     """Number of parts of a leg from which the whole piece is seen; starts and ends take them, in 0..1, ascending."""
-    lo, hi = _in_range(piece, leg, reach_m, square)
+    lo, hi = part_in_range(piece, leg, reach_m, square)
     if lo > hi:
         return 0
     starts[0], ends[0] = lo, hi
@@ -182,7 +187,7 @@ def _leg_sights(piece, leg, reach_m, square, shadows, boxes, n_shadows, slack_m,
     for w in range(n_shadows):
         if boxes[w, 0] > x1 or boxes[w, 2] < x0 or boxes[w, 1] > y1 or boxes[w, 3] < y0:
             continue
-        a, b = _blocked(shadows[w], leg, lo, hi)
+        a, b = blocked_part(shadows[w], leg, lo, hi)
         if a <= b and (still or lo == hi):
             return 0
         if not a < b:
@@ -236,12 +241,12 @@ def worst_gaps(
     bounds, robots = np.zeros(len(reaches_m) + 1, np.int64), np.empty(len(reaches_m), np.int64)
     widest = reaches_m.max() if len(reaches_m) else 0.0
     for k in range(n_pieces):
-        piece = _shrunk(corners, offsets[k], offsets[k + 1], slack_m)
+        piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
         column = cell_along(piece[:, 0].mean() - grid[0], grid[2], shape[0])
         row = cell_along(piece[:, 1].mean() - grid[1], grid[2], shape[1])
         cell = column * shape[1] + row
         near = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
-        shadows, boxes, n_shadows = _shadows(piece, walls, near, slack_m, widest)
+        shadows, boxes, _, n_shadows = shadows_of(piece, walls, near, slack_m, widest)
         if n_shadows < 0:
             continue
         # a leg is one part, each shadow makes one more at most, and one is kept free while a shadow is cut out
@@ -250,7 +255,7 @@ def worst_gaps(
         n_robots, n, always = 0, 0, False
         for m in leg_index[leg_offsets[cell] : leg_offsets[cell + 1]]:
             robot = leg_robots[m]
-            kept = _leg_sights(
+            kept = leg_sights(
                 piece, legs[m], reaches_m[robot] + (slack_m if len(piece) == 1 else 0.0), squares[robot],
                 shadows, boxes, n_shadows, slack_m, part_starts, part_ends,
             )  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.pieces import Pieces, quartered
-from rota.check.revisits import Sights, piece_gaps, point_pieces, swath_cuts
+from rota.check.revisits import Sights, passing_gaps, piece_gaps, point_pieces, swath_cuts
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -98,20 +98,21 @@ def refine(
     *,
     finest_m: float,
     coarse_m: float,
+    few: int,
 ) -> list[Found]:
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
     owners: (n,) index of each piece's demand into limits_s (demands,). ``is_seeable(points, spread, demands)``: whether
     a body can stand where it sees the point (within the spread), or nothing is asked of the point by that demand, so
     that ground of no demand, or of another, is not held against a piece; it is asked from several threads. Pieces of a
-    demand that is already violated are cut to ``coarse_m`` only. When more than 600,000 pieces would be open at once,
-    all are left undecided as they are. Very many pieces are refined in parts, each by itself, so that memory and work
-    for one piece do not grow with their number.
+    demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``. When more than
+    600,000 pieces would be open at once, all are left undecided as they are. Very many pieces are refined in parts,
+    each by itself, so that memory and work for one piece do not grow with their number.
     """
 
     def part(first: int) -> list[Found]:
         some = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
-        return _refined(sights, pieces.chosen(some), owners[some], limits_s, is_seeable, finest_m, coarse_m)
+        return _refined(sights, pieces.chosen(some), owners[some], limits_s, is_seeable, finest_m, coarse_m, few)
 
     if len(pieces) <= MOST_TOGETHER:
         return part(0)
@@ -145,6 +146,7 @@ def _refined(
     is_seeable: IsSeeable,
     finest_m: float,
     coarse_m: float,
+    few: int,
 ) -> list[Found]:
     """The same for pieces that are looked at together."""
     found = [Found() for _ in limits_s]
@@ -155,7 +157,7 @@ def _refined(
         left = np.flatnonzero(~met)
         level = _Level(sights, pieces.chosen(left), owners[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
         level.note_samples(found, is_seeable, finest_m)
-        open_pieces = level.settle(found, is_seeable, finest_m, coarse_m)
+        open_pieces = level.settle(found, is_seeable, finest_m, coarse_m, few)
         chosen = level.pieces.chosen(open_pieces)
         pieces, parents = quartered(chosen, swath_cuts(sights, chosen), 2 * sights.slack_m)
         owners = level.owners[open_pieces][parents]
@@ -213,18 +215,20 @@ class _Level:
             else:
                 found[k].lower_s = max(found[k].lower_s, float(self.gaps_s[worst]))
 
-    def settle(self, found: list[Found], is_seeable: IsSeeable, finest_m: float, coarse_m: float) -> Ints:
+    def settle(self, found: list[Found], is_seeable: IsSeeable, finest_m: float, coarse_m: float, few: int) -> Ints:
         """Sum up the pieces that need no further cut; the indices of those that do."""
         violated = np.array([f.worst_place_m is not None for f in found])[self.owners]
         finest = self.sizes_m <= finest_m * (1 + 1e-9)
         out = np.zeros(len(self.pieces), bool)
         out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
-        some = np.flatnonzero(finest & ~out)
+        passed = self._passed(found, np.flatnonzero(finest & ~out & ~self.bad))
+        some = np.flatnonzero(finest & ~out & ~passed)
         out[some] = self.hidden[some] | self._partly_hidden(some, is_seeable)
-        self._note_corners(found, np.flatnonzero(finest & ~out & ~self.bad))
-        done = ~out & (finest | (violated & (self.sizes_m <= coarse_m) & ~self.hidden))
+        self._note_corners(found, np.flatnonzero(finest & ~out & ~passed & ~self.bad))
+        coarse = violated & (self.sizes_m <= coarse_m) & ~self.hidden & ~out & ~finest
+        done = ~out & (finest | (coarse & (np.count_nonzero(coarse) > few)))
         # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
-        parts = np.flatnonzero(done & ~self.bad & ~violated & (self.sizes_m > finest_m / FINER))
+        parts = np.flatnonzero(done & ~passed & ~self.bad & ~violated & (self.sizes_m > finest_m / FINER))
         done[parts[:MOST_FINER]] = False
         ask = np.flatnonzero(self.bad & ~self.hidden & ~out & ~done)
         done[ask] = self._corners_bad(ask)
@@ -233,7 +237,7 @@ class _Level:
             done[still] = True
             still = still[:0]
         self._note_excluded(found, np.flatnonzero(out))
-        self._note_unmet(found, np.flatnonzero(done))
+        self._note_unmet(found, np.flatnonzero(done & ~passed))
         return still
 
     def _inner_corners(self, index: Ints) -> tuple[Floats, Ints]:
@@ -250,6 +254,18 @@ class _Level:
         radii = np.zeros(len(index))
         np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
         return ~is_seeable(self.middles[index], float(radii.max()) * (1 + 1e-9), self.owners[index])
+
+    def _passed(self, found: list[Found], index: Ints) -> Flags:
+        """Which of all pieces are met since robots see each of their points as they pass: of those in ``index``."""
+        passed = np.zeros(len(self.pieces), bool)
+        gaps = passing_gaps(self.sights, self.pieces.chosen(index), self.limits_s[index])
+        met = gaps.gaps_s <= self.limits_s[index]
+        passed[index[met]] = True
+        _note_met(
+            found, self.sights, self.pieces.chosen(index[met]), self.owners[index[met]],
+            gaps.gaps_s[met], gaps.firsts_s[met],
+        )  # fmt: skip
+        return passed
 
     def _partly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
         hidden = np.zeros(len(index), bool)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import contains_xy, prepare, union_all
 
-from rota.check import gap_kernels, kernels, tiling_kernels
+from rota.check import gap_kernels, kernels, passing_kernels, tiling_kernels
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
@@ -21,6 +23,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_GRID_CELLS = 1_000_000
+MOST_ALONE = 1_000  # pieces that one thread looks at by itself
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -96,18 +99,44 @@ def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights
 def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     """Worst gap of each piece: no point of it waits longer. limits_s: (n,) beyond which more effort is worth it."""
     if not len(sights.reaches_m) or not len(pieces):
-        n = len(pieces)
-        never = np.full(n, np.inf)
-        return Gaps(gaps_s=never, begins_s=np.full(n, np.nan), firsts_s=never, exact=np.ones(n, np.bool_))
+        return _never(len(pieces))
+    parts = [kernels.worst_gaps(*_arguments(sights, pieces, limits_s))] if len(pieces) <= MOST_ALONE else None
+    if parts is None:
+        cuts = np.array_split(np.arange(len(pieces)), os.cpu_count() or 1)
+        with ThreadPoolExecutor(max_workers=len(cuts)) as pool:
+            arguments = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
+            parts = list(pool.map(lambda some: kernels.worst_gaps(*some), arguments))
+    gaps_s, begins_s, firsts_s, exact = (np.concatenate(alike) for alike in zip(*parts, strict=True))
+    return Gaps(gaps_s=gaps_s, begins_s=begins_s, firsts_s=firsts_s, exact=exact)
+
+
+def passing_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
+    """The same for pieces that no one view may take in: each of their points is seen at a moment of its own.
+
+    Told for robots that drive one leg again and again; inf where that does not show that all of a piece is seen.
+    """
+    if not len(sights.reaches_m) or not len(pieces):
+        return _never(len(pieces))
+    gaps_s, firsts_s = passing_kernels.passing_gaps(*_arguments(sights, pieces, limits_s))
+    n = len(pieces)
+    return Gaps(gaps_s=gaps_s, begins_s=np.full(n, np.nan), firsts_s=firsts_s, exact=np.zeros(n, np.bool_))
+
+
+def _never(n: int) -> Gaps:
+    never = np.full(n, np.inf)
+    return Gaps(gaps_s=never, begins_s=np.full(n, np.nan), firsts_s=never, exact=np.ones(n, np.bool_))
+
+
+def _arguments(sights: Sights, pieces: Pieces, limits_s: Floats) -> tuple[Any, ...]:
+    """What the kernels are given of a plan and of pieces."""
     routes = sights.routes
-    found = kernels.worst_gaps(
+    return (
         pieces.offsets, np.ascontiguousarray(pieces.corners_m - sights.origin_m),
         np.ascontiguousarray(limits_s, np.float64), sights.slack_m, sights.grid, sights.shape,
         sights.legs[0], routes.times_s, routes.robots, routes.kinds, sights.legs[1], sights.legs[2],
         sights.reaches_m, sights.squares, routes.classes, routes.parts, routes.units_s, routes.from_s,
         *sights.walls,
     )  # fmt: skip
-    return Gaps(gaps_s=found[0], begins_s=found[1], firsts_s=found[2], exact=found[3])
 
 
 def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
