@@ -12,6 +12,7 @@ from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
+from rota.geometry.tiles import Box, clipped, grown_box
 from rota.mission import AREA, Demand, Mission
 
 Floats = NDArray[np.float64]
@@ -49,6 +50,18 @@ def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int =
         raise ValueError(f"arc_corners: {arc_corners!r} is not allowed; must be 8 or more")
     blocking = [obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion]
     free = _polygons(mission.area.difference(shapely.union_all(blocking)) if blocking else mission.area)
+    return _eroded(free, body_radius_m, arc_corners)
+
+
+def standing_space_in(mission: Mission, body_radius_m: float, box: Box, *, arc_corners: int) -> MultiPolygon:
+    """The part of a standing space in a box, x0, y0, x1, y1 in metres, without the rest being worked out."""
+    wide = shapely.box(*grown_box(box, 2 * body_radius_m))
+    blocking = [shapely.intersection(obstacle.shape, wide) for obstacle in mission.obstacles if obstacle.blocks_motion]
+    free = _polygons(shapely.intersection(mission.area, wide).difference(shapely.union_all(blocking)))
+    return clipped(_eroded(free, body_radius_m, arc_corners), box)
+
+
+def _eroded(free: MultiPolygon, body_radius_m: float, arc_corners: int) -> MultiPolygon:
     if body_radius_m == 0 or free.is_empty:
         return free
     return _polygons(free.difference(_band_inside(free, body_radius_m, arc_corners)))

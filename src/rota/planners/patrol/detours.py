@@ -9,17 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from rota.geometry.line_of_sight import visibility_polygon
 from rota.planners.patrol.annealing.tour import Tour, room_m
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.problem import Problem
 from rota.planners.patrol.samples import SamplePoints
-from rota.planners.patrol.start.nearest_places import nearest_places
-from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, what_places_see
+from rota.planners.patrol.start.nearest_kernels import nearest_on_segments
+from rota.planners.patrol.start.nearest_places import nearest_places, segments_of
+from rota.planners.patrol.start.viewpoints import choose_viewpoints, place_that_sees, sensor_arguments, what_places_see
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ON_ROUTE_M = 1e-7  # a place so near a route is on it
+HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
 MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
 
 
@@ -68,9 +71,23 @@ def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -
 
 
 def border_place(problem: Problem, point_m: Floats) -> Floats | None:
-    """The place that sees the point from least far, on the border of where robots can stand; None out of reach."""
-    nearest_m, ranges_m = nearest_places(point_m, problem.space, problem.walls, problem.robot)
-    return nearest_m[0] if ranges_m[0] <= problem.reach_m else None
+    """The place that sees the point from least far, on the border of where robots can stand; None out of reach.
+
+    On ragged ground it is a hair inside of what the point sees: from the very edge of a view rounding decides.
+    """
+    if not problem.is_ragged:
+        nearest_m, ranges_m = nearest_places(point_m, problem.space, problem.walls, problem.robot)
+        return nearest_m[0] if ranges_m[0] <= problem.reach_m else None
+    reach_m, square = sensor_arguments(problem.robot, 0.0)
+    view = visibility_polygon(point_m, problem.walls, reach_m * (np.sqrt(2) if square else 1.0))
+    places = view.intersection(problem.space)
+    for hair_m in HAIRS_M:
+        inside = segments_of(places.buffer(-hair_m) if hair_m > 0 else places)
+        if len(inside):
+            place_m, range_m = nearest_on_segments(point_m[None], inside, square)
+            if range_m[0] <= problem.reach_m:
+                return np.asarray(place_m[0])
+    return None
 
 
 def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:

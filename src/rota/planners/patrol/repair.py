@@ -17,6 +17,7 @@ from rota.planners.patrol.bodies.reroutes import rerouted
 from rota.planners.patrol.bodies.timing import timed_rounds
 from rota.planners.patrol.context import Context, Verdict
 from rota.planners.patrol.detours import ON_ROUTE_M, led_past, nearby_place, visit_places
+from rota.planners.patrol.finer_space import with_room_to_see
 from rota.planners.patrol.kernels import Samples
 from rota.planners.patrol.polish.search import Polish, can_polish
 from rota.planners.patrol.problem import Problem, stretched
@@ -146,6 +147,9 @@ def settle(
         turn += 1
         shorter = shorter_m(context, tours, turn, bends=polishes)
         found = new_points(problem, tours, verdict, turn, shorter_m=shorter)
+        if may_add and problem.is_ragged and len(found):
+            problem = with_room_to_see(problem, found.xy_m)
+            context = replace(context, problem=problem)
         settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
         stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
         complaints = len(verdict.unmet_points_m)
@@ -312,10 +316,12 @@ def see_the_rest(
     search = mending(problem, tours, samples, seed)
     search.mend(500 + 40 * search.unseen)
     tours = search.tours
+    before = np.zeros(0, dtype=np.int64)
     for _ in range(5):
         unseen = search.unseen_samples
-        if not len(unseen):
-            break
+        if np.array_equal(unseen, before):
+            break  # none is left, or what is left is seen only by a hair
+        before = unseen
         longer = visit_places(problem, tours, points, samples, unseen)
         if longer is None:
             break
