@@ -100,12 +100,11 @@ def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     """Worst gap of each piece: no point of it waits longer. limits_s: (n,) beyond which more effort is worth it."""
     if not len(sights.reaches_m) or not len(pieces):
         return _never(len(pieces))
-    parts = [kernels.worst_gaps(*_arguments(sights, pieces, limits_s))] if len(pieces) <= MOST_ALONE else None
-    if parts is None:
-        cuts = np.array_split(np.arange(len(pieces)), os.cpu_count() or 1)
-        with ThreadPoolExecutor(max_workers=len(cuts)) as pool:
-            arguments = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
-            parts = list(pool.map(lambda some: kernels.worst_gaps(*some), arguments))
+    threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
+    cuts = np.array_split(np.arange(len(pieces)), threads)
+    asked = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        parts = list(pool.map(lambda arguments: kernels.worst_gaps(*arguments), asked))
     gaps_s, begins_s, firsts_s, exact = (np.concatenate(alike) for alike in zip(*parts, strict=True))
     return Gaps(gaps_s=gaps_s, begins_s=begins_s, firsts_s=firsts_s, exact=exact)
 
