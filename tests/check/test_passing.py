@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -10,7 +12,7 @@ from shapely import MultiPolygon, box
 from rota.check import check_plan
 from rota.check.pieces import Pieces
 from rota.check.revisits import passing_gaps, piece_gaps, point_pieces, sights_of
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan, Trajectory
 
 
@@ -112,6 +114,17 @@ def slit_scene(rng: np.random.Generator) -> tuple[Plan, list[np.ndarray]]:
         if not shapely.intersects(hidden, shapely.Polygon(ring)):
             squares.append(ring)
     return Plan(mission=mission, trajectories=(route,)), squares
+
+
+def test_robots_with_other_sensors_do_not_count_together() -> None:
+    """They may see a point from another place of the leg, at another moment of it: each counts by itself."""
+    plan = behind_a_slit(turns_m=5.5, robots=2)
+    fleet = plan.mission.fleet
+    robots = tuple(Robot(name=f"robot-{k + 1}", speed_m_s=1.0, sensor=DiscSensor(radius_m=9.0 - k)) for k in range(2))
+    plan = replace(plan, mission=replace(plan.mission, fleet=replace(fleet, robots=robots)))
+    sights = sights_of(plan, plan.mission.area.bounds)
+    gaps = passing_gaps(sights, floor_pieces(plan, 1e-3), np.full(8, 50.0))
+    assert gaps.gaps_s == pytest.approx(np.full(8, 50.0), abs=1e-6)
 
 
 def test_no_point_of_a_piece_seen_in_passing_waits_longer_than_is_told() -> None:

@@ -123,17 +123,22 @@ def _seen_round(place, piece, middle, leg, lo, hi, walls, shadows, index, n_shad
 
 
 @njit(cache=True)
-def _gap_of_followers(first, which, legs, leg_times_s, leg_robots, classes, parts, units_s, limit_s, from_s):
+def _gap_of_followers(
+    first, which, legs, leg_times_s, leg_robots, reaches_m, squares, classes, parts, units_s, limit_s, from_s
+):
     """Worst gap between looks at one point by all robots that drive the same leg as the first, one after the other.
 
-    which: the legs from which each point of a piece is seen, robot by robot.
+    which: the legs from which each point of a piece is seen, robot by robot. Robots with another sensor may see the
+    point from another place of the leg, and do not count.
     """
+    leader = leg_robots[first]
     lasts_s = leg_times_s[first, 1] - leg_times_s[first, 0]
     ends, robots = np.empty(len(which)), np.empty(len(which), np.int64)
     bounds = np.zeros(len(which) + 1, np.int64)
     n = np.int64(0)
     for m in which:
         same = (legs[m] == legs[first]).all() and abs(leg_times_s[m, 1] - leg_times_s[m, 0] - lasts_s) <= SAME_S
+        same = same and reaches_m[leg_robots[m]] == reaches_m[leader] and squares[leg_robots[m]] == squares[leader]
         # a robot that drives the leg twice in its loop counts once
         if same and (n == 0 or robots[n - 1] != leg_robots[m]):
             ends[n], robots[n] = leg_times_s[m, 1], leg_robots[m]
@@ -196,7 +201,8 @@ def passing_gaps(
         which = near_legs[passed]
         for m in which:
             gap = _gap_of_followers(
-                m, which, legs, leg_times_s, leg_robots, classes, parts, units_s, limits_s[k], from_s
-            )
+                m, which, legs, leg_times_s, leg_robots, reaches_m, squares, classes, parts, units_s, limits_s[k],
+                from_s,
+            )  # fmt: skip
             gaps[k], firsts[k] = min(gaps[k], gap), min(firsts[k], leg_times_s[m, 1])
     return gaps, firsts

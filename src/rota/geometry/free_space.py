@@ -54,7 +54,10 @@ def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int =
 
 
 def standing_space_in(mission: Mission, body_radius_m: float, box: Box, *, arc_corners: int) -> MultiPolygon:
-    """The part of a standing space in a box, x0, y0, x1, y1 in metres, without the rest being worked out."""
+    """The part of a ``standing_space`` in a box, x0, y0, x1, y1 in metres, without the rest being worked out.
+
+    May be empty or in parts.
+    """
     wide = shapely.box(*grown_box(box, 2 * body_radius_m))
     blocking = [shapely.intersection(obstacle.shape, wide) for obstacle in mission.obstacles if obstacle.blocks_motion]
     free = _polygons(shapely.intersection(mission.area, wide).difference(shapely.union_all(blocking)))
