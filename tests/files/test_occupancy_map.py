@@ -316,32 +316,36 @@ def test_the_building_of_the_examples():
     assert mission.area.buffer(-0.2).geom_type == "Polygon"
 
 
-def judge_building(path, inside, shape, pixel_m, brightest_blocked, outside):
+def drawn_building(folder):
+    """A scan of a made building: its path, a place in it, and the brightest grey that is blocked."""
+    floor = Floor(columns=688, rows=499, pixel_m=0.075, turned_deg=2.0, speckle=0.05)
+    write_floor("floor", floor, 1, folder)
+    return folder / "floor-map.yaml", drawn_floor(floor, 1)[1], 255 * (1 - 0.196)
+
+
+def real_building(folder):
+    """The same of a real building, whose files are not part of the project."""
+    return CUMBERLAND, (44, 7), 255 * (1 - 0.19)
+
+
+needs_real_inputs = pytest.mark.skipif(not CUMBERLAND.exists(), reason="../shared/data is missing")
+
+
+@pytest.mark.parametrize("building", [drawn_building, pytest.param(real_building, marks=needs_real_inputs)])
+def test_a_whole_building(building, tmp_path):
     """One part of the image, with all that is not in it, as large as its pixels and nowhere half a pixel off."""
+    path, inside, brightest_blocked = building(tmp_path)
     sheet = read_map(path, inside)
     with Image.open(path.with_suffix(".pgm")) as image:
         labels, _ = ndimage.label(np.asarray(image)[::-1] > brightest_blocked)
-    part = labels == labels[int(inside[1] / pixel_m), int(inside[0] / pixel_m)]
+    part = labels == labels[int(inside[1] / 0.075), int(inside[0] / 0.075)]
     assert sheet.area.is_valid
     assert len(sheet.area.geoms) == 1
-    assert sheet.area.area == pytest.approx(part.sum() * pixel_m**2, rel=0.002)
+    assert sheet.area.area == pytest.approx(part.sum() * 0.075**2, rel=0.002)
     assert sheet.obstacles is not None
     assert sheet.obstacles.is_valid
-    assert sheet.area.area + sheet.obstacles.area == pytest.approx(shape[0] * shape[1] * pixel_m**2)
+    assert sheet.area.area + sheet.obstacles.area == pytest.approx(688 * 499 * 0.075**2)
     exact_m = exact_outline(part)
     assert hausdorff_distance(exact_m.boundary, straight_outline(part).boundary, densify=0.05) <= 0.5 + 1e-9
     with pytest.raises(InsideError):
-        read_map(path, outside)
-
-
-def test_a_scanned_building(tmp_path):
-    floor = Floor(columns=688, rows=499, pixel_m=0.075, turned_deg=2.0, speckle=0.05)
-    write_floor("floor", floor, 1, tmp_path)
-    place = drawn_floor(floor, 1)[1]
-    judge_building(tmp_path / "floor-map.yaml", place, (688, 499), 0.075, 255 * (1 - 0.196), (0.05, 37.4))
-
-
-def test_a_real_building():
-    if not CUMBERLAND.exists():
-        pytest.skip("shared data are not here; the test before draws a building")
-    judge_building(CUMBERLAND, (44, 7), (688, 499), 0.075, 255 * (1 - 0.19), (0.05, 37.4))
+        read_map(path, (0.05, 37.4))
