@@ -22,7 +22,7 @@ from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Sensor, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
-from rota.planners.patrol.problem import set_up_problem
+from rota.planners.patrol.ground.problem import set_up_problem
 
 Floats = NDArray[np.float64]
 

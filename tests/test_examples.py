@@ -17,7 +17,7 @@ from rota.cli import run
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan
 from rota.mission import DiscSensor, Mission, SwarmSettings
-from rota.planners.patrol.lower_bound import area_rate_bound
+from rota.planners.patrol.bounds.area_bound import area_rate_bound
 
 PROJECT = Path(__file__).parents[1]
 EXAMPLES = PROJECT / "examples"

@@ -51,8 +51,8 @@ from rota.check import check_plan
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.plan import Plan, Trajectory
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.problem import set_up_problem
-from rota.planners.patrol.splits import starts
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.initial.allocation import starts
 ring = [[2, 2], [18, 2], [18, 18], [2, 18], [2, 2]]
 mission = Mission(
     name="first run", area=MultiPolygon([box(0, 0, 20, 20)]), period_s=100,

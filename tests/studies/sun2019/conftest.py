@@ -10,12 +10,12 @@ import pytest
 
 from rota.compare import MethodOutcome
 from rota.mission import Mission
-from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.sun2019.frame_settings import PartitionSettings, TourSettings
-from rota.planners.patrol.sun2019.route_lengths import segment_lengths_m
-from rota.planners.patrol.sun2019.route_settings import RouteSettings
-from rota.planners.patrol.sun2019.settings import MethodSettings
-from rota.planners.patrol.sun2019.tour import Frame
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota.planners.patrol.methods.sun2019.route_lengths import segment_lengths_m
+from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.tour import Frame
 from rota.studies.sun2019 import runs as runs_module
 from rota.studies.sun2019.runs import Printed, Runs, StudySettings
 

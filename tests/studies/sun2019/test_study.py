@@ -16,9 +16,9 @@ from PIL import Image
 from rota.errors import RotaError
 from rota.mission import Mission
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.sun2019.deploy import deploy_sensors
-from rota.planners.patrol.sun2019.deploy_settings import TABLE_7
-from rota.planners.patrol.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
+from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_7
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.studies.study import Study, StudyStopped, listed_figures, write_study
 from rota.studies.sun2019 import runs as runs_module
 from rota.studies.sun2019.runs import Reading, Runs, StudySettings

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rota.mission import Mission
     from rota.plan import Plan
-    from rota.planners.patrol.context import Judge
+    from rota.planners.patrol.verdict import Judge
     from rota.search_state import Watch
 
 
@@ -21,7 +21,7 @@ def plan_patrol(
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
 ) -> Plan:
-    """A plan that the judge passes, by the method of the mission's settings; see ``asked.plan_patrol``."""
-    from rota.planners.patrol.asked import plan_patrol as plan  # loads the compiled loops only when they are needed
+    """A plan that the judge passes, by the method of the mission's settings; see ``planner.plan_patrol``."""
+    from rota.planners.patrol.planner import plan_patrol as plan  # loads the compiled loops only when they are needed
 
     return plan(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)

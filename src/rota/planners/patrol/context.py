@@ -3,122 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
-
-import numpy as np
-from numpy.typing import NDArray
 
 from rota.mission import Effort
-from rota.plan import Plan
-from rota.planners.patrol.problem import Problem
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.verdict import Judge
 from rota.search_state import Watch
-
-
-class DemandOutcome(Protocol):
-    """What the search reads of the verdict on one demand."""
-
-    @property
-    def name(self) -> str:
-        """The zone's name, or "area"."""
-        ...
-
-    @property
-    def period_s(self) -> float:
-        """What is asked."""
-        ...
-
-    @property
-    def worst_gap_s(self) -> float:
-        """No point waits longer (inf: some of it is never seen, or so the verdict must assume)."""
-        ...
-
-    @property
-    def worst_gap_at_least_s(self) -> float:
-        """Some point waits as long (inf: it is never seen)."""
-        ...
-
-
-class Fault(Protocol):
-    """What the search reads of something that is wrong with the routes themselves."""
-
-    @property
-    def kind(self) -> str:
-        """What it is: "bodies touch", say."""
-        ...
-
-    @property
-    def who(self) -> str:
-        """The robots, or the robot."""
-        ...
-
-    @property
-    def place_m(self) -> tuple[float, float] | None:
-        """Where it is (None: nowhere in particular)."""
-        ...
-
-    @property
-    def time_s(self) -> float | None:
-        """When it is (None: at no particular time)."""
-        ...
-
-    @property
-    def value(self) -> float:
-        """How much it is."""
-        ...
-
-    @property
-    def limit(self) -> float:
-        """How much is allowed."""
-        ...
-
-    @property
-    def unit(self) -> str:
-        """Of both."""
-        ...
-
-
-class Verdict(Protocol):
-    """What the search reads of the verdict on a plan."""
-
-    @property
-    def verdict(self) -> str:
-        """Whether every demand is "met"."""
-        ...
-
-    @property
-    def demands(self) -> tuple[DemandOutcome, ...]:
-        """One outcome per demand."""
-        ...
-
-    @property
-    def violations(self) -> Sequence[Fault]:
-        """What is wrong with the routes, and demands that are violated."""
-        ...
-
-    @property
-    def unmet_points_m(self) -> NDArray[np.float64]:
-        """Places (n, 2) where the demand is not shown to be met."""
-        ...
-
-    @property
-    def unmet_demand(self) -> NDArray[np.int64]:
-        """For each of these places the index of its demand."""
-        ...
-
-    @property
-    def shown_unmet_m(self) -> NDArray[np.float64]:
-        """Places (m, 2) where it is shown not to be met."""
-        ...
-
-    @property
-    def shown_unmet_demand(self) -> NDArray[np.int64]:
-        """For each of these places the index of its demand."""
-        ...
-
-
-Judge = Callable[[Plan], Verdict]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from rota.draw.routes import Route, routes_of
 from rota.mission import AREA, Method, Mission
 from rota.plan import Plan
 from rota.plan_table import zones_served
-from rota.planners.patrol.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.studies.sun2019.panels import zone_title
 from rota.studies.sun2019.paper import PaperCase, PaperRoute
 from rota.studies.sun2019.runs import Printed, Runs

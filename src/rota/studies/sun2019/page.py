@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rota.planners.patrol.sun2019.frame_settings import PartitionSettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings
 from rota.studies.section import Section
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.runs import StudySettings

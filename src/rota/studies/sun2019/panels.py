@@ -16,10 +16,10 @@ from rota.draw.palette import OVER_PERIOD, ROUTE_COLOURS, route_style
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import AREA, Mission
-from rota.planners.patrol.sun2019.deploy import Deployment, ZoneDeployment
-from rota.planners.patrol.sun2019.graph import proximity_graph
-from rota.planners.patrol.sun2019.partition import Partition
-from rota.planners.patrol.sun2019.tour import Frame
+from rota.planners.patrol.methods.sun2019.deploy import Deployment, ZoneDeployment
+from rota.planners.patrol.methods.sun2019.graph import proximity_graph
+from rota.planners.patrol.methods.sun2019.partition import Partition
+from rota.planners.patrol.methods.sun2019.tour import Frame
 from rota.studies.sun2019.runs import Printed
 from rota.studies.tables import counted
 

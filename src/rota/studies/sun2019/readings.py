@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from rota.mission import Mission
-from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.cases import with_late
 from rota.studies.sun2019.runs import Printed, Reading, Runs

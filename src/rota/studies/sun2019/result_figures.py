@@ -6,9 +6,9 @@ from rota.compare import MethodOutcome
 from rota.draw.curve_panel import CurvePanel
 from rota.draw.map_panel import MapPanel
 from rota.draw.study_picture import study_picture
-from rota.planners.patrol.sun2019.partition import Partition
-from rota.planners.patrol.sun2019.settings import MethodSettings
-from rota.planners.patrol.sun2019.tour import Frame
+from rota.planners.patrol.methods.sun2019.partition import Partition
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.tour import Frame
 from rota.studies.section import Picture, Section
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.cases import DEFAULTS, Case, case_of, case_tables, unseen_and_late

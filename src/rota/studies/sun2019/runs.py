@@ -17,17 +17,24 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Effort, Method, Mission, PatrolSettings, Sun2019
 from rota.plan import Plan, Trajectory
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.problem import set_up_problem
-from rota.planners.patrol.sun2019.deploy import Deployment, deploy_sensors
-from rota.planners.patrol.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.sun2019.frame_settings import TourSettings
-from rota.planners.patrol.sun2019.partition import Partition, partition_frame
-from rota.planners.patrol.sun2019.route_lengths import route_lengths_m
-from rota.planners.patrol.sun2019.search import fewest_robots_by_stages, is_good
-from rota.planners.patrol.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
-from rota.planners.patrol.sun2019.stages import Framed, PartFrame, Stages, cut_in_segments, framed_sensors, radius_m
-from rota.planners.patrol.sun2019.tour import Frame, find_frame
-from rota.planners.patrol.tours import unmet_reason
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.methods.registry import unmet_reason
+from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
+from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
+from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
+from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages, is_good
+from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
+from rota.planners.patrol.methods.sun2019.stages import (
+    Framed,
+    PartFrame,
+    Stages,
+    cut_in_segments,
+    framed_sensors,
+    radius_m,
+)
+from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
 from rota.studies.study import StudyStopped
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.maps import figure_8, figure_13, figure_15, with_periods

@@ -10,8 +10,8 @@ from rota.draw.curve_panel import CurvePanel
 from rota.draw.map_panel import MapPanel
 from rota.draw.study_picture import study_picture
 from rota.mission import Mission
-from rota.planners.patrol.sun2019.deploy import Deployment
-from rota.planners.patrol.sun2019.tour import Frame
+from rota.planners.patrol.methods.sun2019.deploy import Deployment
+from rota.planners.patrol.methods.sun2019.tour import Frame
 from rota.studies.section import Picture, Section, Verdict
 from rota.studies.sun2019 import paper
 from rota.studies.sun2019.maps import RECONSTRUCTED

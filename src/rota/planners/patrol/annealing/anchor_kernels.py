@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
-from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.sight_kernels import compiled, norm
-from rota.planners.patrol.tour_kernels import (
+from rota.planners.patrol.annealing.state_kernels import (
     Tours,
     begin,
     enter_bucket,
@@ -17,6 +15,8 @@ from rota.planners.patrol.tour_kernels import (
     tour_length,
     undo,
 )
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
 
 @compiled

@@ -9,9 +9,7 @@ import math
 from typing import Any
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
-from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.sight_kernels import compiled, norm
-from rota.planners.patrol.tour_kernels import (
+from rota.planners.patrol.annealing.state_kernels import (
     Tours,
     apart,
     corner_at,
@@ -23,6 +21,8 @@ from rota.planners.patrol.tour_kernels import (
     new_vertex,
     old_leg,
 )
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
 
 @compiled

@@ -8,8 +8,8 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
 from rota.planners.patrol.annealing import kernels, move_kernels
-from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.tour_kernels import Tours
+from rota.planners.patrol.annealing.state_kernels import Tours
+from rota.planners.patrol.ground.sample_kernels import Samples
 
 typeof = kernels.anneal.typeof_pyval
 INT, FLOAT = typeof(0), typeof(0.0)

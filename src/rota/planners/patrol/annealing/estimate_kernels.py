@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.patrol.kernels import Index, Samples
-from rota.planners.patrol.sight_kernels import compiled
-from rota.planners.patrol.tour_kernels import RANGE, SURE_M, WEIGHT, Tours, bucket_of
+from rota.planners.patrol.annealing.state_kernels import RANGE, SURE_M, WEIGHT, Tours, bucket_of
+from rota.planners.patrol.ground.sample_kernels import Index, Samples
+from rota.planners.patrol.ground.sight_kernels import compiled
 
 
 @compiled

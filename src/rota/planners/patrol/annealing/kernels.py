@@ -14,10 +14,10 @@ from rota.geometry.kernels import EdgeGrid, point_in_space
 from rota.planners.patrol.annealing.anchor_kernels import move_together, pinned
 from rota.planners.patrol.annealing.meeting_kernels import try_meeting_near
 from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
-from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.random_kernels import uniform
-from rota.planners.patrol.sight_kernels import compiled, norm
-from rota.planners.patrol.tour_kernels import FULL, UNSEEN, VERTICES, Tours, apart, tour_length
+from rota.planners.patrol.annealing.random_kernels import uniform
+from rota.planners.patrol.annealing.state_kernels import FULL, UNSEEN, VERTICES, Tours, apart, tour_length
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
 MEETINGS = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
 MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg

@@ -6,10 +6,8 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.chain_kernels import link
-from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.random_kernels import uniform
-from rota.planners.patrol.sight_kernels import compiled, norm
-from rota.planners.patrol.tour_kernels import (
+from rota.planners.patrol.annealing.random_kernels import uniform
+from rota.planners.patrol.annealing.state_kernels import (
     Tours,
     apart,
     begin,
@@ -22,6 +20,8 @@ from rota.planners.patrol.tour_kernels import (
     old_leg,
     undo,
 )
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
 FARTHEST_STEPS = 8  # along its hub that an empty petal goes
 

@@ -32,9 +32,7 @@ from rota.planners.patrol.annealing.estimate_kernels import (
     note_way,
     unseen_near,
 )
-from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.sight_kernels import compiled
-from rota.planners.patrol.tour_kernels import (
+from rota.planners.patrol.annealing.state_kernels import (
     FULL,
     VERTICES_LEFT,
     Tours,
@@ -47,6 +45,8 @@ from rota.planners.patrol.tour_kernels import (
     old_leg,
     undo,
 )
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.sight_kernels import compiled
 
 
 @compiled

@@ -11,17 +11,7 @@ from numpy.typing import NDArray
 from rota.geometry.kernels import EdgeGrid
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.annealing import kernels as annealing_kernels
-from rota.planners.patrol.annealing.tour import (
-    Tour,
-    hubs_and_petals,
-    over_budget_share,
-    rounds_more,
-    split_legs,
-    whole_budget_m,
-    without_repeats,
-)
-from rota.planners.patrol.kernels import Samples
-from rota.planners.patrol.tour_kernels import (
+from rota.planners.patrol.annealing.state_kernels import (
     FULL,
     MOST_TRIED,
     NUMBERS,
@@ -30,6 +20,16 @@ from rota.planners.patrol.tour_kernels import (
     Tours,
     over_budget_cost,
     set_up,
+)
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.tours.tour import (
+    Tour,
+    hubs_and_petals,
+    over_budget_share,
+    rounds_more,
+    split_legs,
+    whole_budget_m,
+    without_repeats,
 )
 
 Floats = NDArray[np.float64]
@@ -230,3 +230,10 @@ def ring_of(state: Tours, k: int) -> Floats:
         order[i] = v
         v = int(state.after[v])
     return np.column_stack([state.x[order], state.y[order]])
+
+
+def over_prices(tours: list[Tour], price: float) -> Floats:
+    """Price (k,) of a metre over the budget of each tour; the more the less a robot can travel at all."""
+    one_m = np.array([replace(tour, robots=1).budget_m for tour in tours])
+    reach_m = np.array([tour.robot.sensor.reach_m for tour in tours])
+    return np.asarray(price * np.maximum(1.0, reach_m / one_m))

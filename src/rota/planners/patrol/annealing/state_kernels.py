@@ -1,0 +1,344 @@
+"""Compiled bookkeeping of the tours: their vertices, what their legs see, how often each sample is seen, and trials.
+
+A tour is a ring of vertices, linked both ways. Leg v runs from vertex v to the vertex after it (the only leg of a tour
+of one vertex has no length) and keeps the list of the samples it sees in a slot, so that taking a leg away needs no
+geometry. Vertices lie in buckets of the plane, so that a move finds its neighbours without a walk along the tours.
+
+A move is tried as a whole: new legs are counted first, then old ones taken away, so that few samples pass through
+being unseen; only when it is kept do the rings change.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.patrol.ground.sample_kernels import Index, Samples, leg_sees
+from rota.planners.patrol.ground.sight_kernels import compiled, norm
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_TRIED = 64  # legs that one trial makes or takes away at most
+SURE_M = 1e-9  # rounding
+# places in Tours.most: the greatest weight of a sample, and the farthest that any is seen from, in x or in y
+WEIGHT, RANGE = range(2)
+# places in Tours.ints
+SLOTS_LEFT, UNSEEN, ACCEPTED, VERTICES_LEFT, VERTICES, TRIED_NEW, TRIED_OLD, FULL = range(8)
+NUMBERS = 8
+
+
+class Tours(NamedTuple):
+    """All tours, what their legs see, and how often each sample is seen; laid out by ``annealing/search.py``."""
+
+    x: Floats  # by vertex v: its place in metres
+    y: Floats
+    after: Ints  # the next vertex of its ring
+    before: Ints
+    tour: Ints
+    slot: Ints  # where it is kept what leg v sees
+    in_use: Ints  # the vertices in use, ints[VERTICES] of them
+    place: Ints  # by vertex: its place in in_use
+    free_vertices: Ints  # the others, ints[VERTICES_LEFT] of them
+    bucket: Ints  # by bucket: its first vertex, or -1
+    bucket_after: Ints  # by vertex: the next one in its bucket, or -1
+    bucket_before: Ints  # the one before it, or -1 - its bucket
+    grid: Floats  # of the buckets: x and y of the first corner, and their side
+    grid_n: Ints  # columns and rows
+    anchor: Ints  # by tour k: a vertex of it; of a petal the one where it meets its hub
+    n: Ints  # how many vertices
+    length: Floats  # metres, turning included
+    reach_m: Floats
+    square: Ints  # 1 where the sensor is a square
+    serves: Ints  # the period class
+    turn_m: Floats  # metres in the time of a turn by 1 rad
+    price: Floats  # of a metre
+    budget_m: Floats
+    over_price: Floats  # of a metre over budget
+    hub: Ints  # the tour that it is a petal of, or itself
+    petals: Ints  # of a hub: the first petal, and one past the last
+    meets: Ints  # of a petal: the vertex of its hub at which it begins
+    more: Ints  # of a hub: rounds beyond one for each petal
+    whole_m: Floats  # of a hub: the budget of all its rounds together
+    seen: NDArray[np.int32]  # by slot: what a leg sees, as runs of samples
+    seen_n: Ints  # how many numbers these are
+    free_slots: Ints  # ints[SLOTS_LEFT] of them
+    times_seen: NDArray[np.int32]  # by sample: by how many legs
+    unseen_item: Ints  # the unseen samples, ints[UNSEEN] of them
+    unseen_place: Ints  # by sample: its place in unseen_item
+    bucket_of_sample: NDArray[np.int32]
+    unseen_in: Ints  # by bucket: how many unseen samples
+    most: Floats
+    ints: Ints
+    unseen: Floats  # (1,) the weight of all unseen samples
+    ways: Floats  # legs that a move would make: begin, way, and 1 / length squared
+    tried_new: Ints  # slots of the legs that the trial makes
+    tried_old: Ints  # of those that it takes away
+    rng: NDArray[np.uint64]  # the state of the random numbers
+    scratch: Floats  # room for the places of a move
+
+
+@compiled
+def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
+    """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
+    runs = t.seen[slot]
+    times = t.times_seen
+    last = np.int32(0 if step > 0 else 1)  # the count before, at which a sample begins or ceases to be seen
+    change = np.int32(step)
+    now = np.int32(last + change)
+    for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
+        first, end = Index(runs[j]), Index(runs[j + Index(1)])
+        turned = 0
+        for i in range(first, end):
+            turned += times[i] == last
+            times[i] += change
+        if turned == 0:
+            continue
+        for i in range(first, end):
+            if times[i] != now:
+                continue
+            sample = np.int64(i)
+            if step > 0:
+                t.ints[UNSEEN] -= 1
+                back = t.unseen_item[t.ints[UNSEEN]]
+                t.unseen_item[t.unseen_place[sample]] = back
+                t.unseen_place[back] = t.unseen_place[sample]
+                t.unseen_in[t.bucket_of_sample[sample]] -= 1
+                t.unseen[0] -= s.weight[sample]
+            else:
+                t.unseen_item[t.ints[UNSEEN]] = sample
+                t.unseen_place[sample] = t.ints[UNSEEN]
+                t.ints[UNSEEN] += 1
+                t.unseen_in[t.bucket_of_sample[sample]] += 1
+                t.unseen[0] += s.weight[sample]
+
+
+@compiled
+def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, turn_m: float) -> float:
+    """Turning at b on the way a-b-c, as metres of travel that take the same time."""
+    ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
+    if turn_m == 0 or (ux == 0 and uy == 0) or (vx == 0 and vy == 0):
+        return 0.0
+    return turn_m * abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+
+
+@compiled
+def corner_at(a: int, b: int, c: int, t: Tours) -> float:
+    """Turning at vertex b on the way from vertex a to vertex c, as metres."""
+    return corner_m(t.x[a], t.y[a], t.x[b], t.y[b], t.x[c], t.y[c], t.turn_m[t.tour[b]])
+
+
+@compiled
+def apart(a: int, b: int, t: Tours) -> float:
+    """Distance of two vertices."""
+    return norm(t.x[b] - t.x[a], t.y[b] - t.y[a])
+
+
+@compiled
+def tour_length(k: int, t: Tours) -> float:
+    """Length of tour k in metres, turning included as the metres that take the same time."""
+    first = t.anchor[k]
+    total, v = 0.0, first
+    while True:
+        total += apart(v, t.after[v], t)
+        if t.turn_m[k] > 0 and t.n[k] > 1:
+            total += corner_at(t.before[v], v, t.after[v], t)
+        v = t.after[v]
+        if v == first:
+            return total
+
+
+@compiled
+def over_budget_cost(h: int, t: Tours) -> float:
+    """Price of what tour h, or the hub h with its petals, is over budget: in each of its rounds and in all of them."""
+    first, last = t.petals[h, 0], t.petals[h, 1]
+    if first == last:
+        return t.over_price[h] * max(0.0, t.length[h] - t.budget_m[h])
+    over, whole = 0.0, t.more[h] * t.length[h]
+    for petal in range(first, last):
+        round_m = t.length[h] + t.length[petal]
+        over += max(0.0, round_m - t.budget_m[h])
+        whole += round_m
+    return t.over_price[h] * (over + max(0.0, whole - t.whole_m[h]))
+
+
+@compiled
+def length_cost(k: int, change_m: float, t: Tours) -> float:
+    """What it costs if tour k becomes longer by so much: every metre a little, metres over budget a lot."""
+    h = t.hub[k]
+    if t.petals[h, 0] == t.petals[h, 1]:
+        was, budget = t.length[k], t.budget_m[k]
+        over = max(0.0, was + change_m - budget) - max(0.0, was - budget)
+        return t.price[k] * change_m + t.over_price[k] * over
+    was = over_budget_cost(h, t)
+    kept = t.length[k]
+    t.length[k] = kept + change_m
+    now = over_budget_cost(h, t)
+    t.length[k] = kept
+    return t.price[k] * change_m + now - was
+
+
+@compiled
+def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: Tours) -> bool:
+    """Count what a new leg of tour k sees; it joins the trial. False (and FULL set) when there is no room for it."""
+    left, tried = t.ints[SLOTS_LEFT], t.ints[TRIED_NEW]
+    if left == 0 or tried == MOST_TRIED:
+        t.ints[FULL] = 1
+        return False
+    slot = t.free_slots[left - 1]
+    found = leg_sees(ax, ay, bx, by, t.reach_m[k], t.square[k], t.serves[k], s, t.seen[slot])
+    if found < 0:
+        t.ints[FULL] = 1
+        return False
+    t.ints[SLOTS_LEFT] = left - 1
+    t.seen_n[slot] = found
+    t.tried_new[tried] = slot
+    t.ints[TRIED_NEW] = tried + 1
+    count_leg(slot, np.int64(1), s, t)
+    return True
+
+
+@compiled
+def old_leg(slot: int, s: Samples, t: Tours) -> None:
+    """Take away what a leg sees; it joins the trial."""
+    count_leg(slot, np.int64(-1), s, t)
+    t.tried_old[t.ints[TRIED_OLD]] = slot
+    t.ints[TRIED_OLD] += 1
+
+
+@compiled
+def begin(t: Tours) -> None:
+    """Begin a trial."""
+    t.ints[TRIED_NEW] = 0
+    t.ints[TRIED_OLD] = 0
+
+
+@compiled
+def keep(t: Tours) -> None:
+    """Keep the trial: the slots of the old legs are free again, those of the new ones are the caller's to place."""
+    for i in range(t.ints[TRIED_OLD]):
+        t.free_slots[t.ints[SLOTS_LEFT]] = t.tried_old[i]
+        t.ints[SLOTS_LEFT] += 1
+    t.ints[ACCEPTED] += 1
+
+
+@compiled
+def undo(unseen: float, s: Samples, t: Tours) -> None:
+    """Undo the trial; ``unseen`` is the weight of the unseen samples before it, to the last bit."""
+    for i in range(t.ints[TRIED_OLD]):
+        count_leg(t.tried_old[i], np.int64(1), s, t)
+    for i in range(t.ints[TRIED_NEW] - 1, -1, -1):
+        count_leg(t.tried_new[i], np.int64(-1), s, t)
+        t.free_slots[t.ints[SLOTS_LEFT]] = t.tried_new[i]
+        t.ints[SLOTS_LEFT] += 1
+    t.unseen[0] = unseen
+
+
+@compiled
+def bucket_of(x: float, y: float, t: Tours) -> int:
+    """The bucket of a place; places outside the grid belong to its nearest one."""
+    i = min(max(int((x - t.grid[0]) / t.grid[2]), 0), t.grid_n[0] - 1)
+    j = min(max(int((y - t.grid[1]) / t.grid[2]), 0), t.grid_n[1] - 1)
+    return j * t.grid_n[0] + i
+
+
+@compiled
+def enter_bucket(v: int, t: Tours) -> None:
+    """Put vertex v in the bucket of its place."""
+    b = bucket_of(t.x[v], t.y[v], t)
+    first = t.bucket[b]
+    t.bucket_after[v], t.bucket_before[v] = first, -1 - b
+    if first >= 0:
+        t.bucket_before[first] = v
+    t.bucket[b] = v
+
+
+@compiled
+def leave_bucket(v: int, t: Tours) -> None:
+    """Take vertex v out of its bucket."""
+    before, after = t.bucket_before[v], t.bucket_after[v]
+    if before >= 0:
+        t.bucket_after[before] = after
+    else:
+        t.bucket[-1 - before] = after
+    if after >= 0:
+        t.bucket_before[after] = before
+
+
+@compiled
+def new_vertex(x: float, y: float, k: int, t: Tours) -> int:
+    """A vertex of tour k at a place, in its bucket, not yet linked; the caller has made sure that one is left."""
+    t.ints[VERTICES_LEFT] -= 1
+    v = t.free_vertices[t.ints[VERTICES_LEFT]]
+    t.x[v], t.y[v], t.tour[v] = x, y, k
+    t.in_use[t.ints[VERTICES]] = v
+    t.place[v] = t.ints[VERTICES]
+    t.ints[VERTICES] += 1
+    t.n[k] += 1
+    enter_bucket(v, t)
+    return v
+
+
+@compiled
+def free_vertex(v: int, t: Tours) -> None:
+    """Give a vertex back; the caller has unlinked it. A tour's anchor moves on before."""
+    k = t.tour[v]
+    leave_bucket(v, t)
+    t.n[k] -= 1
+    t.ints[VERTICES] -= 1
+    end = t.in_use[t.ints[VERTICES]]
+    t.in_use[t.place[v]] = end
+    t.place[end] = t.place[v]
+    t.free_vertices[t.ints[VERTICES_LEFT]] = v
+    t.ints[VERTICES_LEFT] += 1
+
+
+@compiled
+def set_up(x: Any, y: Any, tour: Any, s: Samples, t: Tours) -> bool:
+    """Lay out the vertices (tour by tour, each in its order) and count everything; False when there is no room."""
+    t.times_seen[:] = 0
+    t.bucket[:] = -1
+    t.unseen_in[:] = 0
+    t.n[:] = 0
+    t.ints[:] = 0
+    t.ints[SLOTS_LEFT] = t.free_slots.shape[0]
+    t.ints[VERTICES_LEFT] = t.x.shape[0]
+    t.ints[UNSEEN] = s.x.shape[0]
+    t.unseen[0] = 0.0
+    for slot in range(t.free_slots.shape[0]):
+        t.free_slots[slot] = slot
+    for v in range(t.x.shape[0]):
+        t.free_vertices[v] = t.x.shape[0] - 1 - v
+    for i in range(s.x.shape[0]):
+        t.unseen_item[i] = i
+        t.unseen_place[i] = i
+        t.unseen_in[t.bucket_of_sample[i]] += 1
+        t.unseen[0] += s.weight[i]
+    first = np.int64(0)
+    for i in range(x.shape[0]):
+        v = new_vertex(x[i], y[i], tour[i], t)
+        if i == 0 or tour[i] != tour[i - 1]:
+            first = v
+            t.anchor[tour[i]] = v
+        else:
+            t.before[v] = v - 1
+            t.after[v - 1] = v
+        t.after[v], t.before[first] = first, v
+    for v in range(x.shape[0]):
+        w = t.after[v]
+        begin(t)
+        if not new_leg(t.x[v], t.y[v], t.x[w], t.y[w], t.tour[v], s, t):
+            return False
+        t.slot[v] = t.tried_new[0]
+    for k in range(t.n.shape[0]):
+        t.length[k] = tour_length(k, t)
+        h = t.hub[k]
+        if h != k:  # a petal begins at the vertex of its hub that lies where its own first one does
+            a, u = t.anchor[k], t.anchor[h]
+            while t.x[u] != t.x[a] or t.y[u] != t.y[a]:
+                u = t.after[u]
+            t.meets[k] = u
+    return True

@@ -1,0 +1,269 @@
+"""Points that stand for what is asked, and how far apart the places are from which they can be seen, at least."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from shapely import MultiPolygon
+from shapely.geometry.base import BaseGeometry
+
+from rota.geometry.free_space import DemandedRegion, border_segments, standing_space
+from rota.geometry.line_of_sight import visibility_polygon
+from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import Mission
+from rota.planners.patrol.ground.samples import SamplePoints
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_SPREAD_OUT, MOST_HIDDEN = 120, 40
+FEWEST_PER_PERIOD = 12
+MOST_LOOKED_AT = 20_000  # samples
+MOST_CORNERS = 6_000  # beyond as many, ways between witnesses are measured straight
+ROOM = 1e-4  # of the reach: what blocks is made thinner by it, so that rounding and tolerances only lower the bound
+_STEP = 1 / 8  # of the reach: between points on the border of a view
+_ARC_CORNERS, _BODY_SHARE = 64, 0.998  # circumscribed arcs of this radius stay within the true ones
+
+
+@dataclass(frozen=True, kw_only=True)
+class Witnesses:
+    """Points (or zones to visit), each of which must be served once in every window of its period.
+
+    period_s (n,). spread_m (n,): whoever serves it stands at most so long a way from its centre centre_m (n, 2). way_m
+    (n, n): ways between the centres, at most as long as for any robot; inf where there is none. part (n,): the part of
+    the standing space that it is served from, -1 when there are several; parts: how many there are.
+    """
+
+    centre_m: Floats
+    spread_m: Floats
+    period_s: Floats
+    way_m: Floats
+    part: Ints
+    parts: int
+
+    def __len__(self) -> int:
+        return len(self.period_s)
+
+    @property
+    def apart_m(self) -> Floats:
+        """(n, n) metres at least between a place that serves one and a place that serves the other; 0 on itself."""
+        apart = np.maximum(0.0, self.way_m - self.spread_m[:, None] - self.spread_m[None, :])
+        one, other = self.part[:, None], self.part[None, :]
+        apart[(one >= 0) & (other >= 0) & (one != other)] = np.inf
+        np.fill_diagonal(apart, 0.0)
+        return apart
+
+    def chosen(self, which: NDArray[np.bool_] | Ints) -> Witnesses:
+        """Some of them."""
+        which = np.flatnonzero(which) if which.dtype == np.bool_ else which
+        return Witnesses(
+            centre_m=self.centre_m[which],
+            spread_m=self.spread_m[which],
+            period_s=self.period_s[which],
+            way_m=self.way_m[np.ix_(which, which)],
+            part=self.part[which],
+            parts=self.parts,
+        )
+
+
+def witnesses_of(
+    mission: Mission,
+    regions: Sequence[DemandedRegion],
+    periods_s: Sequence[float],
+    points: SamplePoints,
+    sees_start: Ints,
+    sees_item: Ints,
+    reach_m: float,
+) -> Witnesses:
+    """Well chosen samples, all of which some robot can see, and all zones to visit.
+
+    points: samples that are surely seen by one of the places at least; sees_start, sees_item: which place sees which.
+    reach_m: the farthest that any robot of the fleet sees. Obstacles count as a little smaller than they are and ways
+    are measured for a body of no width, so that no true way is shorter. Points whose views cannot be bounded are
+    absent. On ground with very many corners ways are measured straight, see ``_straight_witnesses``.
+    """
+    chosen = _chosen_samples(points, sees_start, sees_item, reach_m)
+    if _corners_of(mission) > MOST_CORNERS:
+        return _straight_witnesses(regions, periods_s, points[chosen], reach_m)
+    ground = _Ground(mission, reach_m)
+    found = [
+        (place, periods_s[points.period[i]]) for i in chosen if (place := ground.where_seen(points.xy_m[i])) is not None
+    ]
+    found += [
+        (place, region.period_s)
+        for region in regions
+        if region.demand == "visit" and (place := ground.where_inside(region.shape)) is not None
+    ]
+    centre = np.array([place.centre_m for place, _ in found]).reshape(-1, 2)
+    return Witnesses(
+        centre_m=centre,
+        spread_m=np.array([place.spread_m for place, _ in found]),
+        period_s=np.array([period for _, period in found], dtype=np.float64),
+        way_m=ground.paths.all_pairs(centre),
+        part=np.array([place.part for place, _ in found], dtype=np.int64),
+        parts=len(ground.parts),
+    )
+
+
+def _corners_of(mission: Mission) -> int:
+    """Corners of the area and of all that blocks motion or sight."""
+    return int(shapely.get_num_coordinates([mission.area, *(o.shape for o in mission.obstacles)]).sum())
+
+
+def _straight_witnesses(
+    regions: Sequence[DemandedRegion], periods_s: Sequence[float], points: SamplePoints, reach_m: float
+) -> Witnesses:
+    """The same with straight distances for ways: sound, as no way is shorter, and weaker, as walls count for nothing.
+
+    Whoever sees a point is within the reach of it; whoever is inside a zone is no farther from a point of it than the
+    zone's farthest corner. Nothing is said about parts that nobody can travel between.
+    """
+    zones = [region for region in regions if region.demand == "visit"]
+    middles = [shapely.get_coordinates(shapely.point_on_surface(zone.shape))[0] for zone in zones]
+    radii = [
+        float(np.hypot(*(shapely.get_coordinates(zone.shape) - middle).T).max())
+        for zone, middle in zip(zones, middles, strict=True)
+    ]
+    centre = np.vstack([points.xy_m, *(middle[None] for middle in middles)])
+    count = len(centre)
+    return Witnesses(
+        centre_m=centre,
+        spread_m=np.concatenate([np.full(len(points), reach_m), radii]) * (1 + ROOM),
+        period_s=np.concatenate([np.array(periods_s)[points.period], [zone.period_s for zone in zones]]),
+        way_m=np.hypot(*(centre[:, None] - centre[None]).transpose(2, 0, 1)),
+        part=np.full(count, -1, dtype=np.int64),
+        parts=1,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Place:
+    centre_m: Floats
+    spread_m: float
+    part: int
+
+
+class _Ground:
+    """Where any robot of a fleet may stand, travel and look, all of it a little larger than it is."""
+
+    def __init__(self, mission: Mission, reach_m: float) -> None:
+        room_m = ROOM * reach_m
+        robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
+        body_m = min(robot.body_radius_m for robot in robots)
+        self.reach_m = reach_m * (1 + ROOM)
+        self.travel = _polygonal(standing_space(mission, 0.0).buffer(room_m, join_style="mitre"))
+        thin_m = max(0.0, _BODY_SHARE * body_m - room_m)
+        standing = standing_space(mission, thin_m, arc_corners=_ARC_CORNERS) if thin_m > 0 else self.travel
+        self.parts = list(standing.geoms)
+        self.paths = ShortestPaths(self.travel)
+        x0, y0, x1, y1 = shapely.box(*self.travel.bounds).buffer(4 * reach_m).bounds
+        closed = shapely.difference(shapely.box(x0, y0, x1, y1), self.travel)
+        self.borders = border_segments(_polygonal(closed))
+        hidden = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_sight])
+        self.walls = border_segments(_polygonal(hidden.buffer(-room_m, join_style="mitre")))
+        shapely.prepare(self.travel)
+
+    def where_seen(self, point_m: Floats) -> _Place | None:
+        """Where one may stand to see a point: within ``spread_m`` of travel of ``centre_m``; None: no bound known."""
+        view = shapely.intersection(visibility_polygon(point_m, self.walls, self.reach_m), self.travel)
+        if view.is_empty:
+            return None
+        if not shapely.contains_xy(self.travel, *point_m):
+            return self._place(shapely.get_coordinates(shapely.point_on_surface(view))[0], view, 0.0)
+        straight = visibility_polygon(point_m, self.borders, self.reach_m)
+        corners = shapely.get_coordinates(view) - point_m
+        within_m = min(self.reach_m, float(np.hypot(corners[:, 0], corners[:, 1]).max()))
+        bent = shapely.difference(view, straight.buffer(1e-3 * ROOM * self.reach_m))
+        return self._place(point_m, view, within_m, bent)
+
+    def where_inside(self, shape: MultiPolygon) -> _Place | None:
+        """The same for standing inside a zone."""
+        inside = shapely.intersection(shape.buffer(ROOM * self.reach_m, join_style="mitre"), self.travel)
+        if inside.is_empty:
+            return None
+        middle = shapely.get_coordinates(shapely.point_on_surface(inside))[0]
+        return self._place(middle, inside, 0.0)
+
+    def _place(
+        self, centre_m: Floats, views: BaseGeometry, straight_m: float, bent: BaseGeometry | None = None
+    ) -> _Place | None:
+        """straight_m: how far that of ``views`` lies that is not ``bent`` (None: all of it is)."""
+        spread_m = max(straight_m, self._farthest(centre_m, views if bent is None else bent))
+        if not np.isfinite(spread_m):
+            return None
+        parts = [k for k, part in enumerate(self.parts) if part.intersects(views)]
+        return _Place(centre_m=centre_m, spread_m=spread_m, part=parts[0] if len(parts) == 1 else -1)
+
+    def _farthest(self, centre_m: Floats, shape: BaseGeometry) -> float:
+        """A bound on the ways from the centre to the points of a shape in the travel space; 0 when it is empty."""
+        polygons = [p for p in shapely.get_parts(shape) if p.geom_type == "Polygon" and p.area > 0]
+        if not polygons:
+            return 0.0
+        step_m = _STEP * self.reach_m
+        farthest = 0.0
+        for polygon in polygons:
+            border = np.unique(shapely.get_coordinates(shapely.segmentize(polygon.boundary, step_m)), axis=0)
+            ways = self.paths.distances(centre_m[None], border)
+            # from any point within straight to the border, and along it to the next of these
+            farthest = max(farthest, float(ways.max()) + float(np.sqrt(polygon.area / np.pi)) + step_m / 2)
+        return farthest
+
+
+def _chosen_samples(points: SamplePoints, sees_start: Ints, sees_item: Ints, reach_m: float) -> Ints:
+    """Samples far from each other, and samples that hardly any place sees, for every period and all shorter ones."""
+    inside = np.flatnonzero((points.visit_m == 0) & (points.shrink_m > 0))
+    if not len(inside):
+        return inside
+    seen_by = np.bincount(sees_item, minlength=len(points))
+    inside = inside[np.lexsort((inside, seen_by[inside]))]
+    classes = np.unique(points.period[inside])
+    each = max(FEWEST_PER_PERIOD, MOST_SPREAD_OUT // len(classes))
+    chosen: list[int] = []
+    for c in classes[:: max(1, len(classes) * FEWEST_PER_PERIOD // MOST_SPREAD_OUT)]:
+        among = inside[points.period[inside] <= c]
+        among = among[:: max(1, len(among) // MOST_LOOKED_AT)]
+        chosen += _spread_out(points.xy_m, among, chosen, each, reach_m / 2)
+    sees = csr_array(
+        (np.ones(len(sees_item), dtype=np.int8), sees_item, sees_start), shape=(len(sees_start) - 1, len(points))
+    ).tocsc()
+    chosen += _hidden(sees, inside[:MOST_LOOKED_AT])
+    return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
+
+
+def _spread_out(xy_m: Floats, among: Ints, already: list[int], count: int, nearest_m: float) -> list[int]:
+    """Up to ``count`` points, each as far as can be from those before and not nearer than ``nearest_m``."""
+    away = np.full(len(among), np.inf)
+    for i in already:
+        away = np.minimum(away, np.hypot(*(xy_m[among] - xy_m[i]).T))
+    found: list[int] = []
+    for _ in range(count):
+        k = int(np.argmax(away))
+        if away[k] < nearest_m:
+            break
+        found.append(int(among[k]))
+        away = np.minimum(away, np.hypot(*(xy_m[among] - xy_m[among[k]]).T))
+    return found
+
+
+def _hidden(sees: csr_array, among: Ints) -> list[int]:
+    """Points no two of which any place sees, taken in their order. sees: places by points, by columns."""
+    used = np.zeros(sees.shape[0], dtype=bool)
+    found: list[int] = []
+    for i in among:
+        viewers = sees.indices[sees.indptr[i] : sees.indptr[i + 1]]
+        if not used[viewers].any():
+            used[viewers] = True
+            found.append(int(i))
+            if len(found) == MOST_HIDDEN:
+                break
+    return found
+
+
+def _polygonal(shape: BaseGeometry) -> MultiPolygon:
+    parts = shapely.get_parts(shapely.get_parts(shape))
+    return MultiPolygon([part for part in parts if part.geom_type == "Polygon" and part.area > 0])

@@ -1,0 +1,37 @@
+"""Points that the search adds to those of the problem, and all of them laid out with their weights."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of, prepare, thinned
+
+UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
+
+
+def no_points() -> SamplePoints:
+    """No further points."""
+    return points_of(np.zeros((0, 2)), 0.0, 0, 0)
+
+
+def prepared_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False) -> tuple[SamplePoints, Samples]:
+    """The problem's points and further ones, laid out for the kernels with their weights in metres of travel.
+
+    coarse: of the points on lattices only every other one of every other row, each with four times the area.
+    """
+    points = thinned(problem.points) if coarse else problem.points
+    points = joined([points, extra]) if len(extra) else points
+    # no way is too long for a visit, however small the zone
+    longest_m = np.array(problem.periods_s)[points.period] * problem.robot.speed_m_s
+    weight = np.where(points.visit_m > 0, longest_m, UNSEEN_WEIGHT * points.area_m2 / problem.swath_m)
+    samples, order = prepare(
+        points,
+        problem.walls,
+        reach_m=problem.robot.sensor.reach_m,
+        weight=weight,
+        wall_margin_m=0.001 * problem.reach_m,
+        known=None if coarse else problem.samples,
+    )
+    return points[order], samples

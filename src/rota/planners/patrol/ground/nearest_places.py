@@ -1,0 +1,49 @@
+"""Where to stand so that a sensor need reach least far: the last places from which the rim of the seeable is seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.geometry.free_space import border_segments
+from rota.geometry.line_of_sight import edge_grid, sees, visibility_polygon
+from rota.mission import Robot
+from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
+from rota.planners.patrol.ground.viewpoints import sensor_arguments
+
+Floats = NDArray[np.float64]
+
+
+def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: Robot) -> tuple[Floats, Floats]:
+    """For each point (n, 2) the place (n, 2) in the space that sees it from least far, and how far that is (n,).
+
+    walls: (k, 4) that block sight. The range in metres is what the sensor must reach: a distance, or for a square the
+    greater of |dx| and |dy|; 0 for points in the space. Beyond the robot's reach no sight is asked, and a range is only
+    a lower one; inf where walls hide the point from every place in reach.
+    """
+    points = np.ascontiguousarray(points_m, dtype=np.float64).reshape(-1, 2)
+    reach_m, square = sensor_arguments(robot, 0.0)
+    places, ranges = points.copy(), np.zeros(len(points))
+    shapely.prepare(space)
+    outside = np.flatnonzero(~shapely.intersects_xy(space, *points.T))
+    places[outside], ranges[outside] = nearest_on_segments(points[outside], border_segments(space), square)
+    near = outside[ranges[outside] <= reach_m]
+    if not len(walls) or not len(near):
+        return places, ranges
+    for i in near[~sees(points[near], places[near], edge_grid(walls))]:
+        view = visibility_polygon(points[i], walls, reach_m * (np.sqrt(2) if square else 1.0))
+        place, far = nearest_on_segments(points[i : i + 1], segments_of(view.intersection(space)), square)
+        places[i], ranges[i] = place[0], far[0] if far[0] <= reach_m else np.inf
+    return places, ranges
+
+
+def segments_of(shape: shapely.Geometry) -> Floats:
+    """All segments (k, 4) of a geometry of any kind; a lone point is a segment of no length."""
+    found = [np.zeros((0, 4))]
+    for part in shapely.get_parts(shapely.get_parts(np.atleast_1d(shape))):
+        for line in shapely.get_rings(part) if part.geom_type == "Polygon" else [part]:
+            xy = shapely.get_coordinates(line)
+            found.append(np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy]))
+    return np.ascontiguousarray(np.vstack(found))

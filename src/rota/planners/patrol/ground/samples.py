@@ -1,0 +1,302 @@
+"""The points that tours are made to see: a lattice over the demanded regions, their borders and their corners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.geometry.free_space import DemandedRegion
+from rota.planners.patrol.ground.depth_kernels import depths
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.sight_kernels import TOUCH_M
+from rota.planners.patrol.ground.viewpoint_kernels import walls_that_hide
+
+MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
+ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SamplePoints:
+    """Points to be seen. All arrays (n,): metres, m2 of ground each stands for, index into the periods, and so on.
+
+    visit_m: 0, or for a zone that asks for visits the distance at which a robot is surely inside. shrink_m: how much
+    shorter the sensor is taken for this point, since it stands for the ground round it. region: index of the demand.
+    row, column: place in the region's lattice, -1 for points that lie on none.
+    """
+
+    xy_m: Floats
+    area_m2: Floats
+    period: Ints
+    visit_m: Floats
+    shrink_m: Floats
+    region: Ints
+    row: Ints
+    column: Ints
+
+    def __len__(self) -> int:
+        return len(self.area_m2)
+
+    def __getitem__(self, which: NDArray[np.bool_] | Ints) -> SamplePoints:
+        return SamplePoints(
+            xy_m=self.xy_m[which],
+            area_m2=self.area_m2[which],
+            period=self.period[which],
+            visit_m=self.visit_m[which],
+            shrink_m=self.shrink_m[which],
+            region=self.region[which],
+            row=self.row[which],
+            column=self.column[which],
+        )
+
+
+def joined(parts: Sequence[SamplePoints]) -> SamplePoints:
+    """All points of the parts, in order; parts may be empty."""
+    return SamplePoints(
+        xy_m=np.concatenate([p.xy_m for p in parts]).reshape(-1, 2),
+        area_m2=np.concatenate([p.area_m2 for p in parts]),
+        period=np.concatenate([p.period for p in parts]),
+        visit_m=np.concatenate([p.visit_m for p in parts]),
+        shrink_m=np.concatenate([p.shrink_m for p in parts]),
+        region=np.concatenate([p.region for p in parts]),
+        row=np.concatenate([p.row for p in parts]),
+        column=np.concatenate([p.column for p in parts]),
+    )
+
+
+def points_of(
+    xy_m: Floats, area_m2: float | Floats, period: int, region: int, *, visit_m: float = 0.0, shrink_m: float = 0.0
+) -> SamplePoints:
+    """Points of one region that share everything but the place (and perhaps the area)."""
+    n = len(xy_m)
+    return SamplePoints(
+        xy_m=np.asarray(xy_m, dtype=np.float64).reshape(-1, 2),
+        area_m2=np.broadcast_to(np.asarray(area_m2, dtype=np.float64), n).copy(),
+        period=np.full(n, period, dtype=np.int64),
+        visit_m=np.full(n, visit_m),
+        shrink_m=np.full(n, shrink_m),
+        region=np.full(n, region, dtype=np.int64),
+        row=np.full(n, -1, dtype=np.int64),
+        column=np.full(n, -1, dtype=np.int64),
+    )
+
+
+def thinned(points: SamplePoints) -> SamplePoints:
+    """Every other point of every other row of the lattices, with four times the area, and all others."""
+    lattice = points.row >= 0
+    kept = points[np.flatnonzero(~lattice | ((points.row % 2 == 0) & (points.column % 2 == 0)))]
+    lattice = kept.row >= 0
+    return replace(
+        kept,
+        row=np.where(lattice, kept.row // 2, kept.row),
+        column=np.where(lattice, kept.column // 2, kept.column),
+        area_m2=np.where(lattice, 4 * kept.area_m2, kept.area_m2),
+    )
+
+
+def lattice(shape: MultiPolygon, spacing_m: float) -> Floats:
+    """Centres (n, 2) of the lattice squares that lie in the shape."""
+    return lattice_places(shape, spacing_m)[0]
+
+
+def lattice_places(shape: MultiPolygon, spacing_m: float) -> tuple[Floats, Ints, Ints]:
+    """Centres (n, 2) of the lattice squares that lie in the shape, row by row, with their rows and columns (n,)."""
+    x0, y0, x1, y1 = shape.bounds
+    columns, rows = int(np.ceil((x1 - x0) / spacing_m)), int(np.ceil((y1 - y0) / spacing_m))
+    # centred, so that what is left over is shared by both borders
+    xs = (x0 + x1) / 2 + (np.arange(columns) - (columns - 1) / 2) * spacing_m
+    ys = (y0 + y1) / 2 + (np.arange(rows) - (rows - 1) / 2) * spacing_m
+    shapely.prepare(shape)
+    inside = [np.flatnonzero(shapely.contains_xy(shape, xs, np.full(columns, y))) for y in ys]
+    row = np.repeat(np.arange(rows, dtype=np.int64), [len(found) for found in inside])
+    column = np.concatenate(inside).astype(np.int64)
+    return np.column_stack([xs[column], ys[row]]), row, column
+
+
+def border(shape: MultiPolygon, spacing_m: float, inset_m: float) -> Floats:
+    """Points (n, 2) along the borders at most ``spacing_m`` apart, corners included, moved ``inset_m`` inwards."""
+    inner = shape.buffer(-inset_m, join_style="mitre", mitre_limit=3.0)
+    if inner.is_empty:
+        inner = shape
+    dense = shapely.segmentize(inner.boundary, spacing_m)
+    return one_a_cell(np.unique(shapely.get_coordinates(dense), axis=0), spacing_m / 4)
+
+
+def one_a_cell(xy_m: Floats, cell_m: float) -> Floats:
+    """The points (n, 2), or, of very many, the first in each cell of a lattice: ragged walls have a corner a pixel."""
+    if len(xy_m) <= MANY_CORNERS:
+        return xy_m
+    _, first = np.unique(np.floor(xy_m / cell_m).astype(np.int64), axis=0, return_index=True)
+    return xy_m[np.sort(first)]
+
+
+def region_points(
+    region: DemandedRegion,
+    index: int,
+    period: int,
+    space: MultiPolygon,
+    *,
+    spacing_m: float,
+    shrink_m: float,
+    inset_m: float,
+) -> SamplePoints:
+    """The points that stand for one demanded region; a zone that asks for visits is one point where robots can be.
+
+    A zone that no robot can be in is no point.
+    """
+    if region.demand == "visit":
+        return visit_point(region.shape, space, index, period, region.shape.area)
+    places_m, row, column = lattice_places(region.shape, spacing_m)
+    inside = points_of(places_m, spacing_m**2, period, index, shrink_m=shrink_m)
+    inside = replace(inside, row=row, column=column)
+    edge = points_of(border(region.shape, spacing_m, inset_m), spacing_m**2 / 4, period, index)
+    return joined([inside, edge])
+
+
+def visit_point(shape: MultiPolygon, space: MultiPolygon, index: int, period: int, area_m2: float) -> SamplePoints:
+    """The middle of the largest circle in the part of a zone where robots can be; within its radius they are inside.
+
+    Where zone and space only touch, any point where they do, with next to no radius; no point where they are apart.
+    """
+    inside = shapely.intersection(shape, space)
+    parts = [part for part in shapely.get_parts(inside) if part.geom_type == "Polygon" and part.area > 0]
+    if not parts:
+        touched = shapely.get_coordinates(inside.point_on_surface())
+        return points_of(touched, area_m2, period, index, visit_m=ON_THE_SPOT_M)
+    ends = shapely.get_coordinates(shapely.maximum_inscribed_circle(max(parts, key=lambda part: float(part.area))))
+    radius_m = float(np.hypot(*(ends[1] - ends[0])))
+    return points_of(ends[:1], area_m2, period, index, visit_m=max(0.98 * radius_m, ON_THE_SPOT_M))
+
+
+def prepare(
+    points: SamplePoints,
+    walls: Floats,
+    *,
+    reach_m: float,
+    weight: Floats,
+    wall_margin_m: float,
+    known: Samples | None = None,
+) -> tuple[Samples, Ints]:
+    """The arrays that the kernels work on, and the order (n,) in which the points stand in them.
+
+    walls: (k, 4) segments that block sight, lengthened by ``wall_margin_m`` at both ends so that nothing counts as seen
+    by a hair's breadth. Points on lattices stand first, row by row; the others by bins of the size of the reach. Each
+    knows the walls within reach. known: what was prepared of the first points, whose walls need not be found again.
+    """
+    far_m = max(reach_m, float(points.visit_m.max(initial=0.0)))
+    on_lattice = np.flatnonzero(points.row >= 0)
+    on_lattice = on_lattice[np.lexsort((points.column[on_lattice], points.row[on_lattice], points.region[on_lattice]))]
+    loose = np.flatnonzero(points.row < 0)
+    low = points.xy_m.min(axis=0)
+    cell_m = max(reach_m / 2, 1e-9)
+    places = ((points.xy_m[loose] - low) / cell_m).astype(np.int64)
+    bins = places.max(axis=0, initial=0) + 1
+    which = places[:, 1] * bins[0] + places[:, 0]
+    by_bin = np.argsort(which, kind="stable")
+    start = len(on_lattice) + np.searchsorted(which[by_bin], np.arange(bins[0] * bins[1] + 1))
+    order = np.concatenate([on_lattice, loose[by_bin]]).astype(np.int64)
+    if known is None:
+        wall_start, wall_item = walls_in_reach(points[order], walls, reach_m)
+    else:
+        new = points[np.arange(len(known.x), len(points))]
+        rows = joined_rows((known.wall_start, known.wall_item), walls_in_reach(new, walls, reach_m))
+        wall_start, wall_item = rows_in_order(*rows, order)
+    points = points[order]
+    longer = walls.copy().reshape(-1, 4)
+    along = longer[:, 2:] - longer[:, :2]
+    along *= wall_margin_m / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-12)
+    longer[:, :2] -= along
+    longer[:, 2:] += along
+    frames, frame_ints, column_start = lattice_frames(points[np.arange(len(on_lattice))])
+    samples = Samples(
+        x=np.ascontiguousarray(points.xy_m[:, 0]),
+        y=np.ascontiguousarray(points.xy_m[:, 1]),
+        weight=np.ascontiguousarray(weight[order]),
+        period=points.period,
+        visit_m=points.visit_m,
+        shrink_m=points.shrink_m,
+        wall_start=wall_start,
+        wall_item=wall_item,
+        walls=np.ascontiguousarray(longer),
+        depth2=depths(points.xy_m, wall_start, wall_item, longer),
+        next_walled=next_with_walls(wall_start),
+        frames=frames,
+        frame_ints=frame_ints,
+        column_start=column_start,
+        bin_start=start.astype(np.int64),
+        origin=np.array([low[0], low[1], cell_m, far_m, 1.001 * wall_margin_m + TOUCH_M]),
+        bins=bins.astype(np.int64),
+    )
+    return samples, order
+
+
+def joined_rows(first: tuple[Ints, Ints], second: tuple[Ints, Ints]) -> tuple[Ints, Ints]:
+    """Two lists of rows, each as starts (n + 1,) and items, as one."""
+    start = np.concatenate([first[0], first[0][-1] + second[0][1:]])
+    return start, np.concatenate([first[1], second[1]])
+
+
+def rows_in_order(start: Ints, items: Ints, order: Ints) -> tuple[Ints, Ints]:
+    """Rows of items, given by their starts (n + 1,), in another order (n,)."""
+    sizes = np.diff(start)[order]
+    ends = np.concatenate([[0], np.cumsum(sizes)])
+    which = np.arange(ends[-1]) + np.repeat(start[order] - ends[:-1], sizes)
+    return ends.astype(np.int64), items[which]
+
+
+def lattice_frames(points: SamplePoints) -> tuple[Floats, Ints, NDArray[np.int32]]:
+    """Where the lattices of the points, sorted by region, row and column, lie, and where their rows begin.
+
+    Per lattice (f, 4) the place of row 0 and column 0, the spacing, and by how much the sensor is taken shorter;
+    (f, 4) the period class, rows, columns, and where its part of the table begins. The table tells for each row and
+    column (one past the last included) the first point at or after it; rows that lie between two points are empty.
+    """
+    frames, ints, tables = [], [], [np.zeros(0, dtype=np.int64)]
+    begin = 0
+    for region in np.unique(points.region):
+        which = np.flatnonzero(points.region == region)
+        first, here = which[0], points[which]
+        rows, columns = int(here.row.max()) + 1, int(here.column.max()) + 1
+        spacing_m = float(np.sqrt(here.area_m2[0]))
+        corner_m = here.xy_m[0] - spacing_m * np.array([here.column[0], here.row[0]])
+        frames.append([*corner_m, spacing_m, here.shrink_m[0]])
+        ints.append([here.period[0], rows, columns, begin])
+        place = here.row * (columns + 1) + here.column
+        tables.append(first + np.searchsorted(place, np.arange(rows * (columns + 1))))
+        begin += rows * (columns + 1)
+    return (
+        np.array(frames, dtype=np.float64).reshape(-1, 4),
+        np.array(ints, dtype=np.int64).reshape(-1, 4),
+        np.concatenate(tables).astype(np.int32),
+    )
+
+
+def next_with_walls(wall_start: Ints) -> Ints:
+    """For each point (n,) the first one, from itself on, that has walls near it; n when none follows."""
+    n = len(wall_start) - 1
+    own = np.where(np.diff(wall_start) > 0, np.arange(n), n)
+    return np.ascontiguousarray(np.minimum.accumulate(own[::-1])[::-1], dtype=np.int64)
+
+
+def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple[Ints, Ints]:
+    """For each point the walls within reach that hide anything from it: starts (n + 1,), indices; visits have none."""
+    n = len(points)
+    if not len(walls):
+        return np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    tree = shapely.STRtree(shapely.linestrings(walls.reshape(-1, 2, 2)))
+    wanted = np.flatnonzero(points.visit_m == 0)
+    found = tree.query(shapely.points(points.xy_m[wanted]), predicate="dwithin", distance=reach_m)
+    point, wall = wanted[found[0]], found[1]
+    order = np.lexsort((wall, point))
+    point, wall = point[order], np.ascontiguousarray(wall[order], dtype=np.int64)
+    start = np.searchsorted(point, np.arange(n + 1)).astype(np.int64)
+    x, y = (np.ascontiguousarray(points.xy_m[:, axis]) for axis in (0, 1))
+    needed = walls_that_hide(x, y, start, wall, np.ascontiguousarray(walls))
+    return np.searchsorted(point[needed], np.arange(n + 1)).astype(np.int64), wall[needed]

@@ -1,0 +1,205 @@
+"""First tours: for each group of period classes, part and cluster, a short round trip past places that see it all."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
+from rota.planners.patrol.initial.standing import robots_stand, standing_tours
+from rota.planners.patrol.initial.visiting_order import short_order
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_GEODESIC = 1500  # beyond as many places, their order is found with straight distances
+MOST_ORDERED = 4000  # beyond as many places, lanes are their order
+DETOUR = 1.15  # length of real tours over area / swath, for choosing groups
+
+
+def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
+    """Ways to serve the period classes by groups (each by its shortest period), the fewest expected robots first."""
+    classes = range(len(problem.periods_s))
+    area_m2 = [
+        sum(
+            r.shape.area
+            for r, k in zip(problem.regions, problem.region_class, strict=True)
+            if k == c and r.demand != "visit"
+        )
+        for c in classes
+    ]
+
+    def expected(groups: tuple[tuple[int, ...], ...]) -> tuple[int, float]:
+        shares = []
+        for group in groups:
+            swept = problem.swath_m * problem.robot.speed_m_s * problem.periods_s[group[0]]
+            shares.append(DETOUR * sum(area_m2[c] for c in group) / swept)
+        return sum(max(1, math.ceil(share)) for share in shares), sum(shares)
+
+    found = []
+    for cuts in itertools.product([False, True], repeat=max(0, len(area_m2) - 1)):
+        groups: list[tuple[int, ...]] = [(0,)]
+        for c, cut in enumerate(cuts, start=1):
+            if cut:
+                groups.append((c,))
+            else:
+                groups[-1] = (*groups[-1], c)
+        found.append(tuple(groups))
+    return iter(sorted(found, key=expected))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """Places (indices) that one tour, or several, go past to see all that is theirs; ``serves`` is their class.
+
+    stands: the tour of a robot that hardly moves, where the period leaves no time for more; otherwise None.
+    """
+
+    serves: int
+    part: int
+    places: Ints
+    stands: Tour | None = None
+
+
+def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
+    """For each group of classes, part and cluster the places from which all of it is seen."""
+    found: list[Ground] = []
+    covered = np.zeros(len(problem.points), dtype=bool)
+    for group in groups:
+        wanted = np.isin(problem.points.period, group) & ~covered
+        if robots_stand(problem, problem.periods_s[group[0]]) and wanted.any():
+            for tour in standing_tours(problem, wanted, group[0]):
+                _, seen = what_places_see(tour.vertices_m, problem.robot, problem.range_margin_m, problem.samples)
+                covered[seen] = True
+                found.append(Ground(serves=group[0], part=tour.part, places=np.zeros(0, dtype=np.int64), stands=tour))
+            continue
+        chosen, _ = choose_viewpoints(problem.sees_start, problem.sees_item, wanted, problem.points.area_m2)
+        for place in chosen:
+            covered[problem.sees_item[problem.sees_start[place] : problem.sees_start[place + 1]]] = True
+        for part, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
+            found.append(Ground(serves=group[0], part=part, places=cluster))
+    return found
+
+
+def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Tour]:
+    """Tours that see every sample, one per ground, each with the robots that its length needs."""
+    return [shared_tour(problem, ground) for ground in grounds(problem, groups)]
+
+
+def shared_tour(problem: Problem, ground: Ground) -> Tour:
+    """One tour past all places of the ground, with the robots that its length needs."""
+    if ground.stands is not None:
+        return ground.stands
+    return tour_past(problem, problem.places_m[ground.places], ground.serves, ground.part)
+
+
+def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
+    """Up to ``count`` tours of one robot, each past the places of a neighbourhood of its own.
+
+    To share a tour is shorter in the open; to keep apart is better in narrow places, where a shared tour goes there
+    and back, and for bodies, which would meet.
+    """
+    if ground.stands is not None:
+        return [ground.stands]
+    places_m = problem.places_m[ground.places]
+    if len(places_m) > MOST_GEODESIC:
+        labels = list(straight_neighbourhoods(places_m, count))
+    else:
+        labels = list(neighbourhoods(distances(problem, places_m), count))
+    return [tour_past(problem, places_m[label], ground.serves, ground.part) for label in labels]
+
+
+def straight_neighbourhoods(places_m: Floats, count: int) -> Iterator[Ints]:
+    """The places (n, 2) in at most ``count`` groups round their middles, by straight distances (Lloyd's iteration)."""
+    order = np.lexsort((places_m[:, 1], places_m[:, 0]))
+    middles_m = places_m[order[np.linspace(0, len(order) - 1, count).astype(np.int64)]]
+    nearest = np.zeros(len(places_m), dtype=np.int64)
+    for _ in range(30):
+        _, nearest = cKDTree(middles_m).query(places_m)
+        sums = np.column_stack([np.bincount(nearest, places_m[:, axis], count) for axis in (0, 1)])
+        middles_m = sums / np.maximum(1, np.bincount(nearest, minlength=count))[:, None]
+    for k in range(count):
+        if (nearest == k).any():
+            yield np.flatnonzero(nearest == k)
+
+
+def neighbourhoods(distance_m: Floats, count: int) -> Iterator[Ints]:
+    """The places (n, n distances) in at most ``count`` groups round medoids: far apart at first, then moved to rest."""
+    medoids = [int(np.argmax(distance_m.sum(axis=1)))]
+    while len(medoids) < min(count, len(distance_m)):
+        medoids.append(int(np.argmax(distance_m[medoids].min(axis=0))))
+    for _ in range(20):
+        nearest = np.argmin(distance_m[medoids], axis=0)
+        groups = [np.flatnonzero(nearest == k) for k in range(len(medoids))]
+        moved = [int(g[np.argmin(distance_m[np.ix_(g, g)].sum(axis=1))]) for g in groups if len(g)]
+        if moved == medoids:
+            break
+        medoids = moved
+    nearest = np.argmin(distance_m[medoids], axis=0)
+    for k in range(len(medoids)):
+        if (nearest == k).any():
+            yield np.flatnonzero(nearest == k)
+
+
+def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[int, Ints]]:
+    """The places by part of the standing space, and by distance: who is too far apart gets robots of its own.
+
+    Going there and back from one cluster to the next would take a whole robot (2 d > V T).
+    """
+    apart_m = max(problem.robot.speed_m_s * period_s / 2, 2 * problem.swath_m)
+    for part in np.unique(problem.places_part[places]):
+        here = places[problem.places_part[places] == part]
+        if len(here) > MOST_ORDERED:
+            yield int(part), here
+            continue
+        linked = distances(problem, problem.places_m[here]) <= apart_m
+        count, label = connected_components(csr_array(linked), directed=False)
+        for k in range(count):
+            yield int(part), here[label == k]
+
+
+def distances(problem: Problem, places_m: Floats) -> Floats:
+    """Distances (n, n) between places of one part: round obstacles, or straight when they are very many."""
+    if len(places_m) <= MOST_GEODESIC:
+        return np.asarray(problem.paths.all_pairs(places_m))
+    return np.asarray(np.hypot(*(places_m[:, None] - places_m[None]).transpose(2, 0, 1)))
+
+
+def tour_past(problem: Problem, places_m: Floats, serves: int, part: int) -> Tour:
+    """The closed tour past all places along shortest paths, with the robots that it needs."""
+    order = (
+        lane_order(places_m, problem.swath_m)
+        if len(places_m) > MOST_ORDERED
+        else short_order(distances(problem, places_m))
+    )
+    stops = places_m[order]
+    vertices = problem.paths.paths_along(np.vstack([stops, stops[:1]]))[:-1] if len(stops) > 1 else stops
+    return with_robots_needed(
+        Tour(
+            vertices_m=vertices, serves=serves, period_s=problem.periods_s[serves], robots=1,
+            robot=problem.robot, part=part,
+        )
+    )  # fmt: skip
+
+
+def lane_order(places_m: Floats, lane_m: float) -> Ints:
+    """Boustrophedon: lanes as wide as the swath, every second one backwards."""
+    lane = np.floor((places_m[:, 1] - places_m[:, 1].min()) / lane_m).astype(np.int64)
+    along = np.where(lane % 2 == 0, places_m[:, 0], -places_m[:, 0])
+    return np.lexsort((along, lane)).astype(np.int64)
+
+
+def with_robots_needed(tour: Tour) -> Tour:
+    """The tour with as many equally spaced robots as its length needs."""
+    one = replace(tour, robots=1)
+    return replace(tour, robots=max(1, math.ceil(tour_length_m(tour) / one.budget_m)))

@@ -1,0 +1,73 @@
+"""Robots that stand: where a period is so short that moving gains next to nothing, as few places as see everything."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.patrol.annealing.search import Annealing, over_prices
+from rota.planners.patrol.ground.problem import Problem, laid_out
+from rota.planners.patrol.ground.viewpoints import choose_viewpoints
+from rota.planners.patrol.tours.tour import Tour
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+STANDS = 1.0  # of the reach: robots stand where no more than this can be travelled in a period
+MOVES_EACH, MOST_MOVES = 4_000, 400_000
+OVER_PRICE = 4.0  # of a metre over budget, times what a robot moves more than that
+
+
+def robots_stand(problem: Problem, period_s: float) -> bool:
+    """Whether a robot can hardly move within so many seconds, compared with what it sees from where it is."""
+    return problem.robot.speed_m_s * period_s <= STANDS * problem.reach_m
+
+
+def standing_tours(problem: Problem, wanted: Flags, serves: int) -> list[Tour]:
+    """Tours of one place each, or hardly more, that together see all wanted samples (s,) of the problem.
+
+    The number of the greedy cover is halved until annealed places no longer see everything, then what lies between is
+    searched. Their number is not proved to be the least.
+    """
+    chosen, _ = choose_viewpoints(problem.sees_start, problem.sees_item, wanted, problem.points.area_m2)
+    tours = [
+        Tour(
+            vertices_m=problem.places_m[place][None], serves=serves, period_s=problem.periods_s[serves], robots=1,
+            robot=problem.robot, part=int(problem.places_part[place]),
+        )
+        for place in chosen
+    ]  # fmt: skip
+    least, most = max(1, len(tours) // 2), len(tours)
+    best = tours
+    while least < most:
+        few = (least + most) // 2
+        found = all_seen_by(problem, tours[:few], wanted)
+        if found is None:
+            least = few + 1
+        else:
+            best, most = found, few
+    return best
+
+
+def all_seen_by(problem: Problem, tours: list[Tour], wanted: Flags) -> list[Tour] | None:
+    """The tours moved until they see all wanted samples; None when annealing does not get there."""
+    points, samples, _ = laid_out(problem.points[wanted], problem.walls, problem.robot)
+    # seeing a sample is worth more than any way within the budgets
+    weight = 1.0 + points.area_m2 / points.area_m2.mean()
+    search = Annealing(
+        tours,
+        samples._replace(weight=problem.reach_m * weight),
+        problem.space_grid,
+        price=np.full(len(tours), 1e-3),
+        over_price=over_prices(tours, OVER_PRICE * len(points)),
+        seed=len(tours),
+        range_margin_m=problem.range_margin_m,
+    )
+    moves = min(MOST_MOVES, MOVES_EACH * len(tours))
+    search.run(moves, hot_m=4 * problem.reach_m, cold_m=0.05 * problem.reach_m, should_stop=lambda: False)
+    if search.unseen or search.over_budget_share > 0:
+        return None
+    part = problem.paths.part_of(np.array([tour.vertices_m[0] for tour in search.tours]))
+    return [replace(tour, part=int(k)) for tour, k in zip(search.tours, part, strict=True)]

@@ -1,0 +1,32 @@
+"""A short closed tour over given places."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.planners.patrol.initial.order_kernels import improve_tour, nearest_neighbour_tour
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NEIGHBOURS = 12
+
+
+def short_order(distance_m: Floats) -> Ints:
+    """Order (n,) of a short closed tour over n places, given their distances (n, n) in metres, symmetric and finite.
+
+    Nearest neighbour, then 2-opt and or-opt over the nearest places until neither helps; n <= 3 is any order.
+    """
+    n = len(distance_m)
+    if n <= 3:
+        return np.arange(n, dtype=np.int64)
+    if not np.isfinite(distance_m).all():
+        raise ValueError("every place must be reachable from every other: the distances hold inf or nan")
+    distance_m = np.ascontiguousarray(distance_m, dtype=np.float64)
+    apart = distance_m.copy()
+    np.fill_diagonal(apart, np.inf)
+    near = np.argsort(apart, axis=1, kind="stable")[:, : min(NEIGHBOURS, n - 1)].astype(np.int64)
+    order: Ints = nearest_neighbour_tour(distance_m)
+    improve_tour(distance_m, np.ascontiguousarray(near), order)
+    return order

@@ -1,0 +1,1 @@
+"""A fleet with a fixed number of robots: the smallest worst ratio of gap to period."""

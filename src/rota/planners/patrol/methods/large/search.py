@@ -1,0 +1,129 @@
+"""The search on large ground: lanes over districts; where these are far from the bound, districts one by one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import partial
+
+from rota.errors import NoPlanFound
+from rota.geometry.free_space import demanded_regions
+from rota.mission import Effort, Mission
+from rota.planners.patrol.bounds.area_bound import area_rate_bound, strongest_robot
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
+from rota.planners.patrol.methods.large.lanes import in_districts
+from rota.planners.patrol.methods.sweeping.search import fewest_robots_of, judged_by_lanes
+from rota.planners.patrol.repair.repair import Settled, settle
+from rota.planners.patrol.tours.tour import Tour
+
+Search = Callable[[Context], Settled]
+
+LARGE = 4_000.0  # squares of the reach: ground above it is planned in districts
+MOST_SEARCHED = 8_000.0  # squares of the reach in a district that is searched by itself
+AROUND = 4.0  # reaches round a district in which its robots may go
+NEAR_BOUND: dict[Effort, float] = {"quick": 1.1, "normal": 1.05, "high": 1.0}  # robots over the bound that are few
+
+
+def is_large(problem: Problem) -> bool:
+    """Whether so much ground must be seen, compared with what a robot sees at once, that it is planned in districts."""
+    return asked_m2(problem) > LARGE * problem.reach_m**2
+
+
+def asked_m2(problem: Problem) -> float:
+    """Area of the ground that must be seen point by point."""
+    return float(sum(region.shape.area for region in problem.regions if region.demand == "every_point"))
+
+
+def fewest_on_large(context: Context, search: Search) -> Settled:
+    """The best settled plan for large ground (met unless all repair failed).
+
+    Lanes first, which open ground needs no more robots than. Where they take many more than the bound, every district
+    is searched by itself as small ground is (``search``), at once, and the tours of all are mended together.
+    """
+    problem = context.problem
+    few = NEAR_BOUND[problem.mission.patrol.effort] * problem.enough_robots
+    lanes = in_lanes(context)
+    if lanes is not None and (context.should_stop() or (lanes.met and len(lanes.plan.trajectories) <= few)):
+        return lanes
+    count = boxes_for(asked_m2(problem), MOST_SEARCHED * problem.reach_m**2)
+    if count == 1:
+        return better(lanes, search(context))
+    missions = missions_of(problem.mission, count, AROUND * problem.robot.sensor.reach_m)
+    if lanes is not None and lanes.met and sum(map(least_robots, missions)) >= len(lanes.plan.trajectories):
+        return lanes  # each district takes whole robots
+    return better(lanes, by_districts(context, search, missions))
+
+
+def least_robots(mission: Mission) -> int:
+    """Robots below which no tours of one district's own can sweep it in time, were they to see over no border."""
+    regions = [region for region in demanded_regions(mission) if region.demand == "every_point"]
+    areas_m2, periods_s = [region.shape.area for region in regions], [region.period_s for region in regions]
+    return area_rate_bound(areas_m2, periods_s, strongest_robot(mission.fleet))
+
+
+def in_lanes(context: Context) -> Settled | None:
+    """The best settled plan of lanes over districts; None when no lane lies where a robot can be."""
+    try:
+        return fewest_robots_of(in_districts, context)
+    except NoPlanFound:
+        return None
+
+
+def better(one: Settled | None, other: Settled) -> Settled:
+    """The one that is met; of two that are the one with fewer robots, the first of equals."""
+    if one is None or (other.met and not one.met):
+        return other
+    if one.met and not other.met:
+        return one
+    return other if len(other.plan.trajectories) < len(one.plan.trajectories) else one
+
+
+def by_districts(context: Context, search: Search, missions: list[Mission]) -> Settled:
+    """Tours found for every district's mission by itself, mended together, robots added if it takes them."""
+    found: list[list[Tour]] = []
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        seeds = range(context.seed, context.seed + len(missions))
+        for tours in pool.map(partial(tours_of, context, search), missions, seeds):
+            found.append(tours)
+            context.progress(
+                0.3 + 0.6 * len(found) / len(missions), f"{len(found)} of {len(missions)} districts planned"
+            )
+    exact = replace(context, problem=judged_by_lanes(context.problem))
+    whole = settle(exact, joined(found), no_points(), may_add=False, rounds=context.work.repairs)
+    if whole.met and whole.fits:
+        return whole
+    context.progress(0.9, "finishing with the robots that mending asks for")
+    return settle(exact, joined(found), no_points(), may_add=True, rounds=3 * context.work.repairs)
+
+
+def tours_of(context: Context, search: Search, mission: Mission, seed: int) -> list[Tour]:
+    """The tours that the search finds for one district, classes and parts as the whole problem numbers them.
+
+    None where nobody can see enough of it from within: mending the whole will lead robots there.
+    """
+    try:
+        problem = set_up_problem(mission)
+    except NoPlanFound:
+        return []
+    alone = replace(context, problem=problem, seed=seed, progress=lambda share, what: None, watch=None)
+    whole = context.problem
+    found = []
+    for tour in search(alone).tours:
+        part = int(whole.paths.part_of(tour.vertices_m[:1])[0])
+        serves = whole.periods_s.index(problem.periods_s[tour.serves])
+        found.append(replace(tour, serves=serves, part=max(part, 0)))
+    return found
+
+
+def joined(districts: list[list[Tour]]) -> list[Tour]:
+    """The tours of all districts, those that robots drive in turn numbered anew."""
+    found: list[Tour] = []
+    for tours in districts:
+        first = 1 + max((tour.nest for tour in found), default=-1)
+        found += [replace(tour, nest=tour.nest + first if tour.nest >= 0 else -1) for tour in tours]
+    return found

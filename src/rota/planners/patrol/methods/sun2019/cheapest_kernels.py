@@ -1,0 +1,64 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled search for the partition of a closed frame with the lowest cost of all by Eq. 28 (Sun et al. 2019)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.methods.sun2019.partition_kernels import Ring, late_s
+from rota.planners.patrol.methods.sun2019.pso_kernels import Rules, cost_of
+
+
+@compiled
+def cheapest_partition(segments: int, rules: Rules, ring: Ring, price: Any, cost: Any, chosen: Any, first: Any) -> int:
+    """Fill first (n,) with the first waypoints of the cheapest partition's segments; how many there are.
+
+    segments: exactly so many, or 0 for as many as are cheapest. The cost is a sum over segments, whatever their routes'
+    lengths are, so that dynamic programming from every waypoint where a segment may begin finds the least. price (n, n)
+    is room for the cost of each segment, cost and chosen (segments + 1, n + 1) for sums and for the last segment's
+    count. Of equals the first one found stays.
+    """
+    n = price.shape[0]
+    for at in range(n):
+        for count in range(1, n + 1):
+            price[at, count - 1] = cost_of(late_s(at, count, rules.margin_s, ring), rules)
+    step = 1 if segments > 0 else 0
+    best, found = math.inf, 0
+    for start in range(n):
+        sum_up_from(start, segments, price, cost, chosen)
+        if cost[segments, n] < best:
+            best, found = cost[segments, n], 0
+            at, layer = n, segments
+            while at > 0:
+                at -= chosen[layer, at]
+                layer -= step
+                first[found] = (start + at) % n
+                found += 1
+    return found
+
+
+@compiled
+def sum_up_from(start: int, segments: int, price: Any, cost: Any, chosen: Any) -> None:
+    """The least cost of the first ``at`` waypoints from ``start`` on, for all at, in cost's last row.
+
+    With ``segments`` 0 there is but that row, for any number of segments; otherwise row k is for exactly k of them.
+    """
+    n = price.shape[0]
+    step = 1 if segments > 0 else 0
+    for layer in range(segments + 1):
+        for at in range(n + 1):
+            cost[layer, at] = math.inf
+    cost[0, 0] = 0.0
+    for at in range(n):
+        first = (start + at) % n
+        for layer in range(segments + 1 - step):
+            before = cost[layer, at]
+            if before == math.inf:
+                continue
+            for count in range(1, n - at + 1):
+                whole = before + price[first, count - 1]
+                if whole < cost[layer + step, at + count]:
+                    cost[layer + step, at + count] = whole
+                    chosen[layer + step, at + count] = count

@@ -1,0 +1,93 @@
+"""Set cover in place of the CCPSO2: as few of given places as see all cells, greedily or by integer programming."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csr_matrix
+
+from rota.planners.patrol.ground.viewpoints import choose_viewpoints
+
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+MOST_ROUNDS = 10  # of dominance; after two or three there is hardly anything left to drop
+
+
+def greedy_cover(start: Ints, items: Ints, cells: int) -> Ints:
+    """Places, each chosen for the most cells that none before it sees; the first among equals.
+
+    start (c + 1,), items: the cells, of so many, that each place sees. Cells that no place sees stay unseen.
+    """
+    chosen, _ = choose_viewpoints(start, items, np.ones(cells, dtype=bool), np.ones(cells))
+    return chosen
+
+
+def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int) -> tuple[Ints, int]:
+    """As few places as see all cells that any place sees, and a number below which no choice of these places can go.
+
+    start (c + 1,), items: the cells, of so many, that each place sees. Integer programming (HiGHS) on what dominance
+    leaves, ended by node_limit nodes of the tree, never by the clock; the greedy cover where that ends with nothing
+    better. The number is a bound for these places, not for sensors anywhere in the plane. No cells: no places, 0.
+    """
+    greedy = greedy_cover(start, items, cells)
+    sees = csr_matrix((np.ones(len(items)), items, start), shape=(len(start) - 1, cells))
+    places, wanted = undominated(sees)
+    if not len(wanted):
+        return greedy[:0], 0
+    rows = sees[places][:, wanted].T.tocsr()
+    count = len(places)
+    found = milp(
+        np.ones(count), constraints=LinearConstraint(rows, 1, np.inf), integrality=np.ones(count), bounds=Bounds(0, 1),
+        options={"node_limit": node_limit},
+    )  # fmt: skip
+    proved = found.mip_dual_bound
+    bound = max(1, math.ceil(proved - 1e-6)) if proved is not None and math.isfinite(proved) else 1
+    if found.x is None or round(found.fun) >= len(greedy):
+        return greedy, min(bound, len(greedy))
+    chosen = places[np.flatnonzero(found.x > 0.5)]
+    return chosen, min(bound, len(chosen))
+
+
+def undominated(sees: csr_matrix) -> tuple[Ints, Ints]:
+    """Places (rows) and cells (columns) that decide: a least cover of these is a least cover of all.
+
+    A place goes when another sees all that it sees, a cell when another is seen from fewer, all of which see it too; of
+    equals the first stays. A cell that nothing sees asks for nothing.
+    """
+    places = np.arange(sees.shape[0])
+    cells = np.flatnonzero(sees.getnnz(axis=0) > 0)
+    for _ in range(MOST_ROUNDS):
+        before = len(places) + len(cells)
+        places = places[~_within_another(sees[places][:, cells])]
+        cells = cells[~_holds_another(sees[places][:, cells].T.tocsr())]
+        if len(places) + len(cells) == before:
+            break
+    return places, cells
+
+
+def _within_another(rows: csr_matrix) -> Flags:
+    """Rows whose set lies in another row's; of equal rows all but the first, and all that are empty."""
+    one, other, size = _subsets(rows)
+    drop: Flags = size == 0
+    drop[one[(size[one] < size[other]) | (one > other)]] = True
+    return drop
+
+
+def _holds_another(rows: csr_matrix) -> Flags:
+    """Rows whose set holds another row's; of equal rows all but the first."""
+    one, other, size = _subsets(rows)
+    drop = np.zeros(len(size), dtype=bool)
+    drop[other[(size[one] < size[other]) | (one < other)]] = True
+    return drop
+
+
+def _subsets(rows: csr_matrix) -> tuple[Ints, Ints, Ints]:
+    """Pairs of different rows of which the first one's set lies in the second one's, and the size of every row."""
+    size = np.asarray(rows.getnnz(axis=1), dtype=np.int64)
+    shared = (rows @ rows.T).tocoo()
+    pairs = (shared.row != shared.col) & (np.rint(shared.data) == size[shared.row])
+    return shared.row[pairs].astype(np.int64), shared.col[pairs].astype(np.int64), size

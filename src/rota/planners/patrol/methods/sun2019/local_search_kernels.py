@@ -1,0 +1,272 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled local search on distances: Lin-Kernighan chains of 2-opt moves, or-opt, and kicks that can be undone.
+
+All that changes a tour is the reversal of a stretch of it, and every reversal is written down. So a chain that led to
+nothing, and a kick after which the search ends worse than before, are undone by the same reversals backwards.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from rota.planners.patrol.annealing.random_kernels import uniform
+from rota.planners.patrol.ground.sight_kernels import compiled
+
+# places in Search.ints
+REVERSALS, QUEUED, QUEUE_FIRST = range(3)
+NUMBERS = 3
+DEEPEST = 12  # 2-opt moves of one chain
+
+
+class Search(NamedTuple):
+    """A tour (order: which waypoint is where; place: where each is) and what may improve it.
+
+    d: (n, n) distances; near: (n, k) neighbours, nearest first. queue: a ring of the waypoints yet to be tried (the
+    others are those that need no look). reversed: (room, 2) first and last place of each reversal since the last kick.
+    touched: (2 * DEEPEST + 2,) the waypoints whose legs the chain at work has changed.
+    """
+
+    d: Any
+    near: Any
+    order: Any
+    place: Any
+    queue: Any
+    in_queue: Any
+    reversed: Any
+    touched: Any
+    ints: Any
+    rng: NDArray[Any]
+
+
+@compiled
+def beside(waypoint: int, way: int, s: Search) -> int:
+    """The waypoint after (way 1) or before (way -1) this one."""
+    n = s.order.shape[0]
+    at = s.place[waypoint] + way
+    return s.order[0 if at == n else at if at >= 0 else n - 1]
+
+
+@compiled
+def reverse_places(first: int, last: int, s: Search) -> None:
+    """Reverse the cyclic stretch of places first..last."""
+    n = s.order.shape[0]
+    long = last - first + 1
+    if long <= 0:
+        long += n
+    for _ in range(long // 2):
+        a, b = s.order[first], s.order[last]
+        s.order[first], s.order[last] = b, a
+        s.place[b], s.place[a] = first, last
+        first = first + 1 if first + 1 < n else 0
+        last = last - 1 if last > 0 else n - 1
+
+
+@compiled
+def reverse_path(u: int, v: int, s: Search) -> bool:
+    """Reverse the way from u forward to v, or the rest of the tour when that is shorter; True when it was the rest.
+
+    Both give the same closed tour, but the second the other way round: what was before is then after.
+    """
+    n = s.order.shape[0]
+    first, last = s.place[u], s.place[v]
+    long = last - first + 1
+    if long <= 0:
+        long += n
+    rest = 2 * long > n
+    if rest:
+        first, last = last + 1 if last + 1 < n else 0, first - 1 if first > 0 else n - 1
+    at = s.ints[REVERSALS]
+    s.reversed[at, 0], s.reversed[at, 1] = first, last
+    s.ints[REVERSALS] = at + 1
+    if long < n:
+        reverse_places(first, last, s)
+    return rest
+
+
+@compiled
+def undo_to(mark: int, s: Search) -> None:
+    """Undo all reversals but the first ``mark``."""
+    n = s.order.shape[0]
+    for at in range(s.ints[REVERSALS] - 1, mark - 1, -1):
+        first, last = s.reversed[at, 0], s.reversed[at, 1]
+        if (last + 1) % n != first:
+            reverse_places(first, last, s)
+    s.ints[REVERSALS] = mark
+
+
+@compiled
+def swap_stretches(first: int, last: int, b0: int, b1: int, s0: int, s1: int, turned: bool, s: Search) -> None:
+    """Swap the stretches b0..b1 and s0..s1 that make up first..last; ``turned`` leaves the second named reversed."""
+    mirrored = reverse_path(first, last, s)
+    mirrored = not reverse_path(b0, b1, s) if mirrored else reverse_path(b1, b0, s)
+    if turned:
+        return
+    if mirrored:
+        reverse_path(s0, s1, s)
+    else:
+        reverse_path(s1, s0, s)
+
+
+@compiled
+def enqueue(waypoint: int, s: Search) -> None:
+    """A waypoint whose legs have changed is worth another look."""
+    if s.in_queue[waypoint]:
+        return
+    n = s.order.shape[0]
+    s.in_queue[waypoint] = True
+    s.queue[(s.ints[QUEUE_FIRST] + s.ints[QUEUED]) % n] = waypoint
+    s.ints[QUEUED] += 1
+
+
+@compiled
+def chain_of_two_opts(t1: int, way: int, eps: float, s: Search) -> float:
+    """Lin-Kernighan: 2-opt moves one after the other, each of which takes away the leg the one before closed with.
+
+    Begins with the leg from t1 in direction ``way``; each first neighbour is tried, after it only the most promising
+    one. The gain, with the tour left where it was best; 0.0, with the tour as before, when nothing was gained.
+    """
+    mark = s.ints[REVERSALS]
+    for start in range(s.near.shape[1]):
+        toward = way
+        t2 = beside(t1, toward, s)
+        open_gain = s.d[t1, t2]
+        if open_gain - s.d[t2, s.near[t2, start]] <= eps:
+            break
+        best, best_mark, best_touched = eps, mark, 0
+        s.touched[0], s.touched[1] = t1, t2
+        for depth in range(DEEPEST):
+            x, y, most = -1, -1, -1e300
+            for m in range(start if depth == 0 else 0, s.near.shape[1]):
+                c = s.near[t2, m]
+                kept = open_gain - s.d[t2, c]
+                if kept <= eps:
+                    break
+                e = beside(c, -toward, s)
+                if c != t1 and e != t2 and kept + s.d[c, e] > most:
+                    x, y, most = c, e, kept + s.d[c, e]
+                if depth == 0:
+                    break
+            if x < 0:
+                break
+            # t1 -> t2 ... y -> x becomes t1 -> y ... t2 -> x
+            if reverse_path(t2, y, s) if toward > 0 else reverse_path(y, t2, s):
+                toward = -toward
+            open_gain = most
+            t2 = y
+            s.touched[2 * depth + 2], s.touched[2 * depth + 3] = x, y
+            if open_gain - s.d[t1, y] > best:
+                best, best_mark, best_touched = open_gain - s.d[t1, y], s.ints[REVERSALS], 2 * depth + 4
+        if best > eps:
+            undo_to(best_mark, s)
+            for k in range(best_touched):
+                enqueue(s.touched[k], s)
+            return best
+        undo_to(mark, s)
+    return 0.0
+
+
+@compiled
+def or_opt(a: int, eps: float, s: Search) -> float:
+    """Move the stretch of one to three waypoints that begins at ``a`` next to a neighbour of a; the gain, or 0.0."""
+    n = s.order.shape[0]
+    for way in (1, -1):
+        z = a
+        for long in range(1, 4):
+            if long > 1:
+                z = beside(z, way, s)
+            before, after = beside(a, -way, s), beside(z, way, s)
+            saved = s.d[before, a] + s.d[z, after] - s.d[before, after]
+            for m in range(s.near.shape[1]):
+                c = s.near[a, m]
+                if saved - s.d[a, c] <= eps:
+                    break
+                if (way * (s.place[c] - s.place[a])) % n < long:
+                    continue  # c is in the stretch itself
+                for side in (way, -way):
+                    e = beside(c, side, s)
+                    if (way * (s.place[e] - s.place[a])) % n < long:
+                        continue
+                    gain = saved - s.d[a, c] - s.d[z, e] + s.d[c, e]
+                    if gain > eps:
+                        move_stretch(a, z, way, c, e, side, s)
+                        for waypoint in (a, z, before, after, c, e):
+                            enqueue(waypoint, s)
+                        return gain
+    return 0.0
+
+
+@compiled
+def move_stretch(a: int, z: int, way: int, c: int, e: int, side: int, s: Search) -> None:
+    """Put the stretch a..z (in direction ``way``) between c and e, e beside c on ``side``, a beside c.
+
+    The stretch and all that lies between it and the gap change places; that is done on the side where less lies.
+    """
+    n = s.order.shape[0]
+    s0, s1 = (a, z) if way > 0 else (z, a)
+    near_gap, far_gap = (c, e) if side > 0 else (e, c)  # forward: near_gap, then far_gap
+    # as the first stretch s0..s1 ends up between near_gap and far_gap, a must be next to c
+    turned = (s0 == a) != (near_gap == c) if a != z else False
+    ahead = s.place[near_gap] - s.place[s1]
+    ahead = ahead + n if ahead < 0 else ahead
+    back = s.place[s0] - s.place[far_gap]
+    back = back + n if back < 0 else back
+    if ahead <= back:
+        swap_stretches(s0, near_gap, beside(s1, 1, s), near_gap, s0, s1, turned, s)
+    else:
+        swap_stretches(far_gap, s1, far_gap, beside(s0, -1, s), s0, s1, turned, s)
+
+
+@compiled
+def improve(eps: float, s: Search) -> float:
+    """Try the queued waypoints until none is left, or until there is no more room to write reversals down; the gain."""
+    n = s.order.shape[0]
+    room = s.reversed.shape[0] - 2 * DEEPEST - 8
+    total = 0.0
+    while s.ints[QUEUED] > 0:
+        a = s.queue[s.ints[QUEUE_FIRST]]
+        s.ints[QUEUE_FIRST] = (s.ints[QUEUE_FIRST] + 1) % n
+        s.ints[QUEUED] -= 1
+        s.in_queue[a] = False
+        while s.ints[REVERSALS] < room:
+            gain = chain_of_two_opts(a, 1, eps, s)
+            if gain == 0.0:
+                gain = chain_of_two_opts(a, -1, eps, s)
+            if gain == 0.0:
+                gain = or_opt(a, eps, s)
+            if gain == 0.0:
+                break
+            total += gain
+    return total
+
+
+@compiled
+def kick(longest: int, s: Search) -> float:
+    """Swap two neighbouring stretches of at most ``longest`` waypoints each (a double bridge); the change of length."""
+    n = s.order.shape[0]
+    first = int(n * uniform(s.rng))
+    one, two = 1 + int(longest * uniform(s.rng)), 1 + int(longest * uniform(s.rng))
+    s0, s1 = s.order[first], s.order[(first + one - 1) % n]
+    b0, b1 = s.order[(first + one) % n], s.order[(first + one + two - 1) % n]
+    before, after = beside(s0, -1, s), beside(b1, 1, s)
+    taken = s.d[before, s0] + s.d[s1, b0] + s.d[b1, after]
+    swap_stretches(s0, b1, b0, b1, s0, s1, False, s)
+    for waypoint in (before, b0, b1, s0, s1, after):
+        enqueue(waypoint, s)
+    return s.d[before, b0] + s.d[b1, s0] + s.d[s1, after] - taken
+
+
+@compiled
+def kicks(count: int, longest: int, eps: float, s: Search) -> float:
+    """Kick and improve ``count`` times, and undo whatever left the tour longer; the gain of all of it."""
+    total = 0.0
+    for _ in range(count):
+        s.ints[REVERSALS] = 0
+        change = kick(longest, s)
+        gain = improve(eps, s) - change
+        if gain < 0.0:
+            undo_to(0, s)
+        else:
+            total += gain
+    return total

@@ -1,0 +1,191 @@
+# mypy: disable-error-code="no-any-return"
+"""Compiled partition of a closed frame: segments and their times in constant time, and dynamic programming over them.
+
+Waypoints 0..n-1 follow each other round the frame; a segment is ``count`` waypoints from ``first`` on, past the end as
+well, 1 <= count <= n.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from rota.planners.patrol.ground.sight_kernels import compiled
+
+TIE = 1e-9  # seconds late, or shares of a period, that differ by no more are equal but for rounding
+
+
+class Ring(NamedTuple):
+    """The frame twice round, so that no segment wraps.
+
+    along_m: (2 n,) metres from waypoint 0. period_s: (levels, 2 n) the smallest period of 2 ** level waypoints from
+    each on. level: (n + 1,) the largest level not above log2 of a number. around_m: what the route has besides twice
+    the segment, 2 pi r_s. joining: 1 where the leg before a segment's first waypoint is part of it. route_s: (n, n) the
+    time round the segment of k + 1 waypoints from each on, or (0, 0): then it is taken for twice the segment's length
+    and around_m.
+    """
+
+    along_m: Any
+    period_s: Any
+    level: Any
+    speed_m_s: float
+    around_m: float
+    joining: int
+    route_s: Any
+
+
+@compiled
+def segment_period_s(first: int, count: int, ring: Ring) -> float:
+    """Eq. 23: the smallest period of the segment's waypoints."""
+    level = ring.level[count]
+    return min(ring.period_s[level, first], ring.period_s[level, first + count - (1 << level)])
+
+
+@compiled
+def segment_time_s(first: int, count: int, ring: Ring) -> float:
+    """Eq. 26: time of the closed route round the segment, looked up or taken for twice its length and 2 pi r_s."""
+    if ring.route_s.shape[0] > 0:
+        return ring.route_s[first, count - 1]
+    n = ring.level.shape[0] - 1
+    long_m = ring.along_m[first + count - 1] - ring.along_m[first]
+    if ring.joining:
+        before = first - 1 if first > 0 else n - 1
+        long_m += ring.along_m[before + 1] - ring.along_m[before]
+    return (2.0 * long_m + ring.around_m) / ring.speed_m_s
+
+
+@compiled
+def late_s(first: int, count: int, margin_s: float, ring: Ring) -> float:
+    """By how much the segment's time and the margin exceed its period; negative where they do not."""
+    return segment_time_s(first, count, ring) + margin_s - segment_period_s(first, count, ring)
+
+
+@compiled
+def longest_counts(share: float, allowed_s: float, margin_s: float, ring: Ring, longest: Any) -> None:
+    """For each first waypoint the most waypoints (n,), 1 or more, of a segment that keeps to a share of its period.
+
+    Time and margin exceed that share by at most ``allowed_s``, and if that is 0 are less, as Eq. 25 asks. A longer
+    segment takes longer and has no longer period, so the ends only move on.
+    """
+    n = longest.shape[0]
+    count = 1
+    for first in range(n):
+        count = max(1, count - 1)
+        while count < n:
+            time_s = segment_time_s(first, count + 1, ring) + margin_s
+            over_s = time_s - share * segment_period_s(first, count + 1, ring)
+            if over_s > allowed_s or (allowed_s == 0.0 and over_s == 0.0):
+                break
+            count += 1
+        longest[first] = count
+
+
+@compiled
+def fewest_segments(longest: Any) -> int:
+    """The fewest segments, none longer than longest (n,) allows, that make up the closed frame: the best of all starts.
+
+    From any start the longest segments are the fewest.
+    """
+    n = longest.shape[0]
+    best = n
+    for first in range(n):
+        at, found = 0, 0
+        while at < n and found < best:
+            at += longest[(first + at) % n]
+            found += 1
+        if at >= n and found < best:
+            best = found
+    return best
+
+
+@compiled
+def narrowest_place(longest: Any) -> int:
+    """The waypoint that the fewest segments reach over: one of them must begin at it or at one of those before it."""
+    n = longest.shape[0]
+    place, fewest = 0, n + 1
+    for at in range(n):
+        back = starts_before(at, longest)
+        if back < fewest:
+            place, fewest = at, back
+    return place
+
+
+@compiled
+def starts_before(at: int, longest: Any) -> int:
+    """How many waypoints, ``at`` and those before it one after the other, have a segment that reaches over ``at``."""
+    n = longest.shape[0]
+    back = 1
+    while back < n and longest[(at - back) % n] > back:
+        back += 1
+    return back
+
+
+@compiled
+def better(late: float, uneven: float, than_late: float, than_uneven: float) -> bool:
+    """Whether less is late, or as much and the shares of the periods are more even."""
+    return late < than_late - TIE or (late <= than_late + TIE and uneven < than_uneven)
+
+
+@compiled
+def best_partition(
+    segments: int, margin_s: float, longest: Any, ring: Ring, late: Any, uneven: Any, chosen: Any, need: Any, first: Any
+) -> bool:  # fmt: skip
+    """Fill first (segments,) with the first waypoints of the best partition into so many segments; False without any.
+
+    Best: the smallest sum of what segments are late (the margin counted), then the smallest sum of the squares of
+    (time + margin) / period. Dynamic programming from each waypoint where a segment may begin: late and uneven are
+    (segments + 1, n + 1) room for the two sums, chosen for the last segment's count, need (segments + 1,) for how far
+    so many segments must have come.
+    """
+    n = longest.shape[0]
+    place = narrowest_place(longest)
+    best_late, best_uneven = math.inf, math.inf
+    for back in range(starts_before(place, longest)):
+        start = (place - back) % n
+        lay_out_from(start, segments, margin_s, longest, ring, late, uneven, chosen, need)
+        found_late, found_uneven = late[segments, n], uneven[segments, n]
+        if better(found_late, found_uneven, best_late, best_uneven):
+            best_late, best_uneven = found_late, found_uneven
+            at = n
+            for k in range(segments, 0, -1):
+                at -= chosen[k, at]
+                first[k - 1] = (start + at) % n
+    return best_late < math.inf
+
+
+@compiled
+def lay_out_from(
+    start: int, segments: int, margin_s: float, longest: Any, ring: Ring, late: Any, uneven: Any, chosen: Any, need: Any
+) -> None:  # fmt: skip
+    """The best way to make up the first ``at`` waypoints from ``start`` on of exactly k segments, for all k and at."""
+    n = longest.shape[0]
+    for k in range(segments + 1):
+        for at in range(n + 1):
+            late[k, at], uneven[k, at] = math.inf, math.inf
+    late[0, 0], uneven[0, 0] = 0.0, 0.0
+    # where the segments left can still reach the end; from farther on they can, too
+    at = n
+    for k in range(segments, -1, -1):
+        need[k] = at
+        while at > 0 and at - 1 + longest[(start + at - 1) % n] >= need[k]:
+            at -= 1
+    if need[0] > 0:
+        return
+    highest = 0
+    for k in range(segments):
+        farthest = n - (segments - k - 1)  # a waypoint each for the segments left
+        next_highest = 0
+        for at in range(max(k, need[k]), highest + 1):
+            if late[k, at] == math.inf:
+                continue
+            first = (start + at) % n
+            for count in range(max(1, need[k + 1] - at), min(longest[first], farthest - at) + 1):
+                time = segment_time_s(first, count, ring) + margin_s
+                period = segment_period_s(first, count, ring)
+                sum_late = late[k, at] + max(0.0, time - period)
+                sum_uneven = uneven[k, at] + (time / period) ** 2
+                to = at + count
+                if better(sum_late, sum_uneven, late[k + 1, to], uneven[k + 1, to]):
+                    late[k + 1, to], uneven[k + 1, to], chosen[k + 1, to] = sum_late, sum_uneven, count
+                next_highest = max(next_highest, to)
+        highest = next_highest

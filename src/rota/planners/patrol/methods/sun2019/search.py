@@ -1,0 +1,165 @@
+"""The fewest robots of the method: deployments and frames in turn, cut for fewer and fewer robots, repaired, judged.
+
+The paper stops at routes that Eq. 26 says are short enough. Here the check judges them: routes are led to what they
+leave unseen (``repair.settle``), and where this makes them too long, the frame is cut for more robots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from rota.errors import NoPlanFound
+from rota.mission import DiscSensor
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
+from rota.planners.patrol.methods.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measured
+from rota.planners.patrol.repair.repair import Settled, plan_of, settle
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
+
+FURTHER = 8  # robots more than the first partition needs, up to which frames are cut anew while the check fails
+
+
+def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = None) -> Settled:
+    """The best settled plan of the method (met unless all repair failed).
+
+    settings: None for those that the mission asks for. Each frame is cut for as many robots as Eq. 26 asks for, then
+    for fewer and fewer while the check passes; when it never does, the first frame is cut for more, which leaves every
+    route a margin. With routes as printed there is one plan, as it comes. Raises NoPlanFound for square sensors, and
+    when none of what is asked can be seen.
+    """
+    sensor = context.problem.robot.sensor
+    if not isinstance(sensor, DiscSensor):
+        raise NoPlanFound(
+            f"fleet.sensor: a square of side {sensor.side_m:.6g} m cannot be used with patrol.method sun2019, which is"
+            " made for discs; give shape: disc and a radius_m, or another method"
+        )
+    settings = settings or settings_for(context.problem.mission.patrol)
+    problem = context.problem
+    best: Settled | None = None
+    first: Framed | None = None
+    # covers have no chance in them, but the tours past their places have
+    ways = [(turn, deploy) for turn in range(settings.frames) for deploy in settings.deployments]
+    for k, (turn, deploy) in enumerate(ways):
+        here = replace(context, progress=part_of(context.progress, k, len(ways)))
+        here.progress(0.0, f"deploying sensors ({deploy.method}) and finding a frame past them")
+        seed = context.seed + 1000 * turn
+        framed = framed_sensors(problem.mission, problem.paths, deploy, settings, seed=seed)
+        first = first or framed
+        if settings.route.routes == "printed":
+            return as_printed(context, framed, settings)
+        best = with_fewer(here, framed, settings, best)
+        if context.should_stop() or (is_good(best) and robots_of(best) <= problem.enough_robots):
+            break
+    assert best is not None
+    assert first is not None
+    return best if is_good(best) or context.should_stop() else with_more(context, first, settings, best)
+
+
+def part_of(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
+    """Progress told within one of so many turns, of which the last ends at 0.9."""
+    return lambda share, what: progress(0.9 * (turn + share) / turns, what)
+
+
+def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best: Settled | None) -> Settled:
+    """The plan with the fewest robots that this frame gives, or the one given if that has no more."""
+    stages = cut(context, framed, settings, None)
+    if best is not None and is_good(best):
+        stages = cut(context, framed, settings, min(len(stages.segments), robots_of(best) - 1))
+    robots = len(stages.segments)
+    while best is None or (stages.load <= settings.route.most_load and not context.should_stop()):
+        context.progress(0.5, f"leading {robots} robots round their segments")
+        found = settled(context, stages, settings)
+        if not is_better(found, best):
+            return best if best is not None else found
+        best = found
+        least = max(len(framed.parts), context.problem.enough_robots)
+        if not is_good(found) or min(robots, robots_of(found)) <= least:
+            break
+        robots = min(robots, robots_of(found)) - 1
+        stages = cut(context, framed, settings, robots)
+    return best
+
+
+def with_more(context: Context, framed: Framed, settings: MethodSettings, best: Settled) -> Settled:
+    """A plan of one robot after the other more than the partition asks for; in the end, of as many as mending asks."""
+    first = len(cut(context, framed, settings, None).segments)
+    for robots in range(first + 1, first + FURTHER + 1):
+        if context.should_stop():
+            return best
+        context.progress(0.9, f"leading {robots} robots round their segments")
+        found = settled(context, cut(context, framed, settings, robots), settings)
+        best = found if is_better(found, best) else best
+        if is_good(best):
+            return best
+    context.progress(0.9, "finishing with the robots that mending asks for")
+    tours = tours_of(context.problem, cut(context, framed, settings, None))
+    last = settle(context, tours, no_points(), may_add=True, rounds=3 * settings.route.repairs)
+    return last if is_better(last, best) else best
+
+
+def cut(context: Context, framed: Framed, settings: MethodSettings, robots: int | None) -> Stages:
+    """The frames cut for so many robots, or as many as Eq. 26 asks for."""
+    return cut_in_segments(framed, context.problem.robot, context.problem.paths, settings, robots=robots)
+
+
+def settled(context: Context, stages: Stages, settings: MethodSettings) -> Settled:
+    """The routes led to what they leave unseen until the check passes or the rounds are over.
+
+    Where this makes routes too long they are shortened, or the frame is cut anew by their lengths; when that does not
+    help, they get a further robot.
+    """
+    tours, rounds = tours_of(context.problem, stages), settings.route.repairs
+    if settings.route.routes == "shortened":
+        return settle(context, tours, no_points(), may_add=False, rounds=rounds)
+    robots = len(stages.segments)
+    best = settle(context, tours, no_points(), may_add=True, rounds=rounds)
+    found = best
+    for _ in range(settings.route.recuts):
+        if (best.met and robots_of(best) <= robots) or context.should_stop() or len(found.tours) < robots:
+            break
+        driven_m = np.array([tour_length_m(tour) for tour in found.tours[:robots]])
+        stages = cut(context, measured(stages, driven_m, context.problem.robot), settings, robots)
+        found = settle(context, tours_of(context.problem, stages), no_points(), may_add=True, rounds=rounds)
+        best = found if is_better(found, best) else best
+    return best
+
+
+def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Settled:
+    """The plan of the routes as they are, judged."""
+    tours = tours_of(context.problem, cut(context, framed, settings, None))
+    plan = plan_of(context.problem, tours, context.seed)
+    return Settled(tours=tours, plan=plan, verdict=context.judge(plan), extra=no_points())
+
+
+def tours_of(problem: Problem, stages: Stages) -> list[Tour]:
+    """The segments' routes as tours of a robot each, which serve what has the segment's period or a longer one."""
+    serves = [int(np.argmin(np.abs(np.array(problem.periods_s) - one.period_s))) for one in stages.segments]
+    return [
+        Tour(
+            vertices_m=one.route_m, serves=k, period_s=problem.periods_s[k], robots=1, robot=problem.robot,
+            part=one.part,
+        )
+        for k, one in zip(serves, stages.segments, strict=True)
+    ]  # fmt: skip
+
+
+def is_good(settled: Settled) -> bool:
+    """Whether the plan passed, and no route is longer than its period allows."""
+    return settled.met and settled.fits
+
+
+def is_better(found: Settled, best: Settled | None) -> bool:
+    """Whether a plan is better than the best so far: one that passes, then fewer robots."""
+    if best is None or not is_good(found):
+        return best is None
+    return not is_good(best) or robots_of(found) < robots_of(best)
+
+
+def robots_of(settled: Settled) -> int:
+    """The robots of all its tours."""
+    return sum(tour.robots for tour in settled.tours)

@@ -1,0 +1,217 @@
+"""The stages one after the other: deployment, frame, partition, routes (Sun et al. 2019, Figures 11 and 12)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import DiscSensor, Mission, Robot
+from rota.planners.patrol.ground.problem import common_robot
+from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame, route_length_m
+from rota.planners.patrol.methods.sun2019.route import route_round, segment_line
+from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m, segment_lengths_m
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_SCALED = 2.0  # times its length, or part of it, that a leg counts as after one measuring
+
+
+@dataclass(frozen=True, kw_only=True)
+class PartFrame:
+    """The frame past the sensors in one connected part of the space; the paper's ground has one part.
+
+    frame: its order counts the part's sensors, which are those numbered ``sensors`` (n,) of the deployment.
+    waypoint_periods_s: (n,) along the frame. part: of ``ShortestPaths.parts``. legs_m: (n,) what each leg counts as in
+    the partition: its length, until routes round it are found to be longer or shorter than Eq. 26 has it.
+    route_lengths_m: (n, n) metres round each stretch of the frame; None where the partition estimates them.
+    """
+
+    frame: Frame
+    sensors: Ints
+    waypoint_periods_s: Floats
+    part: int
+    legs_m: Floats
+    route_lengths_m: Floats | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Framed:
+    """The first two stages: the sensors, and the frames past them, one for each part of the space."""
+
+    deployment: Deployment
+    parts: tuple[PartFrame, ...]
+    seed: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segment:
+    """One robot's share: its stretch of the frame, line_m (k, 2), and the closed route (n, 2) round it.
+
+    time_s: Eq. 26, of the stretch; the route as it is driven takes another time. period_s: Eq. 23.
+    """
+
+    line_m: Floats
+    route_m: Floats
+    time_s: float
+    period_s: float
+    part: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stages:
+    """All four stages. partitions: of each part's frame; segments: of all of them, in their order."""
+
+    framed: Framed
+    partitions: tuple[Partition, ...]
+    segments: tuple[Segment, ...]
+
+    @property
+    def load(self) -> float:
+        """Times over periods by Eq. 26, on average: 1 is a robot's all."""
+        return float(np.mean([segment.time_s / segment.period_s for segment in self.segments]))
+
+
+def framed_sensors(
+    mission: Mission,
+    paths: ShortestPaths,
+    deploy: DeploySettings,
+    settings: MethodSettings,
+    *,
+    seed: int,
+    threads: int | None = None,
+) -> Framed:
+    """Deploy sensors and find the frames past them. paths: of the space where the mission's robots can be."""
+    deployment = deploy_sensors(mission, deploy, seed=seed, threads=threads)
+    positions_m, zone, periods_s = deployment.positions_m, deployment.zone_of, deployment.periods_s
+    parts, robot = paths.part_of(positions_m), common_robot(mission.fleet)
+    found = []
+    for part in np.unique(parts).tolist():
+        here = np.flatnonzero(parts == part)
+        frame = find_frame(
+            positions_m[here], zone[here], paths, virtual_radius_m=deployment.virtual_radius_m,
+            settings=settings.tour, seed=seed,
+        )  # fmt: skip
+        along_s = periods_s[here][frame.order]
+        lengths_m = None
+        if settings.partition.times == "routes":
+            lengths_m = route_lengths_m(
+                frame, along_s, paths, speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
+                joining_legs=settings.partition.joining_legs, settings=settings.route,
+            )  # fmt: skip
+        found.append(
+            PartFrame(
+                frame=frame,
+                sensors=here,
+                waypoint_periods_s=along_s,
+                part=int(part),
+                legs_m=frame.legs_m,
+                route_lengths_m=lengths_m,
+            )
+        )
+    return Framed(deployment=deployment, parts=tuple(found), seed=seed)
+
+
+def cut_in_segments(
+    framed: Framed, robot: Robot, paths: ShortestPaths, settings: MethodSettings, *, robots: int | None = None
+) -> Stages:
+    """Cut the frames into segments and lead the routes round them.
+
+    robots: how many segments there shall be in all, but at least one in each part and no more than it has sensors;
+    None: as many as the partition finds to be needed. Of parts, those with the least load give way first.
+    """
+    counts = None if robots is None else shared_out(framed, robot, settings, robots)
+    partitions = [
+        partition_of(part, robot, settings, seed=framed.seed, segments=None if counts is None else counts[k])
+        for k, part in enumerate(framed.parts)
+    ]
+    return Stages(
+        framed=framed,
+        partitions=tuple(partitions),
+        segments=tuple(
+            _segment(part, partition, k, robot, paths, settings)
+            for part, partition in zip(framed.parts, partitions, strict=True)
+            for k in range(len(partition.first))
+        ),
+    )
+
+
+def partition_of(
+    part: PartFrame, robot: Robot, settings: MethodSettings, *, seed: int, segments: int | None = None
+) -> Partition:
+    """The frame of one part cut into segments for a robot, as many as given or needed."""
+    lengths_m = part.route_lengths_m
+    if lengths_m is not None and part.legs_m is not part.frame.legs_m:
+        counted_m, really_m = (
+            segment_lengths_m(legs_m, joining_legs=settings.partition.joining_legs)
+            for legs_m in (part.legs_m, part.frame.legs_m)
+        )
+        lengths_m = lengths_m * np.divide(counted_m, really_m, out=np.ones_like(counted_m), where=really_m > 0)
+    return partition_frame(
+        part.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
+        segments=segments, route_lengths_m=lengths_m, settings=settings.partition, seed=seed,
+    )  # fmt: skip
+
+
+def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: int) -> list[int]:
+    """So many robots shared out among the parts, (p,) of them: one more or fewer where the load is most or least."""
+    if len(framed.parts) == 1:
+        return [min(max(robots, 1), len(framed.parts[0].sensors))]
+    needed = [partition_of(part, robot, settings, seed=framed.seed) for part in framed.parts]
+    loads = [float((one.times_s / one.periods_s).sum()) for one in needed]
+    counts, most = [len(one.first) for one in needed], [len(part.sensors) for part in framed.parts]
+    while sum(counts) > robots and max(counts) > 1:
+        some = [k for k, count in enumerate(counts) if count > 1]
+        counts[min(some, key=lambda k: loads[k] / (counts[k] - 1))] -= 1
+    while sum(counts) < robots and any(count < top for count, top in zip(counts, most, strict=True)):
+        some = [k for k, count in enumerate(counts) if count < most[k]]
+        counts[max(some, key=lambda k: loads[k] / counts[k])] += 1
+    return counts
+
+
+def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
+    """The frames with legs that count as what the routes (m,) round their segments came to, metres by Eq. 26.
+
+    The next partition then gives shorter segments where repair made routes long, and longer ones where it did not.
+    """
+    around_m = route_length_m(0.0, radius_m(robot))
+    found, at = [], 0
+    for part, partition in zip(stages.framed.parts, stages.partitions, strict=True):
+        legs_m = part.legs_m.copy()
+        for k in range(len(partition.first)):
+            inner = partition.places(k, len(legs_m))[:-1]
+            if part.route_lengths_m is None:
+                long_m, really_m = float(part.legs_m[inner].sum()), (driven_m[at] - around_m) / 2
+            else:
+                long_m, really_m = float(partition.times_s[k]) * robot.speed_m_s, float(driven_m[at])
+            if long_m > 0:
+                legs_m[inner] *= np.clip(really_m / long_m, 1 / MOST_SCALED, MOST_SCALED)
+            at += 1
+        found.append(replace(part, legs_m=legs_m))
+    return replace(stages.framed, parts=tuple(found))
+
+
+def radius_m(robot: Robot) -> float:
+    """r_s, of a robot with a disc sensor; deployment has refused any other."""
+    assert isinstance(robot.sensor, DiscSensor)
+    return robot.sensor.radius_m
+
+
+def _segment(
+    part: PartFrame, partition: Partition, k: int, robot: Robot, paths: ShortestPaths, settings: MethodSettings
+) -> Segment:
+    line_m = segment_line(part.frame, partition, k, joining_legs=settings.partition.joining_legs)
+    return Segment(
+        line_m=line_m,
+        route_m=route_round(line_m, paths, radius_m=radius_m(robot), settings=settings.route),
+        time_s=float(partition.times_s[k]),
+        period_s=float(partition.periods_s[k]),
+        part=part.part,
+    )

@@ -1,0 +1,267 @@
+"""From lanes to a closed route: the order and the directions in which they are driven, and the ways between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import LineString, MultiPolygon, Point
+from shapely.geometry.base import BaseGeometry
+
+from rota.mission import DiscSensor, Effort
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.initial.first_tours import distances
+from rota.planners.patrol.initial.visiting_order import short_order
+from rota.planners.patrol.methods.sweeping.lanes import GRID_M, Swath, cells, ground_turned, lanes_in, polygons, turned
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_ENDS = 4000  # beyond as many lane ends the order is that of the strips
+UNSEEN = 3.0  # times the length of lane that its ground takes: what it costs to mend a pocket that a route misses
+SPARE = 0.999  # of the swath: neighbouring lanes overlap by a little, for the check's finest pieces
+DIRECTIONS = 6  # edges of a shape whose directions are tried, beside both axes
+ANGLES: dict[Effort, int] = {"quick": 3, "normal": 6, "high": 12}  # of these, the most promising are tried in full
+ROUTED = 3  # of the ways to lay lanes over a shape, the shortest on a guess are joined to routes and compared
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """What one route, or several side by side, must see: ground of some period classes before one part of the space.
+
+    serves: the shortest of the classes; stops_m (n, 2): places to be visited besides.
+    """
+
+    shape: MultiPolygon
+    stops_m: Floats
+    serves: int
+    part: int
+
+
+def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
+    """The ground of each group of period classes, by part of the standing space; what no part borders is left out.
+
+    Ground in front of two parts belongs to the larger one.
+    """
+    taken: BaseGeometry = MultiPolygon()
+    claims = []
+    for part in problem.paths.parts:
+        body_m = problem.robot.body_radius_m
+        claim = part.buffer(1.05 * body_m, join_style="mitre") if body_m > 0 else part
+        claims.append(shapely.difference(claim, taken, grid_size=GRID_M))
+        taken = shapely.union(taken, claim, grid_size=GRID_M)
+    found = []
+    for group in groups:
+        shapes = [
+            region.shape
+            for region, c in zip(problem.regions, problem.region_class, strict=True)
+            if c in group and region.demand == "every_point"
+        ]
+        shape = smoothed(shapely.union_all(shapes, grid_size=GRID_M), 0.02 * problem.reach_m)
+        visits = problem.points.xy_m[(problem.points.visit_m > 0) & np.isin(problem.points.period, group)]
+        parts = problem.paths.part_of(visits)
+        for part, claim in enumerate(claims):
+            here = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
+            stops = visits[parts == part]
+            if not here.is_empty or len(stops):
+                found.append(Ground(shape=here, stops_m=stops, serves=group[0], part=part))
+    return found
+
+
+def smoothed(shape: BaseGeometry, tolerance_m: float) -> BaseGeometry:
+    """The shape without joints, slivers and the steps of a scanned map: lanes need no such detail, mending sees it."""
+    simple = shapely.simplify(shape, tolerance_m)
+    return simple if simple.is_valid and not simple.is_empty else shape
+
+
+def sensing(problem: Problem, angle_rad: float) -> Swath:
+    """The swath of the mission's robot along lanes of this angle, a little narrower than it is."""
+    margin_m = problem.range_margin_m + (1 - SPARE) * problem.reach_m
+    return Swath(sensor=problem.robot.sensor, angle_rad=angle_rad, margin_m=margin_m)
+
+
+def angles(problem: Problem, shape: BaseGeometry) -> list[float]:
+    """Directions in [0, pi) worth a try for lanes over a shape: along and across its longest edges, and both axes.
+
+    For convex ground some direction along an edge needs fewest turns (Huang, ICRA 2001). A square sensor has the
+    widest swath along its diagonals, which are tried too.
+    """
+    rings = shapely.get_parts(shapely.boundary(shape))
+    steps = np.vstack([np.diff(shapely.get_coordinates(ring), axis=0) for ring in rings])
+    turn, length_m = np.arctan2(steps[:, 1], steps[:, 0]) % math.pi, np.hypot(*steps.T)
+    alike = np.rint(np.degrees(turn) * 4).astype(np.int64) % 720
+    total_m = {int(which): float(length_m[alike == which].sum()) for which in np.unique(alike)}
+    tried = [0.0] if isinstance(problem.robot.sensor, DiscSensor) else [0.0, math.pi / 4]
+    for which in sorted(total_m, key=lambda which: (-total_m[which], which))[:DIRECTIONS]:
+        tried.append(float(turn[alike == which][np.argmax(length_m[alike == which])]))
+    both = [(angle + across) % math.pi for angle in tried for across in (0.0, math.pi / 2)]
+    return list({round(angle, 6): angle for angle in both}.values())
+
+
+def guess_m(shape: MultiPolygon, swath: Swath) -> float:
+    """A guess at the length of a route over a shape in lanes: these at their mean length, sideways, and back."""
+    across = np.array([-math.sin(swath.angle_rad), math.cos(swath.angle_rad)])
+    high_m, width_m = float(np.ptp(shapely.get_coordinates(shape) @ across)), 2 * swath.half_m
+    mean_m = float(shape.area) / high_m
+    return mean_m * math.ceil(high_m / width_m - 1e-9) + 2 * max(high_m - width_m, 0.0)
+
+
+def shortest_guess_m(problem: Problem, shape: MultiPolygon) -> float:
+    """The guess for the direction that suits the shape best; 0 for an empty one."""
+    if shape.is_empty:
+        return 0.0
+    return min(guess_m(shape, sensing(problem, angle)) for angle in angles(problem, shape))
+
+
+def promising_angles(problem: Problem, shape: MultiPolygon) -> list[float]:
+    """The directions that promise the shortest routes, as many as the effort allows."""
+    if shape.is_empty:
+        return []
+    tried = sorted(angles(problem, shape), key=lambda angle: guess_m(shape, sensing(problem, angle)))
+    return tried[: ANGLES[problem.mission.patrol.effort]]
+
+
+def lane_cost_m(lanes: list[Floats], swath: Swath) -> float:
+    """A guess at the length of a route along lanes: their own, and a swath's width from each to the next."""
+    return sum(float(np.hypot(*np.diff(lane, axis=0).T).sum()) for lane in lanes) + 2 * swath.half_m * len(lanes)
+
+
+def layouts(problem: Problem, shape: MultiPolygon, tried: list[float], *, own: bool) -> Iterator[list[Floats]]:
+    """Ways to lay lanes over a shape, those first that promise the shortest routes.
+
+    For each angle: strips over all of it; strips cell by cell; strips over all but one side, along which a lane leads
+    back. own: also cells of which each has the direction that suits it best.
+    """
+    found: list[tuple[float, int, list[Floats]]] = []
+
+    def add(lanes: list[Floats], swath: Swath) -> None:
+        if lanes:
+            found.append((lane_cost_m(lanes, swath), len(found), lanes))
+
+    for angle in tried:
+        swath, across = sensing(problem, angle), sensing(problem, angle + math.pi / 2)
+        add(lanes_in(shape, problem.space, swath), swath)
+        blocks = cells_at(shape, angle)
+        if len(blocks) > 1:
+            add([lane for block in blocks for lane in lanes_in(block, problem.space, swath)], swath)
+            if own:
+                add([lane for block in blocks for lane in best_lanes(problem, block, tried)], swath)
+        for side, rest in without_a_side(shape, angle, 2 * across.half_m):
+            add(lanes_in(side, problem.space, across) + lanes_in(rest, problem.space, swath), swath)
+    for _, _, lanes in sorted(found, key=lambda entry: entry[:2]):
+        yield lanes
+
+
+def cells_at(shape: MultiPolygon, angle_rad: float) -> list[BaseGeometry]:
+    """The boustrophedon cells of a shape for lanes at this angle."""
+    upright = ground_turned(shape, -angle_rad)
+    return [turned(cell, angle_rad) for part in polygons(upright) for cell in cells(part)]
+
+
+def best_lanes(problem: Problem, cell: BaseGeometry, tried: list[float]) -> list[Floats]:
+    """The lanes over one cell at the angle that promises the shortest way; none where no robot can be."""
+    ways = [(lanes_in(cell, problem.space, swath), swath) for swath in (sensing(problem, angle) for angle in tried)]
+    ways = [way for way in ways if way[0]]
+    return min(ways, key=lambda way: lane_cost_m(*way))[0] if ways else []
+
+
+def without_a_side(
+    shape: MultiPolygon, angle_rad: float, width_m: float
+) -> Iterator[tuple[MultiPolygon, MultiPolygon]]:
+    """The shape cut in a strip across the lanes at either end, for a lane that leads back, and the rest."""
+    upright = ground_turned(shape, -angle_rad)
+    left, low, right, high = upright.bounds
+    if right - left < 2 * width_m or high - low < 2 * width_m:
+        return
+    for a, b in ((left - 1, left + width_m), (right - width_m, right + 1)):
+        strip = shapely.box(a, low - 1, b, high + 1)
+        side = polygons(shapely.intersection(upright, strip, grid_size=GRID_M))
+        rest = polygons(shapely.difference(upright, strip, grid_size=GRID_M))
+        if side and rest:
+            yield turned(MultiPolygon(side), angle_rad), turned(MultiPolygon(rest), angle_rad)
+
+
+def best_route(
+    problem: Problem, ground: Ground, shape: MultiPolygon, tried: list[float], *, own: bool = False
+) -> Tour | None:
+    """The shortest closed route over a shape that lanes at the angles tried give; None when no robot can be near it.
+
+    Ground that a route does not see is charged for, since mending will have to lead it there.
+    """
+    best: tuple[float, Tour] | None = None
+    ways = [[]] if shape.is_empty else layouts(problem, shape, tried, own=own)
+    for k, lanes in enumerate(ways):
+        if k == ROUTED:
+            break
+        tour = closed_route(problem, [*lanes, *(stop[None] for stop in ground.stops_m)], ground)
+        if tour is None:
+            continue
+        cost_m = tour_length_m(tour) + UNSEEN * missed_m2(problem, tour, shape) / problem.swath_m
+        if best is None or cost_m < best[0]:
+            best = (cost_m, tour)
+    return best[1] if best is not None else None
+
+
+def missed_m2(problem: Problem, tour: Tour, shape: MultiPolygon) -> float:
+    """Area of the shape that is not in range of the route; what obstacles hide is not looked at."""
+    ring = np.vstack([tour.vertices_m, tour.vertices_m[:1]])
+    if isinstance(problem.robot.sensor, DiscSensor):
+        line = LineString(ring) if len(ring) > 2 else Point(ring[0])
+        return float(shapely.difference(shape, line.buffer(problem.reach_m, quad_segs=16)).area)
+    half_m = problem.reach_m
+    corners = half_m * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    ends = np.stack([ring[:-1], ring[1:]], axis=1)
+    swept = shapely.convex_hull(
+        shapely.multipoints([shapely.points((leg[:, None] + corners).reshape(-1, 2)) for leg in ends])
+    )
+    return float(shapely.difference(shape, shapely.union_all(swept)).area)
+
+
+def closed_route(problem: Problem, lanes: list[Floats], ground: Ground) -> Tour | None:
+    """A short closed tour along all lanes (k, 2), each driven in either direction, joined by shortest paths.
+
+    Lanes outside the ground's part of the space are left out. None when there are none.
+    """
+    ends = np.array([[lane[0], lane[-1]] for lane in lanes]).reshape(-1, 2)
+    inside = (problem.paths.part_of(ends) == ground.part).reshape(-1, 2).all(axis=1)
+    lanes = [lane for lane, good in zip(lanes, inside, strict=True) if good]
+    if not lanes:
+        return None
+    way = np.vstack([lanes[k][::-1] if back else lanes[k] for k, back in driving_order(problem, lanes)])
+    way = way[(problem.paths.part_of(way) == ground.part)]
+    vertices = problem.paths.paths_along(np.vstack([way, way[:1]]))
+    return Tour(
+        vertices_m=vertices[:-1] if len(vertices) > 1 else vertices,
+        serves=ground.serves,
+        period_s=problem.periods_s[ground.serves],
+        robots=1,
+        robot=problem.robot,
+        part=ground.part,
+    )
+
+
+def driving_order(problem: Problem, lanes: list[Floats]) -> list[tuple[int, bool]]:
+    """Lanes in the order of a short closed tour, each with whether it is driven backwards.
+
+    A short tour over all lane ends in which the two ends of a lane always follow each other: their distance is so far
+    below zero that no exchange parts them. Very many lanes are driven to and fro in the order given.
+    """
+    if 2 * len(lanes) > MOST_ENDS or len(lanes) == 1:
+        return [(k, k % 2 == 1) for k in range(len(lanes))]
+    apart = distances(problem, np.array([[lane[0], lane[-1]] for lane in lanes]).reshape(-1, 2)).copy()
+    pairs = np.arange(0, len(apart), 2)
+    apart[pairs, pairs + 1] = apart[pairs + 1, pairs] = -1e3 * (1 + float(apart.max()))
+    order = short_order(apart)
+    if order[0] // 2 != order[1] // 2:
+        order = np.roll(order, 1)
+    return [(int(first) // 2, bool(first % 2)) for first in order[::2]]
+
+
+def robots_for(tour: Tour, reserve: float) -> int:
+    """Robots that keep the tour's period when a share of their budget is kept for mending."""
+    return max(1, math.ceil(tour_length_m(tour) / (replace(tour, robots=1).budget_m * (1 - reserve))))

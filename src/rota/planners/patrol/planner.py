@@ -1,0 +1,103 @@
+"""From the mission asked to the one that is searched: with a reserve in periods and reach, and without starts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from rota.errors import NoPlanFound
+from rota.mission import Mission
+from rota.plan import Plan
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.ground.problem import bounded_as_asked, set_up_problem
+from rota.planners.patrol.margins import with_reserve, without_starts
+from rota.planners.patrol.methods.fixed_team.least_ratio import plan_with_least_ratio
+from rota.planners.patrol.methods.registry import fewest_by_method, swept_instead, unmet_reason
+from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
+from rota.planners.patrol.verdict import Judge, worst_reached
+from rota.search_state import Watch
+
+
+def plan_patrol(
+    mission: Mission,
+    *,
+    seed: int,
+    judge: Judge,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool],
+    watch: Watch | None = None,
+) -> Plan:
+    """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
+
+    Robots with starts reach their loops from there. The lower bound is that of the mission as it is asked. Raises
+    NoPlanFound, with the best plan found for this mission, when there is none; also when bodies touch on the way from
+    the starts, and when the reserve of range hides ground that only the full reach sees.
+    """
+    tight = with_reserve(mission)
+    require_room(mission)
+    try:
+        plan = plan_tours(
+            without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress,
+            should_stop=should_stop, watch=watch,
+        )  # fmt: skip
+    except NoPlanFound as failure:
+        raise NoPlanFound(str(failure), best=led_as_asked(failure.best, mission)) from failure
+    if mission.has_starts:
+        progress(0.95, "leading the robots from their starts")
+        try:
+            plan = led_from_starts(plan, tight, judge)
+        except NoPlanFound as failure:
+            raise NoPlanFound(str(failure), best=as_asked(failure.best, mission)) from failure
+    final = plan if plan.mission is mission else replace(plan, mission=mission)  # the judge knows the plan judged last
+    if mission.patrol.range_margin_m > 0 and (verdict := judge(final)).verdict != "met":
+        raise NoPlanFound(
+            f"patrol.range_margin_m: {mission.patrol.range_margin_m:.6g} hides ground that only sensors of full reach"
+            f" see, and the plan misses it: {worst_reached(verdict)}; give less",
+            best=final,
+        )
+    return final
+
+
+def plan_tours(
+    mission: Mission,
+    *,
+    asked: Mission,
+    seed: int,
+    judge: Judge,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool],
+    watch: Watch | None = None,
+) -> Plan:
+    """A plan of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
+
+    asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
+    robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
+    on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
+    from several threads. Raises NoPlanFound, with the best plan found, when the demand is not met.
+    """
+    progress(0.0, "looking at the mission")
+    problem = bounded_as_asked(set_up_problem(mission), asked)
+    context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)
+    if mission.fleet.robots is not None:
+        return plan_with_least_ratio(context, asked)
+    best = fewest_by_method(context)
+    if not best.met and should_stop() and mission.patrol.method == "tours":
+        best = swept_instead(context, best)
+    if not best.met:
+        raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
+    return best.plan
+
+
+def as_asked(best: object | None, mission: Mission) -> Plan | None:
+    """The best plan found for the searched mission as one for the mission asked."""
+    return replace(best, mission=mission) if isinstance(best, Plan) else None
+
+
+def led_as_asked(best: object | None, mission: Mission) -> Plan | None:
+    """The best plan found for the searched mission, led from the asked mission's starts as far as that can be."""
+    if not isinstance(best, Plan) or not mission.has_starts:
+        return as_asked(best, mission)
+    try:
+        return led_from_starts(best, mission, judge=None)
+    except NoPlanFound as failure:
+        return as_asked(failure.best, mission)

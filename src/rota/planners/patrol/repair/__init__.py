@@ -1,0 +1,1 @@
+"""From an annealed plan to one that passes the check: bending, detours, further robots."""

@@ -1,0 +1,155 @@
+"""Tours as linear programs see them: vertices that move, legs between them, and who sees which sample from where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.mission import DiscSensor
+from rota.planners.patrol.annealing.search import in_range_m
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.repair.bending.sighting_kernels import best_looks
+from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, whole_budget_m
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """The legs of all tours, without their places.
+
+    start, end (m,): vertices of each leg; a petal shares the vertex at which it begins with its hub. tour (m,): whose
+    leg it is. before, after, share (n,): vertices that cut a long leg lie on the way between two others, so far along
+    it; corners between themselves. counts (b, k): how often the length of each tour counts in each budget; budget_m
+    (b,).
+    """
+
+    tours: list[Tour]
+    start: Ints
+    end: Ints
+    tour: Ints
+    before: Ints
+    after: Ints
+    share: Floats
+    counts: Floats
+    budget_m: Floats
+
+    def lengths_m(self, places_m: Floats) -> Floats:
+        """Length (k,) of each tour with its vertices at these places (n, 2)."""
+        legs_m = np.hypot(*(places_m[self.end] - places_m[self.start]).T)
+        return np.asarray(np.bincount(self.tour, weights=legs_m, minlength=len(self.tours)), dtype=np.float64)
+
+    def tours_at(self, places_m: Floats) -> list[Tour]:
+        """The tours with their vertices at these places (n, 2)."""
+        return [replace(tour, vertices_m=places_m[self.start[self.tour == k]]) for k, tour in enumerate(self.tours)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Looks:
+    """For every sample (n,) the leg that sees it with most range to spare, or -1, and the place on it (0 to 1).
+
+    lack_m (n,): by how much range is short; less than 0 where the sample is seen, inf where it is far from all legs.
+    """
+
+    leg: Ints
+    at: Floats
+    lack_m: Floats
+
+
+def laid_out(tours: Sequence[Tour], longest_m: float) -> tuple[Layout, Floats]:
+    """The tours with legs of at most ``longest_m``, and the places (n, 2) of their vertices."""
+    places: list[Floats] = []
+    start, end, owner, ends, shares = [], [], [], [], []
+    n = 0
+    for nest in nests(tours):
+        hub_m, first = cut_legs(tours[nest[0]].vertices_m, longest_m)[0], n
+        for k in nest:
+            ring, share = cut_legs(tours[k].vertices_m, longest_m)
+            ids = np.arange(n, n + len(ring))
+            if k != nest[0]:
+                ids = np.concatenate([[first + meeting(hub_m, ring)], ids[:-1]])
+                ring, share = ring[1:], share[1:]
+            corners = np.flatnonzero(np.concatenate([[0.0], share] if k != nest[0] else [share]) == 0)
+            which = np.searchsorted(corners, np.arange(len(ids)), side="right") - 1
+            between = np.column_stack([ids[corners[which]], ids[corners[(which + 1) % len(corners)]]])
+            if k != nest[0]:
+                between = between[1:]
+            between[share == 0, 1] = between[share == 0, 0]
+            places.append(ring)
+            ends.append(between)
+            shares.append(share)
+            n += len(ring)
+            start.append(ids)
+            end.append(np.roll(ids, -1))
+            owner.append(np.full(len(ids), k))
+    rows = list(budget_rows(tours))
+    layout = Layout(
+        tours=list(tours),
+        start=np.concatenate(start).astype(np.int64),
+        end=np.concatenate(end).astype(np.int64),
+        tour=np.concatenate(owner).astype(np.int64),
+        before=np.vstack(ends)[:, 0].astype(np.int64),
+        after=np.vstack(ends)[:, 1].astype(np.int64),
+        share=np.concatenate(shares),
+        counts=np.array([counts for counts, _ in rows]),
+        budget_m=np.array([budget_m for _, budget_m in rows]),
+    )
+    return layout, np.vstack(places)
+
+
+def cut_legs(vertices_m: Floats, longest_m: float) -> tuple[Floats, Floats]:
+    """The closed polyline with legs cut into equal pieces, and how far along its leg (n,) each vertex lies: 0 to 1."""
+    ends_m = np.roll(vertices_m, -1, axis=0)
+    pieces = np.maximum(1, np.ceil(np.hypot(*(ends_m - vertices_m).T) / longest_m)).astype(np.int64)
+    which = np.repeat(np.arange(len(vertices_m)), pieces)
+    share = (np.arange(len(which)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[which]
+    return vertices_m[which] + share[:, None] * (ends_m - vertices_m)[which], share
+
+
+def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
+    """How often each tour (k,) counts in each budget, and that: of each tour alone, each round of a nest and all."""
+    for hub, *petals in nests(tours):
+        whole = np.zeros(len(tours))
+        for k in petals or [hub]:
+            counts = np.zeros(len(tours))
+            counts[[hub, k]] = 1.0
+            whole += counts
+            yield counts, tours[hub].budget_m
+        if petals:
+            whole[hub] += rounds_more(tours, petals)
+            yield whole, whole_budget_m(tours, hub, np.array([petals[0], petals[-1] + 1]))
+
+
+def looks(
+    layout: Layout,
+    places_m: Floats,
+    samples: Samples,
+    *,
+    range_margin_m: float,
+    further_m: float,
+    behind_m: Floats | float = 0.0,
+) -> Looks:
+    """Who sees which sample, the vertices at these places (n, 2); ``further_m``: how far beyond reach is looked.
+
+    behind_m: by how much more range to spare a leg of each tour (k,) must see a sample than others do, to have it.
+    """
+    behind_m = np.broadcast_to(behind_m, len(layout.tours))
+    robots = [tour.robot for tour in layout.tours]
+    reach_m = np.array([in_range_m(robot) for robot in robots]) - range_margin_m - behind_m
+    square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
+    serves = np.array([tour.serves for tour in layout.tours], dtype=np.int64)
+    n = len(samples.x)
+    leg, at, lack_m = np.empty(n, dtype=np.int64), np.empty(n), np.empty(n)
+    legs = np.hstack([places_m[layout.start], places_m[layout.end]])
+    room = 1024
+    while best_looks(
+        legs, serves[layout.tour], reach_m[layout.tour], square[layout.tour], further_m, samples,
+        np.empty(room, dtype=np.int32), leg, at, lack_m,
+    ):  # fmt: skip
+        room *= 2
+    lack_m -= np.where(leg >= 0, behind_m[layout.tour[leg]], 0.0)
+    return Looks(leg=leg, at=at, lack_m=lack_m)

@@ -1,0 +1,144 @@
+"""One step of all tours at once: the linear program whose answer moves every vertex a little."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
+
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.repair.bending.layout import Layout, Looks
+from rota.planners.patrol.repair.bending.solver import GrowingProgram
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+OVER_PRICE = 2.0  # of a metre over a budget
+LACK_PRICE = 5.0  # of a metre of range that a sample lacks
+MOVE_PRICE = 1e-3  # of a metre that a vertex moves along an axis: what need not move stays
+AIM_M = 1e-6  # nearer than asked, so that rounding hides nothing
+NEEDED = 0.25  # of a step: ranges with less to spare are limits from the start, others once a step breaks them
+
+
+class Rows(NamedTuple):
+    """Limits on moves: ``along`` (r, 2n) times the moves of all vertices is at most ``most_m`` (r,)."""
+
+    along: csr_array
+    most_m: Floats
+
+
+class Step(NamedTuple):
+    """Moves (n, 2) of all vertices, and what everything costs after them as far as the program can tell."""
+
+    moves_m: Floats
+    cost: float
+
+
+def best_step(
+    layout: Layout, places_m: Floats, ranges: Rows, clearances: Rows, *, fixed: Flags, trust_m: float, reserve: float,
+    length_price: float,
+) -> Step | None:  # fmt: skip
+    """The moves, along either axis at most twice ``trust_m``, after which least is lacking; None: there is no answer.
+
+    ranges: what samples may lose, for a price. clearances: how near vertices may come to the border, at no price.
+    fixed (n,): vertices that stay. reserve: share of the budgets that is left alone. length_price: of every metre.
+    """
+    n, b = len(places_m), len(layout.budget_m)
+    moved = moves_of(layout, fixed)
+    by_tour = length_rows(layout, places_m)
+    lengths_m = layout.lengths_m(places_m)
+    budgets = csr_array(csr_array(layout.counts) @ by_tour)
+    left_m = layout.budget_m * (1 - reserve) - layout.counts @ lengths_m
+    longer = length_price * np.asarray((by_tour @ moved).sum(axis=0)).ravel()
+    most_m = np.repeat(np.where(fixed, 0.0, trust_m), 2)
+    used, nearer, closer = budgets @ moved, csr_array(ranges.along @ moved), clearances.along @ moved
+    # a variable is the difference of two numbers that are not negative, so that its size has a price
+    hard = [[used, -used, -eye_array(b)], *([[closer, -closer, None]] if closer.shape[0] else [])]
+    program = GrowingProgram(
+        np.concatenate([MOVE_PRICE + longer, MOVE_PRICE - longer, np.full(b, OVER_PRICE)]),
+        np.concatenate([most_m, most_m, np.full(b, np.inf)]),
+        csr_array(block_array(hard)),
+        np.concatenate([left_m, clearances.most_m]),
+    )
+    taken = new = ranges.most_m < NEEDED * trust_m
+    while True:
+        program.add_soft_rows(csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=LACK_PRICE)
+        found = program.solve()
+        if found is None:
+            return None
+        values, cost = found
+        variables = values[: 2 * n] - values[2 * n : 4 * n]
+        beyond_m = nearer @ variables - ranges.most_m
+        if not (beyond_m[~taken] > AIM_M).any():
+            return Step((moved @ variables).reshape(n, 2), cost + length_price * float(lengths_m.sum()))
+        new = ~taken & (beyond_m > -NEEDED * trust_m)
+        taken = taken | new
+
+
+def moves_of(layout: Layout, fixed: Flags) -> csr_array:
+    """The moves (2n,) of all vertices by the program's variables (2n,).
+
+    A vertex that cuts a leg goes along with the ends of the leg, and its variable is by how much it leaves the straight
+    way between them: so that a leg stays straight, and as short as it was, unless there is a reason to bend it.
+    """
+    n = len(layout.share)
+    with_ends = (layout.share > 0) & ~fixed
+    middle, share = np.flatnonzero(with_ends), layout.share[with_ends]
+    rows = np.concatenate([np.arange(n), middle, middle])
+    columns = np.concatenate([np.arange(n), layout.before[middle], layout.after[middle]])
+    one_axis = coo_array((np.concatenate([np.ones(n), 1 - share, share]), (rows, columns)), shape=(n, n))
+    return csr_array(kron(one_axis, eye_array(2)))
+
+
+def length_rows(layout: Layout, places_m: Floats) -> csr_array:
+    """By how much each tour (k, 2n) grows for each metre that a vertex moves along an axis."""
+    along = places_m[layout.end] - places_m[layout.start]
+    along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
+    rows = np.concatenate([layout.tour] * 4)
+    columns = np.concatenate([2 * layout.end, 2 * layout.end + 1, 2 * layout.start, 2 * layout.start + 1])
+    values = np.concatenate([along[:, 0], along[:, 1], -along[:, 0], -along[:, 1]])
+    return coo_array((values, (rows, columns)), shape=(len(layout.tours), 2 * len(places_m))).tocsr()
+
+
+def range_rows(
+    layout: Layout, places_m: Floats, looks: Looks, samples: Samples, *, square: bool, near_m: float
+) -> Rows:
+    """How much farther away each sample may get that a step could lose or gain: one with less than ``near_m`` to spare.
+
+    Each is left to the leg that sees it best, from where that sees it.
+    """
+    near = np.flatnonzero((looks.leg >= 0) & (looks.lack_m > -near_m))
+    a, b, t = layout.start[looks.leg[near]], layout.end[looks.leg[near]], looks.at[near]
+    here_m = (1 - t)[:, None] * places_m[a] + t[:, None] * places_m[b]
+    away_m = here_m - np.column_stack([samples.x[near], samples.y[near]])
+    spare_m = -looks.lack_m[near]
+    if square:
+        # both coordinates are limited, each on its own; but for visits, which are within a circle
+        wide = np.tile(samples.visit_m[near] == 0, 2)
+        sides_m = np.abs(away_m)
+        spare_m = np.concatenate([spare_m + sides_m.max(axis=1) - sides_m[:, axis] for axis in (0, 1)])
+        round_m = np.concatenate([-looks.lack_m[near], np.full(len(near), np.inf)])
+        spare_m = np.where(wide, spare_m, round_m)
+        along_m = np.vstack([away_m * [1, 0], away_m * [0, 1]])
+        away_m = np.where(wide[:, None], along_m, np.tile(away_m, (2, 1)))
+        keep = spare_m < near_m
+        a, b, t, away_m, spare_m = (
+            np.tile(a, 2)[keep],
+            np.tile(b, 2)[keep],
+            np.tile(t, 2)[keep],
+            away_m[keep],
+            spare_m[keep],
+        )
+    towards = away_m / np.maximum(np.hypot(*away_m.T), 1e-12)[:, None]
+    return Rows(rows_along(towards, a, b, t, len(places_m)), spare_m - AIM_M)
+
+
+def rows_along(towards: Floats, a: Ints, b: Ints, t: Floats, n: int) -> csr_array:
+    """By how much the places t of the way from vertex a to b (r,) move along unit vectors (r, 2), for n vertices."""
+    row = np.tile(np.arange(len(t)), 4)
+    columns = np.concatenate([2 * a, 2 * a + 1, 2 * b, 2 * b + 1])
+    values = np.concatenate([(1 - t) * towards[:, 0], (1 - t) * towards[:, 1], t * towards[:, 0], t * towards[:, 1]])
+    return coo_array((values, (row, columns)), shape=(len(t), 2 * n)).tocsr()

@@ -1,0 +1,166 @@
+"""Sequential linear programming on tours: as little over budget and unseen as their shapes can be bent to.
+
+Annealing finds which leg sees what; but it moves one vertex at a time and at random, and the last metres and slivers
+take it more moves than all the rest. Here who sees what is kept for one step, lengths and ranges are taken as linear,
+and a linear program moves all vertices at once within a trust region (Fletcher and Sainz de la Maza, Mathematical
+Programming 43, 1989); then everybody looks again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.geometry.free_space import border_segments
+from rota.geometry.kernels import free_segments
+from rota.mission import DiscSensor
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.initial.standing import robots_stand
+from rota.planners.patrol.repair.bending.clearance import Border
+from rota.planners.patrol.repair.bending.layout import Looks, laid_out, looks
+from rota.planners.patrol.repair.bending.program import LACK_PRICE, OVER_PRICE, best_step, range_rows
+from rota.planners.patrol.tours.tour import Tour
+
+Floats = NDArray[np.float64]
+
+LONGEST_LEG = 1.0  # of the reach: legs can bend wherever it helps
+FURTHER = 0.1  # of the reach: samples that lack more are not pulled at
+FIRST_TRUST, MOST_TRUST, LEAST_TRUST = 0.04, 0.1, 1e-4  # of the reach: how far vertices move in a step
+GAIN = 1e-3  # steps that promise less, as a share of what everything costs, are not worth their time
+SHORTER_M = 0.003  # nor are those that only make tours shorter, and by less
+HANDED = 0.02  # of the reach: range that others lack at most for what is handed over to them
+SPARE = 0.003  # of a budget: a tour that leaves less has nothing to spare
+SURE = 1e-7  # costs below this are rounding
+
+
+def can_polish(problem: Problem) -> bool:
+    """Whether it is worth while: turning time is not linear, the rim of what can be seen leaves no room to move in.
+
+    Nor do robots that stand have lengths to speak of.
+    """
+    stands = any(robots_stand(problem, period_s) for period_s in problem.periods_s)
+    return not stands and problem.robot.turn_rate_rad_s is None and not len(problem.rim_places_m)
+
+
+class Polish:
+    """One search: tours within their budgets less a reserve that see all samples, as near as steps can come to that."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        tours: Sequence[Tour],
+        samples: Samples,
+        *,
+        reserve: float = 0.0,
+        length_price: float = 0.0,
+    ) -> None:
+        """length_price: of every metre; 0: tours within their budgets are as good as shorter ones.
+
+        Then they move no more than they need to, so that nothing else is lost.
+        """
+        self._problem, self._samples = problem, samples
+        self._reserve, self._length_price = reserve, length_price
+        self._reach_m = problem.reach_m
+        self._square = not isinstance(problem.robot.sensor, DiscSensor)
+        self._border = Border(border_segments(problem.space))
+        self._layout, self._places_m = laid_out(tours, LONGEST_LEG * self._reach_m)
+        self._behind_m = np.zeros(len(tours))
+        self._looks = self._look(self._places_m)
+        self._cost = self._cost_of(self._places_m, self._looks)
+        self._trust_m = FIRST_TRUST * self._reach_m
+
+    @property
+    def tours(self) -> list[Tour]:
+        """The tours as they stand."""
+        return self._layout.tours_at(self._places_m)
+
+    @property
+    def some_far(self) -> bool:
+        """Whether no leg comes near some of the samples; steps do nothing about them."""
+        return bool((self._looks.leg < 0).any())
+
+    def run(self, steps: int, *, should_stop: Callable[[], bool]) -> None:
+        """Take at most so many steps."""
+        for _ in range(steps):
+            if should_stop() or not self.step():
+                return
+
+    def hand_over(self, steps: int, *, should_stop: Callable[[], bool]) -> None:
+        """Leave to others what tours with nothing to spare see and those nearly do, then go on as ``run`` does.
+
+        Nothing changes when that is no gain.
+        """
+        layout, kept = self._layout, (self._places_m, self._looks, self._cost)
+        left_m = layout.budget_m * (1 - self._reserve) - layout.counts @ layout.lengths_m(self._places_m)
+        tight = (layout.counts[left_m < SPARE * layout.budget_m] > 0).any(axis=0)
+        if tight.all() or not tight.any():
+            return
+        for behind_m in (HANDED * self._reach_m, 0.0):
+            self._behind_m = np.where(tight, behind_m, 0.0)
+            self._looks = self._look(self._places_m)
+            self._cost = self._cost_of(self._places_m, self._looks)
+            self._trust_m = FIRST_TRUST * self._reach_m
+            self.run(steps, should_stop=should_stop)
+        if self._cost >= kept[2]:
+            self._places_m, self._looks, self._cost = kept
+
+    def step(self) -> bool:
+        """Take one step, if it is one ahead; False when no further step is worth its time."""
+        if self._trust_m < LEAST_TRUST * self._reach_m or self._cost < SURE:
+            return False
+        layout, places_m, near_m = self._layout, self._places_m, 2.5 * self._trust_m
+        clearances, fixed = self._border.clearances(layout, places_m, near_m)
+        step = best_step(
+            layout, places_m,
+            range_rows(layout, places_m, self._looks, self._samples, square=self._square, near_m=near_m),
+            clearances, fixed=fixed, trust_m=self._trust_m, reserve=self._reserve, length_price=self._length_price,
+        )  # fmt: skip
+        if step is None or self._cost - step.cost < self._worth:
+            return False
+        then_m = self._kept_free(places_m + step.moves_m)
+        looks_then = self._look(then_m)
+        cost = self._cost_of(then_m, looks_then)
+        kept = (self._cost - cost) / (self._cost - step.cost)
+        if kept > 0.7:
+            self._trust_m = min(1.5 * self._trust_m, MOST_TRUST * self._reach_m)
+        elif kept < 0.3:
+            self._trust_m *= 0.5
+        if kept > 0.02:
+            self._places_m, self._looks, self._cost = then_m, looks_then, cost
+        return True
+
+    def _look(self, places_m: Floats) -> Looks:
+        return looks(
+            self._layout, places_m, self._samples,
+            range_margin_m=self._problem.range_margin_m, further_m=FURTHER * self._reach_m, behind_m=self._behind_m,
+        )  # fmt: skip
+
+    @property
+    def _worth(self) -> float:
+        """What a step must promise to gain."""
+        lengths_m = float(self._layout.lengths_m(self._places_m).sum())
+        least = SHORTER_M * self._length_price if self._length_price else SURE
+        return max(least, GAIN * (self._cost - self._length_price * lengths_m))
+
+    def _cost_of(self, places_m: Floats, looks: Looks) -> float:
+        layout = self._layout
+        lengths_m = layout.lengths_m(places_m)
+        over_m = np.maximum(0.0, layout.counts @ lengths_m - layout.budget_m * (1 - self._reserve)).sum()
+        lack_m = np.clip(looks.lack_m, 0.0, FURTHER * self._reach_m).sum()
+        return float(OVER_PRICE * over_m + LACK_PRICE * lack_m + self._length_price * lengths_m.sum())
+
+    def _kept_free(self, then_m: Floats) -> Floats:
+        """The places, with the vertices of legs that would leave the space back where they were."""
+        start, end = self._layout.start, self._layout.end
+        while True:
+            free = free_segments(then_m[start], then_m[end], self._problem.space_grid)
+            if free.all():
+                return then_m
+            back = np.concatenate([start[~free], end[~free]])
+            moved = (then_m[back] != self._places_m[back]).any(axis=1)
+            if not moved.any():
+                return self._places_m
+            then_m[back] = self._places_m[back]

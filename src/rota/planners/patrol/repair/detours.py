@@ -1,0 +1,142 @@
+"""Ways of their own to what bending does not bring into sight: past places that see it, by the least detour."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from rota.geometry.line_of_sight import visibility_polygon
+from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
+from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.samples import SamplePoints
+from rota.planners.patrol.ground.viewpoints import choose_viewpoints, place_that_sees, sensor_arguments, what_places_see
+from rota.planners.patrol.tours.tour import Tour, room_m
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ON_ROUTE_M = 1e-7  # a place so near a route is on it
+HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
+MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
+
+
+def visit_places(
+    problem: Problem, tours: list[Tour], points: SamplePoints, samples: Samples, unseen: Ints
+) -> list[Tour] | None:
+    """Tours led along shortest paths past places that see the unseen samples; None when nobody can see any of them."""
+    wanted = np.zeros(len(points), dtype=bool)
+    wanted[unseen] = True
+    places_m = near_places(problem, points.xy_m[unseen])
+    start, items = what_places_see(places_m, problem.robot, problem.range_margin_m, samples)
+    chosen, hidden = choose_viewpoints(start, items, wanted, points.area_m2)
+    stops = [(places_m[i], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen]
+    for i in np.flatnonzero(hidden):
+        place = last_place(problem, points, int(i))
+        if place is not None:
+            stops.append((place, int(points.period[i])))
+    if not stops:
+        return None
+    for place_m, period in stops:
+        tours = led_past(problem, tours, place_m, int(period))
+    return tours
+
+
+def last_place(problem: Problem, points: SamplePoints, i: int) -> Floats | None:
+    """A place for a sample that no candidate sees: with room all round if there is any, or at the border."""
+    space, walls, robot = problem.space, problem.walls, problem.robot
+    place = None
+    if points.shrink_m[i] >= 0:
+        place = place_that_sees(points.xy_m[i], points.visit_m[i], space, walls, robot, problem.range_margin_m)
+    return border_place(problem, points.xy_m[i]) if place is None and points.visit_m[i] == 0 else place
+
+
+def near_places(problem: Problem, xy_m: Floats) -> Floats:
+    """The candidate places within reach of any of the points (n, 2)."""
+    tree = cKDTree(problem.places_m)
+    near = tree.query_ball_point(xy_m, problem.robot.sensor.reach_m)
+    return problem.places_m[sorted({int(i) for row in near for i in row})].reshape(-1, 2)
+
+
+def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:
+    """A place from where the point is seen well: in the middle of its view, of a view cut shorter every turn."""
+    margin_m = problem.reach_m * (1 - 0.6**turn) + problem.range_margin_m
+    place = place_that_sees(point_m, visit_m, problem.space, problem.walls, problem.robot, margin_m)
+    return border_place(problem, point_m) if place is None and visit_m == 0 else place
+
+
+def border_place(problem: Problem, point_m: Floats) -> Floats | None:
+    """The place that sees the point from least far, on the border of where robots can stand; None out of reach.
+
+    On ragged ground it is a hair inside of what the point sees: from the very edge of a view rounding decides.
+    """
+    if not problem.is_ragged:
+        nearest_m, ranges_m = nearest_places(point_m, problem.space, problem.walls, problem.robot)
+        return nearest_m[0] if ranges_m[0] <= problem.reach_m else None
+    reach_m, square = sensor_arguments(problem.robot, 0.0)
+    view = visibility_polygon(point_m, problem.walls, reach_m * (np.sqrt(2) if square else 1.0))
+    places = view.intersection(problem.space)
+    for hair_m in HAIRS_M:
+        inside = segments_of(places.buffer(-hair_m) if hair_m > 0 else places)
+        if len(inside):
+            place_m, range_m = nearest_on_segments(point_m[None], inside, square)
+            if range_m[0] <= problem.reach_m:
+                return np.asarray(place_m[0])
+    return None
+
+
+def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
+    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there.
+
+    A robot of its own is posted there also where the detour would take more than one robot travels in a period.
+    """
+    part = int(problem.paths.part_of(place_m[None])[0])
+    best: tuple[float, int, int] | None = None
+    for k, tour in enumerate(tours):
+        if tour.serves > period or tour.part != part:
+            continue
+        i, detour_m = least_detour(problem, tour.vertices_m, place_m)
+        room = room_m(tours, k)
+        if min(detour_m, detour_m - room) > replace(tour, robots=1).budget_m:
+            continue
+        cost = detour_m + 3 * max(0.0, detour_m - room)
+        if math.isfinite(cost) and (best is None or cost < best[0]):
+            best = (cost, k, i)
+    if best is None:
+        alone = Tour(
+            vertices_m=place_m[None], serves=period, period_s=problem.periods_s[period], robots=1,
+            robot=problem.robot, part=part,
+        )  # fmt: skip
+        return [*tours, alone]
+    _, k, i = best
+    vertices = tours[k].vertices_m
+    after = vertices[(i + 1) % len(vertices)]
+    way = problem.paths.paths_along(np.vstack([vertices[i], place_m, after]))[1:-1]
+    longer = np.vstack([vertices[: i + 1], way, vertices[i + 1 :]])
+    return [*tours[:k], replace(tours[k], vertices_m=longer), *tours[k + 1 :]]
+
+
+def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple[int, float]:
+    """The leg of a closed tour (n, 2) from which the way past the place is shortest, the first of several; its metres.
+
+    inf where no way leads there. Legs are looked at by their straight detours, for no way is shorter than straight.
+    """
+    ends_m = np.roll(vertices_m, -1, axis=0)
+    legs_m = np.hypot(*(ends_m - vertices_m).T)
+    away_m = np.hypot(*(vertices_m - place_m).T)
+    straight_m = away_m + np.roll(away_m, -1) - legs_m
+    order = np.argsort(straight_m, kind="stable")
+    best = (math.inf, 0)
+    for first in range(0, len(order), MOST_DETOURS):
+        some = order[first : first + MOST_DETOURS]
+        if straight_m[some[0]] > best[0] + ON_ROUTE_M:
+            break
+        ways_m = problem.paths.distances(np.vstack([vertices_m[some], ends_m[some]]), place_m[None])[:, 0]
+        detours_m = ways_m[: len(some)] + ways_m[len(some) :] - legs_m[some]
+        best = min(best, *zip(detours_m.tolist(), some.tolist(), strict=True))
+    return best[1], best[0]

@@ -1,0 +1,131 @@
+"""Other tours over the same lines: a shared loop cut in two, and two loops that change over to each other's parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from rota.errors import PlanError
+from rota.geometry.shortest_path import ShortestPaths
+from rota.planners.patrol.tours.timetable import thinned
+from rota.planners.patrol.tours.tour import Tour, split_legs, tour_length_m
+
+Floats = NDArray[np.float64]
+
+PLACES = 240  # along a loop where it may be cut
+CUTS = 4  # of one loop that are tried, the ones that leave most of the budgets
+BRANCHES = 2  # of them, where the pieces are cut further
+MOST_MORE = 3  # robots more than a loop has, with which it is cut
+ALIKE = 0.08  # of a loop: cuts nearer to each other are one
+
+
+def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:
+    """Two loops instead of one with several robots, cut where it comes within ``near_m`` of itself; roomiest first.
+
+    Both keep the period and share the robots; only cuts that keep both within their budgets.
+    """
+    if tour.robots < 2 or len(tour.vertices_m) < 2:
+        return
+    length_m = float(np.hypot(*(np.roll(tour.vertices_m, -1, axis=0) - tour.vertices_m).T).sum())
+    points = split_legs(tour.vertices_m, max(length_m / PLACES, 1e-9))
+    legs = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    along = np.concatenate([[0.0], np.cumsum(legs)[:-1]])
+    pairs = cKDTree(points).query_pairs(near_m, output_type="ndarray")
+    if not len(pairs):
+        return
+    i, j = np.sort(pairs, axis=1).T
+    across = np.hypot(*(points[i] - points[j]).T)
+    inner = along[j] - along[i]
+    one, other = inner + across, length_m - inner + across
+    budget_m = replace(tour, robots=1).budget_m
+    shares = np.arange(1, tour.robots)
+    fullest = np.maximum(one[:, None] / shares, other[:, None] / (tour.robots - shares)) / budget_m
+    best = fullest.argmin(axis=1)
+    order = np.argsort(fullest[np.arange(len(i)), best], kind="stable")
+    taken: list[tuple[float, float]] = []
+    for k in order:
+        if len(taken) == CUTS or fullest[k, best[k]] > 1:
+            return
+        ends = (along[i[k]] / length_m, along[j[k]] / length_m)
+        if any(max(abs(ends[0] - a), abs(ends[1] - b)) < ALIKE for a, b in taken):
+            continue
+        taken.append(ends)
+        robots = int(shares[best[k]])
+        inside = closed(replace(tour, robots=robots), points[i[k] : j[k] + 1], paths)
+        rest = np.vstack([points[j[k] :], points[: i[k] + 1]])
+        outside = closed(replace(tour, robots=tour.robots - robots), rest, paths)
+        if inside is not None and outside is not None:
+            yield inside, outside
+
+
+def closed(tour: Tour, points_m: Floats, paths: ShortestPaths) -> Tour | None:
+    """The tour along the points (n, 2) and back to the first by the shortest way; None when that is over its budget."""
+    try:
+        way = paths.paths_along(np.vstack([points_m, points_m[:1]]))
+    except PlanError:
+        return None
+    found = replace(tour, vertices_m=thinned(way[:-1] if len(way) > 1 else way))
+    return found if tour_length_m(found) <= found.budget_m else None
+
+
+def joined(a: Tour, b: Tour, near_m: float) -> Tour | None:
+    """One loop for the robots of both, over the lines of both, changed over where they are nearest; None: too far."""
+    points = [split_legs(tour.vertices_m, near_m / 2) for tour in (a, b)]
+    apart, nearest = cKDTree(points[1]).query(points[0])
+    i = int(np.argmin(apart))
+    if apart[i] > near_m:
+        return None
+    first = np.vstack([np.roll(points[0], -i, axis=0), points[0][i : i + 1]])
+    second = np.roll(points[1], -int(nearest[i]), axis=0)
+    quick = a if a.serves <= b.serves else b
+    return replace(quick, vertices_m=np.vstack([first, second, second[:1]]), robots=a.robots + b.robots)
+
+
+def changed_over(a: Tour, b: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:
+    """Two other loops over the lines of both, each with robots of its own, for tours of one period and one part."""
+    if a.serves != b.serves or a.part != b.part or len(a.vertices_m) < 2 or len(b.vertices_m) < 2:
+        return
+    whole = joined(a, b, near_m)
+    if whole is not None:
+        yield from cut_in_two(whole, near_m, paths)
+
+
+def cut_to_the_last(tour: Tour, near_m: float, paths: ShortestPaths) -> list[Tour] | None:
+    """As many loops as robots, each its own; None where cuts within the budgets do not lead that far."""
+    if tour.robots == 1:
+        return [tour]
+    for one, other in islice(cut_in_two(tour, near_m, paths), BRANCHES):
+        parts = [cut_to_the_last(part, near_m, paths) for part in (one, other)]
+        if parts[0] is not None and parts[1] is not None:
+            return [*parts[0], *parts[1]]
+    return None
+
+
+def exchanges(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
+    """Other tours for the same robots: shared loops cut up, then pairs that change over."""
+    shared = [k for k, tour in enumerate(tours) if tour.robots > 1]
+    if sum(tours[k].robots - 1 for k in shared) > 1:  # else it is the cut in two below
+        split = [cut_to_the_last(tour, near_m, paths) for tour in tours]
+        if all(parts is not None for parts in split):
+            yield [part for parts in split for part in parts or ()]
+    for k in shared:
+        for one, other in cut_in_two(tours[k], near_m, paths):
+            yield [*tours[:k], one, other, *tours[k + 1 :]]
+    for k in range(len(tours)):
+        for i in range(k):
+            for one, other in changed_over(tours[i], tours[k], near_m, paths):
+                yield [*(tour for n, tour in enumerate(tours) if n not in (i, k)), one, other]
+
+
+def with_more_robots(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
+    """The tours with one of them cut up, for one or more robots more than it has."""
+    for more in range(1, MOST_MORE + 1):
+        for k, tour in enumerate(tours):
+            parts = cut_to_the_last(replace(tour, robots=tour.robots + more), near_m, paths)
+            if parts is not None:
+                yield [*tours[:k], *parts, *tours[k + 1 :]]

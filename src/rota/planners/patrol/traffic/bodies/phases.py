@@ -1,0 +1,185 @@
+"""Phases and directions at which no two robots ever meet, each loop driven at one speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from rota.planners.patrol.tours.timetable import stretched
+from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+MOST_SAMPLES = 6_000  # moments of one round
+MOST_STEPS = 5_000  # of the search for phases
+MOST_OFFSETS = 48  # of one loop in one direction that are tried with each choice for the loops before
+
+
+class Choice(NamedTuple):
+    """How a loop is driven: its offset in samples, and its direction, 1 as it is given or -1 the other way round."""
+
+    offset: int
+    direction: int
+
+
+def phases_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> list[Timed] | None:
+    """Each loop stretched to its headway, at a phase and in a direction such that no two robots touch; None: not found.
+
+    To drive a loop the other way round changes nothing of what is seen how often, but all meetings with the others.
+    """
+    rounds, trees, grid = on_the_clock(loops, clock, body_radius_m)
+    if not all(follows_itself(tree, loop.robots, grid.apart_m) for tree, loop in zip(trees, loops, strict=True)):
+        return None
+    chosen = choices_apart(Meetings(trees, [m * grid.bins for m in clock.multiples], grid.apart_m), len(loops))
+    if chosen is None:
+        return None
+    return [driven(one, choice, grid.step_s) for one, choice in zip(rounds, chosen, strict=True)]
+
+
+def phases_hardly_touching(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> list[Timed]:
+    """Each loop stretched to its headway, one after the other at the phase at which it meets those before least."""
+    rounds, trees, grid = on_the_clock(loops, clock, body_radius_m)
+    meets = Meetings(trees, [multiple * grid.bins for multiple in clock.multiples], grid.apart_m)
+    taken: list[Choice] = []
+    for k in range(len(loops)):
+        both = [(meets.met(k, direction, taken), direction) for direction in (1, -1)]
+        met, direction = min(both, key=lambda found: int(found[0].min()))
+        taken.append(Choice(int(np.argmin(met)), direction))
+    return [driven(one, choice, grid.step_s) for one, choice in zip(rounds, taken, strict=True)]
+
+
+def on_the_clock(
+    loops: Sequence[Loop], clock: Clock, body_radius_m: float
+) -> tuple[list[tuple[Floats, Floats]], list[cKDTree], Grid]:
+    """The loops stretched to their headways, where each is at the samples of the common clock, and that clock."""
+    durations_s = [loop.robots * m * clock.unit_s for loop, m in zip(loops, clock.multiples, strict=True)]
+    rounds = [stretched(loop.times_s, loop.places_m, s) for loop, s in zip(loops, durations_s, strict=True)]
+    speed_m_s = max(loop.speed_m_s * loop.natural_s / s for loop, s in zip(loops, durations_s, strict=True))
+    grid = grid_of(loops, clock, speed_m_s, body_radius_m, MOST_SAMPLES)
+    samples = [loop.robots * multiple * grid.bins for loop, multiple in zip(loops, clock.multiples, strict=True)]
+    return rounds, [cKDTree(sampled(one, n)) for one, n in zip(rounds, samples, strict=True)], grid
+
+
+def driven(one: tuple[Floats, Floats], choice: Choice, step_s: float) -> Timed:
+    """The round at its phase, in its direction."""
+    times_s, places_m = one
+    if choice.direction < 0:
+        times_s, places_m = times_s[-1] - times_s[::-1], places_m[::-1]
+    return Timed(times_s, places_m, choice.offset * step_s)
+
+
+def sampled(one: tuple[Floats, Floats], samples: int) -> Floats:
+    """Places (n, 2) at so many moments of a round, evenly spaced from its start; one place for a robot that stays."""
+    times_s, places_m = one
+    if len(times_s) == 1:
+        return places_m
+    moments = np.arange(samples) * (float(times_s[-1]) / samples)
+    return np.column_stack([np.interp(moments, times_s, places_m[:, axis]) for axis in (0, 1)])
+
+
+def follows_itself(tree: cKDTree, robots: int, apart_m: float) -> bool:
+    """Whether the robots that share a loop, evenly spaced in time, stay apart."""
+    headway = tree.n // robots
+    return all(
+        bool((np.hypot(*(np.roll(tree.data, -k * headway, axis=0) - tree.data).T) >= apart_m).all())
+        for k in range(1, robots)
+    )
+
+
+class Meetings:
+    """How much two robots meet in which phases of one loop against another, in either direction of both."""
+
+    def __init__(self, trees: Sequence[cKDTree], headways: Sequence[int], apart_m: float) -> None:
+        self.headways = list(headways)
+        self._still = [tree.n == 1 for tree in trees]
+        self._near = {(i, k): near_pairs(trees[i], trees[k], apart_m) for k in range(len(trees)) for i in range(k)}
+        self._shifts: dict[tuple[int, int, int, int], Ints] = {}
+
+    def shifts(self, i: int, k: int, direction_i: int, direction_k: int) -> Ints:
+        """Meetings (samples of both that are near) for each shift of k's offset against i's (i < k).
+
+        Modulo the common measure of both headways.
+        """
+        key = (i, k, direction_i, direction_k)
+        if key not in self._shifts:
+            measure = math.gcd(self.headways[i], self.headways[k])
+            near = self._near[i, k]
+            if near is None:
+                meets = np.ones(measure, dtype=np.int64)
+            elif self._still[i] or self._still[k]:
+                meets = np.full(measure, len(near[0]))  # a robot that stays is met at any phase
+            else:
+                meets = np.bincount((direction_k * near[1] - direction_i * near[0]) % measure, minlength=measure)
+            self._shifts[key] = meets
+        return self._shifts[key]
+
+    def met(self, k: int, direction: int, taken: Sequence[Choice]) -> Ints:
+        """For each offset of loop k, modulo its headway: its meetings with the loops before, at their choices."""
+        met = np.zeros(self.headways[k], dtype=np.int64)
+        for i, choice in enumerate(taken):
+            meets = np.roll(self.shifts(i, k, choice.direction, direction), choice.offset)
+            met += np.tile(meets, self.headways[k] // len(meets))
+        return met
+
+    def free(self, k: int, direction: int, taken: Sequence[Choice]) -> Flags:
+        """Which offsets of loop k, modulo its headway, meet none of the loops before."""
+        return np.asarray(self.met(k, direction, taken) == 0)
+
+
+def choices_apart(meets: Meetings, loops: int) -> list[Choice] | None:
+    """A choice for each loop at which nobody meets, by backtracking; None when none was found."""
+    taken: list[Choice] = []
+    allowed: list[list[Choice]] = []
+    for _ in range(MOST_STEPS):
+        k = len(taken)
+        if k == loops:
+            return taken
+        if len(allowed) == k:
+            # the first loop may begin anywhere, and to drive all of them the other way round changes nothing
+            allowed.append(open_choices(meets, k, taken) if k else [Choice(0, 1)])
+        if allowed[k]:
+            taken.append(allowed[k].pop())
+            continue
+        allowed.pop()
+        if not taken:
+            return None
+        taken.pop()
+    return None
+
+
+def open_choices(meets: Meetings, k: int, taken: Sequence[Choice]) -> list[Choice]:
+    """What loop k can choose, the best last: as it is given before the other way round."""
+    found: list[Choice] = []
+    for direction in (-1, 1):
+        found += [Choice(offset, direction) for offset in roomy_offsets(meets.free(k, direction, taken))]
+    return found
+
+
+def roomy_offsets(free: Flags) -> list[int]:
+    """Some of the free offsets, which go round: the ends of every stretch, evenly some more, the middles last.
+
+    In the middle of a long stretch a late robot has most room; at its ends it leaves most room to others.
+    """
+    n = len(free)
+    if free.all():
+        return sorted({int(k * n / MOST_OFFSETS) for k in range(MOST_OFFSETS)}, reverse=True)
+    starts = np.flatnonzero(free & ~np.roll(free, 1))
+    ends = np.flatnonzero(free & ~np.roll(free, -1))
+    if not len(starts):
+        return []
+    if ends[0] < starts[0]:
+        ends = np.roll(ends, -1)
+    lengths = (ends - starts) % n
+    order = np.argsort(lengths, kind="stable")
+    middles = (starts + lengths // 2)[order] % n
+    every = np.flatnonzero(free)
+    some = every[np.unique(np.linspace(0, len(every) - 1, MOST_OFFSETS).astype(np.int64))]
+    offsets = [*some, *starts[order], *ends[order], *middles]
+    return [int(offset) for offset in reversed(dict.fromkeys(reversed(offsets)))][-2 * MOST_OFFSETS :]

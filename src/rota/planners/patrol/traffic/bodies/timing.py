@@ -1,0 +1,91 @@
+"""One round of every robot, timed so that bodies never touch if that can be had without leaving the tours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.planners.patrol.tours.timetable import evenly_spaced
+from rota.planners.patrol.tours.tour import Tour
+from rota.planners.patrol.traffic.bodies.loops import Loop, Timed, clocks, crowds, line_of, loop_of
+from rota.planners.patrol.traffic.bodies.phases import phases_apart, phases_hardly_touching
+from rota.planners.patrol.traffic.bodies.waits import waits_apart
+
+Floats = NDArray[np.float64]
+
+
+def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[tuple[Floats, Floats]]:
+    """Times and places of one round of every robot, tour by tour, with bodies kept apart if timing can do it.
+
+    Without bodies, or with one robot, every tour is driven as fast as it can be; so is one that no other comes near.
+    Where nothing keeps the bodies apart, they meet as little as phases make them: the check says where and when.
+    """
+    loops = [loop_of(tour) for tour in tours]
+    timed = [at_full_speed(loop) for loop in loops]
+    for crowd in crowded(loops, body_radius_m):
+        here = [loops[k] for k in crowd]
+        found = timed_apart(here, body_radius_m) or nearly_apart(here, body_radius_m)
+        for k, one in zip(crowd, found, strict=True):
+            timed[k] = one
+    return [
+        one
+        for loop, how in zip(loops, timed, strict=True)
+        for one in evenly_spaced(how.times_s, how.places_m, loop.robots, how.offset_s)
+    ]
+
+
+def nearly_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed]:
+    """The loops at phases at which they touch for little time; as fast as they can be driven where no clock suits."""
+    for clock in clocks(loops)[:1]:
+        return phases_hardly_touching(loops, clock, body_radius_m)
+    return [at_full_speed(loop) for loop in loops]
+
+
+def crowded(loops: Sequence[Loop], body_radius_m: float) -> list[list[int]]:
+    """The groups of loops on which several robots come near each other, or would but for their timing."""
+    if body_radius_m == 0:
+        return []
+    return [crowd for crowd in crowds(loops, 2 * body_radius_m) if sum(loops[k].robots for k in crowd) > 1]
+
+
+def crowds_that_touch(tours: Sequence[Tour], body_radius_m: float) -> list[list[int]]:
+    """The groups of tours whose robots no timing was found to keep apart."""
+    loops = [loop_of(tour) for tour in tours]
+    return [
+        crowd
+        for crowd in crowded(loops, body_radius_m)
+        if timed_apart([loops[k] for k in crowd], body_radius_m) is None
+    ]
+
+
+def can_be_timed(tours: Sequence[Tour], body_radius_m: float) -> bool:
+    """Whether some timing keeps all robots of the tours apart."""
+    return not crowds_that_touch(tours, body_radius_m)
+
+
+def at_full_speed(loop: Loop) -> Timed:
+    """The loop as fast as it can be driven."""
+    return Timed(loop.times_s, loop.places_m, 0.0)
+
+
+def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | None:
+    """The loops so timed that no two robots ever touch: by phases and directions alone, else with waits; or None."""
+    if somebody_stays_in_the_way(loops, 2 * body_radius_m):
+        return None
+    for how in (phases_apart, waits_apart):
+        for clock in clocks(loops):
+            found = how(loops, clock, body_radius_m)
+            if found is not None:
+                return found
+    return None
+
+
+def somebody_stays_in_the_way(loops: Sequence[Loop], apart_m: float) -> bool:
+    """Whether a robot stays, for ever, where another one comes by."""
+    staying = [k for k, loop in enumerate(loops) if loop.stays]
+    lines = np.array([line_of(loop) for loop in loops])
+    near = [(k, i) for k in staying for i in np.flatnonzero(shapely.dwithin(lines, lines[k], apart_m)) if i != k]
+    return bool(near) or any(loops[k].robots > 1 for k in staying)

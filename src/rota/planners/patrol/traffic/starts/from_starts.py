@@ -1,0 +1,344 @@
+"""A plan of loops led out from the robots' starts: who takes which loop, by which way, and when they all begin."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import MissionError, NoPlanFound
+from rota.geometry.free_space import nearest_free_point, standing_space
+from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import Mission, Robot, StartBox, StartPoints
+from rota.plan import Plan
+from rota.planners.patrol.tours.timetable import started_at
+from rota.planners.patrol.traffic.starts.approaches import Way, first_step_m, joined_trajectory, timed_way
+from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_squares, served
+from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
+from rota.planners.patrol.traffic.starts.places import in_turn
+from rota.planners.patrol.verdict import Judge, counted, worst_reached
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Round = tuple[Floats, Floats]
+
+MOST_ENTRIES = 4_000  # places on all loops that are looked at together
+MOST_SHIFTS = 64  # moments of the common timetable at which the loops may begin
+MOST_TRIED = 6  # of them that are worked out and judged
+MOST_TIMED_WAYS = 2_500  # that are drawn to know what their turns take
+
+
+@dataclass(frozen=True, kw_only=True)
+class Starts:
+    """Who can start where: robots[k] (by its own values) at places_m[k]; None: it is where it is needed."""
+
+    robots: list[Robot]
+    places_m: list[Floats | None]
+
+
+class Grounds:
+    """Shortest paths for bodies of every size in the fleet, made when they are needed."""
+
+    def __init__(self, mission: Mission) -> None:
+        self._mission = mission
+        self._paths: dict[float, ShortestPaths] = {}
+
+    def paths(self, body_radius_m: float) -> ShortestPaths:
+        """Shortest paths of the centre of such a body."""
+        if body_radius_m not in self._paths:
+            self._paths[body_radius_m] = ShortestPaths(standing_space(self._mission, body_radius_m))
+        return self._paths[body_radius_m]
+
+    def standing(self, robot: Robot, place_m: Floats) -> Floats:
+        """The place (2,) itself, or the nearest in the standing space, which rounds off corners a little more."""
+        paths = self.paths(robot.body_radius_m)
+        if paths.part_of(place_m[None])[0] >= 0:
+            return place_m
+        nearest = nearest_free_point(standing_space(self._mission, robot.body_radius_m), (place_m[0], place_m[1]))
+        return np.array(nearest)
+
+    def line(self, robot: Robot, start_m: Floats, end_m: Floats) -> Floats:
+        """The way (n, 2) from a start to a place of a loop."""
+        path = self.paths(robot.body_radius_m).path(self.standing(robot, start_m), end_m)
+        return np.vstack([start_m, path])
+
+
+def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
+    """The plan's loops, kept in their phases, reached from the mission's starts; its mission becomes ``mission``.
+
+    All loops begin at one moment, when the last robot has arrived; robots leave so as to arrive then. Where on the
+    loops that is: where the latest arrival is earliest, of some moments of the common timetable, as long as the judge
+    passes the plan (None: whatever becomes of it). Raises NoPlanFound when a loop cannot be reached or there are too
+    few starts, with the plan as it was; when bodies would touch on the way or the judge passes no plan, with the plan
+    that does so; MissionError when a fixed fleet does not fit into its box.
+    """
+    rounds = [(trajectory.times_s, trajectory.positions_m) for trajectory in plan]
+    bare = replace(plan, mission=mission)
+    if not rounds:
+        return bare
+    grounds = Grounds(mission)
+    starts = starts_of(mission, rounds, grounds, bare)
+    entries = entry_choices(rounds, starts)
+    times_s = ways_s(starts, entries, grounds)
+    require_reachable(starts, rounds, times_s[0], bare)
+    found = [earliest_assignment(times) for times in times_s]
+    latest_s = [
+        np.inf if who is None else max(times[k, i] for i, k in enumerate(who))
+        for who, times in zip(found, times_s, strict=True)
+    ]
+    # the timetable as it was comes last: its phases are exact whatever else fails
+    order = [*np.argsort(latest_s, kind="stable")[: MOST_TRIED - 1], 0]
+    tried = [(int(s), who, True) for s in dict.fromkeys(order) if (who := found[s]) is not None]
+    speeds_m_s = np.array([robot.speed_m_s for robot in starts.robots])
+    touching: Plan | None = None
+    led: Plan | None = None
+    while tried:
+        shift, who, earliest = tried.pop(0)
+        begun = [begun_at(one, entries.shifts_s[shift]) for one in rounds]
+        ways, who = exact_ways(starts, begun, who, grounds, anew=earliest)
+        leaves_s = departures_s(ways, [starts.robots[k].body_radius_m for k in who])
+        if leaves_s is None:
+            if touching is None:
+                touching = with_approaches(bare, starts, who, ways, together_s(ways), begun)
+            if earliest:
+                tried.append((shift, least_squares(times_s[shift] * speeds_m_s[:, None]), False))
+            continue
+        led = with_approaches(bare, starts, who, ways, leaves_s, begun)
+        if judge is None or judge(led).verdict == "met":
+            return led
+    if led is None or judge is None:
+        raise NoPlanFound(
+            "from their starts the robots cannot reach their loops without bodies touching, in whatever order they"
+            " leave: move the starts apart or away from the loops",
+            best=touching,
+        )
+    raise NoPlanFound(
+        f"with the ways from the starts the plan does not pass the check: {worst_reached(judge(led))}", best=led
+    )
+
+
+def with_approaches(
+    plan: Plan, starts: Starts, who: Ints, ways: Sequence[Way], leaves_s: Floats, begun: Sequence[Round]
+) -> Plan:
+    """The plan whose robots leave their starts at these times and begin their loops at the same moment.
+
+    Robots of a fleet of as few as possible keep the names of their loops; those of a named fleet keep their own.
+    """
+    loops_s = max(float(leaves) + way.duration_s for leaves, way in zip(leaves_s, ways, strict=True))
+    named = plan.mission.fleet.robots is not None
+    joined = []
+    for i, k in enumerate(who):
+        name = starts.robots[k].name if named else plan.trajectories[i].robot
+        joined.append((k if named else i, joined_trajectory(name, ways[i], float(leaves_s[i]), loops_s, begun[i])))
+    return replace(plan, trajectories=tuple(trajectory for _, trajectory in sorted(joined, key=lambda pair: pair[0])))
+
+
+# ---------------------------------------------------------------- starts
+
+
+def starts_of(mission: Mission, rounds: Sequence[Round], grounds: Grounds, plan: Plan) -> Starts:
+    """The robots and their starts; those in a box are spread over the parts of the ground where loops are."""
+    fleet = mission.fleet
+    robots = list(fleet.robots or (fleet.equal_robot(trajectory.robot) for trajectory in plan))
+    if isinstance(fleet.start, StartPoints):
+        points = fleet.start.points_m
+        if len(points) < len(rounds):
+            raise NoPlanFound(
+                f"the plan needs {counted(len(rounds))}, but fleet.start has only {len(points)} of the points to start"
+                " from: give more points, or a box",
+                best=plan,
+            )
+        return Starts(
+            robots=[fleet.equal_robot(f"start-{k + 1}") for k in range(len(points))],
+            places_m=[np.array(point) for point in points],
+        )
+    places: list[Floats | None] = [None if robot.start is None else np.array(robot.start) for robot in robots]
+    if isinstance(fleet.start, StartBox):
+        waiting = [k for k, place in enumerate(places) if place is None]
+        in_box = boxed(fleet.start, robots, places, rounds, grounds, plan)
+        for k, place in zip(waiting, in_box, strict=True):
+            places[k] = place
+    return Starts(robots=robots, places_m=places)
+
+
+def boxed(
+    box: StartBox,
+    robots: list[Robot],
+    places: list[Floats | None],
+    rounds: Sequence[Round],
+    grounds: Grounds,
+    plan: Plan,
+) -> Floats:
+    """Places (n, 2) in the box for the robots that have none yet, as many in each part as loops there still need."""
+    body_m = max(robot.body_radius_m for robot in robots)
+    paths = grounds.paths(body_m)
+    needs = Counter(int(part) for part in paths.part_of(np.array([places_m[0] for _, places_m in rounds])))
+    own = [place for place in places if place is not None]
+    if own:
+        needs -= Counter(int(part) for part in paths.part_of(np.array(own)))
+    parts = sorted(part for part in needs if needs[part] > 0)
+    taken_m = np.array(own).reshape(-1, 2)
+    found = in_turn(box, [paths.parts[part] for part in parts], [needs[part] for part in parts], body_m, taken_m)
+    for part, there in zip(parts, found, strict=True):
+        if len(there) == needs[part]:
+            continue
+        x, y = paths.parts[part].representative_point().coords[0]
+        where = f"in the part of the ground round ({x:.2f}, {y:.2f})" if len(paths.parts) > 1 else "in free ground"
+        message = no_room(box, len(there), where, needs[part])
+        message += ", or points in every part" if len(paths.parts) > 1 else ""
+        raise NoPlanFound(message, best=plan) if plan.mission.fleet.robots is None else MissionError(message)
+    every = np.vstack([np.zeros((0, 2)), *found])
+    short = sum(place is None for place in places) - len(every)
+    if short > 0:
+        raise NoPlanFound(f"{short} robots start in a part of the ground where there is nothing to do", best=plan)
+    return every
+
+
+def no_room(box: StartBox, room: int, where: str, needed: int) -> str:
+    """That a box is too small for the robots that start in it."""
+    (x0, y0), (x1, y1) = box.low_m, box.high_m
+    return (
+        f"fleet.start.box: [[{x0:.6g}, {y0:.6g}], [{x1:.6g}, {y1:.6g}]] has room for {counted(room)} {where}, where"
+        f" {needed} {'is' if needed == 1 else 'are'} needed; give a larger box"
+    )
+
+
+def require_room(mission: Mission) -> None:
+    """MissionError when the fleet's box has no room for the robots that surely start in it, wherever they must go."""
+    fleet = mission.fleet
+    if not isinstance(fleet.start, StartBox):
+        return
+    robots = fleet.robots or (fleet.equal_robot("robot-1"),)
+    body_m = max(robot.body_radius_m for robot in robots)
+    own_m = np.array([robot.start for robot in robots if robot.start is not None]).reshape(-1, 2)
+    needed = len(robots) - len(own_m)
+    parts = list(standing_space(mission, body_m).geoms)
+    room = sum(len(places) for places in in_turn(fleet.start, parts, [needed] * len(parts), body_m, own_m))
+    if room < needed:
+        raise MissionError(no_room(fleet.start, room, "in free ground", needed))
+
+
+def require_reachable(starts: Starts, rounds: Sequence[Round], times_s: Floats, plan: Plan) -> None:
+    """NoPlanFound, naming a start and a loop between which no path leads, unless every loop can get a robot."""
+    fixed = plan.mission.fleet.robots is not None
+    lacking = np.setdiff1d(np.arange(len(rounds)), served(times_s, np.inf))
+    if not len(lacking) and (not fixed or len(starts.robots) == len(rounds)):
+        return
+    if not len(lacking):
+        raise NoPlanFound("there are more robots than loops that their starts can reach", best=plan)
+    loop = int(lacking[0])
+    x, y = rounds[loop][1][0]
+    alike = [i for i in range(len(rounds)) if (np.isfinite(times_s[:, i]) == np.isfinite(times_s[:, loop])).all()]
+    able = np.flatnonzero(np.isfinite(times_s[:, loop]))
+    unable = [k for k in np.flatnonzero(~np.isfinite(times_s[:, loop])) if starts.places_m[k] is not None]
+    told = ", ".join(
+        f"({place[0]:.6g}, {place[1]:.6g})" for k in unable[:5] if (place := starts.places_m[k]) is not None
+    )
+    more = f" and {len(unable) - 5} more" if len(unable) > 5 else ""
+    raise NoPlanFound(
+        f"the part of the ground round ({x:.2f}, {y:.2f}) needs {len(alike)} robot{'s'[: len(alike) > 1]}, but"
+        f" {len(able)} can reach it from where they start: no path leads there from {told}{more}",
+        best=plan,
+    )
+
+
+# ---------------------------------------------------------------- where and when the loops begin
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Entries:
+    """Where each loop is at some moments of the common timetable: shifts_s (s,), places_m (s, loops, 2)."""
+
+    shifts_s: list[float]
+    places_m: Floats
+
+
+def entry_choices(rounds: Sequence[Round], starts: Starts) -> Entries:
+    """Moments of the common timetable, its beginning first: when loops pass nearest to starts, and others evenly."""
+    most = int(np.clip(MOST_ENTRIES // len(rounds), 4, MOST_SHIFTS))
+    longest_s = max(float(times_s[-1]) for times_s, _ in rounds)
+    placed = [place for place in starts.places_m if place is not None]
+    shifts = [0.0]
+    if longest_s > 0:
+        if len(placed) * len(rounds) <= most // 2:
+            shifts += [nearest_moment_s(one, place) for one in rounds for place in placed]
+        shifts += [float(s) for s in np.linspace(0, longest_s, most - len(shifts) + 1)[1:-1]]
+    places = [[begun_at(one, shift)[1][0] for one in rounds] for shift in shifts]
+    return Entries(shifts_s=shifts, places_m=np.array(places))
+
+
+def nearest_moment_s(one: Round, place_m: Floats) -> float:
+    """When a round comes nearest to a place, in a straight line; 0 for a robot that stays."""
+    times_s, places_m = one
+    if len(times_s) == 1:
+        return 0.0
+    steps = np.diff(places_m, axis=0)
+    squares = (steps**2).sum(axis=1)
+    share = np.clip(((place_m - places_m[:-1]) * steps).sum(axis=1) / np.where(squares > 0, squares, 1.0), 0.0, 1.0)
+    k = int(np.argmin(np.hypot(*(places_m[:-1] + share[:, None] * steps - place_m).T)))
+    return float(times_s[k] + share[k] * (times_s[k + 1] - times_s[k]))
+
+
+def begun_at(one: Round, shift_s: float) -> Round:
+    """The round begun so much later in the common timetable."""
+    times_s, places_m = one
+    return one if len(times_s) == 1 or shift_s == 0 else started_at(times_s, places_m, shift_s)
+
+
+def ways_s(starts: Starts, entries: Entries, grounds: Grounds) -> Floats:
+    """Travelling times (s, m, n) in seconds from the starts to the loops, turns aside; inf where no path leads."""
+    shifts, loops, _ = entries.places_m.shape
+    found = np.zeros((shifts, len(starts.robots), loops))
+    flat = entries.places_m.reshape(-1, 2)
+    for body_m in {robot.body_radius_m for robot in starts.robots}:
+        some = [
+            k
+            for k, robot in enumerate(starts.robots)
+            if robot.body_radius_m == body_m and starts.places_m[k] is not None
+        ]
+        if not some:
+            continue
+        here = [place for k in some if (place := starts.places_m[k]) is not None]
+        standing = np.array([grounds.standing(starts.robots[k], p) for k, p in zip(some, here, strict=True)])
+        lengths = grounds.paths(body_m).distances(standing, flat) + np.hypot(*(standing - np.array(here)).T)[:, None]
+        speeds = np.array([starts.robots[k].speed_m_s for k in some])
+        found[:, some, :] = np.moveaxis((lengths / speeds[:, None]).reshape(len(some), shifts, loops), 1, 0)
+    return found
+
+
+def exact_ways(
+    starts: Starts, begun: Sequence[Round], who: Ints, grounds: Grounds, *, anew: bool
+) -> tuple[list[Way], Ints]:
+    """The way to each loop with its turns, and who takes it.
+
+    anew: that is chosen anew where turning takes time, if there are not too many ways to draw.
+    """
+
+    def way(k: int, i: int) -> Way:
+        robot, start_m, entry_m = starts.robots[k], starts.places_m[k], begun[i][1][0]
+        if start_m is None:
+            return Way(times_s=np.zeros(1), places_m=entry_m[None])
+        return timed_way(grounds.line(robot, start_m, entry_m), robot, first_step_m(begun[i][1]))
+
+    turning = any(robot.turn_rate_rad_s is not None for robot in starts.robots)
+    if not anew or not turning or len(starts.robots) * len(begun) > MOST_TIMED_WAYS:
+        return [way(int(k), i) for i, k in enumerate(who)], who
+    every: dict[tuple[int, int], Way] = {}
+    times_s = np.full((len(starts.robots), len(begun)), np.inf)
+    parts = [grounds.paths(robot.body_radius_m) for robot in starts.robots]
+    entries_m = np.array([places_m[0] for _, places_m in begun])
+    for k, paths in enumerate(parts):
+        start_m = starts.places_m[k]
+        reach = np.ones(len(begun), dtype=bool)
+        if start_m is not None:
+            own = paths.part_of(grounds.standing(starts.robots[k], start_m)[None])[0]
+            reach = paths.part_of(entries_m) == own
+        for i in np.flatnonzero(reach):
+            every[k, int(i)] = way(k, int(i))
+            times_s[k, i] = every[k, int(i)].duration_s
+    best = earliest_assignment(times_s)
+    assert best is not None  # the given one is one
+    return [every[int(k), i] for i, k in enumerate(best)], best

@@ -1,0 +1,152 @@
+"""What the search reads of the verdict on a plan, and what it says of a plan that does not pass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.mission import AREA
+from rota.plan import Plan
+
+
+class DemandOutcome(Protocol):
+    """What the search reads of the verdict on one demand."""
+
+    @property
+    def name(self) -> str:
+        """The zone's name, or "area"."""
+        ...
+
+    @property
+    def period_s(self) -> float:
+        """What is asked."""
+        ...
+
+    @property
+    def worst_gap_s(self) -> float:
+        """No point waits longer (inf: some of it is never seen, or so the verdict must assume)."""
+        ...
+
+    @property
+    def worst_gap_at_least_s(self) -> float:
+        """Some point waits as long (inf: it is never seen)."""
+        ...
+
+
+class Fault(Protocol):
+    """What the search reads of something that is wrong with the routes themselves."""
+
+    @property
+    def kind(self) -> str:
+        """What it is: "bodies touch", say."""
+        ...
+
+    @property
+    def who(self) -> str:
+        """The robots, or the robot."""
+        ...
+
+    @property
+    def place_m(self) -> tuple[float, float] | None:
+        """Where it is (None: nowhere in particular)."""
+        ...
+
+    @property
+    def time_s(self) -> float | None:
+        """When it is (None: at no particular time)."""
+        ...
+
+    @property
+    def value(self) -> float:
+        """How much it is."""
+        ...
+
+    @property
+    def limit(self) -> float:
+        """How much is allowed."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Of both."""
+        ...
+
+
+class Verdict(Protocol):
+    """What the search reads of the verdict on a plan."""
+
+    @property
+    def verdict(self) -> str:
+        """Whether every demand is "met"."""
+        ...
+
+    @property
+    def demands(self) -> tuple[DemandOutcome, ...]:
+        """One outcome per demand."""
+        ...
+
+    @property
+    def violations(self) -> Sequence[Fault]:
+        """What is wrong with the routes, and demands that are violated."""
+        ...
+
+    @property
+    def unmet_points_m(self) -> NDArray[np.float64]:
+        """Places (n, 2) where the demand is not shown to be met."""
+        ...
+
+    @property
+    def unmet_demand(self) -> NDArray[np.int64]:
+        """For each of these places the index of its demand."""
+        ...
+
+    @property
+    def shown_unmet_m(self) -> NDArray[np.float64]:
+        """Places (m, 2) where it is shown not to be met."""
+        ...
+
+    @property
+    def shown_unmet_demand(self) -> NDArray[np.int64]:
+        """For each of these places the index of its demand."""
+        ...
+
+
+Judge = Callable[[Plan], Verdict]
+
+
+def counted(robots: int) -> str:
+    """So many robots, in words."""
+    return "1 robot" if robots == 1 else f"{robots} robots"
+
+
+def worst_reached(verdict: Verdict) -> str:
+    """The demand that a plan misses most, and by how much."""
+    worst = max(verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s, default=None)
+    if worst is None or worst.worst_gap_s <= worst.period_s:
+        return touching(verdict) or "the check finds the routes themselves at fault"
+    what, period_s = "the area" if worst.name == AREA else repr(worst.name), worst.period_s
+    if math.isinf(worst.worst_gap_at_least_s):
+        return f"some of {what} is never seen"
+    if worst.worst_gap_at_least_s > period_s:
+        gap_s = worst.worst_gap_at_least_s
+        return f"in {what} the worst gap is {gap_s:.6g} s, {gap_s / period_s:.3f} times its period"
+    return f"in {what} it is not proven that every gap is within its period of {period_s:.6g} s"
+
+
+def touching(verdict: Verdict) -> str | None:
+    """Which robots come nearest to each other, of all whose bodies touch, where and when; None when no bodies touch."""
+    pairs = [fault for fault in verdict.violations if fault.kind == "bodies touch"]
+    if not pairs:
+        return None
+    worst = min(pairs, key=lambda fault: fault.value / fault.limit)
+    where = "" if worst.place_m is None else f" at ({worst.place_m[0]:.2f}, {worst.place_m[1]:.2f})"
+    when = "" if worst.time_s is None else f", t = {worst.time_s:.2f} s"
+    more = "" if len(pairs) == 1 else f"; {len(pairs) - 1} more pair{'s'[: len(pairs) > 2]} touch"
+    return (
+        f"no way was found to keep bodies apart: {' and '.join(worst.who.split(', '))} come within {worst.value:.3f} m"
+        f"{where}{when}, where {worst.limit:.3f} m between their centres are needed{more}"
+    )

@@ -1,0 +1,94 @@
+"""Round corners drawn finer where robots need it, and places a hair inside of narrow views."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from shapely import MultiPolygon, box
+
+from rota.geometry.free_space import border_segments, standing_space, standing_space_in
+from rota.geometry.line_of_sight import edge_grid, visibility_polygon
+from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle
+from rota.planners.patrol.ground import problem as problem_module
+from rota.planners.patrol.ground.finer_space import with_room_to_see
+from rota.planners.patrol.ground.nearest_places import nearest_places
+from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.repair.detours import border_place
+
+BODY_M = 0.6
+BLOCKS = (box(2.9, 7.1, 3.8, 9.4), box(2.7, 3.2, 4.1, 5.1), box(7.1, 1.2, 9.7, 3.6))
+# in the corner behind the last block; from the coarse arc round that block's corner it is 3.006 m away
+CORNER_M = np.array([9.98590654, 0.5541374])
+
+
+@pytest.fixture(scope="module")
+def coarse() -> Problem:
+    """A problem whose arcs have 16 corners a turn, as on ground with very many corners."""
+    mission = Mission(
+        name="blocks",
+        area=MultiPolygon([box(0, 0, 10, 10)]),
+        obstacles=tuple(Obstacle(shape=shape) for shape in BLOCKS),
+        fleet=Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=3.0), body_radius_m=BODY_M),
+        period_s=200.0,
+    ).with_effort("quick")
+    problem = set_up_problem(mission)
+    space = standing_space(mission, BODY_M)
+    paths = ShortestPaths(space)
+    places_m = problem.places_m[paths.part_of(problem.places_m) >= 0]
+    return replace(
+        problem,
+        space=space,
+        space_grid=edge_grid(border_segments(space)),
+        paths=paths,
+        places_m=places_m,
+        places_part=paths.part_of(places_m),
+    )
+
+
+def test_space_in_a_box_is_that_part_of_the_whole(coarse: Problem) -> None:
+    whole = standing_space(coarse.mission, BODY_M, arc_corners=64)
+    for frame in ((2.0, 6.0, 5.0, 9.9), (0.0, 0.0, 10.0, 10.0), (7.5, 1.5, 9.0, 3.0)):
+        here = standing_space_in(coarse.mission, BODY_M, frame, arc_corners=64)
+        assert shapely.symmetric_difference(here, shapely.intersection(whole, box(*frame))).area < 1e-9
+
+
+def test_a_robot_gets_the_room_from_which_a_place_is_seen(coarse: Problem) -> None:
+    points_m = CORNER_M[None]
+    assert nearest_places(points_m, coarse.space, coarse.walls, coarse.robot)[1][0] > 3.0
+    wider = with_room_to_see(coarse, points_m)
+    place_m, range_m = nearest_places(points_m, wider.space, wider.walls, wider.robot)
+    assert range_m[0] <= 3.0
+    exact = shapely.difference(box(0, 0, 10, 10).buffer(-BODY_M), shapely.union_all(BLOCKS).buffer(BODY_M - 1e-6, 256))
+    assert shapely.covers(exact.buffer(2e-6), wider.space)
+    assert 0 < wider.space.area - coarse.space.area < 0.05 * BODY_M**2
+    assert wider.paths.part_of(place_m)[0] == 0
+    assert np.array_equal(wider.places_part, wider.paths.part_of(wider.places_m))
+
+
+def test_who_is_seen_anyway_or_by_nobody_changes_nothing(coarse: Problem) -> None:
+    assert with_room_to_see(coarse, np.array([[5.0, 6.0], [2.7, 9.9]])) is coarse
+    cage = border_segments(MultiPolygon([box(9.95, 0.5, 10, 0.6).exterior.buffer(0.01)]))
+    hidden = replace(coarse, walls=np.vstack([coarse.walls, cage]))
+    assert with_room_to_see(hidden, CORNER_M[None]) is hidden
+
+
+def test_on_ragged_ground_the_border_place_lies_inside_of_the_view(
+    coarse: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Past a block's corner: from the edge of the view, whether the point is seen is up to rounding."""
+    hidden_m = np.array([6.9, 0.2])
+    far_m = np.array([4.55, 5.1])
+    monkeypatch.setattr(problem_module, "MOST_DENSE", 0)
+    assert coarse.is_ragged
+    for point_m in (hidden_m, far_m, np.array([2.65, 4.0]), np.array([3.3, 9.9])):
+        place_m = border_place(coarse, point_m)
+        assert place_m is not None
+        places = visibility_polygon(point_m, coarse.walls, 3.0).intersection(coarse.space)
+        assert shapely.distance(places.boundary, shapely.Point(place_m)) == pytest.approx(1e-3, abs=1e-6)
+        assert shapely.contains_xy(places, *place_m)
+        nearest_m = shapely.distance(places, shapely.Point(point_m))
+        assert nearest_m <= np.hypot(*(place_m - point_m)) < nearest_m + 0.01

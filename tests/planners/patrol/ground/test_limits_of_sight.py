@@ -1,0 +1,241 @@
+"""The last ground that can be seen at all is sampled, seen from the border of the space, and planned for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from shapely import MultiPolygon, Point, Polygon, affinity, box
+
+import rota
+from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls, standing_space
+from rota.geometry.shortest_path import ShortestPaths
+from rota.geometry.tiles import Box, few_cornered_boxes
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Robot, Sensor, SquareSensor
+from rota.planners.patrol.ground.limits_of_sight import (
+    along_the_rim,
+    fine_arc_corners,
+    grown,
+    has_rim,
+    rim_points,
+    surely_seeable_m2,
+    with_reach_for,
+)
+from rota.planners.patrol.ground.nearest_places import nearest_places
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.ground.samples import points_of
+from rota.planners.patrol.tours.tour import Tour
+
+DISC = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=2))
+SQUARE = Robot(name="r", speed_m_s=1, sensor=SquareSensor(side_m=4))
+CLOSED = box(4, 4, 9, 9.5)  # wider than twice the reach: 1 m x 1.5 m of it nobody sees
+SPACE = MultiPolygon([box(0, 0, 14, 14).difference(CLOSED)])
+GROUND = DemandedRegion(name="area", period_s=60, demand="every_point", shape=MultiPolygon([box(0, 0, 14, 14)]))
+NO_WALLS = np.zeros((0, 4))
+
+
+@pytest.mark.parametrize("robot", [DISC, SQUARE])
+def test_the_grown_space_is_all_in_range(robot: Robot) -> None:
+    space = MultiPolygon([Polygon([(0, 0), (6, 1), (2, 7)]), box(12, 0, 13, 1)])
+    points = np.random.default_rng(3).uniform((-4, -4), (17, 11), (2000, 2))
+    _, ranges = nearest_places(points, space, NO_WALLS, robot)
+    inner, outer = grown(space, robot, 0.25), grown(space, robot, 0.25, outwards=True)
+    assert (ranges[shapely.contains_xy(inner, points)] <= 1.75).all()
+    assert (ranges[~shapely.contains_xy(outer, points)] >= 1.75).all()
+    # between the two lie only the chords of arcs
+    assert outer.area - inner.area <= (1e-9 if robot is SQUARE else 0.01)
+
+
+def test_rim_points_lie_just_in_reach_and_close_together() -> None:
+    points = rim_points([GROUND], [0], SPACE, DISC, margin_m=0.012, spacing_m=0.2)
+    _, ranges = nearest_places(points.xy_m, SPACE, NO_WALLS, DISC)
+    at_rim = ranges > 1.995
+    assert ranges[at_rim] == pytest.approx(1.999, abs=1e-6)
+    assert ranges[~at_rim] == pytest.approx(1.994, abs=1e-6)
+    # round a core of 1 m x 1.5 m
+    assert at_rim.sum() >= 5 / 0.2
+    along = shapely.get_coordinates(shapely.segmentize(box(6, 6, 7, 7.5).boundary, 0.01))
+    away = np.hypot(*(along[:, None] - points.xy_m[at_rim][None]).transpose(2, 0, 1)).min(axis=1)
+    assert away.max() <= 0.11
+
+
+def test_only_ground_beyond_the_margin_has_a_rim() -> None:
+    robots = {"narrow": box(4, 4, 7.9, 9), "wide": box(4, 4, 7.999, 9), "hedge": box(0, 0, 0.1, 0.1)}
+    rims = {}
+    for name, shape in robots.items():
+        rims[name] = has_rim([GROUND], MultiPolygon([GROUND.shape.geoms[0].difference(shape)]), DISC, 0.012)
+    assert rims == {"narrow": False, "wide": True, "hedge": False}
+    visit = DemandedRegion(name="tank", period_s=60, demand="visit", shape=MultiPolygon([CLOSED]))
+    assert not has_rim([visit], SPACE, DISC, 0.012)
+    assert not len(rim_points([visit], [0], SPACE, DISC, margin_m=0.012, spacing_m=0.2))
+
+
+def test_reach_is_given_where_it_is_needed_only() -> None:
+    points = points_of(np.zeros((5, 2)), 1.0, 0, 0, shrink_m=0.1)
+    ranges = np.array([0.0, 1.0, 1.9, 1.998, math.inf])
+    fitted = with_reach_for(points, ranges, 2.0, 0.01)
+    # 0.95 m to spare, then half of it; never more than the full reach
+    assert fitted.shrink_m == pytest.approx([0.1, 0.1, 0.04, -0.009, -0.01])
+    reach = 2.0 - 0.01 - fitted.shrink_m
+    assert (reach[:4] > ranges[:4]).all()
+    assert (reach <= 2.0).all()
+
+
+def test_arcs_are_fine_where_rims_matter() -> None:
+    for body_m in (0.01, 0.2, 1.0, 5.0):
+        corners = fine_arc_corners(body_m)
+        assert corners >= 16
+        assert body_m * (1 / math.cos(math.pi / corners) - 1) <= 0.0005 + 1e-12
+
+
+def test_legs_beside_the_border_are_drawn_onto_it() -> None:
+    paths = ShortestPaths(SPACE)
+    around = np.array([[4.0, 3.999], [9, 3.996], [9.002, 9.5], [6, 9.503], [3.0, 12.0], [3.999, 6.0]])
+    tour = Tour(vertices_m=around, serves=0, period_s=60, robots=1, robot=DISC)
+    border = shapely.get_coordinates(shapely.segmentize(CLOSED.boundary, 0.4))
+    (drawn,) = along_the_rim([tour], border, SPACE, paths, near_m=0.012, wide_m=1.0)
+    far = shapely.distance(shapely.points(drawn.vertices_m), shapely.boundary(CLOSED))
+    assert ((far < 1e-12) | (far > 1)).all()
+    assert (far > 1).sum() == 1
+    # no leg cuts the corner that it had passed a hair off
+    legs = [shapely.LineString([a, b]) for a, b in zip(drawn.vertices_m, np.roll(drawn.vertices_m, -1, 0), strict=True)]
+    assert not any(leg.relate_pattern(CLOSED, "T********") for leg in legs)
+    # without a rim nothing moves
+    (same,) = along_the_rim([tour], np.zeros((0, 2)), SPACE, paths, near_m=0.012, wide_m=1.0)
+    assert same is tour
+    (same,) = along_the_rim([tour], border + 50, SPACE, paths, near_m=0.012, wide_m=1.0)
+    assert same is tour
+
+
+def mission(sensor: Sensor, area: Polygon, closed: Polygon | None = None, *, body_radius_m: float = 0.0) -> Mission:
+    obstacles = () if closed is None else (Obstacle(shape=MultiPolygon([closed]), blocks="motion"),)
+    return Mission(
+        name="rim",
+        area=MultiPolygon([area]),
+        obstacles=obstacles,
+        period_s=60,
+        fleet=Fleet(speed_m_s=1, sensor=sensor, body_radius_m=body_radius_m),
+        planning=PatrolSettings(effort="quick"),
+    )
+
+
+YARD, BLOCK = box(0, 0, 5.6, 5.6), box(1.5, 1.6, 4.0, 4.1)
+CORRIDOR = box(0, 0, 3, 3).union(box(3, 1, 4.2, 1.15))
+
+
+def test_every_sample_of_a_problem_is_seen_from_one_of_its_places() -> None:
+    problem = set_up_problem(mission(DiscSensor(radius_m=1), YARD, BLOCK))
+    assert set(problem.sees_item.tolist()) == set(range(len(problem.points)))
+    assert len(problem.rim_places_m)
+    assert shapely.distance(BLOCK.boundary, shapely.points(problem.rim_places_m)).max() < 1e-9
+    # only the core is given up: half a metre square, of which lattice points 0.2 m apart are dropped
+    core = box(2.5, 2.6, 3.0, 3.1)
+    assert not shapely.contains_xy(core, problem.points.xy_m).any()
+    strip = core.buffer(0.15).difference(core.buffer(0.0005))
+    assert shapely.contains_xy(strip, problem.points.xy_m).sum() >= 10
+
+
+@pytest.mark.parametrize(
+    ("what", "core_m2"),
+    [
+        (mission(DiscSensor(radius_m=1), YARD, BLOCK), 0.25),
+        (mission(SquareSensor(side_m=2), YARD, BLOCK), 0.25),
+        (mission(DiscSensor(radius_m=1), YARD, affinity.rotate(BLOCK, 20)), 0.25),
+        # a hair narrower than twice the reach: all of it can be seen, from its border only
+        (mission(DiscSensor(radius_m=1), YARD, box(1.6, 1.6, 3.598, 4.1)), 0.0),
+        (mission(DiscSensor(radius_m=0.3), box(0, 0, 1.7, 1.7), Point(0.85, 0.85).buffer(0.38)), math.pi * 0.08**2),
+    ],
+    ids=["disc", "square", "tilted", "twice the reach", "round"],
+)
+def test_ground_that_is_seen_only_from_the_border_of_a_no_fly_zone_is_planned_for(
+    what: Mission, core_m2: float
+) -> None:
+    plan = rota.make_plan(what)
+    report = rota.check_plan(plan)
+    assert report.verdict == "met"
+    # the check rounds outwards by about a centimetre, never inwards
+    excluded = report.demands[0].excluded_area_m2
+    assert core_m2 - 1e-3 <= excluded <= core_m2 + 0.015 * 4 * math.sqrt(core_m2) + 1e-3
+
+
+@pytest.mark.parametrize("turned", [0, 33])
+def test_a_corridor_too_thin_for_the_body_is_seen_as_far_as_it_can_be(turned: float) -> None:
+    what = mission(DiscSensor(radius_m=1), affinity.rotate(CORRIDOR, turned), body_radius_m=0.1)
+    report = rota.check_plan(rota.make_plan(what))
+    assert report.verdict == "met"
+    # the body stands in the opening as far as its corners let it: a circle of the reach round there, 0.15 m high
+    deepest = 3 - math.sqrt(0.1**2 - 0.075**2)
+    beyond = box(3, 1, 4.2, 1.15).difference(Point(deepest, 1.075).buffer(1, quad_segs=256)).area
+    assert beyond - 1e-3 <= report.demands[0].excluded_area_m2 <= beyond + 0.015 * 0.16 + 1e-3
+
+
+def test_space_is_the_finer_where_there_is_a_rim() -> None:
+    wide = affinity.scale(CORRIDOR, 5, 5, origin=(0, 0))
+    deepest = 15 - math.sqrt(0.5**2 - 0.375**2)
+    what = mission(DiscSensor(radius_m=5), wide, body_radius_m=0.5)
+    assert standing_space(what, 0.5).bounds[2] < deepest - 1e-3
+    problem = set_up_problem(what)
+    assert deepest - 1e-3 <= problem.space.bounds[2] <= deepest
+
+
+def test_the_area_surely_seen_is_never_too_much_and_nearly_all() -> None:
+    # a box hides its shadow, a hedge cuts sight where robots stand, a pond is looked over from its shore
+    obstacles = (
+        Obstacle(shape=MultiPolygon([box(3, 3, 5, 6)])),
+        Obstacle(shape=MultiPolygon([box(20, 4, 24.5, 7)]), blocks="motion"),
+        Obstacle(shape=MultiPolygon([box(10, 1, 10.2, 9)]), blocks="sight"),
+    )
+    robot = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=2), body_radius_m=0.5)
+    for some in (obstacles[:1], obstacles[:2], obstacles):
+        mission = Mission(
+            name="yard", area=MultiPolygon([box(0, 0, 30, 10)]), obstacles=some, period_s=100,
+            fleet=Fleet(speed_m_s=1, sensor=robot.sensor, body_radius_m=0.5),
+        )  # fmt: skip
+        regions, space, walls = demanded_regions(mission), standing_space(mission, 0.5), sight_walls(mission)
+        [area] = surely_seeable_m2(regions, space, walls, robot)
+        points = np.random.default_rng(5).uniform((0, 0), (30, 10), (20_000, 2))
+        points = points[shapely.contains_xy(regions[0].shape, points)]
+        _, ranges = nearest_places(points, space, walls, robot)
+        truly = regions[0].shape.area * float((ranges <= 2).mean())
+        assert area <= truly + 0.3  # the error of so many throws
+        assert area >= 0.88 * truly
+
+
+def test_areas_added_up_over_boxes_are_those_of_all_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(1)
+    places = rng.uniform(0, 12, (60, 2))
+    blocks = shapely.union_all(shapely.box(*places.T, *(places + rng.uniform(0.05, 0.8, (60, 2))).T))
+    mission = Mission(
+        name="yard", area=MultiPolygon([box(0, 0, 12, 12)]), obstacles=(Obstacle(shape=blocks),), period_s=100,
+        fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=0.5)),
+    )  # fmt: skip
+    regions, space, walls = demanded_regions(mission), standing_space(mission, 0.2), sight_walls(mission)
+    # a body smaller than the one that the space was made for: ground beyond it counts where no wall is near
+    robot = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=0.5), body_radius_m=0.1)
+    boxes = []
+
+    def areas(most: int) -> list[float]:
+        def cut(bounds: Box, corners: np.ndarray, near_m: float) -> list[Box]:
+            found = few_cornered_boxes(bounds, corners, near_m, most)
+            boxes.append(len(found))
+            return found
+
+        monkeypatch.setattr("rota.planners.patrol.ground.limits_of_sight.few_cornered_boxes", cut)
+        return surely_seeable_m2(regions, space, walls, robot)
+
+    whole = areas(10**9)
+    assert areas(100) == pytest.approx(whole, abs=1e-6)
+    assert boxes[0] == 1 < 6 <= boxes[1]
+    assert 0.8 * regions[0].shape.area < whole[0] < regions[0].shape.area
+
+
+def test_a_tiny_unseeable_place_is_refused_in_words() -> None:
+    notch = Polygon([(0, 0), (10, 0), (10, 4.98), (12.9, 5), (10, 5.02), (10, 10), (0, 10)])
+    mission = Mission(
+        name="notch", area=MultiPolygon([notch]), period_s=100, unseeable="refuse",
+        fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2), body_radius_m=0.3),
+    )  # fmt: skip
+    with pytest.raises(rota.NoPlanFound, match=r"less than 0\.01 m2 \(0\.0% of what is asked\)"):
+        set_up_problem(mission)

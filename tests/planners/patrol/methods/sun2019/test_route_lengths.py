@@ -1,0 +1,161 @@
+"""Eq. 26 as printed: lengths of closed routes, against the routes themselves, and partitions by them."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely import box
+
+from rota.geometry.free_space import standing_space
+from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.planners.patrol.ground.problem import common_robot
+from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings
+from rota.planners.patrol.methods.sun2019.partition import partition_frame
+from rota.planners.patrol.methods.sun2019.pso import rules_of
+from rota.planners.patrol.methods.sun2019.pso_kernels import cost_of
+from rota.planners.patrol.methods.sun2019.route import length_m, route_round, stretch_line
+from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m, segment_lengths_m, segment_periods_s
+from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors, measured
+from rota.studies.sun2019 import paper
+
+SMALL_SWARMS = replace(TABLE_4, swarms=20, particles=40)
+SETTINGS = MethodSettings(partition=SMALL_SWARMS)
+FINE = RouteSettings(hole=0.01)
+MISSION = Mission(
+    name="yard",
+    area=box(0, 0, 70, 60),
+    obstacles=(Obstacle(shape=box(20, 20, 50, 40), blocks="sight"),),  # routes go round it, and may go through
+    zones=(Zone(name="gate", shape=box(40, 40, 65, 55), period_s=5),),
+    period_s=20,
+    fleet=Fleet(speed_m_s=20, sensor=DiscSensor(radius_m=5)),
+)
+PATHS = ShortestPaths(standing_space(MISSION, 0.0))
+
+
+@pytest.fixture(scope="module")
+def framed() -> Framed:
+    return framed_sensors(MISSION, PATHS, SETTINGS.deployments[0], SETTINGS, seed=0)
+
+
+def test_lengths_are_those_of_the_routes(framed: Framed) -> None:
+    (part,) = framed.parts
+    frame, n = part.frame, len(part.frame.order)
+    found_m = route_lengths_m(
+        frame, part.waypoint_periods_s, PATHS, speed_m_s=20, radius_m=5, joining_legs=False, settings=FINE
+    )  # fmt: skip
+    assert found_m.shape == (n, n)
+    allowed_m = 20 * segment_periods_s(part.waypoint_periods_s)
+    estimate_m = 2 * segment_lengths_m(frame.legs_m, joining_legs=False) + 10 * np.pi
+    rng = np.random.default_rng(4)
+    near = np.argwhere(found_m <= 1.3 * allowed_m)
+    for a, k in rng.permutation(near)[:200].tolist():
+        line_m = stretch_line(frame, (a + np.arange(k + 1)) % n, joining_legs=False)
+        really_m = length_m(route_round(line_m, PATHS, radius_m=5, settings=FINE))
+        assert found_m[a, k] == pytest.approx(really_m, rel=1e-9)
+    far = estimate_m > 3 * allowed_m
+    assert found_m[far].tolist() == estimate_m[far].tolist()
+    assert (found_m[~far & (found_m > 1.3 * allowed_m)] > 0).all()
+
+
+def test_the_routes_that_are_led_are_as_long_as_the_partition_counted(framed: Framed) -> None:
+    stages = cut_in_segments(framed, common_robot(MISSION.fleet), PATHS, SETTINGS)
+    for segment in stages.segments:
+        assert segment.time_s == pytest.approx(length_m(segment.route_m) / 20)
+
+
+def test_measured_routes_move_the_cuts_by_their_lengths(framed: Framed) -> None:
+    robot = common_robot(MISSION.fleet)
+    stages = cut_in_segments(framed, robot, PATHS, SETTINGS)
+    driven_m = np.array([20 * segment.time_s for segment in stages.segments])
+    alike = measured(stages, driven_m, robot)
+    assert alike.parts[0].legs_m == pytest.approx(framed.parts[0].legs_m)
+    driven_m[0] *= 1.5
+    inner = stages.partitions[0].places(0, len(framed.parts[0].legs_m))[:-1]
+    longer = measured(stages, driven_m, robot)
+    assert longer.parts[0].legs_m[inner] == pytest.approx(1.5 * framed.parts[0].legs_m[inner])
+    again = cut_in_segments(longer, robot, PATHS, SETTINGS)
+    times_s = {tuple(one.line_m[0]): one.time_s for one in again.segments}
+    first = stages.segments[0]
+    assert times_s.get(tuple(first.line_m[0]), np.inf) != pytest.approx(first.time_s)
+
+
+def by_eq_28(first: tuple[int, ...], routes_m: np.ndarray, periods_s: np.ndarray, settings: PartitionSettings) -> float:
+    n, rules, total = len(routes_m), rules_of(settings), 0.0
+    for at, then in zip(first, (*first[1:], first[0]), strict=True):
+        count = (then - at - 1) % n + 1
+        period_s = min(periods_s[(at + k) % n] for k in range(count))
+        total += cost_of(routes_m[at, count - 1] / 2.0 - period_s + settings.margin_s, rules)
+    return total
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_cheapest_partition_is_the_cheapest_of_all(seed: int) -> None:
+    # lengths at random, so that longer segments have shorter routes as often as not
+    rng = np.random.default_rng(seed)
+    n, settings = 7, PartitionSettings(times="routes", margin_s=0.5, weight_late=float(rng.choice([50, 300, 5000])))
+    routes_m, periods_s = rng.uniform(5, 60, (n, n)), rng.choice([8.0, 12, 20], n)
+    for segments in (None, 1, 3, n):
+        found = partition_frame(
+            np.ones(n), periods_s, speed_m_s=2, sensor_radius_m=1, segments=segments, route_lengths_m=routes_m,
+            settings=settings,
+        )  # fmt: skip
+        counts = range(1, n + 1) if segments is None else [segments]
+        costs = [
+            by_eq_28(first, routes_m, periods_s, settings)
+            for count in counts
+            for first in itertools.combinations(range(n), count)
+        ]
+        assert found.cost == pytest.approx(min(costs))
+        assert by_eq_28(tuple(found.first.tolist()), routes_m, periods_s, settings) == pytest.approx(found.cost)
+        assert segments is None or len(found.first) == segments
+
+
+def test_swarms_come_near_the_cheapest_partition(framed: Framed) -> None:
+    (part,) = framed.parts
+    cheapest, swarms = (
+        partition_frame(
+            part.legs_m, part.waypoint_periods_s, speed_m_s=20, sensor_radius_m=5,
+            route_lengths_m=part.route_lengths_m, settings=settings,
+        )
+        for settings in (replace(SMALL_SWARMS, method="exact"), replace(TABLE_4, swarms=60, particles=200))
+    )  # fmt: skip
+    assert cheapest.cost <= swarms.cost <= 1.15 * cheapest.cost
+    assert abs(len(swarms.first) - len(cheapest.first)) <= 1
+
+
+def test_lengths_that_cannot_be_are_refused() -> None:
+    for wrong in (np.ones((2, 3)), np.zeros((2, 2)), np.full((2, 2), np.nan)):
+        with pytest.raises(ValueError, match=r"route_lengths_m: .*must be \(2, 2\) finite numbers"):
+            partition_frame(np.ones(2), np.ones(2), speed_m_s=1, sensor_radius_m=1, route_lengths_m=wrong)
+
+
+def test_the_papers_plans_bound_the_weight_of_what_is_late() -> None:
+    margin_s, robot, early, around_s = 0.5, 1000.0, 100.0, 2 * np.pi * 5 / 20
+
+    def spare(routes: list[paper.PaperRoute]) -> list[float]:
+        return [route.period_s - margin_s - route.time_s for route in routes]
+
+    # Case 6: what is late, and what plans with one or two routes more and nothing late cost at most beyond it
+    case_6 = spare(list(paper.TABLE_6[5].routes))
+    late_s = -sum(min(0.0, spare_s) for spare_s in case_6)
+    assert late_s == pytest.approx(5.76)
+    one, two = (k * robot + early * (k * (10 - margin_s - around_s) - late_s) for k in (1, 2))
+    assert [round(one / late_s), round(two / late_s)] == [211, 523]
+
+    def merged(routes: list[paper.PaperRoute]) -> float:
+        """The weight from which on two routes are cheaper than one that has their ends but once."""
+        saved = robot + early * sum(spare(routes))
+        late_s = sum(route.time_s for route in routes) - around_s + margin_s - routes[0].period_s
+        return saved / late_s
+
+    zone_1 = [route for route in paper.TABLE_5.routes if route.period_s == 8]
+    zone_2 = [route for route in paper.TABLE_6[2].routes if route.zone == 2]
+    assert round(merged(zone_1)) == 227
+    assert round(min(merged(list(pair)) for pair in itertools.combinations(zone_2, 2))) == 261
+    assert 261 < PartitionSettings().weight_late < 523

@@ -1,0 +1,96 @@
+"""The step that the program finds from the limits that matter, against one with all limits at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+from scipy.sparse import csr_array
+
+from rota.mission import DiscSensor, Robot
+from rota.planners.patrol.repair.bending.layout import laid_out
+from rota.planners.patrol.repair.bending.program import (
+    LACK_PRICE,
+    MOVE_PRICE,
+    OVER_PRICE,
+    Rows,
+    best_step,
+    length_rows,
+    rows_along,
+)
+from rota.planners.patrol.tours.tour import Tour
+
+Floats = NDArray[np.float64]
+TRUST_M = 0.3
+
+
+@pytest.mark.parametrize("length_price", [0.0, 0.3])
+@pytest.mark.parametrize("seed", range(6))
+def test_as_good_as_with_every_limit(seed: int, length_price: float) -> None:
+    rng = np.random.default_rng(seed)
+    corners, samples = 12, 400
+    angles = np.sort(rng.random(corners)) * 2 * np.pi
+    ring_m = 20 * np.column_stack([np.cos(angles), np.sin(angles)]) + rng.normal(0, 1, (corners, 2))
+    robot = Robot(name="one", speed_m_s=1.0, sensor=DiscSensor(radius_m=3.0))
+    ring = Tour(vertices_m=ring_m, serves=0, period_s=float(rng.uniform(105, 130)), robots=1, robot=robot)
+    layout, places_m = laid_out([ring], 1e3)
+    leg = rng.integers(0, corners, samples)
+    bearing = 2 * np.pi * rng.random(samples)
+    towards = np.column_stack([np.cos(bearing), np.sin(bearing)])
+    along = rows_along(towards, layout.start[leg], layout.end[leg], rng.random(samples), corners)
+    ranges = Rows(along, rng.uniform(-0.1, 2.5 * TRUST_M, samples))
+    border = Rows(rows_along(towards[:3], leg[:3], leg[:3], np.zeros(3), corners), rng.uniform(0, 0.2, 3))
+    fixed = np.arange(corners) == 4
+
+    step = best_step(
+        layout, places_m, ranges, border, fixed=fixed, trust_m=TRUST_M, reserve=0.01, length_price=length_price
+    )
+
+    assert step is not None
+    budgets, lengths_m = length_rows(layout, places_m), layout.lengths_m(places_m)
+    left_m = layout.budget_m * 0.99 - lengths_m
+    moves_m = step.moves_m.ravel()
+    assert (np.abs(moves_m) <= np.where(np.repeat(fixed, 2), 0.0, TRUST_M) + 1e-9).all()
+    assert (border.along @ moves_m <= border.most_m + 1e-6).all()
+    assert step.cost == pytest.approx(
+        cost(moves_m, budgets, left_m, ranges, length_price) + length_price * float(lengths_m.sum()), abs=1e-5
+    )
+    least = least_cost(budgets, left_m, ranges, border, fixed=fixed, length_price=length_price)
+    assert step.cost == pytest.approx(least + length_price * float(lengths_m.sum()), abs=1e-5)
+
+
+def cost(moves_m: Floats, budgets: csr_array, left_m: Floats, ranges: Rows, length_price: float) -> float:
+    over_m = np.maximum(0.0, budgets @ moves_m - left_m).sum()
+    lack_m = np.maximum(0.0, ranges.along @ moves_m - ranges.most_m).sum()
+    return float(
+        OVER_PRICE * over_m
+        + LACK_PRICE * lack_m
+        + MOVE_PRICE * np.abs(moves_m).sum()
+        + length_price * (budgets @ moves_m).sum()
+    )
+
+
+def least_cost(
+    budgets: csr_array, left_m: Floats, ranges: Rows, border: Rows, *, fixed: NDArray[np.bool_], length_price: float
+) -> float:
+    """The least that any moves cost: moves are free variables, with their sizes beside them, and all limits dense."""
+    n, r, b = len(fixed) * 2, len(ranges.most_m), len(left_m)
+    size, near = np.eye(n), border.along.toarray()
+    limits = np.block([
+        [budgets.toarray(), np.zeros((b, n)), -np.eye(b), np.zeros((b, r))],
+        [ranges.along.toarray(), np.zeros((r, n + b)), -np.eye(r)],
+        [near, np.zeros((len(near), n + b + r))],
+        [size, -size, np.zeros((n, b + r))],
+        [-size, -size, np.zeros((n, b + r))],
+    ])  # fmt: skip
+    most_m = np.repeat(np.where(fixed, 0.0, TRUST_M), 2)
+    prices = [length_price * budgets.toarray().sum(axis=0), np.full(n, MOVE_PRICE)]
+    found = linprog(
+        np.concatenate([*prices, np.full(b, OVER_PRICE), np.full(r, LACK_PRICE)]),
+        A_ub=limits,
+        b_ub=np.concatenate([left_m, ranges.most_m, border.most_m, np.zeros(2 * n)]),
+        bounds=[*zip(-most_m, most_m, strict=True), *[(0, None)] * (n + b + r)],
+        method="highs-ipm",
+    )
+    return float(found.fun)
