@@ -22,6 +22,7 @@ from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Sensor, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
+from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 
 Floats = NDArray[np.float64]
@@ -151,7 +152,7 @@ def _gap_s(plan: Plan) -> float:
 
 def bound_of(plan: Plan) -> int:
     """The proved lower bound for the plan's mission."""
-    return set_up_problem(plan.mission).lower_bound
+    return prove_bound(set_up_problem(plan.mission)).robots
 
 
 def known_plans(options: Options) -> Iterator[Row]:

@@ -20,7 +20,7 @@ from rota.files.mission_file import read_mission
 from rota.make_plan import make_plan
 from rota.mission import Effort, Mission, Sun2019
 from rota.plan import Plan
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
@@ -93,8 +93,8 @@ def tried(mission: Mission, stages: Sun2019, effort: Effort) -> Tried:
 def as_printed(mission: Mission, settings: MethodSettings) -> Tried:
     """The plan of the paper's own tables, routes as they come."""
     began_s = time.process_time()
-    context = Context(
-        problem=set_up_problem(mission.with_effort("quick")), seed=0, judge=check_plan,
+    context = begin_search(
+        set_up_problem(mission.with_effort("quick")), asked=mission, seed=0, judge=check_plan,
         progress=lambda share, doing: None, should_stop=lambda: False,
     )  # fmt: skip
     plan = fewest_robots_by_stages(context, settings).plan

@@ -12,8 +12,8 @@ from shapely import MultiPolygon, box
 
 from benchmarks.row import Options, Row
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
-from rota.planners.swarm.asked import free_ground, run_mission
 from rota.planners.swarm.metrics import covered_share
+from rota.planners.swarm.planner import free_ground, run_mission
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 from shapely import MultiPolygon, box
 
-from rota.cli import run
+from rota.command.cli import run
 from rota.compare import HEAD, compare_methods, comparison_table, distinct_loops, draw_outcomes, named_methods
 from rota.errors import MissionError, NoPlanFound
 from rota.mission import METHODS, DiscSensor, Fleet, Mission, PatrolSettings

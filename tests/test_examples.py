@@ -13,7 +13,7 @@ from pyproj import Geod
 from scipy.ndimage import label
 from shapely import LineString, Point, box, union_all
 
-from rota.cli import run
+from rota.command.cli import run
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan
 from rota.mission import DiscSensor, Mission, SwarmSettings

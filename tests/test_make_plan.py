@@ -17,7 +17,7 @@ from rota.errors import MissionError, NoPlanFound
 from rota.make_plan import PlanSearch, make_plan, search_plan
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan, Trajectory
-from rota.search_state import SearchState
+from rota.progress import SearchState
 
 MODULE = importlib.import_module("rota.make_plan")
 MISSION = Mission(

@@ -109,7 +109,7 @@ def test_starts_at_fault_are_those_that_comparing_all_pairs_finds(seed: int) -> 
     bodies_m = (0.0, 0.4, 2.0)
     blocks = (Obstacle(shape=MultiPolygon([box(10, 10, 14, 30)])), Obstacle(shape=MultiPolygon([box(20, 0, 21, 9)])))
     area = MultiPolygon([box(0, 0, 40, 40)])
-    found = {field for field, _ in start_faults(area, blocks, crowd(points, *bodies_m))}
+    found = {field for field, _ in start_faults(area, [block.shape for block in blocks], crowd(points, *bodies_m))}
     wanted = set()
     for i, point in enumerate(points):
         body_m, at = bodies_m[i % 3], Point(point)

@@ -19,8 +19,8 @@ from rota.files.plan_file import plan_from_json, plan_to_json
 from rota.files.run_file import read_run, write_run
 from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, PatrolSettings, StartBox, SwarmSettings
 from rota.plan import Plan, Trajectory
-from rota.plan_table import range_at_the_end, range_from
-from rota.planners.swarm.asked import run_mission
+from rota.plan_summary import range_at_the_end, range_from
+from rota.planners.swarm.planner import run_mission
 
 CONE = DiscSensor(radius_m=40, half_angle_deg=30)
 EXAMPLE = Path(__file__).parents[1] / "examples" / "swarm-space.yaml"

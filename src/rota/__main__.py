@@ -1,5 +1,5 @@
 """``python -m rota``: the ``rota`` program where it is not on the path."""
 
-from rota.cli import main
+from rota.command.cli import main
 
 main()

@@ -30,7 +30,7 @@ class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
     """No plan that meets the demand was found; the message gives the reason and the proved bound.
 
     ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None. ``run``: a swarm's run that
-    ended before it came to rest (a ``rota.swarm_state.SwarmState``), or None. ``told``: what the planner knows beside
+    ended before it came to rest (a ``rota.checkpoint.SwarmState``), or None. ``told``: what the planner knows beside
     the best plan, as sentences.
     """
 

@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError, NoPlanFound
-from rota.search_state import SearchState, Watch
+from rota.progress import SearchState, Watch
 
 if TYPE_CHECKING:
     from rota.check.report import Report
+    from rota.checkpoint import SwarmState
     from rota.mission import Mission
     from rota.plan import Plan
     from rota.planners.swarm.metrics import History
-    from rota.swarm_state import SwarmState
 
 Progress = Callable[[float, str], None]
 ShouldStop = Callable[[], bool]

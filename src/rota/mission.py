@@ -191,7 +191,9 @@ class Mission:
             require(counted[zone.name] == 1, "zones", zone.name, "names must be unique")
             outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
             require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
-        faults = start_faults(self.area, self.obstacles, self.fleet)
+        faults = start_faults(
+            self.area, [obstacle.shape for obstacle in self.obstacles if obstacle.blocks_motion], self.fleet
+        )
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         space = isinstance(self.planning, SwarmSettings) and self.planning.altitudes_m is not None

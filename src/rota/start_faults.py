@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -13,20 +12,17 @@ from shapely import MultiPolygon, Point, box, union_all
 from rota.fleet import COORDINATES, Fleet, Place, StartBox, StartPoints
 from rota.limits import LARGEST_M
 
-if TYPE_CHECKING:
-    from rota.mission import Obstacle
-
 TOUCH_M = 1e-6  # by which a body may overlap what it touches
 MOST_START_FAULTS = 100  # told at once; whoever mends them hears of the rest
 _STARTS_AT_ONCE = 256
 
 
-def start_faults(area: MultiPolygon, obstacles: tuple[Obstacle, ...], fleet: Fleet) -> list[tuple[str, str]]:
+def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fleet) -> list[tuple[str, str]]:
     """What is wrong with the fleet's starts: the field at fault and a message, in the order of the fields.
 
-    A body must stand in the area and out of what blocks motion, and bodies apart; a box must have room for a centre.
+    A body must stand in the area and out of the shapes that block motion, and bodies apart; a box must have room for a
+    centre.
     """
-    blocking = [obstacle.shape for obstacle in obstacles if obstacle.blocks_motion]
     placed: list[tuple[str, Place, float]] = []
     faults: list[tuple[str, str]] = []
     if isinstance(fleet.start, StartPoints):
@@ -55,7 +51,7 @@ def start_faults(area: MultiPolygon, obstacles: tuple[Obstacle, ...], fleet: Fle
 
 
 def _doubtful(
-    placed: list[tuple[str, Place, float]], area: MultiPolygon, blocking: list[MultiPolygon]
+    placed: list[tuple[str, Place, float]], area: MultiPolygon, blocking: Sequence[MultiPolygon]
 ) -> Iterator[tuple[int, list[int]]]:
     """The starts that may be at fault, in their order, each with those before it that its body may touch.
 
@@ -87,7 +83,7 @@ def _doubtful(
 
 
 def _standing_fault(
-    place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: list[MultiPolygon]
+    place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: Sequence[MultiPolygon]
 ) -> str | None:
     """Why a body cannot stand with its centre there; None when it can."""
     if not all(abs(value) <= LARGEST_M for value in place_m):

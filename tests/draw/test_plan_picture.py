@@ -25,7 +25,7 @@ from rota.draw.routes import routes_of
 from rota.errors import RotaError
 from rota.mission import Mission, Zone
 from rota.plan import Plan, Trajectory
-from rota.plan_table import robot_rows, rounded
+from rota.plan_summary import robot_rows, rounded
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".pdf": b"%PDF-", ".svg": b"<?xml"}
 

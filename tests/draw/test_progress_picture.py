@@ -9,8 +9,7 @@ import pytest
 
 from rota.draw.progress_picture import draw_progress, progress_figure
 from rota.errors import RotaError
-from rota.search_progress import ProgressPoint, progress_curve
-from rota.search_state import SearchState
+from rota.progress import ProgressPoint, SearchState, progress_curve
 
 
 def points() -> tuple[ProgressPoint, ...]:

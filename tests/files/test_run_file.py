@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
+from rota.checkpoint import SwarmState
 from rota.errors import RunError
 from rota.files.run_file import read_run, write_run
 from rota.mission import DiscSensor, Fleet, Mission, SwarmSettings
-from rota.swarm_state import SwarmState
 
 SEED = 2**70
 

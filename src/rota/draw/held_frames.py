@@ -13,7 +13,7 @@ from rota.draw.gif_file import Frame
 from rota.draw.held_maps import COVERED_ALPHA, covered_colour, filled
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND
 from rota.draw.routes import places_at
-from rota.plan_table import range_from
+from rota.plan_summary import range_from
 
 Floats = NDArray[np.float64]
 

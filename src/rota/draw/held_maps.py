@@ -22,7 +22,7 @@ from rota.draw.route_lines import robot_colours
 from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
 from rota.plan import Plan
-from rota.plan_table import range_at_the_end, range_from
+from rota.plan_summary import range_at_the_end, range_from
 
 Floats = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from rota.draw.mission_picture import plain, points_per_metre
 from rota.draw.palette import ink_on, route_style
 from rota.draw.routes import Route, arrowheads, routes_of
 from rota.plan import Plan
-from rota.plan_table import rounded
+from rota.plan_summary import rounded
 
 Floats = NDArray[np.float64]
 

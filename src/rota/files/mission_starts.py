@@ -38,7 +38,7 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
             placed, where = _placed_robots(fleet, block, to_metres)
     except _Misplaced as error:
         return fleet, error.faults
-    found = start_faults(ground.area, ground.obstacles, placed)
+    found = start_faults(ground.area, [one.shape for one in ground.obstacles if one.blocks_motion], placed)
     if found:
         return fleet, [Fault(where[field], message) for field, message in found]
     return placed, []

@@ -18,13 +18,13 @@ from rota.files.text_map import text_map
 from rota.make_plan import make_plan, search_plan
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan
-from rota.plan_table import rattling_sentence, swept_sentence
+from rota.plan_summary import rattling_sentence, swept_sentence
 from rota.planners.bounce import chosen_group, sentences
-from rota.planners.bounce.asked import bouncing_robots, covered_by, monitoring_plan, watch_of
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
 from rota.planners.bounce.enumeration import printed
 from rota.planners.bounce.limit_cycles import zone_cells
+from rota.planners.bounce.planner import bouncing_robots, covered_by, monitoring_plan, watch_of
 from rota.planners.bounce.trajectories import loops_in_step, pace_of, step_duration_s
 
 ROOM = """

@@ -18,7 +18,7 @@ from rota.make_plan import search_plan
 from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.plan import Plan
 from rota.plan_physics import cycles_sentence, errors_sentence
-from rota.plan_table import sentences_of
+from rota.plan_summary import sentences_of
 from rota.planners.bounce.free_tracks import tracks_of
 from rota.planners.bounce.polygon import BounceRule, bounce_path, make_rim
 

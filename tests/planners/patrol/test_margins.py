@@ -11,7 +11,8 @@ from rota.check import Report, check_plan
 from rota.make_plan import search_plan
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, SquareSensor, StartBox, Zone
 from rota.plan import Plan
-from rota.plan_table import approach_sentence
+from rota.plan_summary import approach_sentence
+from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import shorter_sensor, with_reserve
 from rota.planners.patrol.planner import plan_patrol
@@ -42,7 +43,7 @@ def test_the_tightened_mission_is_met_and_the_bound_is_that_of_the_mission_as_as
     )
     assert check_plan(replace(plan, mission=tight)).verdict == "met"
     assert check_plan(plan).verdict == "met"
-    assert plan.lower_bound_robots == set_up_problem(court()).lower_bound
+    assert plan.lower_bound_robots == prove_bound(set_up_problem(court())).robots
     assert with_reserve(mission).zones[0].period_s == pytest.approx(16)
     assert with_reserve(court()) == court()
 

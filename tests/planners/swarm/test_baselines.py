@@ -10,8 +10,8 @@ import shapely
 from scipy.spatial.distance import pdist
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
-from rota.planners.swarm.asked import ALL_NEIGHBOURS
 from rota.planners.swarm.baseline_kernels import OVER_RELAXATION, decide_virtual_force, decide_voronoi
+from rota.planners.swarm.planner import ALL_NEIGHBOURS
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
 

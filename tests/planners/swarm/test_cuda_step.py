@@ -16,8 +16,8 @@ import pytest
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
 from rota.errors import MissionError
-from rota.planners.swarm.asked import DECIDE
 from rota.planners.swarm.kernels import Hearing
+from rota.planners.swarm.planner import DECIDE
 from rota.planners.swarm.rollout import Swarm
 
 PROJECT = Path(__file__).parents[3]

@@ -11,8 +11,8 @@ from shapely import MultiPolygon, box
 
 from rota.check import check_plan
 from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot, SwarmSettings
-from rota.planners.swarm.asked import DECIDE, run_mission
 from rota.planners.swarm.dodge_kernels import out_of_way
+from rota.planners.swarm.planner import DECIDE, run_mission
 
 AHEAD_S, STEP_S = 5.0, 0.25
 

@@ -16,9 +16,9 @@ from rota.errors import MissionError, NoPlanFound
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.make_plan import search_plan
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Robot, StartBox, SwarmSettings
-from rota.planners.swarm.asked import ALL_NEIGHBOURS, DECIDE, run_mission
 from rota.planners.swarm.kernels import Hearing
 from rota.planners.swarm.metrics import Observer
+from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE, run_mission
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
 

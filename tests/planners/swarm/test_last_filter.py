@@ -9,9 +9,9 @@ from scipy.spatial.distance import pdist, squareform
 from shapely import Point, Polygon
 from tests.planners.swarm.conftest import PAPER, in_box
 
-from rota.planners.swarm.asked import DECIDE
 from rota.planners.swarm.filter_kernels import nearest_allowed
 from rota.planners.swarm.kernels import Hearing
+from rota.planners.swarm.planner import DECIDE
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline, cut, square_round
 

@@ -9,9 +9,9 @@ from hypothesis import given, settings, strategies as st
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 from tests.planners.swarm.test_last_filter import apart, packed, wishing
 
-from rota.planners.swarm.asked import DECIDE
 from rota.planners.swarm.hearing_kernels import GAIN, MOST_LOST_IN_ROW, age_of, gone_m
 from rota.planners.swarm.kernels import Hearing
+from rota.planners.swarm.planner import DECIDE
 
 
 @pytest.mark.parametrize("hearing", [None, LATE_AND_LOSSY], ids=["exact", "late and lossy"])

@@ -15,8 +15,8 @@ from tests.planners.swarm.test_last_filter import wishing
 
 from rota.files.mission_file import read_mission
 from rota.mission import SwarmSettings
-from rota.planners.swarm.asked import free_ground, run_mission
 from rota.planners.swarm.metrics import Observer, covered_share
+from rota.planners.swarm.planner import free_ground, run_mission
 
 SQUARE = MultiPolygon([box(0, 0, 250, 250)])
 

@@ -14,7 +14,7 @@ from rota.files.plan_file import plan_text
 from rota.files.run_file import read_run, write_run
 from rota.make_plan import search_plan
 from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, PatrolSettings, StartBox, SwarmSettings
-from rota.planners.swarm.asked import run_mission
+from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.trajectory_log import LONGEST_BLOCK
 
 

@@ -14,12 +14,12 @@ from shapely import MultiPolygon, box
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
-from rota.planners.swarm.asked import ALL_NEIGHBOURS, free_ground, make_swarm, run_mission
+from rota.papers.chen2018.maps import square
 from rota.planners.swarm.metrics import covered_share
+from rota.planners.swarm.planner import ALL_NEIGHBOURS, free_ground, make_swarm, run_mission
 from rota.planners.swarm.rollout import deciding_room
 from rota.planners.swarm.settle_kernels import SHARE, decide_settle, pushes
 from rota.planners.swarm.world import walls_of
-from rota.studies.chen2018.maps import square
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
 SQUARE = MultiPolygon([box(0, 0, 250, 250)])

@@ -14,7 +14,7 @@ from rota.check import check_plan
 from rota.errors import MissionError
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
 from rota.planners.swarm import starts
-from rota.planners.swarm.asked import free_ground, run_mission
+from rota.planners.swarm.planner import free_ground, run_mission
 from rota.planners.swarm.starts import place_starts
 
 

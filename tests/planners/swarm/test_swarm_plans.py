@@ -28,9 +28,9 @@ from rota.mission import (
     Zone,
 )
 from rota.plan import RunEnd
-from rota.plan_table import covered_sentence, holding_sentence
-from rota.planners.swarm.asked import free_ground, make_swarm, run_mission
+from rota.plan_summary import covered_sentence, holding_sentence
 from rota.planners.swarm.metrics import covered_share
+from rota.planners.swarm.planner import free_ground, make_swarm, run_mission
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rota.errors import MissionError
-from rota.planners.swarm.velocity_set import VelocitySet
+from rota.papers.chen2018.velocity_set import VelocitySet
 
 QUARTER = np.array([(-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)])
 

@@ -25,7 +25,7 @@ def plan_bounce(
     tell: called with sentences about what the planner knows beside the plan. Raises NoPlanFound, with the best there
     is, when cells stay uncovered or no team watches all zones.
     """
-    from rota.planners.bounce.asked import plan_coverage, plan_monitoring  # loads the compiled loops
+    from rota.planners.bounce.planner import plan_coverage, plan_monitoring  # loads the compiled loops
 
     if mission.bounce.cells == "none":
         from rota.planners.bounce.free_monitoring import plan_free_monitoring

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from rota.mission import Mission
     from rota.plan import Plan
     from rota.planners.patrol.verdict import Judge
-    from rota.search_state import Watch
+    from rota.progress import Watch
 
 
 def plan_patrol(

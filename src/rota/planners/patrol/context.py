@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rota.mission import Effort
-from rota.planners.patrol.ground.problem import Problem
+from rota.mission import Effort, Mission
+from rota.planners.patrol.bounds.best_bound import ProvedBound, prove_bound
+from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.verdict import Judge
-from rota.search_state import Watch
+from rota.progress import Watch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,11 +164,14 @@ WORK: dict[Effort, Work] = {
 class Context:
     """One search: the problem, the seed and the caller's wishes.
 
-    dear: how many times more than on open ground it is worth, while annealing, to see anything. watch: told of the
-    states that the search comes to, from several threads; it changes nothing of what is found.
+    bound: what is proved of the mission as it is asked. enough_robots: fewer need not be looked for; the bound, or a
+    fixed fleet's number. dear: how many times more than on open ground it is worth, while annealing, to see anything.
+    watch: told of the states that the search comes to, from several threads; it changes nothing of what is found.
     """
 
     problem: Problem
+    bound: ProvedBound
+    enough_robots: int
     seed: int
     judge: Judge
     progress: Callable[[float, str], None]
@@ -179,3 +183,41 @@ class Context:
     def work(self) -> Work:
         """The bounds that the mission's effort sets."""
         return WORK[self.problem.mission.patrol.effort]
+
+
+def begin_search(
+    problem: Problem,
+    *,
+    asked: Mission,
+    seed: int,
+    judge: Judge,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool],
+    watch: Watch | None = None,
+) -> Context:
+    """A search that knows its bound: that of the mission as it is asked, with starts and without a reserve.
+
+    It ends at the bound of what is searched, with the reserve, or at a fixed fleet's number.
+    """
+    bound = prove_bound(problem)
+    return Context(
+        problem=problem, bound=bound if asks_alike(asked, problem.mission) else prove_bound(set_up_problem(asked)),
+        enough_robots=robots_enough(problem, asked, bound), seed=seed, judge=judge, progress=progress,
+        should_stop=should_stop, watch=watch,
+    )  # fmt: skip
+
+
+def asks_alike(one: Mission, other: Mission) -> bool:
+    """Whether two missions of one ground, that may differ in their starts, have the same periods and sensors."""
+    sensors = [[robot.sensor for robot in (m.fleet.equal_robot("r"), *(m.fleet.robots or ()))] for m in (one, other)]
+    periods = [[m.period_s, *(zone.period_s for zone in m.zones)] for m in (one, other)]
+    return sensors[0] == sensors[1] and periods[0] == periods[1]
+
+
+def robots_enough(problem: Problem, asked: Mission, bound: ProvedBound) -> int:
+    """Robots of which fewer need not be looked for: the bound of what is searched, or a fixed fleet's number.
+
+    Robots that start in different parts of the ground cannot help each other: each part makes do with as few as it can.
+    """
+    apart = asked.has_starts and len(problem.paths.parts) > 1
+    return bound.robots if apart else max(bound.robots, len(problem.mission.fleet.robots or ()))

@@ -8,14 +8,14 @@ from dataclasses import replace
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.problem import bounded_as_asked, set_up_problem
+from rota.planners.patrol.context import begin_search
+from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fixed_team.least_ratio import plan_with_least_ratio
 from rota.planners.patrol.methods.registry import fewest_by_method, swept_instead, unmet_reason
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.verdict import Judge, worst_reached
-from rota.search_state import Watch
+from rota.progress import Watch
 
 
 def plan_patrol(
@@ -76,15 +76,17 @@ def plan_tours(
     from several threads. Raises NoPlanFound, with the best plan found, when the demand is not met.
     """
     progress(0.0, "looking at the mission")
-    problem = bounded_as_asked(set_up_problem(mission), asked)
-    context = Context(problem=problem, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)
+    context = begin_search(
+        set_up_problem(mission), asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop,
+        watch=watch,
+    )  # fmt: skip
     if mission.fleet.robots is not None:
         return plan_with_least_ratio(context, asked)
     best = fewest_by_method(context)
     if not best.met and should_stop() and mission.patrol.method == "tours":
         best = swept_instead(context, best)
     if not best.met:
-        raise NoPlanFound(unmet_reason(problem, best), best=best.plan)
+        raise NoPlanFound(unmet_reason(context.bound, best), best=best.plan)
     return best.plan
 
 

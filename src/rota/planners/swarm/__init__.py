@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rota.checkpoint import SwarmState
     from rota.mission import Mission
     from rota.plan import Plan
     from rota.planners.swarm.metrics import History
-    from rota.swarm_state import SwarmState
 
 
 def plan_swarm(
@@ -32,7 +32,7 @@ def plan_swarm(
     ``observe``, where it is given, with what every step came to. All cores are used, and the plan is the same on any
     number of them.
     """
-    from rota.planners.swarm.asked import run_mission  # loads the compiled loops only when they are needed
+    from rota.planners.swarm.planner import run_mission  # loads the compiled loops only when they are needed
 
     run = run_mission(
         mission,

@@ -12,7 +12,8 @@ from shapely import MultiPolygon, box, union_all
 
 from rota.files.mission_file import read_mission
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.bounds.best_bound import prove_bound
+from rota.planners.patrol.ground.problem import set_up_problem
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
 
@@ -22,12 +23,12 @@ def fleet(radius_m: float, speed_m_s: float, body_radius_m: float = 0.0) -> Flee
 
 
 def bound(mission: Mission) -> int:
-    return set_up_problem(mission).lower_bound
+    return prove_bound(set_up_problem(mission)).robots
 
 
 def proof(mission: Mission) -> tuple[int, str]:
-    problem: Problem = set_up_problem(mission)
-    return problem.lower_bound, problem.lower_bound_reason
+    bound = prove_bound(set_up_problem(mission))
+    return bound.robots, bound.reason
 
 
 @pytest.mark.parametrize("rooms", [2, 3, 5])

@@ -11,6 +11,7 @@ from shapely import MultiPolygon, box
 import rota
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings
 from rota.planners.patrol.annealing.search import over_prices
+from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.standing import robots_stand, standing_tours
 
@@ -26,7 +27,7 @@ def test_standing_robots_cover_a_square_with_few_more_than_the_best_known_discs(
     problem = set_up_problem(SQUARE)
     tours = standing_tours(problem, problem.points.region == 0, 0)
     assert 9 <= len(tours) <= 11
-    assert problem.lower_bound >= math.ceil(100 / (math.pi * 2.3**2) * 0.9)
+    assert prove_bound(problem).robots >= math.ceil(100 / (math.pi * 2.3**2) * 0.9)
 
 
 def test_who_hardly_moves_stands() -> None:

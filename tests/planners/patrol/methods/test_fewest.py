@@ -14,14 +14,14 @@ from shapely import MultiPolygon, box
 
 from rota.check import check_plan
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Obstacle, PatrolSettings
-from rota.planners.patrol.annealing import schedule as cooling
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.bounds.best_bound import ProvedBound
+from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.allocation import Split
-from rota.planners.patrol.methods import fewest as tours
+from rota.planners.patrol.methods import anneal_and_repair as cooling, fewest as tours
 from rota.planners.patrol.repair.repair import Settled
 from rota.planners.patrol.tours.tour import Tour
 
@@ -32,20 +32,19 @@ YARD = Mission(
 
 
 def context(mission: Mission) -> Context:
-    return Context(
-        problem=set_up_problem(mission), seed=0, judge=check_plan, progress=lambda _share, _what: None,
+    return begin_search(
+        set_up_problem(mission), asked=mission, seed=0, judge=check_plan, progress=lambda _share, _what: None,
         should_stop=lambda: False,
     )  # fmt: skip
 
 
 def test_less_effort_keeps_the_bound_and_lays_a_coarser_lattice() -> None:
     normal = context(YARD)
-    normal = replace(normal, problem=replace(normal.problem, lower_bound=7, lower_bound_reason="so", enough_robots=9))
+    normal = replace(normal, bound=ProvedBound(robots=7, reason="so"), enough_robots=9)
     quick = tours.with_less_effort(normal, "quick")
     assert quick.problem.spacing_m == pytest.approx(1.5 * normal.problem.spacing_m)
     assert quick.work.moves < normal.work.moves
-    proved = (quick.problem.lower_bound, quick.problem.lower_bound_reason, quick.problem.enough_robots)
-    assert proved == (7, "so", 9)
+    assert (quick.bound, quick.enough_robots) == (normal.bound, 9)
 
 
 def test_fewer_robots_on_ragged_ground_are_looked_for_with_more_effort_only(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,7 +83,7 @@ def test_the_best_of_less_effort_is_kept_when_more_finds_no_better(monkeypatch: 
     quick = tours.fewest_robots(context(YARD.with_effort("quick")))
     monkeypatch.setattr(tours, "with_so_many", lambda *_args, **_kinds: None)
     here = context(YARD)
-    here = replace(here, problem=replace(here.problem, enough_robots=1))
+    here = replace(here, enough_robots=1)
     assert tours.with_fewer(here, quick) is quick
 
 

@@ -13,7 +13,7 @@ from rota.check import check_plan
 from rota.check.report import Report
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Obstacle, PatrolSettings
 from rota.plan import Plan
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.repair import repair
@@ -57,8 +57,13 @@ def test_no_way_is_no_detour(problem: Problem) -> None:
 
 
 def context(problem: Problem) -> Context:
-    return Context(
-        problem=problem, seed=0, judge=check_plan, progress=lambda _share, _what: None, should_stop=lambda: False
+    return begin_search(
+        problem,
+        asked=problem.mission,
+        seed=0,
+        judge=check_plan,
+        progress=lambda _share, _what: None,
+        should_stop=lambda: False,
     )
 
 

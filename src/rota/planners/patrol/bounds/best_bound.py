@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import DemandedRegion
-from rota.mission import Mission, Robot
+from rota.mission import Robot
 from rota.planners.patrol.bounds.apart_bound import (
     best_chain,
     heaviest_clique,
@@ -22,6 +22,8 @@ from rota.planners.patrol.bounds.area_bound import area_rate, strongest_robot
 from rota.planners.patrol.bounds.far_groups import Pieces, ground_pieces, groups_of_their_own, swept_and_travelled
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.witness_points import Witnesses, witnesses_of
+from rota.planners.patrol.ground.limits_of_sight import surely_seeable_m2
+from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.verdict import counted
 
@@ -39,25 +41,20 @@ class ProvedBound:
     reason: str
 
 
-def prove_bound(
-    mission: Mission,
-    regions: Sequence[DemandedRegion],
-    seeable_m2: Sequence[float],
-    points: SamplePoints,
-    sees_start: Ints,
-    sees_item: Ints,
-) -> ProvedBound:
-    """The highest of all lower bounds; of equal ones the simplest proof.
+def prove_bound(problem: Problem) -> ProvedBound:
+    """The highest of all lower bounds for the problem's mission; of equal ones the simplest proof.
 
-    seeable_m2: area of each region that can be seen, at least (0 for zones to visit). points: samples, each surely seen
-    by one of the candidate places; sees_start, sees_item: which place sees which (``what_places_see``). Nothing that
-    can be seen gives 0. Every bound is for a robot as good as the best of the fleet in all respects.
+    Nothing that can be seen gives 0. Every bound is for a robot as good as the best of the fleet in all respects.
     """
+    mission, regions, points = problem.mission, problem.regions, problem.points
     if not len(points):
         return ProvedBound(robots=0, reason="nothing that is asked can be seen")
     robot = strongest_robot(mission.fleet)
-    periods_s = sorted({region.period_s for region in regions})
-    seen = witnesses_of(mission, regions, periods_s, points, sees_start, sees_item, robot.sensor.reach_m)
+    periods_s = list(problem.periods_s)
+    seen = witnesses_of(
+        mission, regions, periods_s, points, problem.sees_start, problem.sees_item, robot.sensor.reach_m
+    )
+    seeable_m2 = surely_seeable_m2(regions, problem.space, problem.walls, problem.robot)
     pieces = ground_pieces(regions, seeable_m2)
     best = max_of(
         [

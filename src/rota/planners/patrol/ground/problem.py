@@ -15,12 +15,10 @@ from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
-from rota.planners.patrol.bounds.best_bound import ProvedBound, prove_bound
 from rota.planners.patrol.ground.limits_of_sight import (
     fine_arc_corners,
     has_rim,
     rim_points,
-    surely_seeable_m2,
     with_reach_for,
 )
 from rota.planners.patrol.ground.nearest_places import nearest_places
@@ -74,10 +72,7 @@ class Problem:
     places_part: Ints
     sees_start: Ints
     sees_item: Ints
-    lower_bound: int
-    lower_bound_reason: str
     ideal_robots: float
-    enough_robots: int  # fewer need not be looked for: the bound, or a fleet's fixed number
     range_margin_m: float
     spacing_m: float
     rim_places_m: Floats  # (m, 2) on the border of the space: the rim of all that can be seen is seen from there only
@@ -123,11 +118,8 @@ def range_margin(reach_m: float) -> float:
     return min(0.05 * reach_m, max(0.004 * reach_m, 0.012))
 
 
-def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Problem:
-    """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere.
-
-    bound: what was proved for this mission before; None: it is proved here.
-    """
+def set_up_problem(mission: Mission) -> Problem:
+    """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere."""
     robot = common_robot(mission.fleet)
     reach_m = robot.sensor.radius_m if isinstance(robot.sensor, DiscSensor) else robot.sensor.side_m / 2
     regions = demanded_regions(mission)
@@ -154,9 +146,6 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
     places_m = np.vstack([places_m, further_m])
     start, items = what_places_see(places_m, robot, margin_m, samples)
     paths = ShortestPaths(space)
-    if bound is None:
-        areas = surely_seeable_m2(regions, space, walls, robot)
-        bound = prove_bound(mission, regions, areas, points, start, items)
     return Problem(
         mission=mission,
         robot=robot,
@@ -173,9 +162,6 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
         places_part=paths.part_of(places_m),
         sees_start=start,
         sees_item=items,
-        lower_bound=bound.robots,
-        lower_bound_reason=bound.reason,
-        enough_robots=max(bound.robots, len(mission.fleet.robots or ())),
         ideal_robots=sum(
             r.shape.area / (2 * reach_m * robot.speed_m_s * r.period_s) for r in regions if r.demand == "every_point"
         ),
@@ -183,27 +169,6 @@ def set_up_problem(mission: Mission, *, bound: ProvedBound | None = None) -> Pro
         spacing_m=spacing_m,
         rim_places_m=rim_places_m,
     )
-
-
-def asks_alike(one: Mission, other: Mission) -> bool:
-    """Whether two missions of one ground, that may differ in their starts, have the same periods and sensors."""
-    sensors = [[robot.sensor for robot in (m.fleet.equal_robot("r"), *(m.fleet.robots or ()))] for m in (one, other)]
-    periods = [[m.period_s, *(zone.period_s for zone in m.zones)] for m in (one, other)]
-    return sensors[0] == sensors[1] and periods[0] == periods[1]
-
-
-def bounded_as_asked(problem: Problem, asked: Mission) -> Problem:
-    """The problem of a mission with a reserve and without starts, with the bound of the mission as it is asked.
-
-    The search ends at the bound with the reserve, or at a fixed fleet's number; but robots that start in different
-    parts of the ground cannot help each other, so that each part makes do with as few as it can.
-    """
-    if asked.has_starts and len(problem.paths.parts) > 1:
-        problem = replace(problem, enough_robots=problem.lower_bound)
-    if asks_alike(asked, problem.mission):
-        return problem
-    wide = set_up_problem(asked)
-    return replace(problem, lower_bound=wide.lower_bound, lower_bound_reason=wide.lower_bound_reason)
 
 
 def space_and_rim(
@@ -317,7 +282,7 @@ def places_for_all(
 
 
 def stretched(problem: Problem, stretch: float) -> Problem:
-    """The same problem with all periods multiplied by ``stretch`` (its lower bound is still that of the periods)."""
+    """The same problem with all periods multiplied by ``stretch``."""
     mission = problem.mission
     zones = tuple(
         zone if zone.period_s is None else replace(zone, period_s=stretch * zone.period_s) for zone in mission.zones

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from rota.mission import Effort
 from rota.planners.patrol.annealing.schedule import annealed_all, shaped
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.bounds.best_bound import ProvedBound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import set_up_problem
@@ -48,7 +47,7 @@ def fewest_robots(context: Context) -> Settled:
     for turn, effort in enumerate(efforts):
         here = context if effort == asked.patrol.effort else with_less_effort(context, effort)
         best = with_fewer(replace(here, progress=part_of(context.progress, turn, len(efforts))), best)
-        if context.should_stop() or (best.met and robots_of(best) <= context.problem.enough_robots):
+        if context.should_stop() or (best.met and robots_of(best) <= context.enough_robots):
             break
     assert best is not None
     return best if best.plan.mission is asked else replace(best, plan=replace(best.plan, mission=asked))
@@ -56,10 +55,7 @@ def fewest_robots(context: Context) -> Settled:
 
 def with_less_effort(context: Context, effort: Effort) -> Context:
     """The same search with less effort: a coarser lattice, less work, the same bound."""
-    problem = context.problem
-    bound = ProvedBound(robots=problem.lower_bound, reason=problem.lower_bound_reason)
-    coarse = set_up_problem(problem.mission.with_effort(effort), bound=bound)
-    return replace(context, problem=replace(coarse, enough_robots=problem.enough_robots))
+    return replace(context, problem=set_up_problem(context.problem.mission.with_effort(effort)))
 
 
 def part_of(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
@@ -85,13 +81,13 @@ def with_fewer(context: Context, best: Settled | None) -> Settled:
         if mended.met:
             return mended
     context = replace(context, dear=worth_of_seeing(ways))
-    comfortable = max(problem.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
+    comfortable = max(context.enough_robots, min(fewest_with_room(ways, COMFORT), surely_enough(ways)))
     if best is None or not best.met or robots_of(best) > comfortable + 1:
         best = comfortably(context, ways, comfortable, best)
         if robots_of(best) > comfortable:
             return best  # fewer were tried on the way up
     robots = first = robots_of(best)
-    least = problem.enough_robots
+    least = context.enough_robots
     while best.met and robots > least and not context.should_stop():
         robots -= 1
         share = (first - robots) / (first - least)

@@ -6,8 +6,8 @@ import time
 from dataclasses import replace
 
 from rota.errors import NoPlanFound
+from rota.planners.patrol.bounds.best_bound import ProvedBound
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.fewest import fewest_robots
 from rota.planners.patrol.methods.large.search import fewest_on_large, is_large
 from rota.planners.patrol.methods.sweeping.methods import METHODS
@@ -47,10 +47,10 @@ def swept_instead(context: Context, best: Settled) -> Settled:
     return replace(swept, plan=replace(swept.plan, mission=context.problem.mission)) if swept.met else best
 
 
-def unmet_reason(problem: Problem, best: Settled) -> str:
+def unmet_reason(bound: ProvedBound, best: Settled) -> str:
     """Why the best plan is none: the demand it misses most, by how much, and the proved bound."""
     reached = worst_reached(best.verdict)
     return (
         f"the best plan found, with {counted(len(best.plan.trajectories))}, does not meet the demand: {reached};"
-        f" proved: at least {counted(problem.lower_bound)}: {problem.lower_bound_reason}"
+        f" proved: at least {counted(bound.robots)}: {bound.reason}"
     )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing, over_prices
+from rota.planners.patrol.bounds.best_bound import ProvedBound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
@@ -65,18 +66,17 @@ class Settled:
         return self.verdict.verdict == "met"
 
 
-def plan_of(problem: Problem, tours: Sequence[Tour], seed: int, names: Sequence[str] | None = None) -> Plan:
-    """The plan that drives these tours; robots are named robot-1, robot-2, ... unless the fleet names them."""
+def plan_of(problem: Problem, tours: Sequence[Tour], *, seed: int, bound: ProvedBound | None = None) -> Plan:
+    """The plan that drives these tours, with the bound; the fleet's names for robots, or robot-1, robot-2, ..."""
     rounds = timed_rounds(driven(tours), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
-    if names is None:
-        names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
+    names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
     return Plan(
         mission=problem.mission,
         trajectories=as_trajectories(rounds, names[: len(rounds)]),
         seed=seed,
-        lower_bound_robots=problem.lower_bound,
-        lower_bound_reason=problem.lower_bound_reason,
+        lower_bound_robots=None if bound is None else bound.robots,
+        lower_bound_reason=None if bound is None else bound.reason,
     )
 
 
@@ -112,11 +112,11 @@ def settle(
             tours = [with_robots(tour) for tour in tours]
         elif not polishes and over_budget_share(tours) > 0:
             tours = tightened(context, tours, samples, seed=context.seed + turn)
-        plan = plan_of(problem, tours, context.seed)
+        plan = plan_of(problem, tours, seed=context.seed, bound=context.bound)
         over = over_budget_share(tours)
         mends = polishes and over <= context.work.mends_over
         # who is late by a little sees everything late: what is missed shows when there is so much more time
-        shown = plan_of(stretched(problem, 1 + 2 * over), tours, context.seed) if mends and over > 0 else plan
+        shown = plan_of(stretched(problem, 1 + 2 * over), tours, seed=context.seed) if mends and over > 0 else plan
         verdict = context.judge(shown)
         turn += 1
         shorter = shorter_m(context, tours, turn, bends=polishes)

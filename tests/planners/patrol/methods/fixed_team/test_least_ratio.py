@@ -15,10 +15,10 @@ from typer.testing import CliRunner
 
 import rota
 from rota.check import check_plan
-from rota.cli import app
+from rota.command.cli import app
 from rota.files.plan_file import read_plan
 from rota.mission import DiscSensor, Fleet, Method, Mission, PatrolSettings, Zone
-from rota.plan_table import ratio_sentence
+from rota.plan_summary import ratio_sentence
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.fixed_team.least_ratio import proved_ratio, stretched
 from rota.planners.patrol.methods.fixed_team.spare_robots import stood_aside

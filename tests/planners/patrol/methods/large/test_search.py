@@ -11,8 +11,8 @@ from shapely import MultiPolygon, box
 
 import rota
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Zone
-from rota.planners.patrol.methods import fewest as tours
-from rota.planners.patrol.methods.sun2019.graph_kernels import search
+from rota.planners.patrol.methods import registry
+from rota.planners.patrol.methods.large import search
 
 FIELD = Mission(
     name="field",
@@ -58,11 +58,11 @@ def test_ground_is_large_by_its_area_in_squares_of_the_reach(monkeypatch: pytest
         asked.append(context)
         raise rota.NoPlanFound("seen")
 
-    monkeypatch.setattr(tours, "fewest_on_large", refuse)
+    monkeypatch.setattr(registry, "fewest_on_large", refuse)
     large = replace(FIELD, obstacles=(), area=MultiPolygon([box(0, 0, 400.1, 250)]))  # 4,000 squares of 5 m: 100,000 m2
     with pytest.raises(rota.NoPlanFound, match="seen"):
         rota.make_plan(large)
-    monkeypatch.setattr(tours, "fewest_robots", refuse_small)
+    monkeypatch.setattr(registry, "fewest_robots", refuse_small)
     with pytest.raises(rota.NoPlanFound, match="small"):
         rota.make_plan(replace(large, area=MultiPolygon([box(0, 0, 399.9, 250)])))
     assert len(asked) == 1

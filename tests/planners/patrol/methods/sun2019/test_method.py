@@ -27,7 +27,8 @@ from rota.mission import (
     Sun2019,
     Zone,
 )
-from rota.planners.patrol.context import Context
+from rota.papers.sun2019 import figure_13
+from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings
@@ -35,7 +36,6 @@ from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measured, shared_out
-from rota.studies.sun2019 import figure_13
 
 QUICK = PatrolSettings(effort="quick", method="sun2019")
 YARD = Mission(
@@ -66,8 +66,8 @@ def with_stages(mission: Mission, **stages: str) -> Mission:
 
 
 def context_of(mission: Mission) -> Context:
-    return Context(
-        problem=set_up_problem(mission), seed=0, judge=check_plan, progress=lambda share, what: None,
+    return begin_search(
+        set_up_problem(mission), asked=mission, seed=0, judge=check_plan, progress=lambda share, what: None,
         should_stop=lambda: False,
     )  # fmt: skip
 

@@ -12,6 +12,7 @@ from shapely import box
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.papers.sun2019 import paper
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
@@ -22,7 +23,6 @@ from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m, 
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.methods.sun2019.stages import Framed, cut_in_segments, framed_sensors, measured
-from rota.studies.sun2019 import paper
 
 SMALL_SWARMS = replace(TABLE_4, swarms=20, particles=40)
 SETTINGS = MethodSettings(partition=SMALL_SWARMS)

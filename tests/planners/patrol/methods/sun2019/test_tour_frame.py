@@ -14,9 +14,9 @@ from shapely import LineString, MultiPolygon, box
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
+from rota.papers.sun2019 import figure_13
 from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
 from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame, told_in_one_way
-from rota.studies.sun2019 import figure_13
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

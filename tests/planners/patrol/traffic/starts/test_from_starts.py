@@ -25,7 +25,7 @@ from rota.mission import (
     Zone,
 )
 from rota.plan import Plan, Trajectory
-from rota.plan_table import robot_rows
+from rota.plan_summary import robot_rows
 from rota.planners.patrol.tours.timetable import started_at
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 

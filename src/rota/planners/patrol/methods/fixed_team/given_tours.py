@@ -33,7 +33,7 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
         starting = parts_started_in(problem, asked)
         for _ in range(len(fleet) - needed):
             tours = busiest_helped(tours, parts_short(tours, starting))
-        plan = plan_of(problem, tours, context.seed)
+        plan = plan_of(problem, tours, seed=context.seed, bound=context.bound)
         verdict = context.judge(plan)
         if verdict.verdict == "met":
             return plan
@@ -44,17 +44,19 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
         reason = f"the plan for {len(fleet)} robots does not pass the check: {worst_reached(verdict)}"
         raise NoPlanFound(reason, best=plan)
     parts = {tour.part for tour in found}
-    proved = f"proved: at least {counted(max(problem.lower_bound, 1))} ({problem.lower_bound_reason})"
+    proved = proved_words(context)
     reason = f"{counted(len(fleet))} cannot meet the demand: {proved}; found: {needed} can"
     if len(parts) > len(fleet):
-        some = plan_of(problem, [replace(tour, robots=1) for tour in found[: len(fleet)]], context.seed)
+        some = plan_of(
+            problem, [replace(tour, robots=1) for tour in found[: len(fleet)]], seed=context.seed, bound=context.bound
+        )
         raise NoPlanFound(
             f"{reason}; the ground falls into {len(parts)} parts between which no robot can travel, and each must be"
             f" watched by a robot of its own; with {counted(len(fleet))} {worst_reached(context.judge(some))}",
             best=some,
         )
     tours = with_so_many(problem, found, len(fleet))
-    plan = plan_of(problem, tours, context.seed)
+    plan = plan_of(problem, tours, seed=context.seed, bound=context.bound)
     verdict = context.judge(plan)
     if verdict.verdict == "met":
         return plan
@@ -112,3 +114,8 @@ def joined_tour(problem: Problem, a: Tour, b: Tour) -> Tour:
     way = problem.paths.paths_along(np.vstack([first, second, first[:1]]))[:-1]
     quick = a if a.serves <= b.serves else b
     return replace(quick, vertices_m=way, robots=1, pace=None)
+
+
+def proved_words(context: Context) -> str:
+    """The bound on the number of robots, and its proof."""
+    return f"proved: at least {counted(max(context.bound.robots, 1))} ({context.bound.reason})"

@@ -26,6 +26,7 @@ from rota.planners.patrol.methods.fewest import COMFORT, with_so_many, worth_of_
 from rota.planners.patrol.methods.fixed_team.given_tours import (
     parts_started_in,
     plan_for_fixed_fleet,
+    proved_words,
     with_so_many as joined_or_helped,
 )
 from rota.planners.patrol.methods.fixed_team.spare_robots import with_all_of, with_spare_robots
@@ -68,7 +69,7 @@ def plan_with_least_ratio(context: Context, asked: Mission) -> Plan:
     if len({tour.part for tour in ways[0].tours}) > robots or len(starting) > 1:
         return plan_for_fixed_fleet(context, fewest_by_method(anyone), asked)
     reserve = asked.patrol.period_margin > 0 or asked.patrol.range_margin_m > 0
-    proved = 0.0 if reserve else max(proved_ratio(problem, robots), 1.0 if problem.lower_bound > robots else 0.0)
+    proved = 0.0 if reserve else max(proved_ratio(problem, robots), 1.0 if context.bound.robots > robots else 0.0)
     best = least_ratio(anyone, robots, proved, starting)
     plan = None if best is None else as_asked(context, best)
     if plan is not None and context.judge(plan).verdict == "met":
@@ -81,12 +82,14 @@ def plan_with_least_ratio(context: Context, asked: Mission) -> Plan:
         if crowded is not None:
             return crowded
     if best is None or plan is None:
-        some = plan_of(problem, joined_or_helped(problem, ways[0].tours, robots), context.seed)
+        some = plan_of(
+            problem, joined_or_helped(problem, ways[0].tours, robots), seed=context.seed, bound=context.bound
+        )
         crowding = touching(context.judge(some)) if problem.robot.body_radius_m > 0 else None
         why = crowding or f"no plan for {counted(robots)} was found that surely sees everything"
-        reason = f"{why}; {proved_words(problem)}"
+        reason = f"{why}; {proved_words(context)}"
         raise NoPlanFound(reason, best=some)
-    raise NoPlanFound(too_few_reason(problem, robots, best, proved, reserve), best=plan)
+    raise NoPlanFound(too_few_reason(context, robots, best, proved, reserve), best=plan)
 
 
 def for_anyone(context: Context) -> Context:
@@ -103,34 +106,29 @@ def for_anyone(context: Context) -> Context:
     return replace(context, problem=replace(problem, mission=replace(problem.mission, fleet=fleet)))
 
 
-def too_few_reason(problem: Problem, robots: int, best: Reached, proved: float, reserve: bool) -> str:
+def too_few_reason(context: Context, robots: int, best: Reached, proved: float, reserve: bool) -> str:
     """Why so many robots have no plan: the demand they miss most, by how much, and what is proved."""
     few = (
         f"{counted(robots)} cannot meet the demand"
-        if problem.lower_bound > robots
+        if context.bound.robots > robots
         else f"no plan was found with which {counted(robots)} meet the demand"
     )
     crowded = touching(best.settled.verdict)
     if best.ratio <= 1 and crowded is not None:
-        return f"{few}: {crowded}; {proved_words(problem)}"
+        return f"{few}: {crowded}; {proved_words(context)}"
     worst = max(best.settled.verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s)
     what = "the area" if worst.name == AREA else repr(worst.name)
     least = f", and with {counted(robots)} no worst gap below {proved:.3f} times its period" if proved > 0 else ""
     return (
         f"{few}: at best, in {what}, the worst gap is {worst.worst_gap_s:.6g} s, {best.ratio:.3f} times its"
-        f" period{' less the reserve' if reserve else ''}; {proved_words(problem)}{least}"
+        f" period{' less the reserve' if reserve else ''}; {proved_words(context)}{least}"
     )
-
-
-def proved_words(problem: Problem) -> str:
-    """The bound on the number of robots, and its proof."""
-    return f"proved: at least {counted(max(problem.lower_bound, 1))} ({problem.lower_bound_reason})"
 
 
 def as_asked(context: Context, best: Reached) -> Plan:
     """The plan that was found for stretched periods, as an answer to the mission, with the fleet's own robots."""
     problem = context.problem
-    plan = plan_of(stretched(problem, best.stretch), best.settled.tours, context.seed)
+    plan = plan_of(stretched(problem, best.stretch), best.settled.tours, seed=context.seed, bound=context.bound)
     return replace(plan, mission=problem.mission)
 
 
@@ -145,7 +143,7 @@ def worst_ratio(verdict: Verdict) -> float:
 def proved_ratio(problem: Problem, robots: int) -> float:
     """A ratio below which no plan of so many robots has its worst gap: sweeping takes more robots for such periods.
 
-    0 when nothing is to be swept. Source: the bounds of ``lower_bound`` and ``rate_bound``, for stretched periods.
+    0 when nothing is to be swept. Source: the bounds of ``area_bound`` and ``rate_bound``, for stretched periods.
     """
     robot = strongest_robot(problem.mission.fleet)
     swept = [k for k, region in enumerate(problem.regions) if region.demand == "every_point"]

@@ -24,7 +24,7 @@ def with_spare_robots(context: Context, anyone: Context, robots: int, starting: 
     """A plan that passes in which fewer robots would do: the others help on the fullest tours, or stand aside."""
     problem = context.problem
     ways = starts(problem, context.work.groupings)
-    least = max(problem.lower_bound, 1)
+    least = max(context.bound.robots, 1)
     if least >= robots:
         return None
     some = np.linspace(robots - 1, least, min(robots - least, context.work.stretches))
@@ -45,7 +45,7 @@ def with_all_of(context: Context, found: Settled, robots: int, starting: Counter
     for tours in (helped(found.tours, robots, starting), stood_aside(context.problem, found.tours, robots)):
         if tours is None:
             continue
-        plan = plan_of(context.problem, tours, context.seed)
+        plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
         verdict = context.judge(plan)
         if verdict.verdict == "met":
             return replace(found, tours=tours, plan=plan, verdict=verdict)

@@ -12,6 +12,7 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
 from rota.mission import Effort, Mission
 from rota.planners.patrol.bounds.area_bound import area_rate_bound, strongest_robot
+from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -46,7 +47,7 @@ def fewest_on_large(context: Context, search: Search) -> Settled:
     is searched by itself as small ground is (``search``), at once, and the tours of all are mended together.
     """
     problem = context.problem
-    few = NEAR_BOUND[problem.mission.patrol.effort] * problem.enough_robots
+    few = NEAR_BOUND[problem.mission.patrol.effort] * context.enough_robots
     lanes = in_lanes(context)
     if lanes is not None and (context.should_stop() or (lanes.met and len(lanes.plan.trajectories) <= few)):
         return lanes
@@ -110,7 +111,11 @@ def tours_of(context: Context, search: Search, mission: Mission, seed: int) -> l
         problem = set_up_problem(mission)
     except NoPlanFound:
         return []
-    alone = replace(context, problem=problem, seed=seed, progress=lambda share, what: None, watch=None)
+    bound = prove_bound(problem)
+    alone = replace(
+        context, problem=problem, bound=bound, enough_robots=bound.robots, seed=seed,
+        progress=lambda share, what: None, watch=None,
+    )  # fmt: skip
     whole = context.problem
     found = []
     for tour in search(alone).tours:

@@ -53,7 +53,7 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
         if settings.route.routes == "printed":
             return as_printed(context, framed, settings)
         best = with_fewer(here, framed, settings, best)
-        if context.should_stop() or (is_good(best) and robots_of(best) <= problem.enough_robots):
+        if context.should_stop() or (is_good(best) and robots_of(best) <= context.enough_robots):
             break
     assert best is not None
     assert first is not None
@@ -77,7 +77,7 @@ def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best:
         if not is_better(found, best):
             return best if best is not None else found
         best = found
-        least = max(len(framed.parts), context.problem.enough_robots)
+        least = max(len(framed.parts), context.enough_robots)
         if not is_good(found) or min(robots, robots_of(found)) <= least:
             break
         robots = min(robots, robots_of(found)) - 1
@@ -132,7 +132,7 @@ def settled(context: Context, stages: Stages, settings: MethodSettings) -> Settl
 def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Settled:
     """The plan of the routes as they are, judged."""
     tours = tours_of(context.problem, cut(context, framed, settings, None))
-    plan = plan_of(context.problem, tours, context.seed)
+    plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
     return Settled(tours=tours, plan=plan, verdict=context.judge(plan), extra=no_points())
 
 

@@ -1,0 +1,349 @@
+"""The command line: arguments to functions, outcomes to exit codes."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
+
+import typer
+
+from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
+from rota.command.export import ExportFormat, write_export
+from rota.command.interrupt import Terminated, clean_end_on_terminate, stop_on_interrupt
+from rota.command.plan import plan_and_write
+from rota.command.study import app as study_app
+from rota.command.terminal import STANDARD_STREAM, mention_compiling, progress_bar, say
+from rota.errors import NoPlanFound, RotaError
+
+if TYPE_CHECKING:
+    from rota.mission import Mission
+    from rota.plan import Plan
+
+PICTURES = (".png", ".svg", ".pdf")
+
+app = typer.Typer(
+    help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
+    epilog="Exit codes: 0 done, 1 demand not met (check), 2 bad input, 3 no plan found, 70 our fault, 130 Ctrl-C,"
+    " 143 SIGTERM.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.add_typer(study_app, name="study")
+
+SchemaName = Literal["mission", "plan", "report"]
+EffortName = Literal["quick", "normal", "high"]
+
+
+def main() -> NoReturn:
+    """The ``rota`` program."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command line; returns the exit code. All messages to people go to stderr."""
+    try:
+        with clean_end_on_terminate():
+            app(arguments, prog_name="rota")
+    except SystemExit as end:
+        by = _interrupt_behind(end)
+        if by is not None:
+            say("interrupted")
+        return TERMINATED if isinstance(by, Terminated) else end.code if isinstance(end.code, int) else DONE
+    except NoPlanFound as outcome:
+        say(f"no plan: {outcome}")
+        return NO_PLAN
+    except RotaError as error:
+        for line in str(error).splitlines():
+            say(f"error: {line}")
+        return BAD_INPUT
+    except Exception as error:
+        traceback.print_exc()
+        say(f"a fault in Rota, not in your input ({type(error).__name__}); please report it with the lines above")
+        return OUR_FAULT
+    return DONE
+
+
+def _interrupt_behind(end: BaseException | None) -> BaseException | None:
+    """The Ctrl-C or SIGTERM that ended the command outside the search, which stops by itself and says so, if any."""
+    while end is not None and not isinstance(end, KeyboardInterrupt):
+        end = end.__cause__ or end.__context__
+    return end
+
+
+# ---------------------------------------------------------------- plan
+
+
+@app.command()
+def plan(
+    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")],
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "-o", "--output", metavar="PLAN", help="The plan file; default MISSION's name with .rota.json; - stdout."
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, metavar="NUMBER", help="The same seed gives the same plan; default 0.")
+    ] = None,
+    effort: Annotated[
+        EffortName | None, typer.Option(metavar="EFFORT", help="quick, normal or high; default as the mission says.")
+    ] = None,
+    time_limit: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Stop after so long with the best plan so far.")
+    ] = None,
+    best: Annotated[bool, typer.Option("--best", help="Write the best plan even if it misses its demand.")] = False,
+    resume: Annotated[
+        str | None, typer.Option(metavar="RUN", help="Go on with a swarm's run that was stopped: its .rota-run file.")
+    ] = None,
+    metrics: Annotated[
+        str | None, typer.Option(metavar="FILE.csv", help="Write what every step of a swarm came to, as a table.")
+    ] = None,
+) -> None:
+    """Plan a mission, check the plan, and write it."""
+    from rota.command.compiled_cache import compiled_by_two, is_compiled
+    from rota.command.work_ahead import planning_ahead, reading_ahead
+    from rota.files.atomic_write import require_suffix
+    from rota.files.mission_file import read_mission
+    from rota.files.run_file import read_run
+
+    target = output if output is not None else f"{mission.stem}.rota.json"
+    _require_target(target, source=mission)
+    if resume is not None:
+        _require_target(target, source=resume)
+    if metrics is not None:
+        require_suffix(metrics, (".csv",), "a table")
+        _require_target(metrics, source=mission)
+    if (long := reading_ahead(mission)) is not None:
+        say(long)
+    read = read_mission(mission)
+    for warning in read.warnings:
+        say(f"warning: {warning}")
+    asked = read.mission if effort is None else read.mission.with_effort(effort)
+    for long in planning_ahead(asked):
+        say(f"this takes long: {long}")
+    patrol = asked.planning.planner == "patrol"
+    kernels = ("planners/patrol/annealing", "geometry") if patrol else (f"planners/{asked.planning.planner}",)
+    mention_compiling(*kernels, *_compiled_for_check(asked))
+    by_two = patrol and not is_compiled("planners/patrol/annealing", "check")
+    run = None if resume is None else read_run(resume)
+    seed = seed if seed is not None else run.seed if run is not None else 0
+    with compiled_by_two() if by_two else nullcontext():
+        code = plan_and_write(asked, target, seed, time_limit, best, (resume, run), metrics)
+    raise typer.Exit(code)
+
+
+@app.command()
+def compare(
+    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")],
+    methods: Annotated[str | None, typer.Option(metavar="NAME,...", help="tours,parallel,... ; default all.")] = None,
+    output: Annotated[str | None, typer.Option("-o", "--output", metavar="PICTURE", help="Draw them, too.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plans.")] = 0,
+    effort: Annotated[EffortName | None, typer.Option(help="Work to spend; default as the mission says.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
+) -> None:
+    """Plan a mission by several methods, side by side."""
+    from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
+    from rota.files.atomic_write import require_suffix
+    from rota.files.mission_file import read_mission
+
+    if output is not None:
+        require_suffix(output, PICTURES, "a picture")
+        _require_target(output, source=mission)
+    names, read = named_methods(methods), read_mission(mission)
+    for warning in read.warnings:
+        say(f"warning: {warning}")
+    asked = read.mission if effort is None else read.mission.with_effort(effort)
+    mention_compiling("planners/patrol/annealing", "geometry", "check")
+    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
+        outcomes = compare_methods(asked, names, seed=seed, progress=bar.show, should_stop=stop)
+    told = comparison_to_json(asked, outcomes, seed) if as_json else None
+    typer.echo(comparison_table(outcomes) if told is None else json.dumps(told, indent=1))
+    if output is not None:
+        draw_outcomes(asked, outcomes, output)
+    raise typer.Exit(stop.exit_code or (DONE if all(o.met for o in outcomes) else NO_PLAN))
+
+
+# ---------------------------------------------------------------- check, draw, animate, export
+
+
+PlanPath = Annotated[str, typer.Argument(metavar="PLAN", help="A plan file; - reads stdin.")]
+
+
+def _read_plan(path: str) -> Plan:
+    from rota.files.plan_file import plan_from_text, read_plan
+
+    return plan_from_text(sys.stdin.buffer.read(), "stdin") if path == STANDARD_STREAM else read_plan(path)
+
+
+def _compiled_for_check(mission: Mission) -> tuple[str, ...]:
+    """The package whose loops the check of a mission's plans runs: none where no period asks for every point."""
+    every_point = any(zone.period_s is not None and zone.demand == "every_point" for zone in mission.zones)
+    return ("check",) if every_point or mission.period_s is not None else ()
+
+
+@app.command()
+def check(
+    plan: PlanPath, as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False
+) -> None:
+    """Check a plan: exit code 0 when every demand is met, 1 when not."""
+    from rota.check import check_plan, report_table, report_to_json
+
+    answer = _read_plan(plan)
+    mention_compiling(*_compiled_for_check(answer.mission))
+    report = check_plan(answer)
+    typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else report_table(report))
+    raise typer.Exit(DONE if report.verdict == "met" else VIOLATED)
+
+
+@app.command()
+def draw(
+    plan: PlanPath,
+    output: Annotated[str, typer.Option("-o", "--output", metavar="PICTURE", help="A .png, .svg or .pdf file.")],
+    cells: Annotated[
+        bool, typer.Option("--cells", help="Of bouncing robots: headings in each cell, and times entered.")
+    ] = False,
+) -> None:
+    """Draw a plan and the worst revisit gap of every place."""
+    answer = _plan_to_show(plan, output, PICTURES, "a picture")
+    from rota.draw import draw_cells, draw_plan
+
+    if cells:
+        draw_cells(answer, output)
+    else:
+        mention_compiling(*_compiled_for_check(answer.mission))
+        draw_plan(answer, output)
+    typer.echo(output)
+
+
+@app.command()
+def animate(
+    plan: PlanPath,
+    output: Annotated[
+        str, typer.Option("-o", "--output", metavar="FILM", help="A .gif file, or .mp4 with ffmpeg on the path.")
+    ],
+    seconds: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="The film's length; default about 12, for one round.")
+    ] = None,
+    fps: Annotated[
+        int | None, typer.Option(metavar="FRAMES", help="Frames per second; default 8 for .gif, 20 for .mp4.")
+    ] = None,
+) -> None:
+    """Animate a plan: robots, and how long ago each place was seen."""
+    answer = _plan_to_show(plan, output, (".gif", ".mp4"), "a film")
+    from rota.draw import animate_plan
+
+    animate_plan(answer, output, seconds=seconds, fps=fps)
+    typer.echo(output)
+
+
+def _plan_to_show(plan: str, output: str, suffixes: tuple[str, ...], what: str) -> Plan:
+    """The plan, once it is clear that ``output`` can be written and is ``what`` by its suffix."""
+    from rota.files.atomic_write import require_suffix
+
+    require_suffix(output, suffixes, what)
+    _require_target(output, source=plan)
+    return _read_plan(plan)
+
+
+@app.command()
+def export(
+    plan: PlanPath,
+    to: Annotated[
+        ExportFormat,
+        typer.Option(
+            metavar="FORMAT", help="geojson; qgroundcontrol (for ArduPilot) or qgroundcontrol-px4; create2-sketch."
+        ),
+    ],
+    output: Annotated[
+        str,
+        typer.Option("-o", "--output", metavar="PATH", help="A file; a folder where each robot has one."),
+    ],
+) -> None:
+    """Export a plan to what maps and robots read."""
+    answer = _read_plan(plan)
+    if to == "geojson":
+        _require_target(output, source=plan)
+    for path in write_export(answer, to, output):
+        typer.echo(path)
+
+
+# ---------------------------------------------------------------- new, schema
+
+
+@app.command()
+def new(
+    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="The file to write; - stdout.")] = Path(
+        "mission.yaml"
+    ),
+) -> None:
+    """Write a commented example mission to start from."""
+    from rota.files.atomic_write import write_atomically
+    from rota.files.example_mission import example_mission_text
+
+    if str(mission) == STANDARD_STREAM:
+        typer.echo(example_mission_text(), nl=False)
+        return
+    if os.path.lexists(mission):
+        raise RotaError(f"{mission}: exists already and is not overwritten; name another file")
+    write_atomically(mission, example_mission_text())
+    typer.echo(f"{mission}: edit it, then: rota plan {mission}")
+
+
+@app.command()
+def schema(
+    name: Annotated[SchemaName, typer.Argument(metavar="NAME", help="mission, plan or report.")],
+) -> None:
+    """Print the JSON Schema of a file format."""
+    typer.echo(json.dumps(_schema_maker(name)(), indent=1))
+
+
+def _schema_maker(name: SchemaName) -> Callable[[], dict[str, Any]]:
+    if name == "mission":
+        from rota.files.mission_file import mission_schema
+
+        return mission_schema
+    if name == "plan":
+        from rota.files.plan_schema import plan_schema
+
+        return plan_schema
+    from rota.check import report_schema
+
+    return report_schema
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"rota {version('rota')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and end.")
+    ] = False,
+) -> None:
+    """Options of the program as a whole."""
+
+
+def _require_target(target: str, source: str | Path) -> None:
+    """Refuse what is known beforehand not to work, and to overwrite the input."""
+    from rota.files.atomic_write import require_target
+
+    if target != STANDARD_STREAM:
+        require_target(target, source)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,119 @@
+"""What `rota plan` does once its mission is read: search, write, and say what came of it."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from rota.command.exit_codes import DONE, NO_PLAN
+from rota.command.stopped_run import keep_run
+from rota.command.terminal import STANDARD_STREAM, progress_bar, say
+from rota.errors import NoPlanFound
+
+if TYPE_CHECKING:
+    from rota.check import Report
+    from rota.checkpoint import SwarmState
+    from rota.command.interrupt import StopFlag
+    from rota.mission import Mission
+    from rota.plan import Plan
+    from rota.planners.swarm.metrics import History
+
+
+def plan_and_write(
+    mission: Mission,
+    target: str,
+    seed: int,
+    time_limit_s: float | None,
+    best: bool,
+    resume: tuple[str | None, SwarmState | None],
+    metrics: str | None = None,
+) -> int:
+    """Plan, check, write and tell the outcome; returns the exit code. resume: a run file's path and what it holds.
+
+    metrics: where the measures of every step of a swarm are written to, as CSV.
+    """
+    from rota.check import check_plan
+    from rota.command.interrupt import stop_on_interrupt
+    from rota.make_plan import search_plan
+
+    reason = None
+    histories: list[History] = []
+    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
+        try:
+            found = search_plan(
+                mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1],
+                observe=None if metrics is None else histories.append,
+            )  # fmt: skip
+            answer, report, early, run = found.plan, found.report, found.stopped_early, found.run
+            told = found.told
+        except NoPlanFound as failure:
+            reason, early, run, told = failure, False, failure.run, failure.told  # type: ignore[assignment]
+            if not best or failure.best is None:
+                _write_metrics(histories, mission, resume[1], metrics)
+                if run is not None:
+                    keep_run(run, target, resume[0])
+                return _say_no_plan(failure, stop, "no plan" if run is not None else "nothing")
+            answer = failure.best  # type: ignore[assignment]
+            report = check_plan(answer)
+    _write_plan(answer, target, meets_demand=reason is None)
+    _write_metrics(histories, mission, resume[1], metrics)
+    _show_outcome(answer, report, target, told)
+    if run is not None:
+        keep_run(run, target, resume[0])
+    if stop.raised:
+        say("interrupted: this is the best plan so far")
+    elif early:
+        say("stopped early by the time limit: this is the best plan so far")
+    if reason is not None:
+        say(f"no plan: {reason}")
+        say("this is the best plan found; it does NOT meet its demand and its file is marked so")
+    return stop.exit_code or (DONE if reason is None else NO_PLAN)
+
+
+def _say_no_plan(failure: NoPlanFound, stop: StopFlag, what: str) -> int:
+    if stop.raised:
+        say(f"interrupted before a plan passed the check; {what} is written")
+    say(f"no plan: {failure}")
+    if failure.best is not None:
+        say("--best writes the best plan found, which does not meet its demand")
+    return stop.exit_code or NO_PLAN
+
+
+def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
+    from rota.files.plan_file import plan_text, write_plan
+
+    if target == STANDARD_STREAM:
+        sys.stdout.write(plan_text(answer, meets_demand=meets_demand))
+        sys.stdout.flush()
+    else:
+        write_plan(answer, target, meets_demand=meets_demand)
+
+
+def _write_metrics(histories: list[History], mission: Mission, resumed: SwarmState | None, path: str | None) -> None:
+    from rota.files.atomic_write import write_atomically
+
+    for history in histories:
+        first = 0 if resumed is None else resumed.steps
+        write_atomically(str(path), history.csv(time_step_s=mission.swarm.time_step_s, first_step=first))
+
+
+def _show_outcome(answer: Plan, report: Report, target: str, told: tuple[str, ...]) -> None:
+    from rota.check import report_table
+    from rota.plan_summary import robots_table, sentences_of
+
+    console = Console(stderr=target == STANDARD_STREAM, highlight=False)
+    if report.demands and answer.mission.planning.planner != "swarm":
+        console.print(robots_table(answer), markup=False, soft_wrap=True)
+    sentences = (*told, *sentences_of(answer, report))
+    for sentence in sentences:
+        if sentence is not None:
+            console.print(sentence, markup=False, soft_wrap=True)
+    if report.verdict == "met":
+        console.print("Check: met, every demand, for ever." if report.demands else "Check: no violations.")
+    else:
+        console.print(f"Check: {report.verdict}. The plan does not meet its demand.\n")
+        console.print(report_table(report), markup=False, soft_wrap=True)
+    if target != STANDARD_STREAM:
+        console.print(f"Plan: {target}", markup=False, soft_wrap=True)

@@ -1,0 +1,55 @@
+"""What the command line tells people while it works: messages on stderr and, on a terminal only, a progress bar."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+STANDARD_STREAM = "-"  # stands for standard input or output where a file is asked for
+
+
+def say(message: str) -> None:
+    """A message on stderr, under the program's name."""
+    print(f"rota: {message}", file=sys.stderr, flush=True)
+
+
+class Bar:
+    """Progress for people: on a terminal only."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress = progress
+        self._task = None if progress is None else progress.add_task("planning", total=1.0)
+
+    def show(self, fraction: float, doing: str) -> None:
+        """What the planner calls."""
+        if self._progress is not None and self._task is not None:
+            self._progress.update(self._task, completed=fraction, description=doing)
+
+    def announce_stop(self, by: str, outcome: str = "with the best plan so far") -> None:
+        """What the first Ctrl-C or SIGTERM, ``by``, calls; ``outcome``: what there will be of the work."""
+        if self._progress is not None:
+            self._progress.stop()  # gives the terminal its cursor back before a second one could
+        say(f"stopping {outcome}; {by} again ends at once")
+
+
+@contextmanager
+def progress_bar() -> Iterator[Bar]:
+    """A progress bar on stderr that is gone when the work is done; where stderr is no terminal it shows nothing."""
+    if not sys.stderr.isatty():
+        yield Bar(None)
+        return
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        yield Bar(progress)
+
+
+def mention_compiling(*packages: str) -> None:
+    """Say so when these packages have not been compiled yet, which takes a while."""
+    from rota.command.compiled_cache import is_compiled
+
+    if not is_compiled(*packages):
+        say("compiling, once: about a minute")

@@ -1,0 +1,105 @@
+"""What the runs came to, as panels of maps and curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.draw.palette import COVERED, OVER_PERIOD, ROUTE_COLOURS
+from rota.mission import Mission
+from rota.papers.chen2018 import paper
+from rota.papers.chen2018.runs import (
+    EXACT,
+    FILTERED,
+    FORCES,
+    SAMPLED,
+    SETTLE,
+    VORONOI,
+    Controller,
+    Outcome,
+    covered_in,
+)
+from rota.papers.pictures.curve_panel import Curve, CurvePanel, Level
+from rota.papers.pictures.map_panel import Dots, MapPanel, Strokes
+from rota.planners.swarm.planner import sensors_of, squares_of
+
+Floats = NDArray[np.float64]
+
+INK, GREY = "#222222", "#8A8A8A"
+COLOURS = {
+    EXACT.name: ROUTE_COLOURS[0],
+    SAMPLED.name: ROUTE_COLOURS[5],
+    FILTERED.name: ROUTE_COLOURS[7],
+    VORONOI.name: ROUTE_COLOURS[1],
+    FORCES.name: ROUTE_COLOURS[2],
+    SETTLE.name: ROUTE_COLOURS[3],
+}
+SHADE = 0.3
+
+
+def coverage_panel(title: str, mission: Mission, outcome: Outcome, step: int) -> MapPanel:
+    """Robots and what they have in range at a step, or in the end."""
+    step = min(step, outcome.steps)
+    places = outcome.places_at(step)
+    share = covered_in(mission, places)
+    dots = Dots("robot", places, COVERED, size_pt=_size(outcome), shade=SHADE)
+    dots = dots._replace(reach_m=float(sensors_of(mission)[0]), square=bool(squares_of(mission)[0]))
+    return MapPanel(title=title, note=f"k = {step:,}: {share:.1%} covered", mission=mission, dots=(dots,))
+
+
+def ways_panel(
+    title: str, mission: Mission, outcome: Outcome, step: int, colour: str = ROUTE_COLOURS[0], named: int | None = None
+) -> MapPanel:
+    """The ways of all robots up to a step, or to the end; that of the ``named``-th robot (from 1) stands out."""
+    step = min(step, outcome.steps)
+    kept = outcome.places_m[: step // outcome.stride + 1]
+    places = np.concatenate([kept, outcome.places_at(step)[None]])
+    ways = [places[:, k] for k in range(places.shape[1])]
+    width = 0.25 if len(ways) > 100 else 0.7
+    strokes = [Strokes("way", tuple(ways), colour, width_pt=width)]
+    if named is not None:
+        strokes.append(Strokes(f"way of robot {named}", (ways[named - 1],), OVER_PERIOD, width_pt=1.8))
+    size = _size(outcome)
+    dots = (
+        Dots("start", places[0], INK, "s", size, filled=False),
+        Dots("end", places[-1], INK, "o", size),
+    )
+    way_m = float(outcome.history.way_m[step])
+    return MapPanel(
+        title=title, note=f"k = 0 to {step:,}: {way_m:,.0f} m on average", mission=mission, strokes=tuple(strokes),
+        dots=dots if len(ways) <= 100 else (),
+    )  # fmt: skip
+
+
+def _size(outcome: Outcome) -> float:
+    return 2.6 if outcome.places_m.shape[1] <= 100 else 0.9
+
+
+def distance_panel(title: str, outcome: Outcome) -> CurvePanel:
+    """The least distance between the middles of two robots by step, and the least that is no contact."""
+    curve = Curve("least distance", outcome.history.body_gap_m + 2 * paper.BODY_M, COVERED, width_pt=1.8)
+    critical = Level("bodies touch, 1 m", 2 * paper.BODY_M, OVER_PERIOD)
+    least = float(curve.values.min())
+    return CurvePanel(
+        title=title, note=f"least of all: {least:.3f} m", curves=(curve,), levels=(critical,), across="step k",
+        up="m", wide=True,
+    )  # fmt: skip
+
+
+def mean_curves(
+    outcomes: Sequence[tuple[Controller, list[Outcome]]], values: str, steps: int, scale: float = 100.0
+) -> tuple[Curve, ...]:
+    """The mean over seeds of a row of the histories by step, with least and most; what rests stays as it is."""
+    curves = []
+    for controller, runs in outcomes:
+        rows = np.array([_held(getattr(run.history, values), steps) for run in runs]) * scale
+        band = np.array([rows.min(axis=0), rows.max(axis=0)])
+        curves.append(Curve(controller.name, rows.mean(axis=0), COLOURS[controller.name], band=band))
+    return tuple(curves)
+
+
+def _held(values: Floats, steps: int) -> Floats:
+    """(steps + 1,): the values, the last one again and again where they end before."""
+    return np.concatenate([values[: steps + 1], np.full(max(steps + 1 - len(values), 0), values[-1])])

@@ -1,0 +1,174 @@
+"""Figures 9 and 11: how far the mean of random velocities is from the centroid, and how often it finds no velocity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.draw.palette import ROUTE_COLOURS
+from rota.mission import Mission
+from rota.papers.chen2018 import maps, paper
+from rota.papers.chen2018.runs import EXACT, SAMPLED, Outcome, Runs
+from rota.papers.chen2018.velocity_set import VelocitySet
+from rota.papers.chen2018.verdicts import holds_if
+from rota.papers.pictures.curve_panel import Curve, CurvePanel
+from rota.papers.pictures.study_picture import study_picture
+from rota.papers.section import Picture, Section, Verdict
+from rota.papers.tables import Table
+from rota.planners.swarm.planner import free_ground, make_swarm
+
+Floats = NDArray[np.float64]
+
+COUNTS = (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
+TRIES = 400
+SNAPSHOTS = 60  # of a run, evenly spread
+MOVES_M_S = 1e-6  # a robot that is slower by the exact centroid has no set worth looking for
+IN_A_RUN = "in a run"
+
+
+def shapes() -> dict[str, VelocitySet]:
+    """Figure 8's three shapes, of our own sizes: a quarter of the disc, a triangle in it, and an irregular set."""
+    tilted = [(math.cos(angle), math.sin(angle), bound) for angle, bound in ((0.4, 0.3), (2.6, -0.2), (4.4, 0.9))]
+    thirds = [(math.cos(angle), math.sin(angle), 0.25) for angle in (0.3, 0.3 + math.tau / 3, 0.3 + 2 * math.tau / 3)]
+    return {
+        "sector": VelocitySet(np.array([(-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)]), paper.SPEED_M_S),
+        "triangle": VelocitySet(np.array(thirds), paper.SPEED_M_S),
+        "irregular": VelocitySet(np.array(tilted), paper.SPEED_M_S),
+    }
+
+
+def errors_and_misses(velocities: VelocitySet, seed: int) -> tuple[Floats, Floats]:
+    """For each of ``COUNTS``: mean distance to the centroid in m/s, and the share of tries that found nothing."""
+    centroid = velocities.centroid()
+    errors, misses = np.full(len(COUNTS), np.nan), np.zeros(len(COUNTS))
+    for k, count in enumerate(COUNTS):
+        means = velocities.sampled_centroids(count, tries=TRIES, seed=seed)
+        found = ~np.isnan(means[:, 0])
+        misses[k] = 1 - found.mean()
+        if found.any() and centroid is not None:
+            errors[k] = np.hypot(*(means[found] - centroid).T).mean()
+    return errors, misses
+
+
+def in_a_run(runs: Runs) -> tuple[Floats, Floats]:
+    """The same over the decisions of a run by the exact centroid: each state is decided on once more, by samples."""
+    mission = maps.small("between")
+    outcome = runs(mission, EXACT)
+    runs.tell("deciding again by random velocities")
+    errors, misses = [], []
+    for count in COUNTS:
+        runs.stop_if_asked()
+        away, missed = _decided_again(mission, outcome, count, runs.seed)
+        errors.append(away.mean() if len(away) else np.nan)
+        misses.append(missed)
+    return np.array(errors), np.array(misses)
+
+
+def _decided_again(mission: Mission, outcome: Outcome, samples: int, seed: int) -> tuple[Floats, float]:
+    """Distances in m/s between the velocities by samples and by the exact centroid, and the share not found."""
+    by_samples = replace(mission, planning=replace(SAMPLED.settings, samples=samples))
+    ground = free_ground(mission)
+    away, missed, decisions = [], 0, 0
+    for step in np.linspace(1, outcome.steps - 1, min(SNAPSHOTS, outcome.steps - 1)).astype(int):
+        before, here, after = (outcome.places_m[k] for k in (step - 1, step, step + 1))
+        swarm = make_swarm(
+            by_samples, ground, here, seed=seed + int(step), velocities_m_s=(here - before) / paper.STEP_S
+        )
+        swarm.step()
+        exact, sampled = (after - here) / paper.STEP_S, swarm.velocities_m_s
+        moves = np.hypot(*exact.T) > MOVES_M_S
+        idle = moves & ~sampled.any(axis=1)
+        decisions, missed = decisions + int(moves.sum()), missed + int(idle.sum())
+        away.append(np.hypot(*(sampled - exact)[moves & ~idle].T))
+    return np.concatenate(away), missed / max(decisions, 1)
+
+
+def _rows(runs: Runs, column: int) -> dict[str, Floats]:
+    """Errors (column 0) or misses (1) for the three shapes and for the decisions of a run."""
+    found = {name: errors_and_misses(velocities, runs.seed)[column] for name, velocities in shapes().items()}
+    return found | {IN_A_RUN: in_a_run(runs)[column]}
+
+
+def _curves(rows: dict[str, Floats], scale: float = 1.0) -> tuple[Curve, ...]:
+    at = np.array(COUNTS, dtype=np.float64)
+    return tuple(Curve(name, values * scale, ROUTE_COLOURS[k], at=at) for k, (name, values) in enumerate(rows.items()))
+
+
+def _table(title: str, rows: dict[str, Floats], form: Callable[[float], str]) -> Table:
+    return Table(
+        title=title,
+        head=("random velocities", *rows),
+        rows=tuple(
+            (f"{count:,}", *(form(float(values[k])) for values in rows.values())) for k, count in enumerate(COUNTS)
+        ),
+    )
+
+
+def figure_9_section(runs: Runs) -> Section:
+    """Figure 9: the error of the mean of random velocities."""
+    rows = _rows(runs, 0)
+    k = COUNTS.index(paper.SAMPLES)
+    panel = CurvePanel(
+        title="Error of the generated velocity", note=f"robots go up to {paper.SPEED_M_S:g} m/s", curves=_curves(rows),
+        across="random velocities", up="mean distance to the centroid, m/s", logarithmic=True, logarithmic_across=True,
+        wide=True,
+    )  # fmt: skip
+    shaped = max(float(values[k]) for name, values in rows.items() if name != IN_A_RUN)
+    return Section(
+        figure=9,
+        heading="the error of the generated velocity",
+        pictures=(
+            Picture("chen2018-figure-9.png", "The error falls with the root of their number", study_picture([panel])),
+        ),
+        caption="Figure 9. The shapes are those of Figure 8, in our sizes, 400 tries each. “In a run”: decisions of "
+        "the run of Figure 12, each made once more by random velocities.",
+        paper="The error decreases with the number of random points and is “very close to zero with a large number” "
+        "(Section 4.4.1); no values are told.",
+        found=f"Holds: the error falls with the root of the number, to at most {shaped:.3f} m/s at "
+        f"{paper.SAMPLES:,} for the shapes and {rows[IN_A_RUN][k]:.3f} m/s in a run. It is not small enough to come to "
+        f"rest: {rows[IN_A_RUN][k] * paper.STEP_S:.4f} m a step, where the stop rule asks for {paper.STOP_M:.5f} m.",
+        tables=(_table("Mean distance to the centroid, m/s", rows, lambda value: f"{value:.4f}"),),
+        verdicts=(
+            Verdict(
+                "The error of the generated velocity is very close to zero with many random points", "4.4.1, Figure 9",
+                "holds", f"At {paper.SAMPLES:,}: {shaped:.3f} m/s of {paper.SPEED_M_S:g}. It is too much for the "
+                f"stop rule: "
+                f"{rows[IN_A_RUN][k] * paper.STEP_S:.4f} m a step, allowed {paper.STOP_M:.5f} m.",
+            ),
+        ),
+    )  # fmt: skip
+
+
+def figure_11_section(runs: Runs) -> Section:
+    """Figure 11: how often a set that is not empty seems so."""
+    rows = _rows(runs, 1)
+    panel = CurvePanel(
+        title="Sets taken for empty that are not", note="share of the decisions", curves=_curves(rows, 100.0),
+        across="random velocities", up="%", logarithmic_across=True, wide=True,
+    )  # fmt: skip
+    enough, all_of_it = (float(rows[IN_A_RUN][COUNTS.index(n)]) for n in (paper.SAMPLES_ENOUGH, paper.SAMPLES))
+    shaped = max(float(values[COUNTS.index(paper.SAMPLES_ENOUGH)]) for name, values in rows.items() if name != IN_A_RUN)
+    return Section(
+        figure=11,
+        heading="sets misjudged as empty",
+        pictures=(Picture("chen2018-figure-11.png", "The share of misjudged sets by number", study_picture([panel])),),
+        caption="Figure 11. As Figure 9. A set with the share p of the square round the speed disc is missed with the "
+        "probability (1 − p)ᴺ.",
+        paper=f"The error “nearly reaches zero after {paper.SAMPLES_ENOUGH} random points” (Section 4.4.2).",
+        found=f"Holds for the shapes of Figure 8: {shaped:.1%} at {paper.SAMPLES_ENOUGH}. In a run it does not: "
+        f"{enough:.1%} of the decisions at {paper.SAMPLES_ENOUGH} and {all_of_it:.1%} at {paper.SAMPLES:,} find no "
+        "velocity where the exact set has one. When robots are nearly in place, their neighbours leave them slivers.",
+        tables=(_table("Share of sets taken for empty that are not", rows, lambda value: f"{value:.2%}"),),
+        verdicts=(
+            Verdict(
+                f"Hardly any set is misjudged as empty after {paper.SAMPLES_ENOUGH} points", "4.4.2, Figure 11",
+                holds_if(enough < 0.02),
+                f"It holds for shapes as in Figure 8 ({shaped:.1%}); of the sets that a run meets {enough:.1%} are "
+                f"misjudged, and {all_of_it:.1%} at {paper.SAMPLES:,}.",
+            ),
+        ),
+    )  # fmt: skip

@@ -1,0 +1,128 @@
+"""Figure 20 and Table 3: the published controller beside the baselines and ours, by the number of robots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rota.papers.chen2018 import maps
+from rota.papers.chen2018.compared_figures import claimed
+from rota.papers.chen2018.decision_times import decision_times, times_verdict, told_times
+from rota.papers.chen2018.panels import COLOURS
+from rota.papers.chen2018.runs import COMPARED, EXACT, FORCES, VORONOI, Job, Runs, StudySettings
+from rota.papers.chen2018.small_figures import SHOWN, plus_minus
+from rota.papers.chen2018.verdicts import holds_if
+from rota.papers.pictures.curve_panel import Curve, CurvePanel
+from rota.papers.pictures.study_picture import study_picture
+from rota.papers.section import Picture, Section, Verdict
+from rota.papers.tables import Table, joined
+
+
+def figure_20_section(runs: Runs) -> Section:
+    """Figure 20 and Table 3: steps by the number of robots, and the time of a decision."""
+    settings = runs.settings
+    rows, curves, settled, resting = _by_scale(runs)
+    panel = CurvePanel(
+        title="Steps until the coverage stays within half a point of its last value", curves=curves,
+        across="robots", up="steps", logarithmic=True, logarithmic_across=True, wide=True,
+    )  # fmt: skip
+    largest = settings.scales[-1]
+    fastest = min((one.name for one in COMPARED[:3]), key=lambda name: settled[name, largest])
+    table = Table(
+        title=f"Steps until coverage is within half a point / until rest, mean of {settings.scale_seeds} seeds",
+        head=("controller", *(f"{scale} robots" for scale in settings.scales)),
+        rows=rows,
+    )
+    times, means = decision_times(runs)
+    return Section(
+        figure=20,
+        heading="convergence by the number of robots, and Table 3",
+        pictures=(
+            Picture(
+                "chen2018-figure-20.png",
+                "Steps until the coverage has settled, by the number of robots, for four controllers",
+                study_picture([panel]),
+            ),
+        ),
+        caption="Figure 20. Area and start box grow with the robots, as dense as in Table 2; the paper does not "
+        "tell how. "
+        f"At most {settings.scale_steps:,} steps, where curves end for what has not settled by then, which is what "
+        f"was cut "
+        "off before its coverage had stayed for a quarter of the run. Rest alone would say nothing of methods that "
+        "creep or tremble around a good place for long.",
+        paper="RD is more scalable than the other two (Section 5.1); no values are told.",
+        found=claimed(
+            fastest == EXACT.name,
+            f"with {largest} robots the coverage of RD settles first of the three",
+            f"with {largest} robots the coverage of {fastest} settles first of the three, "
+            f"{_after(settled[fastest, largest], settings.scale_steps)}, that of RD "
+            f"{_after(settled[EXACT.name, largest], settings.scale_steps)}",
+        )
+        + " By the stop rule alone, all seeds rest by "
+        + joined([f"{name} with {up_to}" for name, up_to in resting.items()])
+        + ". RD slows down with the number because robots inside wait for those outside (Figure 21). "
+        + told_times(means),
+        tables=(table, times),
+        verdicts=(_scale_verdict(settled, settings), times_verdict(means)),
+    )
+
+
+def _by_scale(
+    runs: Runs,
+) -> tuple[tuple[tuple[str, ...], ...], tuple[Curve, ...], dict[tuple[str, int], float], dict[str, str]]:
+    """Of each controller: its row, its curve, when it settled by the number of robots, and with which all rest."""
+    settings = runs.settings
+    jobs = {
+        (controller.name, scale): [
+            Job(maps.square(scale, SHOWN), controller, runs.seed + k, settings.scale_steps)
+            for k in range(settings.scale_seeds)
+        ]
+        for scale in reversed(settings.scales)
+        for controller in COMPARED
+    }
+    runs.all([job for several in jobs.values() for job in several])  # two at a time, the longest first
+    curves, rows, settled, resting = [], [], {}, {}
+    at = np.array(settings.scales, dtype=np.float64)
+    for controller in COMPARED:
+        cells, rested_with = [], []
+        for scale in settings.scales:
+            outcomes = runs.all(jobs[controller.name, scale])
+            steps = [run.history.settled_step(at_rest=run.at_rest) for run in outcomes]
+            settled[controller.name, scale] = float(np.mean(steps))
+            rested = [run.steps for run in outcomes if run.at_rest]
+            all_rest = len(rested) == len(outcomes)
+            rested_with += [str(scale)] if all_rest else []
+            rest = plus_minus(rested, ",.0f") if all_rest else f"{len(rested)} of {len(outcomes)} rest"
+            cells.append(f"{_settled_cell(steps, settings.scale_steps)} / {rest}")
+        rows.append((controller.name, *cells))
+        resting[controller.name] = f"{joined(rested_with)} robots" if rested_with else "no number of robots"
+        values = np.array([min(settled[controller.name, scale], settings.scale_steps) for scale in settings.scales])
+        curves.append(Curve(controller.name, values, COLOURS[controller.name], at=at))
+    return tuple(rows), tuple(curves), settled, resting
+
+
+def _settled_cell(steps: Sequence[float], most: int) -> str:
+    """Mean and deviation of steps until coverage has settled; how many had not where some had not."""
+    unsettled = sum(not np.isfinite(step) for step in steps)
+    return f"> {most:,} ({unsettled} of {len(steps)})" if unsettled else plus_minus(steps, ",.0f")
+
+
+def _after(step: float, most: int) -> str:
+    return f"after {step:,.0f} steps" if np.isfinite(step) else f"not within {most:,} steps in every run"
+
+
+def _scale_verdict(settled: dict[tuple[str, int], float], settings: StudySettings) -> Verdict:
+    """Whether RD's coverage settles first with every number of robots."""
+    names = [one.name for one in (EXACT, VORONOI, FORCES)]
+    first = {scale: min(names, key=lambda name: settled[name, scale]) for scale in settings.scales}
+    ahead = [str(scale) for scale, name in first.items() if name == EXACT.name]
+    largest = settings.scales[-1]
+    told = joined([f"{name} {_after(settled[name, largest], settings.scale_steps)}" for name in names])
+    return Verdict(
+        "RD converges faster and is more scalable", "5.1, Figure 20",
+        holds_if(len(ahead) == len(first)),
+        (f"Its coverage settles first with {joined(ahead)} robots only" if ahead else "Its coverage settles first "
+        "nowhere")
+        + f"; with {largest} robots: {told}.",
+    )  # fmt: skip

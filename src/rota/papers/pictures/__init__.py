@@ -1,0 +1,1 @@
+"""The pictures of the studies: maps, cells and curves, panel by panel."""

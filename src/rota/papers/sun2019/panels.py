@@ -1,0 +1,206 @@
+"""What the runs came to, as panels of maps and curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import LineString
+
+from rota.check import Report
+from rota.compare import MethodOutcome
+from rota.draw.palette import OVER_PERIOD, ROUTE_COLOURS, route_style
+from rota.geometry.free_space import standing_space
+from rota.geometry.shortest_path import ShortestPaths
+from rota.mission import AREA, Mission
+from rota.papers.pictures.curve_panel import Curve, CurvePanel, Level
+from rota.papers.pictures.map_panel import Dots, MapPanel, Strokes
+from rota.papers.sun2019.runs import Printed
+from rota.papers.tables import counted
+from rota.planners.patrol.methods.sun2019.deploy import Deployment, ZoneDeployment
+from rota.planners.patrol.methods.sun2019.graph import proximity_graph
+from rota.planners.patrol.methods.sun2019.partition import Partition
+from rota.planners.patrol.methods.sun2019.tour import Frame
+
+Floats = NDArray[np.float64]
+
+# of sensors, by zone: shapes differ as well as colours
+ZONE_COLOURS, ZONE_MARKERS = tuple(ROUTE_COLOURS[k] for k in (0, 6, 7)), "osD"
+REST_COLOUR, REST_MARKER = ROUTE_COLOURS[3], "^"
+MOST_WAY = 3.0  # times its last length: a tour that is longer still has a crossing more
+INK, GREY = "#222222", "#8A8A8A"
+
+
+def zone_title(name: str) -> str:
+    """A zone as tables and legends call it: the paper's zone 3 is the rest of the area."""
+    return "rest" if name == AREA else name.replace("-", " ")
+
+
+def rest_note(mission: Mission) -> str:
+    """What the ground outside zones asks, which no label on the map tells."""
+    return "" if mission.period_s is None else f"outside zones every {mission.period_s:g} s"
+
+
+def _in_zone_order(mission: Mission, deployment: Deployment) -> list[tuple[int, ZoneDeployment]]:
+    """The zones as the mission tells them, the rest last, each with its number there: colours then stay the same."""
+    numbers = {zone.name: k for k, zone in enumerate(mission.zones)} | {AREA: len(mission.zones)}
+    return sorted(((numbers[zone.name], zone) for zone in deployment.zones), key=lambda pair: pair[0])
+
+
+def sensors_by_zone(mission: Mission, deployment: Deployment) -> tuple[int, ...]:
+    """Sensors of each zone as the mission tells them, the rest last."""
+    return tuple(len(zone.positions_m) for _, zone in _in_zone_order(mission, deployment))
+
+
+def sensor_dots(mission: Mission, deployment: Deployment, *, discs: bool) -> tuple[Dots, ...]:
+    """The virtual sensors of each zone, with the discs that they see if asked for."""
+    return tuple(
+        Dots(
+            label=f"{zone_title(zone.name)}: {len(zone.positions_m)}",
+            places_m=zone.positions_m,
+            colour=REST_COLOUR if zone.name == AREA else ZONE_COLOURS[k % len(ZONE_COLOURS)],
+            marker=REST_MARKER if zone.name == AREA else ZONE_MARKERS[k % len(ZONE_MARKERS)],
+            reach_m=deployment.virtual_radius_m if discs else 0.0,
+        )
+        for k, zone in _in_zone_order(mission, deployment)
+    )
+
+
+def deployment_panel(title: str, mission: Mission, deployment: Deployment) -> MapPanel:
+    """Sensors and what they see: Figures 6a, 6b, 13a and 16a."""
+    note = counted(len(deployment.positions_m), "virtual sensor")
+    return MapPanel(title=title, note=note, mission=mission, dots=sensor_dots(mission, deployment, discs=True))
+
+
+def cost_panel(title: str, deployments: Sequence[tuple[str, Deployment]], *, wide: bool = False) -> CurvePanel:
+    """The fitness of Eq. 11 by iteration: Figures 6c, 13b and 16b. Deployments without a history have no curve.
+
+    The random start, of which half the sensors are deployed, costs so much that it would squeeze all else: it is told.
+    """
+    known = [(label, one.history.cost) for label, one in deployments if one.history is not None]
+    curves = tuple(
+        Curve(label, cost[1:], ZONE_COLOURS[k], at=np.arange(1.0, len(cost)), marked=False)
+        for k, (label, cost) in enumerate(known)
+    )
+    starts, ends = (" and ".join(f"{cost[at]:,.0f}" for _, cost in known) for at in (0, -1))
+    note = f"from {starts} to {ends}"
+    return CurvePanel(
+        title=title, note=note, curves=curves, across="iterations", up="cost (Eq. 11)", logarithmic=True, wide=wide
+    )
+
+
+def graph_edges(mission: Mission, deployment: Deployment, neighbour_range_m: float) -> tuple[Floats, ...]:
+    """The proximity graph's edges (Section 4.3), each (2, 2) metres, once."""
+    paths = ShortestPaths(standing_space(mission, mission.fleet.body_radius_m))
+    graph = proximity_graph(
+        deployment.positions_m, deployment.zone_of, paths, neighbour_range_m=neighbour_range_m, alpha=0.0
+    )
+    ends = np.repeat(np.arange(len(graph.positions_m)), np.diff(graph.start))
+    once = ends < graph.items
+    return tuple(graph.positions_m[[a, b]] for a, b in zip(ends[once], graph.items[once], strict=True))
+
+
+def frame_panel(
+    title: str, mission: Mission, deployment: Deployment, frame: Frame, *, edges: tuple[Floats, ...] = ()
+) -> MapPanel:
+    """The frame with where it changes sub-region, and legs that no robot can travel: Figures 8, 13c and 16c."""
+    pieces = [frame.path_m[a : b + 1] for a, b in zip(frame.leg_start[:-1], frame.leg_start[1:], strict=True)]
+    strokes = [Strokes(f"graph, {len(edges)} edges", edges, GREY, width_pt=0.4)] if edges else []
+    strokes.append(Strokes("frame", (frame.path_m,), INK, width_pt=1.1))
+    if frame.blocked_legs:
+        blocked = [piece for piece in pieces if not _free(mission, piece)]
+        strokes.append(Strokes("leg through a wall", tuple(blocked), OVER_PERIOD, (0.0, (2.0, 1.0)), 2.2))
+    crossings_m = crossing_places(deployment, frame)
+    dots = [dots._replace(size_pt=3.2) for dots in sensor_dots(mission, deployment, discs=False)]
+    if len(crossings_m):
+        dots.append(Dots("crossing", crossings_m, OVER_PERIOD, "o", 5.5, filled=False))
+    note = f"{frame.length_m:,.0f} m, {counted(frame.zone_crossings, 'crossing')} between zones"
+    return MapPanel(title=title, note=note, mission=mission, strokes=tuple(strokes), dots=tuple(dots))
+
+
+def crossing_places(deployment: Deployment, frame: Frame) -> Floats:
+    """The middle (k, 2), metres, of every straight piece of the frame between sensors of different zones."""
+    known = {tuple(place): int(zone) for place, zone in zip(deployment.positions_m, deployment.zone_of, strict=True)}
+    zones = [known[tuple(frame.path_m[0])]]
+    for place in frame.path_m[1:]:
+        # a corner on the way round an obstacle is no sensor, and still belongs to the zone it was left for
+        zones.append(known.get(tuple(place), zones[-1]))
+    middles_m = (frame.path_m[:-1] + frame.path_m[1:]) / 2
+    return np.asarray(middles_m[np.diff(zones) != 0])
+
+
+def _free(mission: Mission, piece_m: Floats) -> bool:
+    """Whether a leg keeps inside the area and out of obstacles that block motion."""
+    line = LineString(piece_m)
+    walls = [obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion]
+    tolerance_m = 1e-6
+    return mission.area.buffer(tolerance_m).covers(line) and not any(
+        line.intersection(wall).length > tolerance_m for wall in walls
+    )
+
+
+def tour_panel(title: str, frame: Frame) -> CurvePanel:
+    """The way of the shortest tour so far by generation, from when on it has as few crossings as in the end.
+
+    With more of them it would be thousands of metres longer, alpha for each.
+    """
+    way_m = frame.history - (frame.tour_length - frame.length_m)
+    last = np.flatnonzero(way_m < MOST_WAY * frame.length_m)
+    note = f"ends at {frame.tour_length:,.0f}, {frame.length_m:,.0f} m of it way"
+    curve = Curve("shortest tour", way_m[last], ZONE_COLOURS[0], at=last.astype(np.float64), marked=False)
+    return CurvePanel(title=title, note=note, curves=(curve,), across="generations", up="way without α, m")
+
+
+def partition_panel(title: str, partition: Partition, least: float) -> CurvePanel:
+    """The lowest cost of Eq. 28 by iteration, and the least of all partitions: Figures 13f and 16f."""
+    curve = Curve("swarms", partition.history, ZONE_COLOURS[0])
+    note = f"{partition.cost:,.0f} from iteration {settled(partition.history)} on"
+    levels = (Level(f"least possible: {least:,.0f}", least, INK),)
+    return CurvePanel(title=title, note=note, curves=(curve,), levels=levels, across="iterations", up="cost (Eq. 28)")
+
+
+def printed_panel(title: str, printed: Printed) -> MapPanel:
+    """Figures 12, 13e, 14 and 16e: the routes as the paper has them, with what the check says of them."""
+    note = f"{counted(len(printed.plan.trajectories), 'robot')}; {unseen_told(printed.report)}"
+    return MapPanel(title=title, note=note, mission=printed.mission, plan=printed.plan, listed_zones=True)
+
+
+def unseen_told(report: Report) -> str:
+    """What the check says of routes as printed, in a few words."""
+    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
+    return f"check: {report.verdict}" + (f", {unseen_m2:,.0f} m² never seen" if unseen_m2 > 0 else "")
+
+
+def settled(history: Floats) -> int:
+    """From where on a history stays at its last value."""
+    return int(np.flatnonzero(history == history[-1])[0])
+
+
+def segments_panel(
+    title: str, mission: Mission, deployment: Deployment, frame: Frame, partition: Partition
+) -> MapPanel:
+    """The segments of the frame, one robot each, with the times of their routes by Eq. 26."""
+    n = len(frame.order)
+    strokes = []
+    for k in range(len(partition.first)):
+        places = partition.places(k, n)
+        legs = [frame.path_m[frame.leg_start[i] : frame.leg_start[i + 1] + 1] for i in places[:-1]]
+        alone = deployment.positions_m[frame.order[places[:1]]]
+        path_m = np.vstack([alone, *(leg[1:] for leg in legs)]) if legs else np.vstack([alone, alone])
+        colour, style = route_style(k)
+        label = f"{partition.times_s[k]:.1f} of {partition.periods_s[k]:g} s"
+        strokes.append(Strokes(label, (path_m,), colour, style, 2.0))
+    note = counted(len(partition.first), "segment") + ", their times by Eq. 26"
+    dots = Dots("sensor", deployment.positions_m, INK, size_pt=2.2)
+    return MapPanel(title=title, note=note, mission=mission, strokes=tuple(strokes), dots=(dots,))
+
+
+def routes_panel(title: str, mission: Mission, outcome: MethodOutcome) -> MapPanel:
+    """The routes of a plan: Figures 13e, 14 and 16e; the map alone where there is no plan."""
+    if outcome.plan is None or outcome.loops_m is None or outcome.worst_ratio is None:
+        return MapPanel(title=title, note="no plan", mission=mission, named_zones=True)
+    met = "" if outcome.met else ", not met"
+    note = f"{counted(len(outcome.plan.trajectories), 'robot')}, {outcome.loops_m:,.0f} m, "
+    note += f"worst gap {outcome.worst_ratio:.2f}{met}"
+    return MapPanel(title=title, note=note, mission=mission, plan=outcome.plan, listed_zones=True)

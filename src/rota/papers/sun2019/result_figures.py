@@ -1,0 +1,192 @@
+"""Figures 13 and 16 with Tables 5 and 8: the method from sensors to routes, on both maps."""
+
+from __future__ import annotations
+
+from rota.compare import MethodOutcome
+from rota.papers.pictures.curve_panel import CurvePanel
+from rota.papers.pictures.map_panel import MapPanel
+from rota.papers.pictures.study_picture import study_picture
+from rota.papers.section import Picture, Section
+from rota.papers.sun2019 import paper
+from rota.papers.sun2019.cases import DEFAULTS, Case, case_of, case_tables, unseen_and_late
+from rota.papers.sun2019.maps import RECONSTRUCTED
+from rota.papers.sun2019.panels import (
+    cost_panel,
+    deployment_panel,
+    frame_panel,
+    partition_panel,
+    printed_panel,
+    routes_panel,
+    sensors_by_zone,
+    settled,
+    tour_panel,
+)
+from rota.papers.sun2019.readings import tour_table
+from rota.papers.sun2019.runs import Printed, Reading, Runs
+from rota.papers.sun2019.verdicts import NOT_RUN, coverage_verdict, run_verdicts
+from rota.papers.tables import counted
+from rota.planners.patrol.methods.sun2019.partition import Partition
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.tour import Frame
+
+SCALES = (
+    "Worst gaps are shares of the period. Costs of Eq. 11 (b) have a scale of their own, since λ is not printed; those "
+    "of Eq. 28 (f) are on the paper's scale. (b) begins with iteration 1, (d) when the tour has as few crossings as in "
+    "the end."
+)
+
+
+def figure_13_section(runs: Runs) -> Section:
+    """Figure 13 and Table 5: Section 5.1."""
+    case = case_of(runs, paper.TABLE_5, runs.map_13, runs.settings.figure_13)
+    proving = runs.by_method(runs.map_13, "tours", effort=runs.settings.proving_effort)
+    bound = max(case.lower_bound or 0, proving.lower_bound_robots or 0)
+    return Section(
+        figure=13,
+        heading="the method on the square map",
+        pictures=run_pictures(13, case, _cheapest(runs, case, runs.settings.figure_13)),
+        caption="Figure 13, (a) to (f) as in the paper, made with Tables 2 to 4, and (g), (h) the plans of two "
+        f"methods. {SCALES} {RECONSTRUCTED}",
+        paper=f"{_run_told(paper.FIGURE_13)} Five routes keep the periods of Table 1 (Table 5).",
+        found=f"{_found(case, paper.FIGURE_13)} At effort {runs.settings.proving_effort} tours takes "
+        f"{_robots(proving)}; at least {bound} are needed, proved. {_alpha_told(case.printed)}",
+        tables=(*case_tables("Table 5 (Section 5.1)", [case]), tour_table(runs, case.printed)),
+        verdicts=run_verdicts(case, proving, runs.settings.proving_effort),
+    )
+
+
+def figure_16_section(runs: Runs) -> Section:
+    """Figure 16 and Table 8: Section 5.3."""
+    case = case_of(runs, paper.TABLE_8, runs.map_15, runs.settings.figure_16)
+    return Section(
+        figure=16,
+        heading="the method on the pentagon",
+        pictures=run_pictures(16, case, _cheapest(runs, case, runs.settings.figure_16)),
+        caption=f"Figure 16, (a) to (f) as in the paper, made with Tables 7, 3 and 4, and (g), (h) the plans of two "
+        f"methods. {SCALES} {RECONSTRUCTED} The tour's {paper.FIGURE_16.tour_length:,.2f} is copied from Section 5.1.",
+        paper=f"{_run_told(paper.FIGURE_16)} Seven routes keep the periods (Table 8).",
+        found=_found(case, paper.FIGURE_16),
+        tables=case_tables("Table 8 (Section 5.3)", [case]),
+        verdicts=(coverage_verdict(case, "5.3"), NOT_RUN),
+    )
+
+
+def run_pictures(figure: int, case: Case, cheapest: Partition) -> tuple[Picture, ...]:
+    """Panels (a) to (f) of Figures 13 and 16, and the plans of two methods as (g) and (h)."""
+    mission, (part, *_) = case.mission, case.printed.stages.framed.parts
+    deployment = case.printed.stages.framed.deployment
+    panels: list[MapPanel | CurvePanel] = [
+        deployment_panel("(a) Sensors", mission, deployment),
+        cost_panel("(b) Cost of the deployment", [("cost", deployment)]),
+        frame_panel("(c) Frame", mission, deployment, part.frame),
+        tour_panel("(d) Length of the tour", part.frame),
+        printed_panel("(e) Routes as printed", case.printed),
+        partition_panel("(f) Cost of the partition", case.printed.stages.partitions[0], cheapest.cost),
+    ]
+    plans = [
+        routes_panel("(g) Mended until the check passes", mission, case.outcomes["mended"]),
+        routes_panel("(h) Method tours", mission, case.outcomes["tours"]),
+    ]
+    return (
+        Picture(
+            f"figure-{figure}.png",
+            f"{len(deployment.positions_m)} sensors, the frame through them, {len(case.printed.plan.trajectories)} "
+            "routes, and how the three algorithms came to them",
+            study_picture(panels),
+        ),
+        Picture(
+            f"figure-{figure}-plans.png",
+            f"The paper's stages, mended ({_robots(case.outcomes['mended'])}), and tours "
+            f"({_robots(case.outcomes['tours'])})",
+            study_picture(plans),
+        ),
+    )
+
+
+def _cheapest(runs: Runs, case: Case, settings: MethodSettings) -> Partition:
+    """What Algorithm 3 looks for: the partition of the same frame that Eq. 28 costs least."""
+    own = Reading(settings.partition.joining_legs, settings.partition.weight_late)
+    return runs.cheapest(case.printed.stages.framed, case.mission, settings, own)
+
+
+def _robots(outcome: MethodOutcome) -> str:
+    return "no plan" if outcome.robots is None else counted(outcome.robots, "robot")
+
+
+def _run_told(run: paper.PaperRun) -> str:
+    """What the paper tells of the three algorithms."""
+    by_zone = " + ".join(map(str, run.sensors))
+    after = "" if run.cost_iteration is None else f" after {run.cost_iteration} iterations"
+    best = "" if run.best_generation is None else f" and at its best by {run.best_generation:,}"
+    way = "" if run.length_m is None else f", {run.length_m:,.2f} of it way"
+    return (
+        f"{sum(run.sensors)} sensors ({by_zone}); their cost falls from {run.first_cost:,.0f} to "
+        f"{run.last_cost:,.0f}{after}. The tour is {run.tour_length:,.2f} long{way}, stable after generation "
+        f"{run.stable_generation:,}{best}. The partition costs "
+        f"{run.partition_cost:,.2f} after iteration {run.partition_iteration}, where Table 4 has "
+        f"{paper.TABLE_4_ITERATIONS}."
+    )
+
+
+def _found(case: Case, run: paper.PaperRun) -> str:
+    """What comes of the three algorithms here, and how the plans compare."""
+    stages = case.printed.stages
+    deployment, frame, partition = stages.framed.deployment, stages.framed.parts[0].frame, stages.partitions[0]
+    ours, by_zone = len(deployment.positions_m), " + ".join(map(str, sensors_by_zone(case.mission, deployment)))
+    told = [f"{counted(ours, 'sensor')} ({by_zone}), {_beside(ours, sum(run.sensors))} the paper."]
+    if deployment.history is not None:
+        cost = deployment.history.cost
+        told.append(f"Their cost falls from {cost[0]:,.0f} to {cost[-1]:,.0f}, reached in iteration {settled(cost)}.")
+    told.append(
+        f"The tour is {frame.tour_length:,.2f} long, {frame.length_m:,.2f} of it way{_longer(frame, run)} with "
+        f"{frame.zone_crossings} crossings, by generation {settled(frame.history):,}. The partition costs "
+        f"{partition.cost:,.2f} from iteration {settled(partition.history)} on and has "
+        f"{counted(len(stages.segments), 'segment')}, {_beside(len(stages.segments), len(case.paper.routes))} the "
+        "paper."
+    )
+    return " ".join([*told, _checked_told(case), _compared(case)])
+
+
+def _longer(frame: Frame, run: paper.PaperRun) -> str:
+    """How the way compares with the paper's, where it tells."""
+    if run.length_m is None:
+        return ""
+    more = 100 * (frame.length_m / run.length_m - 1)
+    return f" ({abs(more):.0f} % {'longer' if more > 0 else 'shorter'} than the paper's)"
+
+
+def _beside(ours: int, theirs: int) -> str:
+    if ours == theirs:
+        return "as many as in"
+    return f"{abs(ours - theirs)} {'more' if ours > theirs else 'fewer'} than in"
+
+
+def _checked_told(case: Case) -> str:
+    """Whether the routes as printed do what they shall."""
+    if case.printed.report.verdict == "met":
+        return "The routes round these segments pass the check as they are."
+    return f"That they “cover the task area completely and persistently” does not hold: {unseen_and_late(case)}."
+
+
+def _compared(case: Case) -> str:
+    """Robots of all ways, and the bound."""
+    told = {
+        way: _robots(outcome) + ("" if outcome.met or outcome.robots is None else " (not met)")
+        for way, outcome in case.outcomes.items()
+    }
+    bound = "no bound is known" if case.lower_bound is None else f"proved: at least {case.lower_bound}"
+    rest = ", ".join(f"{way} {told[way]}" for way in DEFAULTS)
+    return f"Mended until the check passes they take {told['mended']}. Other methods: {rest} ({bound})."
+
+
+def _alpha_told(printed: Printed) -> str:
+    """What the paper's two lengths say about alpha."""
+    run = paper.FIGURE_13
+    assert run.length_m is not None
+    alpha, six = 10_000, 6
+    way_m = run.tour_length - six * alpha
+    ours = printed.stages.framed.parts[0].frame.zone_crossings
+    return (
+        f"With α = {alpha:,}, which is not printed, the paper's {run.tour_length:,.2f} is {six} crossings and "
+        f"{way_m:,.2f} of way, where its text has {run.length_m:,.2f}; ours crosses {ours} times."
+    )

@@ -1,0 +1,347 @@
+"""From a mission to a plan: robots at their starts, a run of the swarm, and its trajectories thinned."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon
+
+from rota.checkpoint import SwarmState
+from rota.errors import MissionError, RunError
+from rota.mission import DiscSensor, Mission, SquareSensor, SwarmSettings, inner_reach_m
+from rota.plan import EndReason, Plan, RunEnd
+from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
+from rota.planners.swarm.kernels import Hearing, Rule
+from rota.planners.swarm.messages import oldest_steps
+from rota.planners.swarm.metrics import History, Observer
+from rota.planners.swarm.presence import Presence, holding_from_joining, last_motion
+from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
+from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.space_rollout import SpaceSwarm
+from rota.planners.swarm.starts import place_starts, spare_room_m
+from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
+from rota.planners.swarm.world import kinds_of, walls_of
+
+Floats = NDArray[np.float64]
+
+DECIDE: dict[str, Callable[..., None]] = {
+    "reciprocal": decide_reciprocal,
+    "voronoi": decide_voronoi,
+    "virtual_force": decide_virtual_force,
+    "settle": decide_settle,
+}
+# momentum carries robots through places where they stand still for a moment and are not at rest
+STEPS_AT_REST = {"reciprocal": 1, "voronoi": 1, "virtual_force": 1, "settle": 2}
+ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
+HEIGHTS = 1  # the stream of random numbers that starts in space take their heights from
+LARGEST_SEED = 2**63  # that compiled code can hold
+RANGE_PER_SENSOR = 2.04  # Table 2: 51 m for sensors of 25 m
+
+
+@dataclass(frozen=True, kw_only=True)
+class SwarmRun:
+    """A plan, and how it came about. ``at_rest``: the stop rule ended the run, after so many ``steps``.
+
+    ``history`` None: nobody asked for it. ``state``: what it takes to go on from there.
+    """
+
+    plan: Plan
+    steps: int
+    at_rest: bool
+    history: History | None
+    state: SwarmState
+
+
+def run_mission(
+    mission: Mission,
+    *,
+    seed: int,
+    progress: Callable[[float, str], None] = lambda _fraction, _doing: None,
+    should_stop: Callable[[], bool] = lambda: False,
+    threads: int = 1,
+    observed: bool = False,
+    resume: SwarmState | None = None,
+) -> SwarmRun:
+    """Let the mission's robots spread until they rest, or for as many steps as it allows; then they hold.
+
+    They do not rest for good before all have joined and left, and all moving obstacles have come to a stand.
+
+    Bodies are kept so much wider while they move that thinning the trajectories, which errs by no more than
+    ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
+    is promised. ``observed``: measure every step. ``resume``: go on from there, to the plan that the same run comes to
+    without a stop, bit for bit; what is observed is then the rest. Raises MissionError for starts without room and for
+    a time step that jumps through walls, RunError for a run of another mission or seed. Swarms in space are not
+    observed, and run on one thread.
+    """
+    settings = mission.swarm
+    ground = free_ground(mission)
+    state = _beginning(mission, ground, seed) if resume is None else _resumed(resume, mission, seed)
+    swarm = _swarm_from(state, mission, ground, threads)
+    log = _log_from(state)
+    still, needed = state.steps_at_rest, STEPS_AT_REST[settings.controller]
+    presence = Presence(mission)
+    awaited = max(presence.last_change, last_motion(mission))
+    observer = None
+    if isinstance(swarm, Swarm):
+        presence.begin(swarm)
+        observer = Observer(swarm, ground, settings.stop_m, squares_of(mission)) if observed else None
+    stopped = False
+    while (
+        swarm.steps < settings.most_steps
+        and (still < needed or swarm.steps <= awaited)
+        and not (stopped := should_stop())
+    ):
+        if isinstance(swarm, Swarm) and presence.update(swarm):
+            log.keep_last()
+        began_s = time.perf_counter()
+        still = still + 1 if swarm.step() <= settings.stop_m else 0
+        if observer is not None:
+            observer.note(time.perf_counter() - began_s)
+        log.add(swarm.places_m)
+        if swarm.steps % 50 == 0:
+            progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
+    at_rest = still >= needed and swarm.steps > awaited
+    reason: EndReason = "rest" if at_rest else "stopped" if stopped else "most_steps"
+    end = RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason)
+    return SwarmRun(
+        plan=_plan_of(log, mission, seed, end),
+        steps=swarm.steps,
+        at_rest=at_rest,
+        history=None if observer is None else observer.history(),
+        state=_state_of(state, mission, swarm, log, still),
+    )
+
+
+def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
+    """The robots at their starts; raises MissionError where there is no room, or steps are too long."""
+    settings = mission.swarm
+    _require_short_steps(mission, settings)
+    wish_m = settings.thinning_m if settings.filter else 0.0
+    starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
+    reserve_m = min(wish_m, spare_room_m(mission, ground, starts, wish_m))
+    if settings.altitudes_m is not None:
+        # apart in the plane, they are apart at any heights
+        heights = np.random.default_rng([seed, HEIGHTS]).uniform(*settings.altitudes_m, len(starts))
+        starts = np.column_stack([starts, heights])
+    none = np.empty(0, np.int64)
+    return SwarmState(
+        mission=mission,
+        seed=seed,
+        steps=0,
+        steps_at_rest=0,
+        thinned_m=reserve_m if settings.filter else settings.thinning_m,
+        names=np.arange(len(starts), dtype=np.int64),
+        places_m=starts,
+        velocities_m_s=np.zeros_like(starts),
+        kept_steps=none,
+        kept_robots=none,
+        kept_places_m=np.empty((0, starts.shape[1])),
+        recent_m=starts[None],
+        past=np.empty((0, 4, len(starts))),
+        news_m=np.empty(0),
+    )
+
+
+def _swarm_from(state: SwarmState, mission: Mission, ground: MultiPolygon, threads: int) -> Swarm | SpaceSwarm:
+    """The swarm that goes on from a state, on the ground or at the mission's altitudes."""
+    reserve_m = state.thinned_m if mission.swarm.filter else 0.0
+    if mission.swarm.altitudes_m is not None:
+        return make_space_swarm(mission, ground, state, reserve_m=reserve_m)
+    return make_swarm(
+        mission, ground, state.places_m, seed=state.seed, reserve_m=reserve_m, threads=threads, resume=state
+    )
+
+
+def _log_from(state: SwarmState) -> TrajectoryLog:
+    """The log that goes on from a state."""
+    kept = (Kept(state.kept_steps, state.kept_robots, state.kept_places_m),)
+    return TrajectoryLog(state.recent_m, state.thinned_m, begin=state.recent_from, kept=kept)
+
+
+def _plan_of(log: TrajectoryLog, mission: Mission, seed: int, end: RunEnd) -> Plan:
+    """The plan of the way that was logged, robots holding where they came to."""
+    names = [robot.name for robot in mission.fleet.robots or ()]
+    trajectories = holding_from_joining(log.trajectories(names, mission.swarm.time_step_s), mission)
+    return Plan(mission=mission, trajectories=trajectories, seed=seed, run_end=end)
+
+
+def _resumed(state: SwarmState, mission: Mission, seed: int) -> SwarmState:
+    """The state, once it is clear that it is one of a run of this mission with this seed; RunError otherwise."""
+    state.require_same(mission, seed)
+    hearing = hearing_of(state.mission.swarm)
+    needed = 0 if hearing is None else oldest_steps(hearing) + 1
+    if len(state.past) not in (needed, 0 if state.steps == 0 else needed):
+        raise RunError(f"past: messages of {len(state.past)} steps; {needed} are needed")
+    return state
+
+
+def _state_of(
+    before: SwarmState, mission: Mission, swarm: Swarm | SpaceSwarm, log: TrajectoryLog, still: int
+) -> SwarmState:
+    names, kept = swarm.robots.name.copy(), log.kept
+    return replace(
+        before,
+        mission=mission,
+        steps=swarm.steps,
+        steps_at_rest=still,
+        names=names,
+        places_m=swarm.places_m[names],
+        velocities_m_s=swarm.velocities_m_s[names],
+        kept_steps=kept.steps,
+        kept_robots=kept.robots,
+        kept_places_m=kept.places_m,
+        recent_m=log.recent_m.copy(),
+        past=swarm.past,
+        news_m=swarm.news_m,
+    )
+
+
+def free_ground(mission: Mission) -> MultiPolygon:
+    """The area without what blocks motion."""
+    blocking = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_motion])
+    ground = mission.area.difference(blocking)
+    parts = [part for part in shapely.get_parts(ground) if part.geom_type == "Polygon" and part.area > 0]
+    return MultiPolygon(parts)
+
+
+def make_swarm(
+    mission: Mission,
+    ground: MultiPolygon,
+    starts_m: Floats,
+    *,
+    seed: int,
+    reserve_m: float = 0.0,
+    threads: int = 1,
+    velocities_m_s: Floats | None = None,
+    resume: SwarmState | None = None,
+    decide: Callable[..., None] | None = None,
+) -> Swarm:
+    """The mission's robots at their starts (n, 2), at rest without velocities, or as ``resume`` has them.
+
+    Their bodies are wider by ``reserve_m``. decide: a kernel in place of the controller's own.
+    """
+    settings = mission.swarm
+    robots = mission.fleet.robots or ()
+    sensors = sensors_of(mission)
+    reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
+    reciprocal = settings.controller == "reciprocal"
+    kinds, kind = kinds_of(
+        len(robots),
+        body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
+        sensor_m=sensors,
+        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
+        neighbour_range_m=reach_m if reciprocal else sensors + sensors.max(),
+        wall_range_m=settings.wall_range_m or sensors,
+    )
+    return Swarm(
+        starts_m if resume is None else resume.places_m,
+        kinds=kinds,
+        kind=kind,
+        walls=walls_of(ground),
+        decide=decide or DECIDE[settings.controller],
+        rule=rule_of(settings, seed),
+        safe=settings.filter,
+        moving=mission.moving_obstacles,
+        hearing=hearing_of(settings),
+        device=settings.device,
+        threads=threads,
+        **({"velocities_m_s": velocities_m_s} | _begun(resume)),
+    )
+
+
+def make_space_swarm(
+    mission: Mission, ground: MultiPolygon, state: SwarmState, *, reserve_m: float = 0.0
+) -> SpaceSwarm:
+    """The robots of a mission with altitudes as ``state`` has them; their bodies are wider by ``reserve_m``.
+
+    Ranges that are not given follow from the footprints that robots have at the ceiling.
+    """
+    settings, band = mission.swarm, mission.swarm.altitudes_m
+    assert band is not None
+    robots = mission.fleet.robots or ()
+    widest = sensors_of(mission)
+    full = np.array([robot.sensor.full_height_m for robot in robots if isinstance(robot.sensor, DiscSensor)])
+    kinds, kind = kinds_of(
+        len(robots),
+        body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
+        sensor_m=widest,
+        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
+        neighbour_range_m=settings.neighbour_range_m or RANGE_PER_SENSOR * widest.max(),
+        wall_range_m=settings.wall_range_m or widest,
+    )
+    return SpaceSwarm(
+        state.places_m,
+        kinds=kinds,
+        kind=kind,
+        full_m=np.minimum(full, band[1]),
+        walls=walls_of(ground),
+        band=band,
+        rule=rule_of(settings, state.seed),
+        safe=settings.filter,
+        velocities_m_s=state.velocities_m_s,
+        names=state.names,
+        steps=state.steps,
+    )
+
+
+def _begun(state: SwarmState | None) -> dict[str, Any]:
+    """Where a swarm begins that is not at its starts any more."""
+    if state is None:
+        return {}
+    begun = {"velocities_m_s": state.velocities_m_s, "names": state.names, "steps": state.steps}
+    begun |= {"past": state.past} if len(state.past) else {}
+    return begun | ({"news_m": state.news_m} if state.steps > 0 else {})
+
+
+def rule_of(settings: SwarmSettings, seed: int) -> Rule:
+    """What the compiled controllers read of the settings."""
+    return Rule(
+        neighbours=settings.neighbours if settings.controller == "reciprocal" else ALL_NEIGHBOURS,
+        circle=settings.boundary == "circle",
+        horizon_s=settings.horizon_s,
+        alpha=settings.alpha,
+        samples=settings.samples if settings.velocity == "sampled" else 0,
+        seed=seed % LARGEST_SEED,
+        time_step_s=settings.time_step_s,
+        late=hearing_of(settings) is not None,
+    )
+
+
+def hearing_of(settings: SwarmSettings) -> Hearing | None:
+    """What robots learn of each other, where that is less than all."""
+    if settings.delay_steps == 0 and settings.messages_lost == 0:
+        return None
+    return Hearing(delay_steps=settings.delay_steps, lost=float(settings.messages_lost))
+
+
+def sensors_of(mission: Mission) -> Floats:
+    """(n,): radius of each robot's footprint, at the ceiling where it grows with height; a square's half side."""
+    ceiling_m = (mission.swarm.altitudes_m or (0.0, 0.0))[1]
+    sensors = [robot.sensor for robot in mission.fleet.robots or ()]
+    return np.array([s.radius_at_m(ceiling_m) if isinstance(s, DiscSensor) else inner_reach_m(s) for s in sensors])
+
+
+def squares_of(mission: Mission) -> NDArray[np.bool_]:
+    """(n,): which robots have square footprints."""
+    return np.array([isinstance(robot.sensor, SquareSensor) for robot in mission.fleet.robots or ()], np.bool_)
+
+
+def _require_short_steps(mission: Mission, settings: SwarmSettings) -> None:
+    """Without the filter a robot beyond the range in which walls count must not reach one in a single step."""
+    if settings.filter:
+        return
+    for robot, sensor_m in zip(mission.fleet.robots or (), sensors_of(mission), strict=True):
+        step_m, range_m = robot.speed_m_s * settings.time_step_s, settings.wall_range_m or sensor_m
+        if step_m + robot.body_radius_m > range_m:
+            raise MissionError(
+                f"swarm.time_step_s: {settings.time_step_s:.6g} is not allowed without the filter: robot {robot.name}"
+                f" goes {step_m:.6g} m in a step and heeds walls within {range_m:.6g} m only, so it may jump through"
+                " one; a shorter step or filter: true is needed"
+            )

@@ -1,0 +1,36 @@
+"""Settings small enough for tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from rota.papers.chen2018.runs import Runs, StudySettings
+
+SMALL = StudySettings(
+    seeds=2,
+    steps=60,
+    scales=(4, 9),
+    scale_seeds=1,
+    scale_steps=50,
+    large_robots=40,
+    large_steps=40,
+    timed_steps=5,
+    gain_seeds=1,
+    claim_seeds=1,
+    long_steps=60,
+)
+
+
+@pytest.fixture(scope="session")
+def settings() -> StudySettings:
+    return SMALL
+
+
+@pytest.fixture
+def make_runs(settings: StudySettings) -> Callable[..., Runs]:
+    def make(seed: int = 0, should_stop: Callable[[], bool] = lambda: False) -> Runs:
+        return Runs(settings, seed=seed, tell=lambda _: None, should_stop=should_stop)
+
+    return make

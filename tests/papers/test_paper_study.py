@@ -1,0 +1,70 @@
+"""The frame of a paper's study: which figures it makes, from what, and what it tells meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import pytest
+
+from rota.papers.section import Section
+from rota.papers.study import PaperStudy, StudyStopped
+
+
+class Runs:
+    """Runs that tell of each, and remember how often they were asked."""
+
+    def __init__(
+        self, settings: str, *, seed: int, tell: Callable[[str], None], should_stop: Callable[[], bool]
+    ) -> None:
+        self.settings, self.seed, self.tell, self.should_stop = settings, seed, tell, should_stop
+        self.asked = 0
+
+    def __call__(self, figure: int) -> Section:
+        """A section that says which run it is made from."""
+        if self.should_stop():
+            raise StudyStopped
+        self.asked += 1
+        self.tell(f"run {self.asked}")
+        told = f"{self.settings}, seed {self.seed}, run {self.asked}"
+        return Section(figure=figure, heading="", pictures=(), caption="", paper="", found=told)
+
+
+class Told(NamedTuple):
+    """How far the study is, and what it does."""
+
+    fraction: float
+    doing: str
+
+
+STUDY = PaperStudy(
+    page_file="page.md",
+    pictures="page-*.png",
+    figures={2: (lambda runs: runs(2), 3.0), 5: (lambda runs: runs(5), 1.0), 7: (lambda runs: runs(7), 4.0)},
+    settings=lambda: "as in docs",
+    runs=Runs,
+    page=lambda sections, seed, settings: f"{[s.figure for s in sections]} with {seed}, {settings}",
+)
+
+
+def test_all_figures_are_made_from_one_set_of_runs_unless_some_are_asked_for() -> None:
+    found = STUDY(seed=4)
+    assert [section.found for section in found.sections] == [f"as in docs, seed 4, run {k}" for k in (1, 2, 3)]
+    assert found.files == {"page.md": b"[2, 5, 7] with 4, as in docs"}
+    assert STUDY((7,), settings="less").page == "[7] with 0, less"
+
+
+def test_the_fraction_done_goes_by_the_work_of_the_figures_asked_for() -> None:
+    told: list[Told] = []
+    STUDY(progress=lambda fraction, doing: told.append(Told(fraction, doing)))
+    assert told == [Told(0, "run 1"), Told(3 / 8, "run 2"), Told(4 / 8, "run 3")]
+    told.clear()
+    STUDY((5, 7), progress=lambda fraction, doing: told.append(Told(fraction, doing)))
+    assert told == [Told(0, "run 1"), Told(1 / 5, "run 2")]
+
+
+def test_a_stop_between_two_figures_ends_the_study() -> None:
+    told: list[str] = []
+    with pytest.raises(StudyStopped):
+        STUDY(progress=lambda _, doing: told.append(doing), should_stop=lambda: len(told) == 2)
+    assert told == ["run 1", "run 2"]

@@ -1,0 +1,102 @@
+"""The house's order, read from the source: no circles, nothing imported upwards, papers apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import pytest
+from tests.test_imports import FILES, imports_of, module_name, within
+
+PATROL = "rota.planners.patrol"
+# from the ground up: what stands in one row is imported by the rows below it, never the other way round
+PATROL_STAGES = [
+    ["tours", "verdict", "margins"],
+    ["ground"],
+    ["bounds", "context"],
+    ["annealing"],
+    ["initial", "traffic"],
+    ["repair"],
+    ["methods"],
+    ["planner"],
+]
+METHOD_STAGES = [["anneal_and_repair", "sweeping", "sun2019"], ["fewest", "large"], ["registry"], ["fixed_team"]]
+
+MODULES = {module_name(file): file for file in FILES}
+
+
+def imported_modules(module: str) -> set[str]:
+    """The modules of rota that a module imports, with the names that it takes from them left out."""
+    named = imports_of(MODULES[module])
+    return {name for name in named if name in MODULES and name != module and not _is_package_of(name, named)}
+
+
+def _is_package_of(name: str, named: Iterable[str]) -> bool:
+    # `from rota.check import report` names rota.check too
+    return any(other != name and other in MODULES and within(other, name) for other in named)
+
+
+def circle_in(arrows: Mapping[str, set[str]]) -> list[str]:
+    """The names on some circle of arrows, in turn; empty when there is none."""
+    done: set[str] = set()
+
+    def walk(name: str, path: list[str]) -> list[str]:
+        if name in path:
+            return path[path.index(name) :]
+        if name in done:
+            return []
+        for other in sorted(arrows.get(name, ())):
+            if circle := walk(other, [*path, name]):
+                return circle
+        done.add(name)
+        return []
+
+    return next((circle for name in sorted(arrows) if (circle := walk(name, []))), [])
+
+
+def rooms(package: str) -> dict[str, set[str]]:
+    """Which modules and folders of a package import which others of it."""
+    arrows: dict[str, set[str]] = {}
+    for module in MODULES:
+        if module.startswith(package + "."):
+            room = module[len(package) + 1 :].split(".")[0]
+            there = {
+                name[len(package) + 1 :].split(".")[0] for name in imported_modules(module) if within(name, package)
+            }
+            arrows.setdefault(room, set()).update(there - {room, ""})
+    return arrows
+
+
+def test_circles_are_seen() -> None:
+    assert circle_in({"a": {"b"}, "b": {"c"}, "c": set(), "d": {"b"}}) == []
+    assert circle_in({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == ["b", "c"]
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    assert circle_in({module: imported_modules(module) for module in MODULES}) == []
+
+
+@pytest.mark.parametrize("package", sorted({name.rsplit(".", 1)[0] for name in MODULES if "." in name}))
+def test_no_folders_import_each_other_in_a_circle(package: str) -> None:
+    assert circle_in(rooms(package)) == []
+
+
+@pytest.mark.parametrize(("package", "stages"), [(PATROL, PATROL_STAGES), (f"{PATROL}.methods", METHOD_STAGES)])
+def test_nothing_is_imported_upwards(package: str, stages: list[list[str]]) -> None:
+    stage = {room: k for k, row in enumerate(stages) for room in row}
+    arrows = rooms(package)
+    assert set(arrows) == set(stage), "every room has its stage"
+    upwards = [(room, other) for room, others in arrows.items() for other in others if stage[other] > stage[room]]
+    assert upwards == []
+
+
+def test_papers_are_imported_by_the_command_only() -> None:
+    others = [module for module in MODULES if not within(module, "rota.papers")]
+    theirs = [module for module in others if any(within(name, "rota.papers") for name in imported_modules(module))]
+    assert theirs == ["rota.command.study"]
+
+
+def test_the_published_method_is_loaded_by_the_registry_only() -> None:
+    own = f"{PATROL}.methods.sun2019"
+    others = [module for module in MODULES if not within(module, own) and not within(module, "rota.papers")]
+    theirs = [module for module in others if any(within(name, own) for name in imported_modules(module))]
+    assert theirs == [f"{PATROL}.methods.registry"]
