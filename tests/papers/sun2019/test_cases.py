@@ -140,7 +140,7 @@ def test_the_texts_tell_the_numbers_of_the_run(make_runs, without_search: list[M
     assert f"{len(case.printed.stages.framed.deployment.positions_m)} sensors (" in section.found
     assert f"{case.unseen_m2:,.0f} m²" in section.found
     assert "61,025.99 is 6 crossings and 1,025.99 of way, where its text has 1,027.40" in section.found
-    assert [picture.file for picture in section.pictures] == ["figure-13.png", "figure-13-plans.png"]
+    assert [picture.file for picture in section.pictures] == ["sun2019-figure-13.png", "sun2019-figure-13-plans.png"]
 
 
 def test_figure_14_has_the_cases_of_table_6(
@@ -163,7 +163,7 @@ def test_figure_14_has_the_cases_of_table_6(
     assert "the paper 19" in section.found
     assert re.search(r"sun2019 \d+ \(0 of 2 cases met\)", section.found)
     assert [mission.name for mission in without_search] == ["sun2019-12-10-20"] * 5 + ["sun2019-12-10-10"] * 5
-    assert [picture.file for picture in section.pictures] == ["figure-14.png", "figure-14-mended.png"]
+    assert [picture.file for picture in section.pictures] == ["sun2019-figure-14.png", "sun2019-figure-14-mended.png"]
     # the paper, its swarms, and two readings of legs with four weights; sums are of Section 5.1 and the two cases
     assert readings.head[1:5] == ("5.1", "C4", "C6", "5.3")
     assert readings.rows[0][1:] == ("5", "8", "11, 4 late", "7", "24, 4 late", "")

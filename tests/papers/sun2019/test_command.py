@@ -32,8 +32,8 @@ def test_the_page_and_its_pictures_go_into_a_new_folder(capsys: pytest.CaptureFi
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "Crossings between the two sub-regions"
     assert lines[1].split()[:3] == ["distances", "paper", "ours"]
-    assert lines[-3:] == ["out/figure-8.png", "out/figure-15.png", "out/sun2019.md"]
-    assert sorted(os.listdir("out")) == ["figure-15.png", "figure-8.png", "sun2019.md"]
+    assert lines[-3:] == ["out/sun2019-figure-8.png", "out/sun2019-figure-15.png", "out/sun2019.md"]
+    assert sorted(os.listdir("out")) == ["sun2019-figure-15.png", "sun2019-figure-8.png", "sun2019.md"]
     assert "with seed 3 and effort quick" in Path("out/sun2019.md").read_text()
 
 
@@ -50,7 +50,7 @@ def test_without_a_folder_it_prints_the_tables_alone(capsys: pytest.CaptureFixtu
         (["-o", "file"], "file: is a file; the path of a folder is needed"),
         (["-o", "missing/out"], "there is no folder"),
         (["-o", "full"], "sun2019.md: is a folder; the path of a file is needed"),
-        (["-o", "taken"], "figure-6.png: is a folder; the path of a file is needed"),
+        (["-o", "taken"], "sun2019-figure-6.png: is a folder; the path of a file is needed"),
         (["--figures", "9"], "figures: '9' is none of them; 6, 8, 12, 13, 14, 15 and 16 are"),
         (["--figures", ""], "figures: '' is none of them"),
     ],
@@ -65,7 +65,7 @@ def test_what_cannot_be_is_refused_before_any_run(
     monkeypatch.setattr(study_module, "sun2019_study", replace(sun2019_study, runs=never))
     Path("file").write_text("mine")
     Path("full/sun2019.md").mkdir(parents=True)
-    Path("taken/figure-6.png").mkdir(parents=True)
+    Path("taken/sun2019-figure-6.png").mkdir(parents=True)
     assert run(["study", "sun2019", *arguments]) == 2
     assert message in capsys.readouterr().err
     assert Path("file").read_text() == "mine"

@@ -93,14 +93,14 @@ def test_tables_are_whole_markdown(study: Study) -> None:
 def test_the_same_seed_gives_the_same_files(settings: StudySettings) -> None:
     once, again, other = (sun2019_study((12,), settings=settings, seed=seed).files for seed in (1, 1, 2))
     assert once == again
-    assert once["figure-12.png"] != other["figure-12.png"]
+    assert once["sun2019-figure-12.png"] != other["sun2019-figure-12.png"]
 
 
 def test_files_are_written_whole_and_others_stay(study: Study, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     folder.mkdir()
     (folder / "notes.txt").write_text("mine")
-    (folder / "figure-6.png").write_text("old")
+    (folder / "sun2019-figure-6.png").write_text("old")
     written = write_study(study, folder)
     assert {path.name for path in folder.iterdir()} == {"notes.txt", *(path.name for path in written)}
     assert {path.name: path.read_bytes() for path in written} == study.files

@@ -26,12 +26,12 @@ def figure_14_section(runs: Runs) -> Section:
         heading="other periods",
         pictures=(
             Picture(
-                "figure-14.png",
+                "sun2019-figure-14.png",
                 "Routes as printed for six choices of periods",
                 study_picture([printed_panel(_title(k, case), case.printed) for k, case in enumerate(cases)]),
             ),
             Picture(
-                "figure-14-mended.png",
+                "sun2019-figure-14-mended.png",
                 "The same routes mended until the check passes",
                 study_picture([_mended_panel(k, case) for k, case in enumerate(cases)]),
             ),

@@ -89,13 +89,13 @@ def run_pictures(figure: int, case: Case, cheapest: Partition) -> tuple[Picture,
     ]
     return (
         Picture(
-            f"figure-{figure}.png",
+            f"sun2019-figure-{figure}.png",
             f"{len(deployment.positions_m)} sensors, the frame through them, {len(case.printed.plan.trajectories)} "
             "routes, and how the three algorithms came to them",
             study_picture(panels),
         ),
         Picture(
-            f"figure-{figure}-plans.png",
+            f"sun2019-figure-{figure}-plans.png",
             f"The paper's stages, mended ({_robots(case.outcomes['mended'])}), and tours "
             f"({_robots(case.outcomes['tours'])})",
             study_picture(plans),

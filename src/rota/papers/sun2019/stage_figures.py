@@ -60,7 +60,7 @@ def figure_6_section(runs: Runs) -> Section:
         heading="sensors with and without the heuristic rules",
         pictures=(
             Picture(
-                "figure-6.png",
+                "sun2019-figure-6.png",
                 f"{ours} sensors with the rules, {theirs} without, and how the cost of both falls",
                 study_picture(panels),
             ),
@@ -144,7 +144,7 @@ def figure_8_section(runs: Runs) -> Section:
         heading="the frame by two distances",
         pictures=(
             Picture(
-                "figure-8.png",
+                "sun2019-figure-8.png",
                 f"{counted(straight.zone_crossings, 'crossing')} with Euclidean distances, {graph.zone_crossings} with "
                 "those of Eq. 14",
                 study_picture(panels),
@@ -199,7 +199,7 @@ def figure_12_section(runs: Runs) -> Section:
         heading="the stages of the method",
         pictures=(
             Picture(
-                "figure-12.png",
+                "sun2019-figure-12.png",
                 "The mission, sensors with what they see, the frame through them, its segments, and their routes",
                 study_picture(panels),
             ),
@@ -229,7 +229,7 @@ def figure_15_section(runs: Runs) -> Section:
         heading="the second map",
         pictures=(
             Picture(
-                "figure-15.png",
+                "sun2019-figure-15.png",
                 "A pentagon with a hexagonal zone, a circular zone and two obstacles",
                 study_picture([panel], columns=1, width=ONE_MAP_WIDTH),
             ),

@@ -16,7 +16,7 @@ from rota.papers.sun2019.stage_figures import (
 
 sun2019_study = PaperStudy(
     page_file="sun2019.md",
-    pictures="figure-*.png",
+    pictures="sun2019-figure-*.png",
     figures={
         6: (figure_6_section, 80),
         8: (figure_8_section, 10),
