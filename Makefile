@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: setup demo pictures test bench clean
+.PHONY: setup demo pictures docs test bench clean
 
 setup: .venv/ready
 
@@ -30,6 +30,10 @@ pictures: demo
 	$(BIN)/rota plan examples/bounce-monitor.yaml -o out/bounce-monitor.rota.json
 	$(BIN)/rota draw out/bounce-monitor.rota.json --cells -o docs/bounce-monitor.png
 
+# the pages of docs/ as HTML; a warning is an error
+docs: setup
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going -b html docs docs/_build
+
 test: setup
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -40,4 +44,4 @@ bench: setup
 	$(BIN)/python -m benchmarks
 
 clean:
-	rm -rf .venv out
+	rm -rf .venv out docs/_build
