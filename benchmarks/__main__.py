@@ -10,7 +10,8 @@ from typing import get_args
 
 from benchmarks.figures import FIGURES, LONG
 from benchmarks.machine import facts
-from benchmarks.row import Options, Row
+from benchmarks.measured import PAGE, cell, kept_row, page_of, read_kept, replaced, write_kept
+from benchmarks.row import EFFORT_TAKEN, Options, Row
 from benchmarks.warm_cache import REPEATS, SHORT_S
 from rota.mission import Effort
 
@@ -36,12 +37,21 @@ def main() -> None:
         for name in names:
             for row in FIGURES[name](options):
                 print(line_of(row), flush=True)
+                if chosen.keep:
+                    keep(row, name, chosen.effort)
+
+
+def keep(row: Row, name: str, effort: str) -> None:
+    """Put the row into the file of figures, and write the page that shows them."""
+    rows = replaced(read_kept(), [kept_row(row, name, effort)])
+    write_kept(rows)
+    PAGE.write_text(page_of(read_kept()))
 
 
 def line_of(row: Row) -> str:
     """The row in Markdown; a cell may hold anything."""
     cells = (row.name, row.asked, row.measured, {True: "yes", False: "NO", None: ""}[row.reached])
-    return "| " + " | ".join(" ".join(cell.split()).replace("|", "/") for cell in cells) + " |"
+    return "| " + " | ".join(cell(text) for text in cells) + " |"
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -50,12 +60,12 @@ def arguments() -> argparse.ArgumentParser:
     known = f"{', '.join(FIGURES)}; default all but {' and '.join(LONG)}, which take long"
     parser.add_argument("names", nargs="*", type=figure_name, metavar="NAME", help=f"figures to measure: {known}")
     parser.add_argument("--all", action="store_true", help="measure those that take long, too")
+    parser.add_argument("--keep", action="store_true", help="keep the rows in measured.csv and docs/benchmarks.md")
     parser.add_argument(
         "--effort",
         choices=get_args(Effort),
         default="quick",
-        help="of sun-cases, sun2019-method, one-robot, plan-1-km2, plan-10-km2 and random-missions; default quick,"
-        " as all else is",
+        help=f"of {', '.join(EFFORT_TAKEN[:-1])} and {EFFORT_TAKEN[-1]}; default quick, as all else is",
     )
     parser.add_argument(
         "--missions", type=count, default=1000, metavar="N", help="of random-missions, known-plans; default 1000"

@@ -12,13 +12,18 @@ PACKAGES = ("rota", "numba", "numpy", "scipy", "shapely")
 
 def facts() -> list[str]:
     """Lines about processor, memory, system and versions; nothing that names the machine."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     memory_gb = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
     busy = os.getloadavg()[0]
     return [
-        f"{cores} cores ({_processor()}), {memory_gb:.0f} GB, {platform.system()}; load {busy:.1f} at the start",
+        f"{cores_told()}, {memory_gb:.0f} GB, {platform.system()}; load {busy:.1f} at the start",
         f"Python {platform.python_version()}, " + ", ".join(f"{name} {version(name)}" for name in PACKAGES),
     ]
+
+
+def cores_told() -> str:
+    """How many cores this process may use, and of what kind."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return f"{cores} cores ({_processor()})"
 
 
 def _processor() -> str:

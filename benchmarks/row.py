@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+# figures that heed ``effort``; all others are measured at quick
+EFFORT_TAKEN = ("sun-cases", "sun2019-method", "one-robot", "plan-1-km2", "plan-10-km2", "random-missions")
+
 
 class Row(NamedTuple):
     """One line of the table. ``reached`` None: not measured, or nothing is asked."""

@@ -125,7 +125,7 @@ def driven_verdict(plans: Mapping[str, Plan], place: str) -> Verdict:
         f"Three snapshots and a video stand for it; no times or distances are printed. Sketches can be exported of "
         f"{len(slowing)} of {len(plans)} plans of ours, on clocks {slower} times slower than planned; "
         f"{bumps / max(legs, 1):.0%} of their legs end in a contact. They have been driven in a simulator "
-        "of the chip (`create2-sketch` in the README's table), never on a robot.",
+        "of the chip (`create2-sketch` in docs/benchmarks.md), never on a robot.",
     )  # fmt: skip
 
 

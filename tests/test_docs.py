@@ -1,0 +1,73 @@
+"""The pages: what is generated is up to date, every page is in the contents, and every link leads somewhere."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+from benchmarks.measured import KEPT, PAGE, page_of, read_kept, replaced, write_kept
+
+import rota
+
+PROJECT = Path(__file__).parents[1]
+DOCS = PROJECT / "docs"
+PAGES = sorted(DOCS.glob("*.md"))
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+
+
+def test_the_page_of_figures_is_what_the_kept_rows_give() -> None:
+    assert PAGE.read_text() == page_of(read_kept()), "run python -m benchmarks.measured"
+
+
+def test_kept_rows_are_replaced_by_command_and_figure(tmp_path: Path) -> None:
+    rows = read_kept()
+    assert len(rows) > 100
+    newer = rows[3]._replace(measured="7 s", date="2030-01-01")
+    added = rows[3]._replace(figure="another", command=f"{rows[3].command} --effort high")
+    kept = replaced(rows, [newer, added])
+    assert kept[3] == newer
+    assert kept[:3] + kept[4:-1] == rows[:3] + rows[4:]
+    assert kept[-1] == added
+    write_kept(rows, tmp_path / "kept.csv")
+    assert (tmp_path / "kept.csv").read_text() == KEPT.read_text()
+
+
+def test_kept_rows_with_other_columns_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "kept.csv").write_text("figure,asked\na,b\n")
+    with pytest.raises(ValueError, match=r"kept\.csv: columns figure, asked; command, figure, .* are needed"):
+        read_kept(tmp_path / "kept.csv")
+
+
+def test_every_page_is_in_the_contents() -> None:
+    contents = "\n".join(re.findall(r"^```\{toctree\}.*?^```", (DOCS / "index.md").read_text(), re.M | re.S))
+    listed = {line.strip() for line in contents.splitlines() if line and line[0] not in ":`"}
+    assert listed == {page.stem for page in PAGES} - {"index"}
+
+
+@pytest.mark.parametrize("page", [*PAGES, PROJECT / "README.md"], ids=lambda page: page.name)
+def test_links_lead_to_files(page: Path) -> None:
+    links = LINK.findall(FENCED.sub("", page.read_text()))
+    files = [link.partition("#")[0] for link in links if "://" not in link and not link.startswith("#")]
+    assert [file for file in files if not (page.parent / file).exists()] == []
+
+
+def test_every_picture_is_shown_somewhere() -> None:
+    shown = "".join(page.read_text() for page in [*PAGES, PROJECT / "README.md"])
+    pictures = [*DOCS.glob("*.png"), *DOCS.glob("*.gif"), *DOCS.glob("*.svg")]
+    assert [picture.name for picture in pictures if picture.name not in shown] == []
+
+
+def test_the_reference_names_modules_that_exist_and_all_public_names() -> None:
+    reference = (DOCS / "api.md").read_text()
+    modules = re.findall(r"^\.\. (?:auto)?module:: (\S+)", reference, re.M)
+    assert [name for name in modules if importlib.util.find_spec(name) is None] == []
+    listed = {name: home for name, home in re.findall(r"`(\w+) <(rota\.[\w.]+)\.\w+>`", reference)}
+    assert sorted(listed) == rota.__all__
+    wrong = [
+        name for name, home in listed.items() if home not in modules or not hasattr(importlib.import_module(home), name)
+    ]
+    assert wrong == []
