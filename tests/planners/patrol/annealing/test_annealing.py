@@ -40,7 +40,7 @@ SQUARE = np.array([[0.0, 0], [6, 0], [6, 6], [0, 6]])
 
 
 def tour(vertices_m: object, **fields: object) -> Tour:
-    values: dict[str, object] = {"serves": 0, "period_s": 10.0, "robots": 1, "robot": ROBOT, "part": 0}
+    values: dict[str, object] = {"period_class": 0, "period_s": 10.0, "robots": 1, "robot": ROBOT, "component": 0}
     return Tour(vertices_m=np.array(vertices_m, dtype=np.float64), **(values | fields))  # type: ignore[arg-type]
 
 
@@ -218,7 +218,7 @@ def assert_books_are_true(search: Annealing) -> None:
         for v in ring:
             w = state.after[v]
             ends = (state.x[v], state.y[v], state.x[w], state.y[w])
-            sensor = (state.reach_m[k], state.square[k], state.serves[k], samples, out)
+            sensor = (state.reach_m[k], state.square[k], state.period_class[k], samples, out)
             runs = state.seen[state.slot[v], : state.seen_n[state.slot[v]]]
             if runs.tolist() != out[: leg_sees(*ends, *sensor)].tolist():
                 # what is seen from the very end of a leg, past a corner that it touches, depends on the direction in
@@ -257,7 +257,7 @@ def seen_from(state: Tours, samples: Samples, k: int, places: Sequence[tuple[flo
     times = np.zeros(len(samples.x), dtype=np.int64)
     out = np.empty(2 * len(samples.x), dtype=np.int32)
     for a, b in pairwise(places):
-        count = leg_sees(*a, *b, state.reach_m[k], state.square[k], state.serves[k], samples, out)
+        count = leg_sees(*a, *b, state.reach_m[k], state.square[k], state.period_class[k], samples, out)
         for first, end in out[:count].reshape(-1, 2):
             times[first:end] += 1
     return times
@@ -285,7 +285,7 @@ def test_the_books_are_true_after_many_moves(case: dict[str, object]) -> None:
     assert len(given.periods_s) == 4
     search = started(given)
     assert len(search.tours) >= 4
-    assert len({one.serves for one in search.tours}) == 4
+    assert len({one.period_class for one in search.tours}) == 4
     assert_books_are_true(search)
     for moves in (1, 10, 1000, 30_000):
         run(search, moves)
@@ -347,13 +347,16 @@ def test_what_a_tour_may_not_serve_it_does_not_count() -> None:
     for k, ring in enumerate(rings(state)):
         for slot in state.slot[ring]:
             for first, end in state.seen[slot, : state.seen_n[slot]].reshape(-1, 2):
-                assert (given.points.period[first:end] >= state.serves[k]).all()
+                assert (given.points.period[first:end] >= state.period_class[k]).all()
 
 
 def test_tours_of_one_vertex_grow_and_are_counted() -> None:
     given = problem()
     _, samples = prepared_with(given, no_points())
-    alone = [tour([[5, 5]], robot=given.robot, period_s=60), tour([[30, 20]], robot=given.robot, period_s=60, serves=1)]
+    alone = [
+        tour([[5, 5]], robot=given.robot, period_s=60),
+        tour([[30, 20]], robot=given.robot, period_s=60, period_class=1),
+    ]
     search = Annealing(
         alone, samples, given.space_grid, price=np.full(2, 0.1), over_price=np.full(2, 1.0), seed=5,
         range_margin_m=given.range_margin_m,

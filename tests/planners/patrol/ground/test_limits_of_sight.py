@@ -93,7 +93,7 @@ def test_arcs_are_fine_where_rims_matter() -> None:
 def test_legs_beside_the_border_are_drawn_onto_it() -> None:
     paths = ShortestPaths(SPACE)
     around = np.array([[4.0, 3.999], [9, 3.996], [9.002, 9.5], [6, 9.503], [3.0, 12.0], [3.999, 6.0]])
-    tour = Tour(vertices_m=around, serves=0, period_s=60, robots=1, robot=DISC)
+    tour = Tour(vertices_m=around, period_class=0, period_s=60, robots=1, robot=DISC)
     border = shapely.get_coordinates(shapely.segmentize(CLOSED.boundary, 0.4))
     (drawn,) = along_the_rim([tour], border, SPACE, paths, near_m=0.012, wide_m=1.0)
     far = shapely.distance(shapely.points(drawn.vertices_m), shapely.boundary(CLOSED))

@@ -25,8 +25,8 @@ def rings(problem: Problem, *corners_m: tuple[float, float, float]) -> list[Tour
     """Square tours, each given by its lower left corner and its side."""
     return [
         Tour(
-            vertices_m=np.array([[x, y], [x + a, y], [x + a, y + a], [x, y + a]]), serves=0, period_s=25.0, robots=1,
-            robot=problem.robot, part=0,
+            vertices_m=np.array([[x, y], [x + a, y], [x + a, y + a], [x, y + a]]), robots=1, robot=problem.robot,
+            period_class=0, period_s=25.0, component=0,
         )
         for x, y, a in corners_m
     ]  # fmt: skip
@@ -41,11 +41,11 @@ def test_a_spare_robot_helps_where_the_budget_is_fullest(problem: Problem) -> No
 
 def test_joined_tours_go_round_both_and_change_over_where_they_are_near(problem: Problem) -> None:
     a, b = rings(problem, (2, 2, 8), (14, 2, 10))
-    b = replace(b, serves=1, period_s=60.0)
+    b = replace(b, period_class=1, period_s=60.0)
     both = joined_tour(problem, a, b)
     # 4 m between (10, 2) and (14, 2), there and back
     assert tour_length_m(both) == pytest.approx(32 + 40 + 2 * 4)
-    assert (both.serves, both.period_s, both.robots) == (0, 25.0, 1)
+    assert (both.period_class, both.period_s, both.robots) == (0, 25.0, 1)
     walked = LineString(np.vstack([both.vertices_m, both.vertices_m[:1]]))
     for one in (a, b):
         assert walked.buffer(1e-9).covers(LineString(np.vstack([one.vertices_m, one.vertices_m[:1]])))

@@ -50,19 +50,25 @@ def problem() -> Problem:
 
 
 def ring(problem: Problem, corners_m: list[list[float]], **fields: object) -> Tour:
-    values: dict[str, object] = {"serves": 0, "period_s": 20.0, "robots": 1, "robot": problem.robot, "part": 0}
+    values: dict[str, object] = {
+        "period_class": 0,
+        "period_s": 20.0,
+        "robots": 1,
+        "robot": problem.robot,
+        "component": 0,
+    }
     return Tour(vertices_m=np.array(corners_m, dtype=np.float64), **(values | fields))  # type: ignore[arg-type]
 
 
 def nest(problem: Problem) -> list[Tour]:
     """A hub of 24 m, petals of 12, 16 and 0 m from its corner, and another tour."""
-    slow = {"serves": 1, "period_s": 60.0, "robots": 0, "nest": 4}
+    slow = {"period_class": 1, "period_s": 60.0, "robots": 0, "nest": 4}
     return [
         ring(problem, [[9, 3], [3, 3], [3, 9], [9, 9]], nest=4),
         ring(problem, [[9, 3], [15, 3]], **slow),
         ring(problem, [[9, 3], [17, 3]], **slow),
         ring(problem, [[9, 3]], **slow),
-        ring(problem, [[20, 3], [27, 3], [27, 9], [20, 9]], serves=1, period_s=60.0),
+        ring(problem, [[20, 3], [27, 3], [27, 9], [20, 9]], period_class=1, period_s=60.0),
     ]
 
 
@@ -124,7 +130,7 @@ def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem
 
 
 def test_petals_from_different_vertices_take_one_round_more(problem: Problem) -> None:
-    slow = {"serves": 1, "period_s": 60.0, "robots": 0, "nest": 4}
+    slow = {"period_class": 1, "period_s": 60.0, "robots": 0, "nest": 4}
     tours = [
         ring(problem, [[9, 3], [3, 3], [3, 9], [9, 9]], nest=4),
         ring(problem, [[3, 9], [3, 11]], **slow),
@@ -264,7 +270,7 @@ def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> 
     hub, *petals, slow = tours
     assert [tour.nest for tour in tours] == [0, 0, 0, 0, -1]
     assert all((petal.vertices_m[0] == hub.vertices_m[0]).all() for petal in petals)
-    assert (hub.serves, slow.serves, slow.robots) == (0, 1, 1)
+    assert (hub.period_class, slow.period_class, slow.robots) == (0, 1, 1)
     nearest = min(petal.vertices_m[:, 0].max() for petal in petals)
     assert nearest < slow.vertices_m[:, 0].max()
 
@@ -294,8 +300,8 @@ def test_quick_ground_with_two_robots_gives_one_hub_or_two(problem: Problem) -> 
     way = replace(way, ideal_m=[1.2 * quick_m, 2.1 * replace(way.tours[1], robots=1).budget_m])
     first, second, third = nest_bases(problem, way, [1, 2], 3)
     assert [tour.robots for tour in first.tours] == [1, 2]
-    assert [(tour.serves, tour.robots) for tour in second.tours] == [(0, 2), (1, 1)]
-    assert [(tour.serves, tour.robots) for tour in third.tours] == [(0, 1), (0, 1), (1, 1)]
+    assert [(tour.period_class, tour.robots) for tour in second.tours] == [(0, 2), (1, 1)]
+    assert [(tour.period_class, tour.robots) for tour in third.tours] == [(0, 1), (0, 1), (1, 1)]
     assert third.ideal_m[0] + third.ideal_m[1] == pytest.approx(1.2 * quick_m)
     assert third.ideal_m[2] == way.ideal_m[1]
     # with two robots nothing would be left for the rest

@@ -113,12 +113,12 @@ def test_of_many_nests_the_better_half_goes_on(
     ) -> list[Little]:
         assert (seed, coarse) == (5, True)
         made.append((len(given), moves))
-        return [Little(shortfall_m=(7 * one[0].serves) % 13) for one in given]
+        return [Little(shortfall_m=(7 * one[0].period_class) % 13) for one in given]
 
     monkeypatch.setattr(tours, "annealed_all", annealed_all)
-    spot = Tour(vertices_m=np.zeros((1, 2)), serves=0, period_s=60, robots=1, robot=here.problem.robot)
-    splits = [Split(room=1.0, tours=[replace(spot, serves=k)], nests=True) for k in range(begun)]
-    kept = [split.tours[0].serves for split in tours.sifted(here, splits, most, seed=5)]
+    spot = Tour(vertices_m=np.zeros((1, 2)), period_class=0, period_s=60, robots=1, robot=here.problem.robot)
+    splits = [Split(room=1.0, tours=[replace(spot, period_class=k)], nests=True) for k in range(begun)]
+    kept = [split.tours[0].period_class for split in tours.sifted(here, splits, most, seed=5)]
     assert made == [(n, here.work.screening_moves >> turn) for n, turn in rounds]
     best = sorted(range(begun), key=lambda k: 7 * k % 13)[:most]
     assert kept == (best if rounds else list(range(begun)))
@@ -173,7 +173,7 @@ def test_tours_without_hope_are_not_mended(
 
     here = context(replace(YARD, fleet=replace(YARD.fleet, turn_rate_rad_s=turn_rate_rad_s)).with_effort(effort))
     points = no_points()
-    spot = Tour(vertices_m=np.zeros((1, 2)), serves=0, period_s=60, robots=1, robot=here.problem.robot)
+    spot = Tour(vertices_m=np.zeros((1, 2)), period_class=0, period_s=60, robots=1, robot=here.problem.robot)
     bent, late = [spot], Late(tours=[spot], met=False, fits=False, extra=points)
     cooled = Cooled(unseen_share=unseen, over_budget_share=0.0, tours=[spot])
     monkeypatch.setattr(cooling, "annealed", lambda *_args, **_kinds: told("anneal", cooled))
@@ -211,7 +211,7 @@ def test_tours_that_come_close_have_more_chances(
     monkeypatch.setattr(cooling, "cooled_and_settled", cooled)
     here = context(YARD.with_effort(effort))
     _, samples = prepared_with(here.problem, no_points())
-    spot = Tour(vertices_m=np.array([[3.0, 3.0]]), serves=0, period_s=60, robots=1, robot=here.problem.robot)
+    spot = Tour(vertices_m=np.array([[3.0, 3.0]]), period_class=0, period_s=60, robots=1, robot=here.problem.robot)
     search = Annealing(
         [spot], samples, here.problem.space_grid,
         price=np.ones(1), over_price=np.ones(1), seed=0, range_margin_m=here.problem.range_margin_m,
@@ -288,12 +288,12 @@ def test_of_many_seeds_those_that_lack_least_go_on(
     lacks_m = {5: 5.0, 105: 9.0, 205: 47.0, 305: 3.0, 405: 4.0, 505: 8.0, 605: 2.0, 705: 46.0}
 
     def shaped(here: Context, given: list[Tour], *, seed: int) -> Shaped:
-        return Shaped(shortfall_m=lacks_m.get(seed, 40.0), began=given[0].serves, seed=seed, dear=here.dear)
+        return Shaped(shortfall_m=lacks_m.get(seed, 40.0), began=given[0].period_class, seed=seed, dear=here.dear)
 
     monkeypatch.setattr(tours, "shaped", shaped)
     here = context(YARD.with_effort(effort))
-    spot = Tour(vertices_m=np.zeros((1, 2)), serves=0, period_s=60, robots=1, robot=here.problem.robot)
-    searches = tours.in_full(here, [[replace(spot, serves=k)] for k in range(begun)], seed=5)
+    spot = Tour(vertices_m=np.zeros((1, 2)), period_class=0, period_s=60, robots=1, robot=here.problem.robot)
+    searches = tours.in_full(here, [[replace(spot, period_class=k)] for k in range(begun)], seed=5)
     found = [(one.began, one.seed, one.dear) for one in searches if isinstance(one, Shaped)]
     assert len(found) == len(searches)
     assert sorted(found) == sorted(expected)

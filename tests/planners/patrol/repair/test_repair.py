@@ -71,8 +71,8 @@ def context(problem: Problem) -> Context:
 def roomy_and_tight(problem: Problem) -> tuple[Tour, Tour]:
     """A tour that takes half of its budget, and one that takes all of it."""
     ring = np.array([[0.0, 0], [15, 0], [15, 15], [0, 15]])
-    roomy = Tour(vertices_m=ring / 2, serves=0, period_s=30, robots=1, robot=problem.robot, part=0)
-    tight = Tour(vertices_m=ring, serves=0, period_s=30, robots=1, robot=problem.robot, part=0)
+    roomy = Tour(vertices_m=ring / 2, period_class=0, period_s=30, robots=1, robot=problem.robot, component=0)
+    tight = Tour(vertices_m=ring, period_class=0, period_s=30, robots=1, robot=problem.robot, component=0)
     assert (tour_length_m(roomy), tour_length_m(tight), tight.budget_m) == pytest.approx((30, 60, 60), rel=0.01)
     return roomy, tight
 
@@ -120,7 +120,7 @@ def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(
         planning=PatrolSettings(effort=effort),
     )
     given = set_up_problem(mission)
-    tour = Tour(vertices_m=ring, serves=0, period_s=period_s, robots=1, robot=given.robot, part=0)
+    tour = Tour(vertices_m=ring, period_class=0, period_s=period_s, robots=1, robot=given.robot, component=0)
     monkeypatch.setattr(repair, "bent", lambda _context, tours, *_rest, **_kinds: tours)  # as if it could not be bent
     asked_s: list[float] = []
 

@@ -30,7 +30,7 @@ SQUARE = np.array([[0.0, 0], [6, 0], [6, 6], [0, 6]])
 
 
 def tour(vertices_m: object, **fields: object) -> Tour:
-    values: dict[str, object] = {"serves": 0, "period_s": 20.0, "robots": 1, "robot": ROBOT, "part": 0}
+    values: dict[str, object] = {"period_class": 0, "period_s": 20.0, "robots": 1, "robot": ROBOT, "component": 0}
     return Tour(vertices_m=np.array(vertices_m, dtype=np.float64), **(values | fields))  # type: ignore[arg-type]
 
 

@@ -17,7 +17,7 @@ WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "ways", "e
 WHOLE = {
     "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
     "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",
-    "grid_n", "anchor", "n", "square", "serves", "hub", "petals", "meets", "more", "seen_n", "free_slots",
+    "grid_n", "anchor", "n", "square", "period_class", "hub", "petals", "meets", "more", "seen_n", "free_slots",
     "unseen_item", "unseen_place", "unseen_in", "ints", "tried_new", "tried_old", "start", "items", "clear",
 }  # fmt: skip
 SHORT = {"column_start", "seen", "times_seen", "bucket_of_sample"}  # 32 bits

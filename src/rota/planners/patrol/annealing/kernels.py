@@ -35,7 +35,7 @@ def added_by(v: int, px: float, py: float, qx: float, qy: float, t: Tours) -> fl
 
 
 @compiled
-def near_leg(px: float, py: float, qx: float, qy: float, tour: int, serves: int, t: Tours) -> int:
+def near_leg(px: float, py: float, qx: float, qy: float, tour: int, period_class: int, t: Tours) -> int:
     """The leg, of those that begin or end near p, where the way p-q adds least; -1 when there is none near.
 
     tour: -1 means any that serves that period class.
@@ -55,7 +55,7 @@ def near_leg(px: float, py: float, qx: float, qy: float, tour: int, serves: int,
                 v = t.bucket[j * columns + i]
                 while v >= 0:
                     k = t.tour[v]
-                    if (tour < 0 or k == tour) and t.serves[k] <= serves:
+                    if (tour < 0 or k == tour) and t.period_class[k] <= period_class:
                         cost = added_by(v, px, py, qx, qy, t)
                         if cost < best:
                             best, leg = cost, v

@@ -103,7 +103,7 @@ class Annealing:
             anchor=numbers(len(tours)), n=numbers(len(tours)), length=np.zeros(len(tours)),
             reach_m=reach_m - self._range_margin_m,
             square=np.array([0 if isinstance(t.robot.sensor, DiscSensor) else 1 for t in tours], dtype=np.int64),
-            serves=np.array([t.serves for t in tours], dtype=np.int64),
+            period_class=np.array([t.period_class for t in tours], dtype=np.int64),
             turn_m=np.array([t.turn_m_per_rad for t in tours]),
             price=np.asarray(self._price, dtype=np.float64),
             budget_m=np.array([t.budget_m for t in tours]) * (1 - self._reserve),

@@ -53,7 +53,7 @@ class Tours(NamedTuple):
     length: Floats  # metres, turning included
     reach_m: Floats
     square: Ints  # 1 where the sensor is a square
-    serves: Ints  # the period class
+    period_class: Ints  # the period class
     turn_m: Floats  # metres in the time of a turn by 1 rad
     price: Floats  # of a metre
     budget_m: Floats
@@ -189,7 +189,7 @@ def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: T
         t.ints[FULL] = 1
         return False
     slot = t.free_slots[left - 1]
-    found = leg_sees(ax, ay, bx, by, t.reach_m[k], t.square[k], t.serves[k], s, t.seen[slot])
+    found = leg_sees(ax, ay, bx, by, t.reach_m[k], t.square[k], t.period_class[k], s, t.seen[slot])
     if found < 0:
         t.ints[FULL] = 1
         return False

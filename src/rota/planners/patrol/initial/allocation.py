@@ -45,23 +45,23 @@ def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
     tours of one period in proportion to their lengths. No tour is ideal below a hundredth of its own length. Robots
     that stand need no more than they move.
     """
-    served = sorted({tour.serves for tour in tours})
+    served = sorted({tour.period_class for tour in tours})
     found = []
     for tour in tours:
         if robots_stand(problem, tour.period_s):
             found.append(tour_length_m(tour))
             continue
-        later = [c for c in served if c > tour.serves]
-        classes = range(tour.serves, min(later, default=len(problem.periods_s)))
+        later = [c for c in served if c > tour.period_class]
+        classes = range(tour.period_class, min(later, default=len(problem.periods_s)))
         ground_m2 = sum(
             region.shape.area
             for region, c in zip(problem.regions, problem.region_class, strict=True)
             if c in classes and region.demand == "every_point"
         )
         own_m = tour_length_m(tour)
-        alike_m = sum(tour_length_m(other) for other in tours if other.serves == tour.serves)
-        part = own_m / alike_m if alike_m > 0 else 1.0
-        found.append(max(0.01 * own_m, part * ground_m2 / problem.swath_m))
+        alike_m = sum(tour_length_m(other) for other in tours if other.period_class == tour.period_class)
+        share = own_m / alike_m if alike_m > 0 else 1.0
+        found.append(max(0.01 * own_m, share * ground_m2 / problem.swath_m))
     return found
 
 
@@ -88,22 +88,22 @@ def robots_each(start: Start, robots: int) -> list[int] | None:
 def squeeze(start: Start, counts: list[int]) -> float:
     """How much longer than ideal the tours may be with so many robots each; below 1 there is no hope.
 
-    A tour may serve any ground of its part whose period is at least its own: within each part, all that the quickest
-    classes ask for must fit into the budgets of the tours of these classes.
+    A tour may serve any ground of its component whose period is at least its own: within each component, all that
+    the quickest classes ask for must fit into the budgets of the tours of these classes.
     """
     return min((room for _, room in squeezes(start, counts)), default=math.inf)
 
 
 def squeezes(start: Start, counts: list[int]) -> Iterator[tuple[int, float]]:
-    """The same for each class that tours serve, in each part: the class, and how much longer the tours may be."""
-    for part in {tour.part for tour in start.tours}:
-        here = [k for k, tour in enumerate(start.tours) if tour.part == part]
-        for serves in {start.tours[k].serves for k in here}:
-            quick = [k for k in here if start.tours[k].serves <= serves]
+    """The same for each class that tours serve, in each component: the class, and how much longer the tours may be."""
+    for component in {tour.component for tour in start.tours}:
+        here = [k for k, tour in enumerate(start.tours) if tour.component == component]
+        for period_class in {start.tours[k].period_class for k in here}:
+            quick = [k for k in here if start.tours[k].period_class <= period_class]
             asked_m = sum(start.ideal_m[k] for k in quick)
             budget_m = sum(replace(start.tours[k], robots=counts[k]).budget_m for k in quick)
             if asked_m > 0:
-                yield serves, budget_m / asked_m
+                yield period_class, budget_m / asked_m
 
 
 def nest_bases(problem: Problem, start: Start, counts: list[int], robots: int) -> list[Start]:
@@ -155,8 +155,8 @@ def nests_on(
     hand ground to excursions are tried; scattered: with excursions from different vertices, too.
     """
     for base, apart in itertools.product(bases, (False, True) if scattered else (False,)):
-        latest = max(tour.serves for tour in base.tours)
-        hubs = [room for serves, room in squeezes(base, [t.robots for t in base.tours]) if serves < latest]
+        latest = max(tour.period_class for tour in base.tours)
+        hubs = [room for period_class, room in squeezes(base, [t.robots for t in base.tours]) if period_class < latest]
         if min(hubs, default=math.inf) < least_squeeze:
             continue
         for handing in HANDINGS[:handings]:
@@ -205,7 +205,7 @@ def splits(
         if room < least_squeeze:
             continue
         found.append(Split(room=room, tours=shared, nests=False))
-        shape = tuple(sorted((tour.serves, tour.robots) for tour in shared))
+        shape = tuple(sorted((tour.period_class, tour.robots) for tour in shared))
         if 1 < max(counts) <= MOST_APART and (shape not in seen or problem.robot.body_radius_m > 0):
             apart = [
                 one

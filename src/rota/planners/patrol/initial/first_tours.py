@@ -60,13 +60,13 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
 
 @dataclass(frozen=True, kw_only=True)
 class Ground:
-    """Places (indices) that one tour, or several, go past to see all that is theirs; ``serves`` is their class.
+    """Places (indices) that one tour, or several, go past to see all that is theirs; ``period_class`` is their class.
 
     stands: the tour of a robot that hardly moves, where the period leaves no time for more; otherwise None.
     """
 
-    serves: int
-    part: int
+    period_class: int
+    component: int
     places: Ints
     stands: Tour | None = None
 
@@ -81,13 +81,17 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
             for tour in standing_tours(problem, wanted, group[0]):
                 _, seen = what_places_see(tour.vertices_m, problem.robot, problem.range_margin_m, problem.samples)
                 covered[seen] = True
-                found.append(Ground(serves=group[0], part=tour.part, places=np.zeros(0, dtype=np.int64), stands=tour))
+                found.append(
+                    Ground(
+                        period_class=group[0], component=tour.component, places=np.zeros(0, dtype=np.int64), stands=tour
+                    )
+                )
             continue
         chosen, _ = choose_viewpoints(problem.sees_start, problem.sees_item, wanted, problem.points.area_m2)
         for place in chosen:
             covered[problem.sees_item[problem.sees_start[place] : problem.sees_start[place + 1]]] = True
-        for part, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
-            found.append(Ground(serves=group[0], part=part, places=cluster))
+        for component, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
+            found.append(Ground(period_class=group[0], component=component, places=cluster))
     return found
 
 
@@ -100,7 +104,7 @@ def shared_tour(problem: Problem, ground: Ground) -> Tour:
     """One tour past all places of the ground, with the robots that its length needs."""
     if ground.stands is not None:
         return ground.stands
-    return tour_past(problem, problem.places_m[ground.places], ground.serves, ground.part)
+    return tour_past(problem, problem.places_m[ground.places], ground.period_class, ground.component)
 
 
 def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
@@ -116,7 +120,7 @@ def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
         labels = list(straight_neighbourhoods(places_m, count))
     else:
         labels = list(neighbourhoods(distances(problem, places_m), count))
-    return [tour_past(problem, places_m[label], ground.serves, ground.part) for label in labels]
+    return [tour_past(problem, places_m[label], ground.period_class, ground.component) for label in labels]
 
 
 def straight_neighbourhoods(places_m: Floats, count: int) -> Iterator[Ints]:
@@ -157,25 +161,25 @@ def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[
     Going there and back from one cluster to the next would take a whole robot (2 d > V T).
     """
     apart_m = max(problem.robot.speed_m_s * period_s / 2, 2 * problem.swath_m)
-    for part in np.unique(problem.places_part[places]):
-        here = places[problem.places_part[places] == part]
+    for component in np.unique(problem.places_part[places]):
+        here = places[problem.places_part[places] == component]
         if len(here) > MOST_ORDERED:
-            yield int(part), here
+            yield int(component), here
             continue
         linked = distances(problem, problem.places_m[here]) <= apart_m
         count, label = connected_components(csr_array(linked), directed=False)
         for k in range(count):
-            yield int(part), here[label == k]
+            yield int(component), here[label == k]
 
 
 def distances(problem: Problem, places_m: Floats) -> Floats:
-    """Distances (n, n) between places of one part: round obstacles, or straight when they are very many."""
+    """Distances (n, n) between places of one component: round obstacles, or straight when they are very many."""
     if len(places_m) <= MOST_GEODESIC:
         return np.asarray(problem.paths.all_pairs(places_m))
     return np.asarray(np.hypot(*(places_m[:, None] - places_m[None]).transpose(2, 0, 1)))
 
 
-def tour_past(problem: Problem, places_m: Floats, serves: int, part: int) -> Tour:
+def tour_past(problem: Problem, places_m: Floats, period_class: int, component: int) -> Tour:
     """The closed tour past all places along shortest paths, with the robots that it needs."""
     order = (
         lane_order(places_m, problem.swath_m)
@@ -186,8 +190,8 @@ def tour_past(problem: Problem, places_m: Floats, serves: int, part: int) -> Tou
     vertices = problem.paths.paths_along(np.vstack([stops, stops[:1]]))[:-1] if len(stops) > 1 else stops
     return with_robots_needed(
         Tour(
-            vertices_m=vertices, serves=serves, period_s=problem.periods_s[serves], robots=1,
-            robot=problem.robot, part=part,
+            vertices_m=vertices, period_class=period_class, period_s=problem.periods_s[period_class], robots=1,
+            robot=problem.robot, component=component,
         )
     )  # fmt: skip
 

@@ -117,12 +117,12 @@ def nested(
     slow = slowest(tours, load)
     if load[slow] == 0 or grounds[slow].stands is not None:
         return None
-    part, slow_s = tours[slow].part, tours[slow].period_s
+    component, slow_s = tours[slow].component, tours[slow].period_s
     most = [
         excursions(tour, m, slow_s, scattered=scattered, handing=handing)
         for tour, m in zip(tours, ideal_m, strict=True)
     ]
-    may = [tour.part == part and tour.serves < tours[slow].serves for tour in tours]
+    may = [tour.component == component and tour.period_class < tours[slow].period_class for tour in tours]
     spare = [each.spare_m if allowed else 0.0 for each, allowed in zip(most, may, strict=True)]
     room = (tours[slow].budget_m + sum(spare)) / ideal_m[slow]
     spare = [s if s > 2 * problem.swath_m and each.petals else 0.0 for s, each in zip(spare, most, strict=True)]
@@ -145,7 +145,7 @@ def nested(
         found += nest_of(problem, tours[k], tours[slow], taken, len(found), most[k])
     if all(tour.nest < 0 for tour in found):
         return None
-    rest = tour_past(problem, problem.places_m[left], tours[slow].serves, part)
+    rest = tour_past(problem, problem.places_m[left], tours[slow].period_class, component)
     return room, [*found, replace(rest, robots=tours[slow].robots)]
 
 
@@ -173,7 +173,7 @@ def nest_of(problem: Problem, hub: Tour, slow: Tour, places: Ints, number: int, 
         if each.scattered:
             own = nearest_vertex(hub, here_m[label])
             anchor_m = hub.vertices_m[own : own + 1]
-        tour = tour_past(problem, np.vstack([anchor_m, here_m[label]]), slow.serves, slow.part)
+        tour = tour_past(problem, np.vstack([anchor_m, here_m[label]]), slow.period_class, slow.component)
         first = int(np.argmin(np.hypot(*(tour.vertices_m - anchor_m).T)))
         vertices_m = np.vstack([anchor_m, np.roll(tour.vertices_m, -first, axis=0)[1:]])
         petals.append(replace(tour, vertices_m=vertices_m, robots=0, nest=number))

@@ -25,7 +25,7 @@ def robots_stand(problem: Problem, period_s: float) -> bool:
     return problem.robot.speed_m_s * period_s <= STANDS * problem.reach_m
 
 
-def standing_tours(problem: Problem, wanted: Flags, serves: int) -> list[Tour]:
+def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[Tour]:
     """Tours of one place each, or hardly more, that together see all wanted samples (s,) of the problem.
 
     The number of the greedy cover is halved until annealed places no longer see everything, then what lies between is
@@ -34,8 +34,9 @@ def standing_tours(problem: Problem, wanted: Flags, serves: int) -> list[Tour]:
     chosen, _ = choose_viewpoints(problem.sees_start, problem.sees_item, wanted, problem.points.area_m2)
     tours = [
         Tour(
-            vertices_m=problem.places_m[place][None], serves=serves, period_s=problem.periods_s[serves], robots=1,
-            robot=problem.robot, part=int(problem.places_part[place]),
+            vertices_m=problem.places_m[place][None], robots=1, robot=problem.robot,
+            period_class=period_class, period_s=problem.periods_s[period_class],
+            component=int(problem.places_part[place]),
         )
         for place in chosen
     ]  # fmt: skip
@@ -69,5 +70,5 @@ def all_seen_by(problem: Problem, tours: list[Tour], wanted: Flags) -> list[Tour
     search.run(moves, hot_m=4 * problem.reach_m, cold_m=0.05 * problem.reach_m, should_stop=lambda: False)
     if search.unseen or search.over_budget_share > 0:
         return None
-    part = problem.paths.part_of(np.array([tour.vertices_m[0] for tour in search.tours]))
-    return [replace(tour, part=int(k)) for tour, k in zip(search.tours, part, strict=True)]
+    component = problem.paths.part_of(np.array([tour.vertices_m[0] for tour in search.tours]))
+    return [replace(tour, component=int(k)) for tour, k in zip(search.tours, component, strict=True)]

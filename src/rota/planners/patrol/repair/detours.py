@@ -95,10 +95,10 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
 
     A robot of its own is posted there also where the detour would take more than one robot travels in a period.
     """
-    part = int(problem.paths.part_of(place_m[None])[0])
+    component = int(problem.paths.part_of(place_m[None])[0])
     best: tuple[float, int, int] | None = None
     for k, tour in enumerate(tours):
-        if tour.serves > period or tour.part != part:
+        if tour.period_class > period or tour.component != component:
             continue
         i, detour_m = least_detour(problem, tour.vertices_m, place_m)
         room = room_m(tours, k)
@@ -109,8 +109,8 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
             best = (cost, k, i)
     if best is None:
         alone = Tour(
-            vertices_m=place_m[None], serves=period, period_s=problem.periods_s[period], robots=1,
-            robot=problem.robot, part=part,
+            vertices_m=place_m[None], period_class=period, period_s=problem.periods_s[period], robots=1,
+            robot=problem.robot, component=component,
         )  # fmt: skip
         return [*tours, alone]
     _, k, i = best

@@ -32,8 +32,9 @@ class Pace:
 class Tour:
     """A closed polyline served by one or more equally spaced robots.
 
-    vertices_m: (n, 2), n >= 1; the last leg leads back to the first vertex. serves: the shortest period class whose
-    points it may count as seen; ``period_s`` is that class's period; part: the part of the standing space it lies in.
+    vertices_m: (n, 2), n >= 1; the last leg leads back to the first vertex.
+    period_class: the shortest period class whose points it may count as seen; ``period_s`` is that class's period.
+    component: the connected component of the standing space in which it lies.
     nest: tours of one number (not -1), which follow each other, belong together: in each period the first, the hub, is
     gone round once, and after each round one of the others, its petals, in turn. Petals begin at vertices of the hub
     and have no robots of their own. Several robots of a hub begin its rounds in turn; then all petals begin at its
@@ -43,11 +44,11 @@ class Tour:
     """
 
     vertices_m: Floats
-    serves: int
+    period_class: int
     period_s: float
     robots: int
     robot: Robot
-    part: int = 0
+    component: int = 0
     nest: int = -1
     pace: Pace | None = None
 

@@ -195,7 +195,7 @@ def test_stretched_periods_are_stretched_everywhere() -> None:
 
 def test_robots_stand_aside_only_where_bodies_do_not_touch(hall: Problem) -> None:
     ring = np.array([[2.0, 2.0], [28.0, 2.0], [28.0, 18.0], [2.0, 18.0]])
-    tour = Tour(vertices_m=ring, serves=0, period_s=10.0, robots=1, robot=hall.robot, part=0)
+    tour = Tour(vertices_m=ring, period_class=0, period_s=10.0, robots=1, robot=hall.robot, component=0)
     tours = stood_aside(hall, [tour], 6)
     assert tours is not None
     stands_m = np.vstack([one.vertices_m for one in tours[1:]])

@@ -85,7 +85,7 @@ def test_ways_are_looked_for_nearby_only_where_the_district_hangs_together() -> 
     comb = replace(FIELD, area=MultiPolygon([box(0, 0, 200, 120).difference(box(60, 20, 140, 120))]))
     problem = set_up_problem(comb)
     teeth = MultiPolygon([box(0, 90, 60, 120), box(140, 90, 200, 120)])
-    ends = Ground(shape=teeth, stops_m=problem.points.xy_m[:0], serves=0, part=0)
+    ends = Ground(shape=teeth, stops_m=problem.points.xy_m[:0], period_class=0, component=0)
     assert space_near(problem, ends) is None
     near = space_near(problem, replace(ends, shape=MultiPolygon([box(0, 90, 60, 120)])))
     assert near is not None

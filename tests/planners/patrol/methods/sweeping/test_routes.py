@@ -85,7 +85,7 @@ def test_lanes_in_other_parts_of_the_space_are_left_out() -> None:
     split = Obstacle(shape=MultiPolygon([box(28, -1, 32, 40)]))
     problem = problem_over(MultiPolygon([box(0, 0, 60, 39)]), obstacles=(split,))
     here = grounds(problem, ((0,),))
-    assert [ground.part for ground in here] == [0, 1]
+    assert [ground.component for ground in here] == [0, 1]
     assert [ground.shape.area for ground in here] == pytest.approx([28 * 39] * 2)
     lanes = [np.array([[5.0, 5.0], [20.0, 5.0]]), np.array([[40.0, 5.0], [55.0, 5.0]])]
     tours = [closed_route(problem, lanes, ground) for ground in here]

@@ -42,7 +42,7 @@ def field() -> Problem:
 
 
 def tour(problem: Problem, corners_m: object, **fields: object) -> Tour:
-    values: dict[str, object] = {"serves": 0, "period_s": 100.0, "robots": 1, "robot": problem.robot}
+    values: dict[str, object] = {"period_class": 0, "period_s": 100.0, "robots": 1, "robot": problem.robot}
     return Tour(vertices_m=np.array(corners_m, dtype=np.float64), **(values | fields))  # type: ignore[arg-type]
 
 
@@ -114,7 +114,7 @@ def test_a_nest_keeps_its_meeting_place_and_all_its_budgets(field: Problem) -> N
         tour(field, [[30, 30], [20, 30], [20, 20], [30, 20]], period_s=40.0, nest=2),
         tour(field, [[30, 30], [50, 30], [50, 40]], nest=2, robots=0),
         tour(field, [[30, 30], [30, 55]], nest=2, robots=0),
-        tour(field, [[5, 5], [55, 5]], serves=0),
+        tour(field, [[5, 5], [55, 5]], period_class=0),
     ]
     layout, places = laid_out(nest, 4.0)
     lengths = layout.lengths_m(places)

@@ -33,7 +33,7 @@ def test_as_good_as_with_every_limit(seed: int, length_price: float) -> None:
     angles = np.sort(rng.random(corners)) * 2 * np.pi
     ring_m = 20 * np.column_stack([np.cos(angles), np.sin(angles)]) + rng.normal(0, 1, (corners, 2))
     robot = Robot(name="one", speed_m_s=1.0, sensor=DiscSensor(radius_m=3.0))
-    ring = Tour(vertices_m=ring_m, serves=0, period_s=float(rng.uniform(105, 130)), robots=1, robot=robot)
+    ring = Tour(vertices_m=ring_m, period_class=0, period_s=float(rng.uniform(105, 130)), robots=1, robot=robot)
     layout, places_m = laid_out([ring], 1e3)
     leg = rng.integers(0, corners, samples)
     bearing = 2 * np.pi * rng.random(samples)

@@ -18,7 +18,7 @@ def tour(
 ) -> Tour:
     """A tour at one metre per second for bodies of half a metre."""
     robot = Robot(name="r", speed_m_s=1.0, sensor=DiscSensor(radius_m=3), body_radius_m=BODY_M, turn_rate_rad_s=turn)
-    return Tour(vertices_m=np.array(vertices_m, float), serves=0, period_s=period_s, robots=robots, robot=robot)
+    return Tour(vertices_m=np.array(vertices_m, float), period_class=0, period_s=period_s, robots=robots, robot=robot)
 
 
 def places_at(moments_s: Floats, times_s: Floats, places_m: Floats) -> Floats:

@@ -43,7 +43,7 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
                 return apart.plan
         reason = f"the plan for {len(fleet)} robots does not pass the check: {worst_reached(verdict)}"
         raise NoPlanFound(reason, best=plan)
-    parts = {tour.part for tour in found}
+    parts = {tour.component for tour in found}
     proved = proved_words(context)
     reason = f"{counted(len(fleet))} cannot meet the demand: {proved}; found: {needed} can"
     if len(parts) > len(fleet):
@@ -64,30 +64,31 @@ def plan_for_fixed_fleet(context: Context, fewest: Settled, asked: Mission) -> P
 
 
 def parts_started_in(problem: Problem, asked: Mission) -> Counter[int]:
-    """How many robots have a start of their own in each part of the ground."""
+    """How many robots have a start of their own in each component of the ground."""
     own_m = [robot.start for robot in asked.fleet.robots or () if robot.start is not None]
     free_m = [nearest_free_point(problem.space, place_m) for place_m in own_m]
-    return Counter(int(part) for part in problem.paths.part_of(np.array(free_m).reshape(-1, 2)))
+    return Counter(int(component) for component in problem.paths.part_of(np.array(free_m).reshape(-1, 2)))
 
 
 def parts_short(tours: list[Tour], starting: Counter[int]) -> set[int]:
     """The parts whose tours have fewer robots than start there; all with tours when there is none."""
-    parts = {tour.part for tour in tours}
-    robots = {part: sum(tour.robots for tour in tours if tour.part == part) for part in parts}
-    return {part for part in parts if robots[part] < starting[part]} or parts
+    parts = {tour.component for tour in tours}
+    robots = {component: sum(tour.robots for tour in tours if tour.component == component) for component in parts}
+    return {component for component in parts if robots[component] < starting[component]} or parts
 
 
 def busiest_helped(tours: list[Tour], parts: set[int] | None = None) -> list[Tour]:
     """The tours with one robot more on the one whose budget is fullest, of those in these parts of the ground."""
-    some = [i for i, tour in enumerate(tours) if parts is None or tour.part in parts]
+    some = [i for i, tour in enumerate(tours) if parts is None or tour.component in parts]
     k = max(some, key=lambda i: tour_length_m(tours[i]) / tours[i].budget_m)
     return [*tours[:k], replace(tours[k], robots=tours[k].robots + 1), *tours[k + 1 :]]
 
 
 def with_so_many(problem: Problem, tours: list[Tour], robots: int) -> list[Tour]:
-    """The tours served by so many robots, fewer than they need: tours of one part are joined until each has a robot.
+    """The tours served by so many robots, fewer than they need: tours are joined until each has a robot.
 
-    ``robots`` is at least the number of parts. The robots go where the ratio of round time to period is worst.
+    Only tours of one component are joined. ``robots`` is at least the number of components. The robots go
+    where the ratio of round time to period is worst.
     """
     tours = [replace(tour, robots=1) for tour in tours]
     while len(tours) > robots:
@@ -95,7 +96,7 @@ def with_so_many(problem: Problem, tours: list[Tour], robots: int) -> list[Tour]
             (tour_length_m(a) + tour_length_m(b), i, j)
             for i, a in enumerate(tours)
             for j, b in enumerate(tours[:i])
-            if a.part == b.part
+            if a.component == b.component
         ]
         _, i, j = min(pairs)
         one = joined_tour(problem, tours[i], tours[j])
@@ -112,7 +113,7 @@ def joined_tour(problem: Problem, a: Tour, b: Tour) -> Tour:
     first = np.vstack([np.roll(a.vertices_m, -i, axis=0), a.vertices_m[i : i + 1]])
     second = np.vstack([np.roll(b.vertices_m, -j, axis=0), b.vertices_m[j : j + 1]])
     way = problem.paths.paths_along(np.vstack([first, second, first[:1]]))[:-1]
-    quick = a if a.serves <= b.serves else b
+    quick = a if a.period_class <= b.period_class else b
     return replace(quick, vertices_m=way, robots=1, pace=None)
 
 

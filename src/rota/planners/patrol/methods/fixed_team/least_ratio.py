@@ -66,7 +66,7 @@ def plan_with_least_ratio(context: Context, asked: Mission) -> Plan:
     anyone = replace(anyone, dear=worth_of_seeing(ways))
     starting = parts_started_in(problem, asked)
     # who starts in a part of the ground stays in it: only helping others there is left to choose
-    if len({tour.part for tour in ways[0].tours}) > robots or len(starting) > 1:
+    if len({tour.component for tour in ways[0].tours}) > robots or len(starting) > 1:
         return plan_for_fixed_fleet(context, fewest_by_method(anyone), asked)
     reserve = asked.patrol.period_margin > 0 or asked.patrol.range_margin_m > 0
     proved = 0.0 if reserve else max(proved_ratio(problem, robots), 1.0 if context.bound.robots > robots else 0.0)
@@ -259,7 +259,7 @@ def tried(
         found = with_all_of(here, fewest_by_method(here), robots, starting)
         return reached(found, stretch) if found is not None else None
     if best is not None:
-        tours = [replace(tour, period_s=problem.periods_s[tour.serves]) for tour in best.settled.tours]
+        tours = [replace(tour, period_s=problem.periods_s[tour.period_class]) for tour in best.settled.tours]
         seed = context.seed + 1000 * robots
         mended = cool_and_settle(here, shaped(here, tours, seed=seed), seed=seed)
         found = next((settled for settled in mended if settled is not None), None)

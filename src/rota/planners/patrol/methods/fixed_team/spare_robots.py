@@ -76,6 +76,6 @@ def stood_aside(problem: Problem, tours: list[Tour], robots: int) -> list[Tour] 
         if free_m[i] < wide_m:
             return None
         place_m = problem.places_m[i : i + 1]
-        tours.append(replace(slowest, vertices_m=place_m, robots=1, part=int(problem.places_part[i]), pace=None))
+        tours.append(replace(slowest, vertices_m=place_m, robots=1, component=int(problem.places_part[i]), pace=None))
         free_m = np.minimum(free_m, np.hypot(*(problem.places_m - place_m).T))
     return tours

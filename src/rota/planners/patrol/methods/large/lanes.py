@@ -44,7 +44,7 @@ def in_districts(problem: Problem, ground: Ground, reserve: float, most: int | N
     """
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve, most)
-    one_m = problem.robot.speed_m_s * problem.periods_s[ground.serves] * (1 - reserve)
+    one_m = problem.robot.speed_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     robots = max(1, math.ceil(LEAST_LANES * ground.shape.area / (problem.swath_m * one_m)))
     if one_m < SHORTEST * problem.reach_m:
         return None
@@ -121,8 +121,8 @@ def route_over(problem: Problem, ground: Ground) -> Tour | None:
         return best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape))
     paths = ShortestPaths(near)
     local = replace(problem, space=near, space_grid=edge_grid(border_segments(near)), paths=paths)
-    tour = best_route(local, replace(ground, part=0), ground.shape, promising_angles(local, ground.shape))
-    return None if tour is None else replace(tour, part=ground.part)
+    tour = best_route(local, replace(ground, component=0), ground.shape, promising_angles(local, ground.shape))
+    return None if tour is None else replace(tour, component=ground.component)
 
 
 def space_near(problem: Problem, ground: Ground) -> MultiPolygon | None:
@@ -130,7 +130,7 @@ def space_near(problem: Problem, ground: Ground) -> MultiPolygon | None:
     margin_m = AROUND * problem.robot.sensor.reach_m
     x0, y0, x1, y1 = shapely.total_bounds(np.array([ground.shape, *shapely.points(ground.stops_m)]))
     box = shapely.box(x0 - margin_m, y0 - margin_m, x1 + margin_m, y1 + margin_m)
-    part = problem.paths.parts[ground.part]
+    part = problem.paths.parts[ground.component]
     pieces = [p for p in shapely.get_parts(shapely.intersection(part, box)) if p.geom_type == "Polygon" and p.area > 0]
     asked = shapely.union_all([ground.shape, *shapely.points(ground.stops_m)])
     pieces = [piece for piece in pieces if shapely.intersects(piece, asked)]

@@ -120,8 +120,8 @@ def tours_of(context: Context, search: Search, mission: Mission, seed: int) -> l
     found = []
     for tour in search(alone).tours:
         part = int(whole.paths.part_of(tour.vertices_m[:1])[0])
-        serves = whole.periods_s.index(problem.periods_s[tour.serves])
-        found.append(replace(tour, serves=serves, part=max(part, 0)))
+        period_class = whole.periods_s.index(problem.periods_s[tour.period_class])
+        found.append(replace(tour, period_class=period_class, component=max(part, 0)))
     return found
 
 

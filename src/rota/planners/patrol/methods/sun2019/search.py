@@ -138,13 +138,13 @@ def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Se
 
 def tours_of(problem: Problem, stages: Stages) -> list[Tour]:
     """The segments' routes as tours of a robot each, which serve what has the segment's period or a longer one."""
-    serves = [int(np.argmin(np.abs(np.array(problem.periods_s) - one.period_s))) for one in stages.segments]
+    period_classes = [int(np.argmin(np.abs(np.array(problem.periods_s) - one.period_s))) for one in stages.segments]
     return [
         Tour(
-            vertices_m=one.route_m, serves=k, period_s=problem.periods_s[k], robots=1, robot=problem.robot,
-            part=one.part,
+            vertices_m=one.route_m, period_class=k, period_s=problem.periods_s[k], robots=1, robot=problem.robot,
+            component=one.part,
         )
-        for k, one in zip(serves, stages.segments, strict=True)
+        for k, one in zip(period_classes, stages.segments, strict=True)
     ]  # fmt: skip
 
 

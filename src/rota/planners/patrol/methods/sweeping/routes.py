@@ -34,13 +34,13 @@ ROUTED = 3  # of the ways to lay lanes over a shape, the shortest on a guess are
 class Ground:
     """What one route, or several side by side, must see: ground of some period classes before one part of the space.
 
-    serves: the shortest of the classes; stops_m (n, 2): places to be visited besides.
+    period_class: the shortest of the classes; stops_m (n, 2): places to be visited besides.
     """
 
     shape: MultiPolygon
     stops_m: Floats
-    serves: int
-    part: int
+    period_class: int
+    component: int
 
 
 def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
@@ -69,7 +69,7 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
             here = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
             stops = visits[parts == part]
             if not here.is_empty or len(stops):
-                found.append(Ground(shape=here, stops_m=stops, serves=group[0], part=part))
+                found.append(Ground(shape=here, stops_m=stops, period_class=group[0], component=part))
     return found
 
 
@@ -228,20 +228,20 @@ def closed_route(problem: Problem, lanes: list[Floats], ground: Ground) -> Tour 
     Lanes outside the ground's part of the space are left out. None when there are none.
     """
     ends = np.array([[lane[0], lane[-1]] for lane in lanes]).reshape(-1, 2)
-    inside = (problem.paths.part_of(ends) == ground.part).reshape(-1, 2).all(axis=1)
+    inside = (problem.paths.part_of(ends) == ground.component).reshape(-1, 2).all(axis=1)
     lanes = [lane for lane, good in zip(lanes, inside, strict=True) if good]
     if not lanes:
         return None
     way = np.vstack([lanes[k][::-1] if back else lanes[k] for k, back in driving_order(problem, lanes)])
-    way = way[(problem.paths.part_of(way) == ground.part)]
+    way = way[(problem.paths.part_of(way) == ground.component)]
     vertices = problem.paths.paths_along(np.vstack([way, way[:1]]))
     return Tour(
         vertices_m=vertices[:-1] if len(vertices) > 1 else vertices,
-        serves=ground.serves,
-        period_s=problem.periods_s[ground.serves],
+        period_class=ground.period_class,
+        period_s=problem.periods_s[ground.period_class],
         robots=1,
         robot=problem.robot,
-        part=ground.part,
+        component=ground.component,
     )
 
 

@@ -113,5 +113,5 @@ def proposed(
 
 def least_robots(problem: Problem, ground: Ground) -> int:
     """Robots below which no lanes over a ground can keep its period: its area over what one sweeps."""
-    swept_m2 = problem.swath_m * problem.robot.speed_m_s * problem.periods_s[ground.serves]
+    swept_m2 = problem.swath_m * problem.robot.speed_m_s * problem.periods_s[ground.period_class]
     return max(1, math.ceil(LEAST_LANES * float(ground.shape.area) / swept_m2))

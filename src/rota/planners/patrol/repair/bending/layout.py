@@ -141,13 +141,13 @@ def looks(
     robots = [tour.robot for tour in layout.tours]
     reach_m = np.array([in_range_m(robot) for robot in robots]) - range_margin_m - behind_m
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
-    serves = np.array([tour.serves for tour in layout.tours], dtype=np.int64)
+    period_class = np.array([tour.period_class for tour in layout.tours], dtype=np.int64)
     n = len(samples.x)
     leg, at, lack_m = np.empty(n, dtype=np.int64), np.empty(n), np.empty(n)
     legs = np.hstack([places_m[layout.start], places_m[layout.end]])
     room = 1024
     while best_looks(
-        legs, serves[layout.tour], reach_m[layout.tour], square[layout.tour], further_m, samples,
+        legs, period_class[layout.tour], reach_m[layout.tour], square[layout.tour], further_m, samples,
         np.empty(room, dtype=np.int32), leg, at, lack_m,
     ):  # fmt: skip
         room *= 2

@@ -93,13 +93,14 @@ def clear_look(
 
 @compiled
 def best_looks(
-    legs: Any, serves: Any, reach: Any, square: Any, further: float, s: Samples, runs: Any, leg: Any, at: Any, lack: Any
-) -> int:
+    legs: Any, period_class: Any, reach: Any, square: Any, further: float, s: Samples,
+    runs: Any, leg: Any, at: Any, lack: Any,
+) -> int:  # fmt: skip
     """For every sample (n,) the leg and the parameter from which it is seen with most range to spare; -1: from none.
 
-    legs (m, 4): from and to; serves, reach, square (m,) of their robots. further: legs count from which a sample would
-    be in range if sensors reached so much further. lack (n,): by how much range is short, less than 0 where it is not.
-    Returns -1 when ``runs`` is too short for what one leg sees.
+    legs (m, 4): from and to; period_class, reach, square (m,) of their robots. further: legs count from
+    which a sample would be in range if sensors reached so much further. lack (n,): by how much range is short, less
+    than 0 where it is not. Returns -1 when ``runs`` is too short for what one leg sees.
     """
     xs, ys, visit, shrink, wall_start = s.x, s.y, s.visit_m, s.shrink_m, s.wall_start
     for i in range(leg.shape[0]):
@@ -107,7 +108,7 @@ def best_looks(
     for k in range(legs.shape[0]):
         ax, ay, bx, by = legs[k, 0], legs[k, 1], legs[k, 2], legs[k, 3]
         dx, dy = bx - ax, by - ay
-        found = leg_sees(ax, ay, bx, by, reach[k] + further, square[k], serves[k], s, runs)
+        found = leg_sees(ax, ay, bx, by, reach[k] + further, square[k], period_class[k], s, runs)
         if found < 0:
             return -1
         for run in range(0, found, 2):

@@ -82,13 +82,13 @@ def joined(a: Tour, b: Tour, near_m: float) -> Tour | None:
         return None
     first = np.vstack([np.roll(points[0], -i, axis=0), points[0][i : i + 1]])
     second = np.roll(points[1], -int(nearest[i]), axis=0)
-    quick = a if a.serves <= b.serves else b
+    quick = a if a.period_class <= b.period_class else b
     return replace(quick, vertices_m=np.vstack([first, second, second[:1]]), robots=a.robots + b.robots)
 
 
 def changed_over(a: Tour, b: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:
     """Two other loops over the lines of both, each with robots of its own, for tours of one period and one part."""
-    if a.serves != b.serves or a.part != b.part or len(a.vertices_m) < 2 or len(b.vertices_m) < 2:
+    if a.period_class != b.period_class or a.component != b.component or len(a.vertices_m) < 2 or len(b.vertices_m) < 2:
         return
     whole = joined(a, b, near_m)
     if whole is not None:
