@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, box
 
 from benchmarks.row import Options, Row
+from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.planner import free_ground, run_mission
+from rota.planners.swarm.planner import run_mission
 
 Floats = NDArray[np.float64]
 

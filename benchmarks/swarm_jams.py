@@ -15,9 +15,10 @@ from benchmarks.missions import EXAMPLES
 from benchmarks.row import Options, Row
 from benchmarks.swarm_coverage import mission
 from rota.files.mission_file import read_mission
+from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Mission, Obstacle, StartBox
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.planner import free_ground, run_mission
+from rota.planners.swarm.planner import run_mission
 
 SEEDS = range(100, 103)  # none of which anything was tuned on
 HEAPS = ((49, 10.0), (49, 15.0), (49, 20.0), (49, 30.0), (49, 50.0), (100, 50.0))  # robots, side of the corner box

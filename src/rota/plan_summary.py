@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import LineString, MultiPolygon, Point, Polygon, union_all
+from shapely import LineString, Point, Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
 from rota.mission import AREA, BounceSettings, DiscSensor, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
 from rota.plan_physics import clocks_sentence, cycles_sentence, errors_sentence
+from rota.polygons import polygons_of
 
 if TYPE_CHECKING:
     from rota.check import Report
@@ -117,11 +118,10 @@ def _demands(mission: Mission) -> tuple[Zone, ...]:
     zones = tuple(zone for zone in mission.zones if zone.period_s is not None)
     if mission.period_s is None:
         return zones
-    rest = mission.area.difference(union_all([zone.shape for zone in mission.zones]))
-    pieces = [piece for piece in getattr(rest, "geoms", [rest]) if piece.geom_type == "Polygon" and piece.area > 0]
-    if not pieces:
+    rest = polygons_of(mission.area.difference(union_all([zone.shape for zone in mission.zones])))
+    if rest.is_empty:
         return zones
-    return (*zones, Zone(name=AREA, shape=MultiPolygon(pieces), period_s=mission.period_s))
+    return (*zones, Zone(name=AREA, shape=rest, period_s=mission.period_s))
 
 
 def rounded(value: float) -> str:

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
-from shapely import MultiPolygon, union_all
+from shapely import union_all
 
 from rota.draw.entered_cells import BAR, draw_entries, entries_bar, entries_title, faced_cells
 from rota.draw.house_style import house_style
@@ -29,6 +29,7 @@ from rota.errors import PlanError
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.mission import BounceSettings
 from rota.plan import Plan
+from rota.polygons import polygons_of
 
 MAP_WIDTH, MARGIN, HEADER, AXIS, GAP = 4.6, 0.15, 0.6, 0.4, 0.85  # inches
 ARROW = 0.36  # cells
@@ -47,9 +48,9 @@ def draw_headings(plan: Plan, ax: Axes) -> None:
     walls = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
     ground = mission.area.difference(walls)
     rim = ground.difference(ground.buffer(-radius_m))
-    parts = [part for part in getattr(rim, "geoms", [rim]) if part.geom_type == "Polygon" and part.area > 0]
-    if parts:
-        ax.add_patch(PathPatch(outline(MultiPolygon(parts)), facecolor=OUTSIDE, edgecolor="none", zorder=1.5))
+    outside = polygons_of(rim)
+    if not outside.is_empty:
+        ax.add_patch(PathPatch(outline(outside), facecolor=OUTSIDE, edgecolor="none", zorder=1.5))
     cell_m, corner = mission.bounce.cell_m, np.array(mission.grid_corner_m)
     # where cells are small, one state in so many is drawn, so much longer, on the robots' ways
     every = max(1, math.ceil(LEAST_ARROW_PT / (ARROW * cell_m * points_per_metre(ax))))

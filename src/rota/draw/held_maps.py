@@ -13,7 +13,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.path import Path
 from numpy.typing import NDArray
-from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.draw.mission_picture import draw_mission, mission_legend, outline, points_per_metre
@@ -23,6 +22,7 @@ from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
 from rota.plan import Plan
 from rota.plan_summary import range_at_the_end, range_from
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 
@@ -40,8 +40,8 @@ def holds(plan: Plan) -> bool:
 
 def filled(shape: BaseGeometry) -> Path:
     """A shape as a path; lines and points that an intersection leaves behind are dropped."""
-    parts = [part for part in getattr(shape, "geoms", [shape]) if isinstance(part, Polygon) and not part.is_empty]
-    return outline(MultiPolygon(parts)) if parts else Path(np.empty((0, 2)))
+    polygons = polygons_of(shape)
+    return Path(np.empty((0, 2))) if polygons.is_empty else outline(polygons)
 
 
 def ends_m(plan: Plan) -> Floats:

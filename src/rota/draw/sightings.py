@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
 from rota.draw.ground import Ground
 from rota.draw.routes import corner_times_s, places_at
-from rota.mission import DiscSensor, Sensor
+from rota.mission import DiscSensor, Sensor, inner_reach_m
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
@@ -92,7 +92,7 @@ class Sightings:
         cut = cut_footprint(self._walls, sensor, leg_m[1])
         if cut is not None:
             leg_m = leg_m[[1, 1]]
-        half_m = sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+        half_m = inner_reach_m(sensor)
         low_m, high_m = leg_m.min(axis=0) - half_m, leg_m.max(axis=0) + half_m
         columns = slice(*np.searchsorted(self.ground.x_m, [low_m[0], high_m[0]]))
         rows = slice(*np.searchsorted(self.ground.y_m, [low_m[1], high_m[1]]))

@@ -16,6 +16,7 @@ from rota.draw.mission_picture import FONT_PT, asked, plain, points_per_metre
 from rota.draw.palette import ZONE_EDGE
 from rota.draw.routes import Route
 from rota.mission import Mission, Zone
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 
@@ -106,5 +107,4 @@ def draw_zone_labels(mission: Mission, ax: Axes, routes: Sequence[Route] = (), *
 
 
 def _parts(zone: Zone, mission: Mission) -> list[Polygon]:
-    inside = zone.shape.intersection(mission.area)
-    return [part for part in getattr(inside, "geoms", [inside]) if isinstance(part, Polygon) and part.area > 0]
+    return list(polygons_of(zone.shape.intersection(mission.area)).geoms)

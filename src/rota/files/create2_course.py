@@ -11,6 +11,7 @@ import shapely
 from rota.errors import PlanError
 from rota.mission import Mission
 from rota.plan import Floats, Plan, Trajectory
+from rota.polygons import polygons_of
 
 SAME_M = 1e-6
 SAME_RAD = 1e-6
@@ -193,8 +194,7 @@ def _walls(mission: Mission) -> Floats:
     blocking = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_motion])
     rings = [
         np.asarray(ring.coords)[:, :2]
-        for part in shapely.get_parts(mission.area.difference(blocking))
-        if part.geom_type == "Polygon"
+        for part in polygons_of(mission.area.difference(blocking)).geoms
         for ring in (part.exterior, *part.interiors)
     ]
     return np.concatenate([np.hstack([points[:-1], points[1:]]) for points in rings])

@@ -15,9 +15,10 @@ from shapely import MultiPolygon, Polygon, unary_union
 from rota.errors import MissionError
 from rota.files.geodesy import require_degrees
 from rota.files.local_file import read_text
-from rota.files.rings import open_ring, polygon_fault, polygons_of, ring_fault
+from rota.files.rings import open_ring, polygon_fault, ring_fault
 from rota.files.schema_faults import shown
 from rota.files.yaml_text import shortened
+from rota.polygons import polygons_of
 
 _MOST_DIGITS = 300
 _WGS84_NAMES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")

@@ -13,10 +13,11 @@ from rota.errors import MissionError
 from rota.files.geodesy import Projection, require_degrees
 from rota.files.geojson_shapes import Feature, pick_feature, read_features
 from rota.files.local_file import local_file
-from rota.files.rings import circle_ring, fault_point, open_ring, polygon_fault, polygons_of
+from rota.files.rings import circle_ring, fault_point, open_ring, polygon_fault
 from rota.files.schema_faults import Fault
 from rota.files.shape_schema import Circle, Holed, Shape
 from rota.files.yaml_text import Place
+from rota.polygons import polygons_of
 
 
 class Stop(Exception):  # noqa: N818 (an entry cannot be read further; the reader of the ground catches it)

@@ -15,10 +15,10 @@ from rota.errors import MissionError
 from rota.files.local_file import local_file, read_text
 from rota.files.map_image import read_brightness
 from rota.files.pixel_outline import straight_outline
-from rota.files.rings import polygons_of
 from rota.files.schema_block import Coordinate, Length, Number
 from rota.files.schema_faults import positioned, schema_faults
 from rota.files.yaml_text import parse_text
+from rota.polygons import polygons_of
 
 Unknown = Literal["map_server reading", "blocked", "free"]
 

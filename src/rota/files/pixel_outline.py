@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, STRtree, box, get_coordinates, linestrings, union_all
 from shapely.geometry.polygon import orient
 
-from rota.files.rings import polygons_of
+from rota.polygons import polygons_of
 
 LARGEST_DEVIATION = 0.5  # pixels
 

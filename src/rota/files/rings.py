@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import MultiPolygon, Polygon, is_valid_reason
+from shapely import Polygon, is_valid_reason
 from shapely.geometry.base import BaseGeometry
 
 CIRCLE_CORNERS = 64
@@ -68,15 +68,3 @@ def circle_ring(centre: tuple[float, float], radius: float) -> NDArray[np.float6
     # the factor beyond 1 / cos keeps the sides outside the circle when coordinates are rounded
     corner_radius = radius / math.cos(math.pi / CIRCLE_CORNERS) * (1 + 1e-12)
     return np.asarray(centre) + corner_radius * np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-def polygons_of(shape: BaseGeometry) -> MultiPolygon:
-    """The polygons of a shape, points and lines left out; empty when there are none."""
-    parts = getattr(shape, "geoms", [shape])
-    polygons: list[Polygon] = []
-    for part in parts:
-        if isinstance(part, Polygon):
-            polygons += [part] if part.area > 0 else []
-        elif hasattr(part, "geoms"):
-            polygons += polygons_of(part).geoms
-    return MultiPolygon(polygons)

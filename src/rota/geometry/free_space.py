@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from rota.errors import MissionError
 from rota.geometry.tiles import Box, clipped, grown_box
 from rota.mission import AREA, Demand, Mission
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 
@@ -21,6 +22,12 @@ Floats = NDArray[np.float64]
 _SLIVER_M2 = 1e-9
 # Corners of a whole turn round a grown corner: 16 keeps a right angle at four corners and 2 % of the radius too far.
 _ARC_CORNERS = 16
+
+
+def free_ground(mission: Mission) -> MultiPolygon:
+    """The area without what blocks motion; it may be empty or in parts."""
+    blocking = [obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion]
+    return polygons_of(mission.area.difference(shapely.union_all(blocking)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,8 +164,7 @@ def _sight_blockers(mission: Mission) -> MultiPolygon:
 
 
 def _polygons(shape: BaseGeometry) -> MultiPolygon:
-    parts = shapely.get_parts(shapely.get_parts(shape))
-    return MultiPolygon([part for part in parts if isinstance(part, Polygon) and part.area > _SLIVER_M2])
+    return polygons_of(shape, _SLIVER_M2)
 
 
 def _oriented_rings(shape: MultiPolygon) -> list[Floats]:

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.polygons import polygons_of
+
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
@@ -53,5 +55,4 @@ def grown_box(box: Box, margin_m: float) -> Box:
 
 def clipped(shape: BaseGeometry, box: Box) -> MultiPolygon:
     """The part of a polygonal shape in the box: polygons, perhaps none."""
-    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shapely.intersection(shape, shapely.box(*box)))))
-    return MultiPolygon([part for part in parts if part.geom_type == "Polygon" and part.area > 0])
+    return polygons_of(shapely.intersection(shape, shapely.box(*box)))

@@ -13,10 +13,11 @@ from scipy.spatial.distance import pdist
 from shapely import MultiPolygon, box
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
+from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox, SwarmSettings
 from rota.papers.chen2018.maps import square
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.planner import ALL_NEIGHBOURS, free_ground, make_swarm, run_mission
+from rota.planners.swarm.planner import ALL_NEIGHBOURS, make_swarm, run_mission
 from rota.planners.swarm.rollout import deciding_room
 from rota.planners.swarm.settle_kernels import SHARE, decide_settle, pushes
 from rota.planners.swarm.world import walls_of

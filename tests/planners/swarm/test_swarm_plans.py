@@ -13,6 +13,7 @@ from shapely import MultiPolygon, Point, box, union_all
 from rota.check import check_plan, report_table, report_to_json
 from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.files.plan_file import plan_from_text, plan_text
+from rota.geometry.free_space import free_ground
 from rota.make_plan import search_plan
 from rota.mission import (
     DiscSensor,
@@ -30,7 +31,7 @@ from rota.mission import (
 from rota.plan import RunEnd
 from rota.plan_summary import covered_sentence, holding_sentence
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.planner import free_ground, make_swarm, run_mission
+from rota.planners.swarm.planner import make_swarm, run_mission
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import ROUTE_COLOURS
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import angles_verdict
@@ -18,7 +19,7 @@ from rota.papers.pictures.curve_panel import Curve, CurvePanel
 from rota.papers.pictures.study_picture import Panel, study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import Table, joined
-from rota.planners.bounce.cells import Cells, free_ground, make_cells
+from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.inexact_turns import (
     Estimate,
     InexactRuns,

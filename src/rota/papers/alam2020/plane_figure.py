@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import ROUTE_COLOURS
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.grid_beside_plane import GridBesidePlane, compare_grid_and_plane
@@ -18,7 +19,7 @@ from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table
 from rota.planners.bounce.bounce_map import cycles_and_basins, make_team, single_map
-from rota.planners.bounce.cells import Cells, free_ground, make_cells
+from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.polygon import BounceRule, bounce_path, make_rim
 
 Longs = NDArray[np.int64]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import OVER_PERIOD
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.gain_sweep import gain_table
@@ -32,7 +33,7 @@ from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import NOTHING, Table, joined
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.planner import free_ground, make_swarm
+from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.starts import place_starts
 
 Floats = NDArray[np.float64]

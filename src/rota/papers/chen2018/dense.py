@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.geometry.free_space import free_ground
 from rota.mission import SwarmSettings
 from rota.papers.chen2018 import maps, paper
-from rota.planners.swarm.planner import free_ground, make_swarm
+from rota.planners.swarm.planner import make_swarm
 
 Floats = NDArray[np.float64]
 

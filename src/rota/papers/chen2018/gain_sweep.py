@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.runs import FORCES, Runs
 from rota.papers.tables import Table
 from rota.planners.swarm.baseline_kernels import STIFFNESS, virtual_force
 from rota.planners.swarm.metrics import History, Observer
-from rota.planners.swarm.planner import free_ground, make_swarm
+from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.starts import place_starts
 
 GAINS = (0.1, 0.2, 0.25, 0.3, 0.4)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.panels import COLOURS, coverage_panel, ways_panel
@@ -30,7 +31,7 @@ from rota.papers.pictures.map_panel import MapPanel
 from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import Table, joined
-from rota.planners.swarm.planner import free_ground, make_swarm
+from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.starts import place_starts
 
 CONTROLLERS = (SAMPLED, EXACT, FILTERED, VORONOI, FORCES, SETTLE)

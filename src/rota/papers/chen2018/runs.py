@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission, SwarmSettings
 from rota.papers.chen2018 import paper
 from rota.papers.study import StudyStopped
 from rota.planners.swarm.metrics import History, covered_share
-from rota.planners.swarm.planner import SwarmRun, free_ground, run_mission, sensors_of, squares_of
+from rota.planners.swarm.planner import SwarmRun, run_mission, sensors_of, squares_of
 
 Floats = NDArray[np.float64]
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import ROUTE_COLOURS
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.runs import EXACT, SAMPLED, Outcome, Runs
@@ -19,7 +20,7 @@ from rota.papers.pictures.curve_panel import Curve, CurvePanel
 from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import Table
-from rota.planners.swarm.planner import free_ground, make_swarm
+from rota.planners.swarm.planner import make_swarm
 
 Floats = NDArray[np.float64]
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, STRtree
 
 from rota.errors import MissionError
+from rota.geometry.free_space import free_ground
 from rota.mission import TOUCH_M, Mission
 from rota.planner_settings import Corners
 
@@ -111,13 +112,6 @@ def make_cells(mission: Mission) -> Cells:
         corners=settings.corners,
         body_radius_m=max(robot.body_radius_m for robot in robots),
     )
-
-
-def free_ground(mission: Mission) -> MultiPolygon:
-    """The area without what blocks motion."""
-    blocking = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_motion])
-    ground = mission.area.difference(blocking)
-    return MultiPolygon([part for part in shapely.get_parts(ground) if part.geom_type == "Polygon" and part.area > 0])
 
 
 def cells_of(

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.bounce.cells import free_ground, make_cells
+from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.inexact_turns import Crew, Estimate, InexactRuns, TurningError, make_crew, run_crew
 from rota.planners.bounce.trajectories import step_duration_s
 

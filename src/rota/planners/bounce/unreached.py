@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.errors import MissionError
+from rota.geometry.free_space import free_ground
 from rota.mission import TOUCH_M, Mission
-from rota.planners.bounce.cells import Cells, free_ground, make_cells
+from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.coverage import reachable_cells
+from rota.polygons import polygons_of
 
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int32]
@@ -59,7 +61,7 @@ def body_room(mission: Mission) -> MultiPolygon:
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
     radius_m = max(robot.body_radius_m for robot in robots)
     room = free_ground(mission).buffer(-(radius_m - TOUCH_M / 2) if radius_m > TOUCH_M else 0, quad_segs=16)
-    return MultiPolygon([part for part in shapely.get_parts(room) if part.geom_type == "Polygon" and part.area > 0])
+    return polygons_of(room)
 
 
 def _advice(mission: Mission, cells: Cells, room: MultiPolygon) -> str:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.checkpoint import SwarmState
 from rota.errors import MissionError, RunError
+from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Mission, SquareSensor, SwarmSettings, inner_reach_m
 from rota.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
@@ -201,14 +201,6 @@ def _state_of(
         past=swarm.past,
         news_m=swarm.news_m,
     )
-
-
-def free_ground(mission: Mission) -> MultiPolygon:
-    """The area without what blocks motion."""
-    blocking = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_motion])
-    ground = mission.area.difference(blocking)
-    parts = [part for part in shapely.get_parts(ground) if part.geom_type == "Polygon" and part.area > 0]
-    return MultiPolygon(parts)
 
 
 def make_swarm(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid
-from rota.mission import DiscSensor, Robot
+from rota.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.annealing import kernels as annealing_kernels
 from rota.planners.patrol.annealing.state_kernels import (
     FULL,
@@ -84,7 +84,7 @@ class Annealing:
         tours, count = self._tours, len(self._samples.x)
         room = vertices + vertices // 2 + self._spare
         slots = room + MOST_TRIED
-        reach_m = np.array([in_range_m(t.robot) for t in tours])
+        reach_m = np.array([inner_reach_m(t.robot.sensor) for t in tours])
         grid, grid_n = bucket_grid(self._space, float(reach_m.min()))
         hub, petals = hubs_and_petals(tours)
         whole_m = np.array([whole_budget_m(tours, h, petals[h]) for h in range(len(tours))])
@@ -198,12 +198,6 @@ class Annealing:
         """The tours as they stand."""
         state = self._state
         return [replace(tour, vertices_m=ring_of(state, k)) for k, tour in enumerate(self._tours)]
-
-
-def in_range_m(robot: Robot) -> float:
-    """Radius of a disc sensor, or half the side of a square one."""
-    sensor = robot.sensor
-    return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
 
 
 def bucket_grid(space: EdgeGrid, reach_m: float) -> tuple[Floats, Ints]:

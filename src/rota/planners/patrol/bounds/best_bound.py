@@ -21,8 +21,8 @@ from rota.planners.patrol.bounds.apart_bound import (
 from rota.planners.patrol.bounds.area_bound import area_rate, strongest_robot
 from rota.planners.patrol.bounds.far_groups import Pieces, ground_pieces, groups_of_their_own, swept_and_travelled
 from rota.planners.patrol.bounds.rate_bound import swept_robots
+from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.bounds.witness_points import Witnesses, witnesses_of
-from rota.planners.patrol.ground.limits_of_sight import surely_seeable_m2
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.verdict import counted

@@ -17,6 +17,7 @@ from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Mission
 from rota.planners.patrol.ground.samples import SamplePoints
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -156,16 +157,16 @@ class _Ground:
         robots = mission.fleet.robots or (mission.fleet.equal_robot("any"),)
         body_m = min(robot.body_radius_m for robot in robots)
         self.reach_m = reach_m * (1 + ROOM)
-        self.travel = _polygonal(standing_space(mission, 0.0).buffer(room_m, join_style="mitre"))
+        self.travel = polygons_of(standing_space(mission, 0.0).buffer(room_m, join_style="mitre"))
         thin_m = max(0.0, _BODY_SHARE * body_m - room_m)
         standing = standing_space(mission, thin_m, arc_corners=_ARC_CORNERS) if thin_m > 0 else self.travel
         self.parts = list(standing.geoms)
         self.paths = ShortestPaths(self.travel)
         x0, y0, x1, y1 = shapely.box(*self.travel.bounds).buffer(4 * reach_m).bounds
         closed = shapely.difference(shapely.box(x0, y0, x1, y1), self.travel)
-        self.borders = border_segments(_polygonal(closed))
+        self.borders = border_segments(polygons_of(closed))
         hidden = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_sight])
-        self.walls = border_segments(_polygonal(hidden.buffer(-room_m, join_style="mitre")))
+        self.walls = border_segments(polygons_of(hidden.buffer(-room_m, join_style="mitre")))
         shapely.prepare(self.travel)
 
     def where_seen(self, point_m: Floats) -> _Place | None:
@@ -201,12 +202,9 @@ class _Ground:
 
     def _farthest(self, centre_m: Floats, shape: BaseGeometry) -> float:
         """A bound on the ways from the centre to the points of a shape in the travel space; 0 when it is empty."""
-        polygons = [p for p in shapely.get_parts(shape) if p.geom_type == "Polygon" and p.area > 0]
-        if not polygons:
-            return 0.0
         step_m = _STEP * self.reach_m
         farthest = 0.0
-        for polygon in polygons:
+        for polygon in polygons_of(shape).geoms:
             border = np.unique(shapely.get_coordinates(shapely.segmentize(polygon.boundary, step_m)), axis=0)
             ways = self.paths.distances(centre_m[None], border)
             # from any point within straight to the border, and along it to the next of these
@@ -262,8 +260,3 @@ def _hidden(sees: csr_array, among: Ints) -> list[int]:
             if len(found) == MOST_HIDDEN:
                 break
     return found
-
-
-def _polygonal(shape: BaseGeometry) -> MultiPolygon:
-    parts = shapely.get_parts(shapely.get_parts(shape))
-    return MultiPolygon([part for part in parts if part.geom_type == "Polygon" and part.area > 0])

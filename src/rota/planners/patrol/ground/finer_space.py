@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import MultiPolygon
 
 from rota.geometry.free_space import border_segments, standing_space_in
 from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 
@@ -41,8 +41,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
         patches += [part for part in shapely.get_parts(patch) if shapely.intersection(part, space).area > 0]
     if not patches:
         return problem
-    parts = shapely.get_parts(np.atleast_1d(shapely.union_all([space, *patches])))
-    wider = MultiPolygon([part for part in shapely.get_parts(parts) if part.geom_type == "Polygon"])
+    wider = polygons_of(shapely.union_all([space, *patches]))
     paths = ShortestPaths(wider)
     if not np.array_equal(paths.part_of(problem.places_m), problem.places_part):
         return problem  # parts have been joined or stand in another order: tours know theirs by number

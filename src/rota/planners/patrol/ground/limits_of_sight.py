@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -17,7 +16,6 @@ from shapely.geometry.base import BaseGeometry
 from rota.geometry.free_space import DemandedRegion, border_segments
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
-from rota.geometry.tiles import clipped, few_cornered_boxes, grown_box
 from rota.mission import Robot
 from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
 from rota.planners.patrol.ground.viewpoints import sensor_arguments
@@ -31,15 +29,14 @@ HAIR_M = 1e-6
 FINE_ARC_M = 0.0005  # how much farther from an obstacle's corner than its body a robot may be kept where rims matter
 
 
-def grown(space: MultiPolygon, robot: Robot, short_m: float, *, outwards: bool = False) -> BaseGeometry:
+def area_in_range(space: MultiPolygon, robot: Robot, short_m: float) -> BaseGeometry:
     """All that is in range of a place in the space, of a sensor that reaches ``short_m`` less; sight is not asked.
 
-    Arcs become chords: what is told is never too much, or with ``outwards`` never too little.
+    Arcs become chords, so that the area is never too large.
     """
     reach_m, square = sensor_arguments(robot, short_m)
     if not square:
-        wider = 1 / math.cos(math.pi / (4 * ARC_STEPS)) if outwards else 1.0
-        return space.buffer(reach_m * wider, quad_segs=ARC_STEPS)
+        return space.buffer(reach_m, quad_segs=ARC_STEPS)
     sides = border_segments(space).reshape(-1, 2, 1, 2)
     corners = reach_m * np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
     swept = shapely.convex_hull(shapely.multipoints((sides + corners).reshape(-1, 8, 2)))
@@ -57,7 +54,7 @@ def has_rim(regions: Sequence[DemandedRegion], space: MultiPolygon, robot: Robot
     beyond = shapely.difference(shapely.union_all(asked), space)
     if beyond.is_empty:
         return False
-    return not bool(shapely.covers(grown(space, robot, margin_m), beyond))
+    return not bool(shapely.covers(area_in_range(space, robot, margin_m), beyond))
 
 
 def rim_points(
@@ -77,93 +74,13 @@ def rim_points(
     depths = (min(NEAR_RIM_M, margin_m / 8), margin_m / 2)
     found = [points_of(np.zeros((0, 2)), 0.0, 0, 0)]
     for depth_m in depths:
-        border = grown(space, robot, depth_m).boundary
+        border = area_in_range(space, robot, depth_m).boundary
         for i, region in enumerate(regions):
             if region.demand == "every_point":
                 lines = shapely.segmentize(border.intersection(region.shape), spacing_m)
                 xy = np.unique(shapely.get_coordinates(lines), axis=0)
                 found.append(points_of(xy, spacing_m**2 / 4, region_class[i], i))
     return joined(found)
-
-
-class _Near(NamedTuple):
-    """What is asked in a box (None: zones to visit), and the space and the walls that matter to it."""
-
-    asked: list[MultiPolygon | None]
-    space: MultiPolygon
-    lines: NDArray[np.object_]
-
-
-def surely_seeable_m2(
-    regions: Sequence[DemandedRegion], space: MultiPolygon, walls: Floats, robot: Robot
-) -> list[float]:
-    """For each region an area that is surely seen from somewhere, never too much; 0 for zones that ask for visits.
-
-    walls: (k, 4), the borders of what blocks sight. Surely seen is where a body covers the ground, for nothing that
-    blocks motion comes between (unless walls run through where robots can stand), and what is in range with no wall
-    within reach. Ground seen only past walls is left out: a bound on robots must stay one.
-
-    Whether a place is among it depends on nothing that is farther than the reach. Where corners are very many, boxes
-    are looked at by themselves, each with all that lies so near to it, and the areas in the boxes are added up.
-    """
-    reach_m, _ = sensor_arguments(robot, 0.0)
-    parts = list(_near_boxes(regions, space, walls, 1.1 * robot.sensor.reach_m))
-    walls_inside = any(_walls_run_through(part) for part in parts)
-    body_m = 0.0 if walls_inside else min(robot.body_radius_m, reach_m)
-    each = [_surely_seen_m2(part, robot, body_m) for part in parts]
-    return [math.fsum(areas) for areas in zip(*each, strict=True)]
-
-
-def _near_boxes(
-    regions: Sequence[DemandedRegion], space: MultiPolygon, walls: Floats, near_m: float
-) -> Iterator[_Near]:
-    """All ground in boxes with few corners near each: one, of all there is, for ordinary ground."""
-    asked = [region.shape if region.demand == "every_point" else None for region in regions]
-    shapes = [space, *(shape for shape in asked if shape is not None)]
-    corners = np.vstack([*map(shapely.get_coordinates, shapes), walls.reshape(-1, 2)])
-    x0, y0, x1, y1 = shapely.union_all([shapely.box(*shape.bounds) for shape in shapes]).bounds
-    lines = shapely.linestrings(walls.reshape(-1, 2, 2))
-    boxes = few_cornered_boxes((x0, y0, x1, y1), corners, near_m)
-    if len(boxes) == 1:
-        yield _Near(asked, space, lines)
-        return
-    tree = shapely.STRtree(lines)
-    for box in boxes:
-        here = [None if shape is None else clipped(shape, box) for shape in asked]
-        if any(shape is not None and not shape.is_empty for shape in here):
-            wide = grown_box(box, near_m)
-            yield _Near(here, clipped(space, wide), lines[np.sort(tree.query(shapely.box(*wide)))])
-
-
-def _walls_run_through(part: _Near) -> bool:
-    """Whether walls run through where robots can stand, by more than a hair."""
-    inner = part.space.buffer(-HAIR_M)
-    shapely.prepare(inner)
-    return bool(shapely.intersects(inner, part.lines).any())
-
-
-def _surely_seen_m2(part: _Near, robot: Robot, body_m: float) -> list[float]:
-    """The areas of what is asked in one box that is surely seen, as ``surely_seeable_m2`` gives them."""
-    space, lines = part.space, part.lines
-    wide_m = robot.sensor.reach_m / math.cos(math.pi / (4 * ARC_STEPS))
-    bodies = space.buffer(body_m, quad_segs=ARC_STEPS) if body_m > 0 else space
-    beyond = shapely.difference(shapely.union_all([shape for shape in part.asked if shape is not None]), bodies)
-    seen = bodies
-    if not _all_near(beyond, lines, robot.sensor.reach_m):
-        hidden = shapely.buffer(shapely.union_all(lines), wide_m, quad_segs=ARC_STEPS)
-        seen = shapely.union_all([bodies, grown(space, robot, 0.0).difference(hidden)])
-    return [0.0 if shape is None else float(shapely.intersection(shape, seen).area) for shape in part.asked]
-
-
-def _all_near(shape: BaseGeometry, lines: NDArray[np.object_], near_m: float) -> bool:
-    """Whether every part of the shape is so small, and so near one of the lines, that all of it surely is near."""
-    pieces = shapely.get_parts(shapely.get_parts(np.atleast_1d(shape)))
-    if not len(pieces) or not len(lines):
-        return not len(pieces)
-    x0, y0, x1, y1 = shapely.bounds(pieces).T
-    middles = shapely.points((x0 + x1) / 2, (y0 + y1) / 2)
-    _, away_m = shapely.STRtree(lines).query_nearest(middles, return_distance=True, all_matches=False)
-    return bool((away_m + np.hypot(x1 - x0, y1 - y0) / 2 <= near_m).all())
 
 
 def with_reach_for(points: SamplePoints, ranges_m: Floats, reach_m: float, margin_m: float) -> SamplePoints:

@@ -14,7 +14,7 @@ from rota.geometry.free_space import DemandedRegion, border_segments, demanded_r
 from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
-from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor
+from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor, inner_reach_m
 from rota.planners.patrol.ground.limits_of_sight import (
     fine_arc_corners,
     has_rim,
@@ -80,8 +80,7 @@ class Problem:
     @property
     def reach_m(self) -> float:
         """Radius of the sensor's disc, or half the side of its square."""
-        sensor = self.robot.sensor
-        return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+        return inner_reach_m(self.robot.sensor)
 
     @property
     def is_ragged(self) -> bool:
@@ -101,8 +100,7 @@ def common_robot(fleet: Fleet) -> Robot:
     if all(isinstance(sensor, SquareSensor) for sensor in sensors):
         sensor: DiscSensor | SquareSensor = min(sensors, key=lambda sensor: sensor.reach_m)
     else:
-        inner = [s.radius_m if isinstance(s, DiscSensor) else s.side_m / 2 for s in sensors]
-        sensor = DiscSensor(radius_m=min(inner))
+        sensor = DiscSensor(radius_m=min(inner_reach_m(sensor) for sensor in sensors))
     rates = [robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]
     return Robot(
         name="common",
@@ -121,7 +119,7 @@ def range_margin(reach_m: float) -> float:
 def set_up_problem(mission: Mission) -> Problem:
     """Lay out everything the search needs; raises NoPlanFound when too much can be seen from nowhere."""
     robot = common_robot(mission.fleet)
-    reach_m = robot.sensor.radius_m if isinstance(robot.sensor, DiscSensor) else robot.sensor.side_m / 2
+    reach_m = inner_reach_m(robot.sensor)
     regions = demanded_regions(mission)
     periods_s = tuple(sorted({region.period_s for region in regions}))
     region_class = tuple(periods_s.index(region.period_s) for region in regions)

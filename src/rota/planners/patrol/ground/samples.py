@@ -15,6 +15,7 @@ from rota.planners.patrol.ground.depth_kernels import depths
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import TOUCH_M
 from rota.planners.patrol.ground.viewpoint_kernels import walls_that_hide
+from rota.polygons import polygons_of
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
@@ -166,7 +167,7 @@ def visit_point(shape: MultiPolygon, space: MultiPolygon, index: int, period: in
     Where zone and space only touch, any point where they do, with next to no radius; no point where they are apart.
     """
     inside = shapely.intersection(shape, space)
-    parts = [part for part in shapely.get_parts(inside) if part.geom_type == "Polygon" and part.area > 0]
+    parts = polygons_of(inside).geoms
     if not parts:
         touched = shapely.get_coordinates(inside.point_on_surface())
         return points_of(touched, area_m2, period, index, visit_m=ON_THE_SPOT_M)

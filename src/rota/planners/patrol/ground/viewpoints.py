@@ -11,10 +11,11 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.line_of_sight import visibility_polygon
-from rota.mission import DiscSensor, Robot
+from rota.mission import Robot, SquareSensor, inner_reach_m
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import ON_THE_SPOT_M, lattice, one_a_cell
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -24,9 +25,7 @@ MOST_CANDIDATES = 60_000
 
 def sensor_arguments(robot: Robot, range_margin_m: float) -> tuple[float, int]:
     """Reach (a disc's radius or half a square's side, less the margin) and whether it is a square, for the kernels."""
-    if isinstance(robot.sensor, DiscSensor):
-        return robot.sensor.radius_m - range_margin_m, 0
-    return robot.sensor.side_m / 2 - range_margin_m, 1
+    return inner_reach_m(robot.sensor) - range_margin_m, int(isinstance(robot.sensor, SquareSensor))
 
 
 def candidate_places(space: MultiPolygon, spacing_m: float, coarsest_m: float = np.inf) -> Floats:
@@ -78,7 +77,7 @@ def place_that_sees(
     if places.is_empty:
         return None
     # the part where one stands most freely: a hair's breadth of a view is of no use to a real robot
-    parts = [part for part in getattr(places, "geoms", [places]) if isinstance(part, shapely.Polygon)]
+    parts = polygons_of(places).geoms
     if not parts:
         return np.asarray(shapely.get_coordinates(places)[0])
     largest = max(parts, key=lambda part: float(part.area))

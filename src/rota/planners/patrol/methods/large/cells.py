@@ -9,11 +9,12 @@ from dataclasses import replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import MultiPolygon, Polygon
+from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion, demanded_regions
 from rota.mission import Mission, Obstacle, Zone
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
@@ -47,8 +48,8 @@ def _cut(shape: BaseGeometry, box: Box, weights: Floats) -> Iterator[Box]:
         bottom, top = (at, top) if below.area < wanted_m2 else (bottom, at)
     one: Box = (x0, y0, at, y1) if upright else (x0, y0, x1, at)
     other: Box = (at, y0, x1, y1) if upright else (x0, at, x1, y1)
-    yield from _cut(polygonal([shapely.intersection(shape, shapely.box(*one))]), one, weights[:first])
-    yield from _cut(polygonal([shapely.intersection(shape, shapely.box(*other))]), other, weights[first:])
+    yield from _cut(polygons_of(shapely.intersection(shape, shapely.box(*one))), one, weights[:first])
+    yield from _cut(polygons_of(shapely.intersection(shape, shapely.box(*other))), other, weights[first:])
 
 
 def missions_of(mission: Mission, count: int, margin_m: float) -> list[Mission]:
@@ -74,12 +75,11 @@ def mission_in(
     x0, y0, x1, y1 = boxes[k]
     wide = shapely.box(x0 - margin_m, y0 - margin_m, x1 + margin_m, y1 + margin_m)
     wide = shapely.union_all([wide, *(region.shape.envelope for region in regions if region.name in visits)])
-    area = polygonal(
-        part for part in shapely.get_parts(shapely.intersection(mission.area, wide)) if shapely.intersects(part, own)
-    )
+    near = shapely.get_parts(shapely.intersection(mission.area, wide))
+    area = polygons_of(near[shapely.intersects(near, own)])
     zones = [zone for zone in (zone_in(zone, own, asked=zone.name in visits) for zone in mission.zones) if zone]
     zones = [zone for zone in zones if zone.shape.intersection(area).area > SLIVER_M2]
-    outside = polygonal([shapely.difference(area, own)])
+    outside = polygons_of(shapely.difference(area, own))
     if outside.area > SLIVER_M2:
         zones.append(Zone(name=new_name(ELSEWHERE, [zone.name for zone in zones]), shape=outside, period_s=None))
     inside = any(
@@ -103,7 +103,7 @@ def zone_in(zone: Zone, own: Polygon, *, asked: bool) -> Zone | None:
     """
     if asked:
         return zone
-    shape = polygonal([shapely.intersection(zone.shape, own)])
+    shape = polygons_of(shapely.intersection(zone.shape, own))
     if shape.is_empty:
         return None
     if zone.demand == "visit":
@@ -133,12 +133,6 @@ def obstacles_near(obstacles: tuple[Obstacle, ...], shape: BaseGeometry) -> Iter
         shapely.prepare(shape)
         meets = shapely.intersects(shape, np.array([obstacle.shape for obstacle in obstacles]))
         yield from (obstacle for obstacle, near in zip(obstacles, meets, strict=True) if near)
-
-
-def polygonal(shapes: Iterator[BaseGeometry] | list[BaseGeometry]) -> MultiPolygon:
-    """The polygons of the shapes that have an area."""
-    parts = shapely.get_parts(shapely.get_parts(np.array(list(shapes), dtype=object)))
-    return MultiPolygon([part for part in parts if isinstance(part, Polygon) and part.area > 0])
 
 
 def boxes_for(asked_m2: float, most_m2: float) -> int:

@@ -24,6 +24,7 @@ from rota.planners.patrol.methods.sweeping.methods import load, sequential
 from rota.planners.patrol.methods.sweeping.routes import Ground, best_route, promising_angles
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -131,7 +132,6 @@ def space_near(problem: Problem, ground: Ground) -> MultiPolygon | None:
     x0, y0, x1, y1 = shapely.total_bounds(np.array([ground.shape, *shapely.points(ground.stops_m)]))
     box = shapely.box(x0 - margin_m, y0 - margin_m, x1 + margin_m, y1 + margin_m)
     part = problem.paths.parts[ground.component]
-    pieces = [p for p in shapely.get_parts(shapely.intersection(part, box)) if p.geom_type == "Polygon" and p.area > 0]
     asked = shapely.union_all([ground.shape, *shapely.points(ground.stops_m)])
-    pieces = [piece for piece in pieces if shapely.intersects(piece, asked)]
+    pieces = [piece for piece in polygons_of(shapely.intersection(part, box)).geoms if shapely.intersects(piece, asked)]
     return MultiPolygon(pieces) if len(pieces) == 1 else None

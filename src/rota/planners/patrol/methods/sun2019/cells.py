@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import MultiPolygon, Polygon
+from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.errors import NoPlanFound
@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 BorderCells = Literal["clipped", "centre"]
 
 MOST_SQUARES = 4_000_000
-SLIVER = 1e-9  # of a square: what is smaller is rounding
+SLIVER = 1e-9  # of a square, or in m2: what is smaller is rounding
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,9 +194,3 @@ def _window(region: BaseGeometry, lattice: Lattice) -> tuple[int, int, int, int]
     i0, j0 = int((x0 - lattice.x0) / lattice.cell_m), int((y0 - lattice.y0) / lattice.cell_m)
     i1, j1 = int((x1 - lattice.x0) / lattice.cell_m) + 1, int((y1 - lattice.y0) / lattice.cell_m) + 1
     return max(i0, 0), max(j0, 0), min(i1, lattice.nx), min(j1, lattice.ny)
-
-
-def polygons(shape: BaseGeometry) -> MultiPolygon:
-    """The polygons among the parts of a geometry; overlays leave points, lines and slivers of rounding besides."""
-    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shape)))
-    return MultiPolygon([part for part in parts if isinstance(part, Polygon) and part.area > SLIVER])

@@ -16,6 +16,7 @@ from rota.geometry.line_of_sight import points_inside
 from rota.mission import DiscSensor, Mission
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.cells import (
+    SLIVER,
     BorderCells,
     Cells,
     Lattice,
@@ -23,9 +24,9 @@ from rota.planners.patrol.methods.sun2019.cells import (
     cells_seen_from,
     ground_for,
     lattice_over,
-    polygons,
 )
 from rota.planners.patrol.methods.sun2019.sight_kernels import Ground
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -97,14 +98,14 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
     if standing.is_empty:
         raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
     lattice = lattice_over(mission.area, CELL_SHARE * reach_m if cell_m is None else cell_m)
-    obstacles = polygons(shapely.union_all([item.shape for item in mission.obstacles if item.blocks_sight]))
+    obstacles = polygons_of(shapely.union_all([item.shape for item in mission.obstacles if item.blocks_sight]), SLIVER)
     hidden = obstacles
     for region in sorted(demanded_regions(mission), key=lambda region: region.period_s):
         if region.demand == "visit":
             yield _visited(region, standing, lattice)
             continue
         cells = cells_of(region.shape, lattice, hidden=hidden, border=border)
-        own = polygons(region.shape.intersection(standing))
+        own = polygons_of(region.shape.intersection(standing), SLIVER)
         grounds = (ground_for(own, hidden, reach_m), ground_for(standing, obstacles, reach_m))
         tasks, left = cover_tasks(cells, (own, standing), grounds)
         for _ in range(QUARTERINGS if len(left) else 0):
@@ -113,11 +114,11 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
             if not len(left):
                 break
         yield ZoneTasks(name=region.name, period_s=region.period_s, cells=cells, tasks=tasks, unseeable=left)
-        hidden = polygons(shapely.union_all([hidden, region.shape]))
+        hidden = polygons_of(shapely.union_all([hidden, region.shape]), SLIVER)
 
 
 def _visited(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -> ZoneTasks:
-    where = polygons(region.shape.intersection(standing))
+    where = polygons_of(region.shape.intersection(standing), SLIVER)
     if where.is_empty:
         spot = region.shape.representative_point()
         raise NoPlanFound(f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f})")

@@ -17,6 +17,7 @@ from rota.errors import PlanError
 from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Sensor
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 
@@ -97,8 +98,7 @@ def turning(angle_rad: float) -> Floats:
 
 def polygons(shape: BaseGeometry) -> list[Polygon]:
     """The polygons of a shape that have an area to speak of."""
-    parts = shapely.get_parts(shapely.get_parts(off_grid(shape)))
-    return [part for part in parts if isinstance(part, Polygon) and part.area > SLIVER_M2]
+    return list(polygons_of(off_grid(shape), SLIVER_M2).geoms)
 
 
 def slab(shape: BaseGeometry, low_m: float, high_m: float) -> list[Polygon]:

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.mission import DiscSensor
-from rota.planners.patrol.annealing.search import in_range_m
+from rota.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.repair.bending.sighting_kernels import best_looks
 from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, whole_budget_m
@@ -139,7 +138,7 @@ def looks(
     """
     behind_m = np.broadcast_to(behind_m, len(layout.tours))
     robots = [tour.robot for tour in layout.tours]
-    reach_m = np.array([in_range_m(robot) for robot in robots]) - range_margin_m - behind_m
+    reach_m = np.array([inner_reach_m(robot.sensor) for robot in robots]) - range_margin_m - behind_m
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
     period_class = np.array([tour.period_class for tour in layout.tours], dtype=np.int64)
     n = len(samples.x)

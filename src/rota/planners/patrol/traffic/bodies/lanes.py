@@ -18,6 +18,7 @@ from rota.geometry.free_space import nearest_free_point
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.tours.timetable import thinned
 from rota.planners.patrol.tours.tour import Tour, split_legs, tour_length_m
+from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -126,8 +127,7 @@ def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: Mul
         return None
     round_m = 2 * body_radius_m * LANES / math.cos(math.pi / (4 * QUARTER))
     discs = shapely.union_all([spot.buffer(round_m, quad_segs=QUARTER) for spot in compress(spots, stays)])
-    parts = shapely.get_parts(shapely.get_parts(space.difference(discs)))
-    free = MultiPolygon([part for part in parts if part.geom_type == "Polygon" and part.area > body_radius_m**2 / 100])
+    free = polygons_of(space.difference(discs), body_radius_m**2 / 100)
     paths = ShortestPaths(free)
     found: list[Tour] = []
     for tour, stays_here in zip(tours, stays, strict=True):
