@@ -61,7 +61,7 @@ mission = Mission(
 )
 problem = set_up_problem(mission)
 tours, price = starts(problem, 1)[0].tours, np.ones(1)
-Annealing(tours[:1], problem.samples, problem.space_grid, price=price, over_price=price, seed=0, range_margin_m=0.01)
+Annealing(tours[:1], problem.samples, problem.paths.grid, price=price, over_price=price, seed=0, range_margin_m=0.01)
 robots = [Trajectory(robot=f"robot-{k}", times_s=[0, 16, 32, 48, 64], positions_m=ring) for k in (1, 2)]
 check_plan(Plan(mission=mission, trajectories=tuple(robots)))
 """

@@ -182,7 +182,7 @@ def started(given: Problem, seed: int = 1, over_price: float = 4.0) -> Annealing
     return Annealing(
         tours,
         samples,
-        given.space_grid,
+        given.paths.grid,
         price=np.linspace(0.3, 0.9, len(tours)),
         over_price=np.full(len(tours), over_price),
         seed=seed,
@@ -358,7 +358,7 @@ def test_tours_of_one_vertex_grow_and_are_counted() -> None:
         tour([[30, 20]], robot=given.robot, period_s=60, period_class=1),
     ]
     search = Annealing(
-        alone, samples, given.space_grid, price=np.full(2, 0.1), over_price=np.full(2, 1.0), seed=5,
+        alone, samples, given.paths.grid, price=np.full(2, 0.1), over_price=np.full(2, 1.0), seed=5,
         range_margin_m=given.range_margin_m,
     )  # fmt: skip
     assert_books_are_true(search)

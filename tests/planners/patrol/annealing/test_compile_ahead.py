@@ -24,7 +24,7 @@ mission = Mission(
 )
 problem = set_up_problem(mission)
 search = Annealing(
-    starts(problem, 1)[0].tours, problem.samples, problem.space_grid, price=np.ones(1), over_price=np.ones(1),
+    starts(problem, 1)[0].tours, problem.samples, problem.paths.grid, price=np.ones(1), over_price=np.ones(1),
     seed=0, range_margin_m=0.01,
 )
 print(search.run(2_000, hot_m=1.0, cold_m=0.01, should_stop=lambda: False))

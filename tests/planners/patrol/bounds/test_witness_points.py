@@ -31,10 +31,7 @@ def cluttered(seed: int) -> Mission:
 
 
 def witnesses(mission: Mission, problem: Problem) -> witness_points.Witnesses:
-    reach = mission.fleet.sensor.reach_m
-    return witness_points.witnesses_of(
-        mission, problem.regions, problem.periods_s, problem.points, problem.sees_start, problem.sees_item, reach
-    )
+    return witness_points.witnesses_of(problem, mission.fleet.sensor.reach_m)
 
 
 @pytest.mark.parametrize("seed", [0, 2, 5, 7, 8, 9])

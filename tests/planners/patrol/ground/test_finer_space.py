@@ -10,7 +10,7 @@ import shapely
 from shapely import MultiPolygon, box
 
 from rota.geometry.free_space import border_segments, standing_space, standing_space_in
-from rota.geometry.line_of_sight import edge_grid, visibility_polygon
+from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.ground import problem as problem_module
@@ -38,14 +38,12 @@ def coarse() -> Problem:
     problem = set_up_problem(mission)
     space = standing_space(mission, BODY_M)
     paths = ShortestPaths(space)
-    places_m = problem.places_m[paths.part_of(problem.places_m) >= 0]
+    places_m = problem.viewpoints.xy_m[paths.part_of(problem.viewpoints.xy_m) >= 0]
     return replace(
         problem,
         space=space,
-        space_grid=edge_grid(border_segments(space)),
         paths=paths,
-        places_m=places_m,
-        places_part=paths.part_of(places_m),
+        viewpoints=problem.viewpoints._replace(xy_m=places_m, component=paths.part_of(places_m)),
     )
 
 
@@ -66,7 +64,7 @@ def test_a_robot_gets_the_room_from_which_a_place_is_seen(coarse: Problem) -> No
     assert shapely.covers(exact.buffer(2e-6), wider.space)
     assert 0 < wider.space.area - coarse.space.area < 0.05 * BODY_M**2
     assert wider.paths.part_of(place_m)[0] == 0
-    assert np.array_equal(wider.places_part, wider.paths.part_of(wider.places_m))
+    assert np.array_equal(wider.viewpoints.component, wider.paths.part_of(wider.viewpoints.xy_m))
 
 
 def test_who_is_seen_anyway_or_by_nobody_changes_nothing(coarse: Problem) -> None:

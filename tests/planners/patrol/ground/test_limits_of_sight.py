@@ -14,16 +14,16 @@ from rota.geometry.free_space import DemandedRegion, standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Robot, Sensor, SquareSensor
 from rota.planners.patrol.ground.limits_of_sight import (
-    along_the_rim,
     area_in_range,
-    fine_arc_corners,
-    has_rim,
-    rim_points,
+    drawn_to_border,
+    limit_is_asked_for,
+    limit_points,
     with_reach_for,
 )
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.samples import points_of
+from rota.planners.patrol.ground.standing import fine_arc_corners
 from rota.planners.patrol.tours.tour import Tour
 
 DISC = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=2))
@@ -47,28 +47,28 @@ def test_the_area_in_range_is_all_of_it_but_for_chords(robot: Robot) -> None:
     assert outer.area - inner.area <= (1e-9 if robot is SQUARE else 0.01)
 
 
-def test_rim_points_lie_just_in_reach_and_close_together() -> None:
-    points = rim_points([GROUND], [0], SPACE, DISC, margin_m=0.012, spacing_m=0.2)
+def test_limit_points_lie_just_in_reach_and_close_together() -> None:
+    points = limit_points([GROUND], [0], SPACE, DISC, range_margin_m=0.012, spacing_m=0.2)
     _, ranges = nearest_places(points.xy_m, SPACE, NO_WALLS, DISC)
-    at_rim = ranges > 1.995
-    assert ranges[at_rim] == pytest.approx(1.999, abs=1e-6)
-    assert ranges[~at_rim] == pytest.approx(1.994, abs=1e-6)
+    outermost = ranges > 1.995
+    assert ranges[outermost] == pytest.approx(1.999, abs=1e-6)
+    assert ranges[~outermost] == pytest.approx(1.994, abs=1e-6)
     # round a core of 1 m x 1.5 m
-    assert at_rim.sum() >= 5 / 0.2
+    assert outermost.sum() >= 5 / 0.2
     along = shapely.get_coordinates(shapely.segmentize(box(6, 6, 7, 7.5).boundary, 0.01))
-    away = np.hypot(*(along[:, None] - points.xy_m[at_rim][None]).transpose(2, 0, 1)).min(axis=1)
+    away = np.hypot(*(along[:, None] - points.xy_m[outermost][None]).transpose(2, 0, 1)).min(axis=1)
     assert away.max() <= 0.11
 
 
-def test_only_ground_beyond_the_margin_has_a_rim() -> None:
+def test_only_ground_beyond_the_margin_is_at_the_limit() -> None:
     robots = {"narrow": box(4, 4, 7.9, 9), "wide": box(4, 4, 7.999, 9), "hedge": box(0, 0, 0.1, 0.1)}
-    rims = {}
+    asked = {}
     for name, shape in robots.items():
-        rims[name] = has_rim([GROUND], MultiPolygon([GROUND.shape.geoms[0].difference(shape)]), DISC, 0.012)
-    assert rims == {"narrow": False, "wide": True, "hedge": False}
+        asked[name] = limit_is_asked_for([GROUND], MultiPolygon([GROUND.shape.geoms[0].difference(shape)]), DISC, 0.012)
+    assert asked == {"narrow": False, "wide": True, "hedge": False}
     visit = DemandedRegion(name="tank", period_s=60, demand="visit", shape=MultiPolygon([CLOSED]))
-    assert not has_rim([visit], SPACE, DISC, 0.012)
-    assert not len(rim_points([visit], [0], SPACE, DISC, margin_m=0.012, spacing_m=0.2))
+    assert not limit_is_asked_for([visit], SPACE, DISC, 0.012)
+    assert not len(limit_points([visit], [0], SPACE, DISC, range_margin_m=0.012, spacing_m=0.2))
 
 
 def test_reach_is_given_where_it_is_needed_only() -> None:
@@ -82,7 +82,7 @@ def test_reach_is_given_where_it_is_needed_only() -> None:
     assert (reach <= 2.0).all()
 
 
-def test_arcs_are_fine_where_rims_matter() -> None:
+def test_arcs_are_fine_at_the_limit_of_sight() -> None:
     for body_m in (0.01, 0.2, 1.0, 5.0):
         corners = fine_arc_corners(body_m)
         assert corners >= 16
@@ -94,24 +94,24 @@ def test_legs_beside_the_border_are_drawn_onto_it() -> None:
     around = np.array([[4.0, 3.999], [9, 3.996], [9.002, 9.5], [6, 9.503], [3.0, 12.0], [3.999, 6.0]])
     tour = Tour(vertices_m=around, period_class=0, period_s=60, robots=1, robot=DISC)
     border = shapely.get_coordinates(shapely.segmentize(CLOSED.boundary, 0.4))
-    (drawn,) = along_the_rim([tour], border, SPACE, paths, near_m=0.012, wide_m=1.0)
+    (drawn,) = drawn_to_border([tour], border, SPACE, paths, near_m=0.012, wide_m=1.0)
     far = shapely.distance(shapely.points(drawn.vertices_m), shapely.boundary(CLOSED))
     assert ((far < 1e-12) | (far > 1)).all()
     assert (far > 1).sum() == 1
     # no leg cuts the corner that it had passed a hair off
     legs = [shapely.LineString([a, b]) for a, b in zip(drawn.vertices_m, np.roll(drawn.vertices_m, -1, 0), strict=True)]
     assert not any(leg.relate_pattern(CLOSED, "T********") for leg in legs)
-    # without a rim nothing moves
-    (same,) = along_the_rim([tour], np.zeros((0, 2)), SPACE, paths, near_m=0.012, wide_m=1.0)
+    # where all is seen from elsewhere, nothing moves
+    (same,) = drawn_to_border([tour], np.zeros((0, 2)), SPACE, paths, near_m=0.012, wide_m=1.0)
     assert same is tour
-    (same,) = along_the_rim([tour], border + 50, SPACE, paths, near_m=0.012, wide_m=1.0)
+    (same,) = drawn_to_border([tour], border + 50, SPACE, paths, near_m=0.012, wide_m=1.0)
     assert same is tour
 
 
 def mission(sensor: Sensor, area: Polygon, closed: Polygon | None = None, *, body_radius_m: float = 0.0) -> Mission:
     obstacles = () if closed is None else (Obstacle(shape=MultiPolygon([closed]), blocks="motion"),)
     return Mission(
-        name="rim",
+        name="yard",
         area=MultiPolygon([area]),
         obstacles=obstacles,
         period_s=60,
@@ -126,9 +126,9 @@ CORRIDOR = box(0, 0, 3, 3).union(box(3, 1, 4.2, 1.15))
 
 def test_every_sample_of_a_problem_is_seen_from_one_of_its_places() -> None:
     problem = set_up_problem(mission(DiscSensor(radius_m=1), YARD, BLOCK))
-    assert set(problem.sees_item.tolist()) == set(range(len(problem.points)))
-    assert len(problem.rim_places_m)
-    assert shapely.distance(BLOCK.boundary, shapely.points(problem.rim_places_m)).max() < 1e-9
+    assert set(problem.viewpoints.seen.tolist()) == set(range(len(problem.points)))
+    assert len(problem.border_places_m)
+    assert shapely.distance(BLOCK.boundary, shapely.points(problem.border_places_m)).max() < 1e-9
     # only the core is given up: half a metre square, of which lattice points 0.2 m apart are dropped
     core = box(2.5, 2.6, 3.0, 3.1)
     assert not shapely.contains_xy(core, problem.points.xy_m).any()
@@ -170,7 +170,7 @@ def test_a_corridor_too_thin_for_the_body_is_seen_as_far_as_it_can_be(turned: fl
     assert beyond - 1e-3 <= report.demands[0].excluded_area_m2 <= beyond + 0.015 * 0.16 + 1e-3
 
 
-def test_space_is_the_finer_where_there_is_a_rim() -> None:
+def test_space_is_the_finer_at_the_limit_of_sight() -> None:
     wide = affinity.scale(CORRIDOR, 5, 5, origin=(0, 0))
     deepest = 15 - math.sqrt(0.5**2 - 0.375**2)
     what = mission(DiscSensor(radius_m=5), wide, body_radius_m=0.5)

@@ -14,12 +14,12 @@ from shapely import LineString, MultiPolygon, Point, box
 from rota.geometry.free_space import border_segments
 from rota.mission import DiscSensor, Robot, SquareSensor
 from rota.planners.patrol.ground.samples import points_of, prepare
+from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.viewpoints import (
     candidate_places,
     choose_viewpoints,
     place_that_sees,
     search_unseen,
-    sensor_arguments,
     what_places_see,
 )
 

@@ -116,7 +116,7 @@ def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem
     _, samples = prepared_with(problem, no_points())
     tours = nest(problem)[:4]
     search = Annealing(
-        tours, samples, problem.space_grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=2,
+        tours, samples, problem.paths.grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=2,
         range_margin_m=problem.range_margin_m,
     )  # fmt: skip
     before = search.unseen_share
@@ -183,7 +183,7 @@ def test_petals_find_their_own_vertices_of_the_hub(problem: Problem) -> None:
     begins: list[list[int]] = []
     for seed in (1, 2, 3):
         search = Annealing(
-            tours, samples, problem.space_grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=seed,
+            tours, samples, problem.paths.grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=seed,
             range_margin_m=problem.range_margin_m,
         )  # fmt: skip
         before = search.unseen_share

@@ -213,7 +213,7 @@ def test_tours_that_come_close_have_more_chances(
     _, samples = prepared_with(here.problem, no_points())
     spot = Tour(vertices_m=np.array([[3.0, 3.0]]), period_class=0, period_s=60, robots=1, robot=here.problem.robot)
     search = Annealing(
-        [spot], samples, here.problem.space_grid,
+        [spot], samples, here.problem.paths.grid,
         price=np.ones(1), over_price=np.ones(1), seed=0, range_margin_m=here.problem.range_margin_m,
     )  # fmt: skip
     found = list(cooling.cool_and_settle(here, search, seed=5))

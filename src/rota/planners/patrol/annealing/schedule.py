@@ -85,7 +85,7 @@ def annealed(
     search = Annealing(
         tours,
         samples._replace(weight=dear * samples.weight),
-        problem.space_grid,
+        problem.paths.grid,
         price=prices(tours),
         over_price=over_prices(tours, OVER_PRICE),
         seed=seed,

@@ -51,9 +51,7 @@ def prove_bound(problem: Problem) -> ProvedBound:
         return ProvedBound(robots=0, reason="nothing that is asked can be seen")
     robot = strongest_robot(mission.fleet)
     periods_s = list(problem.periods_s)
-    seen = witnesses_of(
-        mission, regions, periods_s, points, problem.sees_start, problem.sees_item, robot.sensor.reach_m
-    )
+    seen = witnesses_of(problem, robot.sensor.reach_m)
     seeable_m2 = surely_seeable_m2(regions, problem.space, problem.walls, problem.robot)
     pieces = ground_pieces(regions, seeable_m2)
     best = max_of(

@@ -16,7 +16,9 @@ from rota.geometry.free_space import DemandedRegion, border_segments, standing_s
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Mission
+from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
+from rota.planners.patrol.ground.viewpoints import Viewpoints
 from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
@@ -72,23 +74,15 @@ class Witnesses:
         )
 
 
-def witnesses_of(
-    mission: Mission,
-    regions: Sequence[DemandedRegion],
-    periods_s: Sequence[float],
-    points: SamplePoints,
-    sees_start: Ints,
-    sees_item: Ints,
-    reach_m: float,
-) -> Witnesses:
+def witnesses_of(problem: Problem, reach_m: float) -> Witnesses:
     """Well chosen samples, all of which some robot can see, and all zones to visit.
 
-    points: samples that are surely seen by one of the places at least; sees_start, sees_item: which place sees which.
     reach_m: the farthest that any robot of the fleet sees. Obstacles count as a little smaller than they are and ways
     are measured for a body of no width, so that no true way is shorter. Points whose views cannot be bounded are
     absent. On ground with very many corners ways are measured straight, see ``_straight_witnesses``.
     """
-    chosen = _chosen_samples(points, sees_start, sees_item, reach_m)
+    mission, regions, points, periods_s = problem.mission, problem.regions, problem.points, problem.periods_s
+    chosen = _chosen_samples(points, problem.viewpoints, reach_m)
     if _corners_of(mission) > MOST_CORNERS:
         return _straight_witnesses(regions, periods_s, points[chosen], reach_m)
     ground = _Ground(mission, reach_m)
@@ -212,12 +206,13 @@ class _Ground:
         return farthest
 
 
-def _chosen_samples(points: SamplePoints, sees_start: Ints, sees_item: Ints, reach_m: float) -> Ints:
+def _chosen_samples(points: SamplePoints, viewpoints: Viewpoints, reach_m: float) -> Ints:
     """Samples far from each other, and samples that hardly any place sees, for every period and all shorter ones."""
     inside = np.flatnonzero((points.visit_m == 0) & (points.shrink_m > 0))
     if not len(inside):
         return inside
-    seen_by = np.bincount(sees_item, minlength=len(points))
+    start, seen = viewpoints.start, viewpoints.seen
+    seen_by = np.bincount(seen, minlength=len(points))
     inside = inside[np.lexsort((inside, seen_by[inside]))]
     classes = np.unique(points.period[inside])
     each = max(FEWEST_PER_PERIOD, MOST_SPREAD_OUT // len(classes))
@@ -226,9 +221,7 @@ def _chosen_samples(points: SamplePoints, sees_start: Ints, sees_item: Ints, rea
         among = inside[points.period[inside] <= c]
         among = among[:: max(1, len(among) // MOST_LOOKED_AT)]
         chosen += _spread_out(points.xy_m, among, chosen, each, reach_m / 2)
-    sees = csr_array(
-        (np.ones(len(sees_item), dtype=np.int8), sees_item, sees_start), shape=(len(sees_start) - 1, len(points))
-    ).tocsc()
+    sees = csr_array((np.ones(len(seen), dtype=np.int8), seen, start), shape=(len(start) - 1, len(points))).tocsc()
     chosen += _hidden(sees, inside[:MOST_LOOKED_AT])
     return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
 

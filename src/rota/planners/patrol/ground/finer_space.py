@@ -8,8 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.geometry.free_space import border_segments, standing_space_in
-from rota.geometry.line_of_sight import edge_grid
+from rota.geometry.free_space import standing_space_in
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
@@ -43,6 +42,6 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
         return problem
     wider = polygons_of(shapely.union_all([space, *patches]))
     paths = ShortestPaths(wider)
-    if not np.array_equal(paths.part_of(problem.places_m), problem.places_part):
+    if not np.array_equal(paths.part_of(problem.viewpoints.xy_m), problem.viewpoints.component):
         return problem  # parts have been joined or stand in another order: tours know theirs by number
-    return replace(problem, space=wider, space_grid=edge_grid(border_segments(wider)), paths=paths)
+    return replace(problem, space=wider, paths=paths)

@@ -11,7 +11,7 @@ from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees, visibility_polygon
 from rota.mission import Robot
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
-from rota.planners.patrol.ground.viewpoints import sensor_arguments
+from rota.planners.patrol.ground.sight import sensor_arguments
 
 Floats = NDArray[np.float64]
 

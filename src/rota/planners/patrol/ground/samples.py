@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import DemandedRegion
+from rota.mission import Robot, inner_reach_m
 from rota.planners.patrol.ground.depth_kernels import depths
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import TOUCH_M
@@ -19,6 +20,7 @@ from rota.polygons import polygons_of
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
+WALL_MARGIN = 0.001  # of the inner reach: walls count as longer by this at both ends
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -236,6 +238,24 @@ def prepare(
         bins=bins.astype(np.int64),
     )
     return samples, order
+
+
+def laid_out(
+    points: SamplePoints, walls: Floats, robot: Robot, *, weight: Floats | None = None, known: Samples | None = None
+) -> tuple[SamplePoints, Samples, Ints]:
+    """The points (n) in the order in which the kernels take them, as they take them, and that order (n,).
+
+    weight (n,): what each is worth; None: the area that it stands for. known: as ``prepare`` takes it.
+    """
+    samples, order = prepare(
+        points,
+        walls,
+        reach_m=robot.sensor.reach_m,
+        weight=points.area_m2 if weight is None else weight,
+        wall_margin_m=WALL_MARGIN * inner_reach_m(robot.sensor),
+        known=known,
+    )
+    return points[order], samples, order
 
 
 def joined_rows(first: tuple[Ints, Ints], second: tuple[Ints, Ints]) -> tuple[Ints, Ints]:

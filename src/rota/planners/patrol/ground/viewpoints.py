@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -11,9 +13,12 @@ from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.line_of_sight import visibility_polygon
-from rota.mission import Robot, SquareSensor, inner_reach_m
+from rota.mission import Robot
+from rota.planners.patrol.ground.limits_of_sight import with_reach_for
+from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import ON_THE_SPOT_M, lattice, one_a_cell
+from rota.planners.patrol.ground.samples import ON_THE_SPOT_M, SamplePoints, laid_out, lattice, one_a_cell
+from rota.planners.patrol.ground.sight import Sight, sensor_arguments
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
 from rota.polygons import polygons_of
 
@@ -21,11 +26,35 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_CANDIDATES = 60_000
+CANDIDATE_SPACING = 0.5  # of the inner reach: between candidate places
+COARSEST_SPACING = 0.9  # of the inner reach: between them where more than MOST_CANDIDATES would be needed
+HAIR_M = 1e-6  # a range shorter than the reach by less than this counts as the whole reach
 
 
-def sensor_arguments(robot: Robot, range_margin_m: float) -> tuple[float, int]:
-    """Reach (a disc's radius or half a square's side, less the margin) and whether it is a square, for the kernels."""
-    return inner_reach_m(robot.sensor) - range_margin_m, int(isinstance(robot.sensor, SquareSensor))
+class Viewpoints(NamedTuple):
+    """Places to look from, and what each of them sees.
+
+    xy_m: (c, 2) in the standing space; component: (c,) the part of the space that each lies in. Place i sees the
+    samples with the numbers seen[start[i] : start[i + 1]]; start: (c + 1,).
+    """
+
+    xy_m: Floats
+    component: Ints
+    start: Ints
+    seen: Ints
+
+
+class SeenPoints(NamedTuple):
+    """Points in the order of their prepared samples, and places (c, 2) in metres that see all but ``unseen``.
+
+    unseen: (u,) indices of points that no place sees; unseeable: (k,) those of them that surely no robot can see.
+    """
+
+    points: SamplePoints
+    samples: Samples
+    places_m: Floats
+    unseen: Ints
+    unseeable: Ints
 
 
 def candidate_places(space: MultiPolygon, spacing_m: float, coarsest_m: float = np.inf) -> Floats:
@@ -109,3 +138,51 @@ def search_unseen(
         for j in seen:
             left.pop(j, None)
     return np.array(places).reshape(-1, 2), np.array(hopeless, dtype=np.int64)
+
+
+def places_that_see_all(points: SamplePoints, sight: Sight) -> SeenPoints:
+    """Places that see all points that can be seen: candidates, and further places for what no candidate sees.
+
+    A point that no candidate sees gets the place in the middle of its view. What still is unseen lies near the limit of
+    sight. There the shrink of a point is fitted to its range, and it gets the place that sees it from least far.
+    """
+    space, walls, robot, margin_m = sight
+    reach_m, _ = sensor_arguments(robot, 0.0)
+    points, samples, _ = laid_out(points, walls, robot)
+
+    def seen_from(place_m: Floats) -> Ints:
+        return what_places_see(place_m[None], robot, margin_m, samples)[1]
+
+    candidates_m = candidate_places(space, CANDIDATE_SPACING * reach_m, COARSEST_SPACING * reach_m)
+    unseen = np.ones(len(points), dtype=bool)
+    unseen[what_places_see(candidates_m, robot, margin_m, samples)[1]] = False
+    further_m, left = search_unseen(
+        np.flatnonzero(unseen),
+        lambda i: place_that_sees(points.xy_m[i], float(points.visit_m[i]), space, walls, robot, margin_m),
+        seen_from,
+    )
+    if not len(left):
+        return SeenPoints(points, samples, np.vstack([candidates_m, further_m]), left, left)
+    nearest_m, ranges_m = nearest_places(points.xy_m[left], space, walls, robot)
+    points, samples, order = laid_out(_with_shrink_fitted(points, left, ranges_m, sight), walls, robot)
+    left = np.argsort(order)[left]
+    in_range = {
+        int(i): nearest_m[k] for k, i in enumerate(left) if reach_m - ranges_m[k] > HAIR_M and points.visit_m[i] == 0
+    }
+    last_m, hidden = search_unseen(left, in_range.get, seen_from)
+    surely = np.isin(hidden, left[(ranges_m > reach_m) | (points.visit_m[left] > 0)])
+    return SeenPoints(points, samples, np.vstack([candidates_m, further_m, last_m]), hidden, hidden[surely])
+
+
+def _with_shrink_fitted(points: SamplePoints, which: Ints, ranges_m: Floats, sight: Sight) -> SamplePoints:
+    """The points, some of them (k,) with a shrink that fits their ranges (k,), and therefore on no lattice any more.
+
+    A lattice has one shrink for all its points.
+    """
+    reach_m, _ = sensor_arguments(sight.robot, 0.0)
+    shrink_m = points.shrink_m.copy()
+    shrink_m[which] = with_reach_for(points[which], ranges_m, reach_m, sight.range_margin_m).shrink_m
+    stays = np.isin(np.arange(len(points)), which, invert=True)
+    return replace(
+        points, shrink_m=shrink_m, row=np.where(stays, points.row, -1), column=np.where(stays, points.column, -1)
+    )

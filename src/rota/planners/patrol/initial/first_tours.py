@@ -74,7 +74,7 @@ class Ground:
 def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
     """For each group of classes, part and cluster the places from which all of it is seen."""
     found: list[Ground] = []
-    covered = np.zeros(len(problem.points), dtype=bool)
+    places, covered = problem.viewpoints, np.zeros(len(problem.points), dtype=bool)
     for group in groups:
         wanted = np.isin(problem.points.period, group) & ~covered
         if robots_stand(problem, problem.periods_s[group[0]]) and wanted.any():
@@ -87,9 +87,9 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
                     )
                 )
             continue
-        chosen, _ = choose_viewpoints(problem.sees_start, problem.sees_item, wanted, problem.points.area_m2)
+        chosen, _ = choose_viewpoints(places.start, places.seen, wanted, problem.points.area_m2)
         for place in chosen:
-            covered[problem.sees_item[problem.sees_start[place] : problem.sees_start[place + 1]]] = True
+            covered[places.seen[places.start[place] : places.start[place + 1]]] = True
         for component, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
             found.append(Ground(period_class=group[0], component=component, places=cluster))
     return found
@@ -104,7 +104,7 @@ def shared_tour(problem: Problem, ground: Ground) -> Tour:
     """One tour past all places of the ground, with the robots that its length needs."""
     if ground.stands is not None:
         return ground.stands
-    return tour_past(problem, problem.places_m[ground.places], ground.period_class, ground.component)
+    return tour_past(problem, problem.viewpoints.xy_m[ground.places], ground.period_class, ground.component)
 
 
 def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
@@ -115,7 +115,7 @@ def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
     """
     if ground.stands is not None:
         return [ground.stands]
-    places_m = problem.places_m[ground.places]
+    places_m = problem.viewpoints.xy_m[ground.places]
     if len(places_m) > MOST_GEODESIC:
         labels = list(straight_neighbourhoods(places_m, count))
     else:
@@ -161,12 +161,12 @@ def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[
     Going there and back from one cluster to the next would take a whole robot (2 d > V T).
     """
     apart_m = max(problem.robot.speed_m_s * period_s / 2, 2 * problem.swath_m)
-    for component in np.unique(problem.places_part[places]):
-        here = places[problem.places_part[places] == component]
+    for component in np.unique(problem.viewpoints.component[places]):
+        here = places[problem.viewpoints.component[places] == component]
         if len(here) > MOST_ORDERED:
             yield int(component), here
             continue
-        linked = distances(problem, problem.places_m[here]) <= apart_m
+        linked = distances(problem, problem.viewpoints.xy_m[here]) <= apart_m
         count, label = connected_components(csr_array(linked), directed=False)
         for k in range(count):
             yield int(component), here[label == k]

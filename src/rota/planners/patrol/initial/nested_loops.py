@@ -49,7 +49,7 @@ HANDINGS = (
 def can_nest(problem: Problem) -> bool:
     """Whether nests are tried: their timetable knows neither turning time at the hub nor bodies."""
     robot = problem.robot
-    return robot.body_radius_m == 0 and robot.turn_rate_rad_s is None and not len(problem.rim_places_m)
+    return robot.body_radius_m == 0 and robot.turn_rate_rad_s is None and not len(problem.border_places_m)
 
 
 def petals_of(tour: Tour, slow_s: float) -> int:
@@ -145,7 +145,7 @@ def nested(
         found += nest_of(problem, tours[k], tours[slow], taken, len(found), most[k])
     if all(tour.nest < 0 for tour in found):
         return None
-    rest = tour_past(problem, problem.places_m[left], tours[slow].period_class, component)
+    rest = tour_past(problem, problem.viewpoints.xy_m[left], tours[slow].period_class, component)
     return room, [*found, replace(rest, robots=tours[slow].robots)]
 
 
@@ -156,7 +156,7 @@ def slowest(tours: list[Tour], load: list[float]) -> int:
 
 def nearest_first(problem: Problem, from_m: Floats, places: Ints) -> Ints:
     """The places, by their straight distance from the nearest of some (n, 2)."""
-    apart = problem.places_m[places][:, None] - from_m[None]
+    apart = problem.viewpoints.xy_m[places][:, None] - from_m[None]
     return places[np.argsort(np.hypot(*apart.transpose(2, 0, 1)).min(axis=1), kind="stable")]
 
 
@@ -165,7 +165,7 @@ def nest_of(problem: Problem, hub: Tour, slow: Tour, places: Ints, number: int, 
 
     Scattered ones each begin at the vertex that is nearest to their own places.
     """
-    here_m = problem.places_m[places]
+    here_m = problem.viewpoints.xy_m[places]
     start = nearest_vertex(hub, here_m)
     anchor_m = hub.vertices_m[start : start + 1]
     petals = []
@@ -188,6 +188,6 @@ def nearest_vertex(tour: Tour, places_m: Floats) -> int:
 
 def best_vertex(problem: Problem, hub: Tour, places: Ints, count: int) -> Floats:
     """The vertex (1, 2) of the hub that has so many of the places nearest to it, taken together."""
-    apart_m = np.hypot(*(problem.places_m[places][:, None] - hub.vertices_m[None]).transpose(2, 0, 1))
+    apart_m = np.hypot(*(problem.viewpoints.xy_m[places][:, None] - hub.vertices_m[None]).transpose(2, 0, 1))
     best = int(np.argmin(np.sort(apart_m, axis=0)[:count].sum(axis=0)))
     return hub.vertices_m[best : best + 1]

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.annealing.search import Annealing, over_prices
-from rota.planners.patrol.ground.problem import Problem, laid_out
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.samples import laid_out
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints
 from rota.planners.patrol.tours.tour import Tour
 
@@ -31,12 +32,12 @@ def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[T
     The number of the greedy cover is halved until annealed places no longer see everything, then what lies between is
     searched. Their number is not proved to be the least.
     """
-    chosen, _ = choose_viewpoints(problem.sees_start, problem.sees_item, wanted, problem.points.area_m2)
+    chosen, _ = choose_viewpoints(problem.viewpoints.start, problem.viewpoints.seen, wanted, problem.points.area_m2)
     tours = [
         Tour(
-            vertices_m=problem.places_m[place][None], robots=1, robot=problem.robot,
+            vertices_m=problem.viewpoints.xy_m[place][None], robots=1, robot=problem.robot,
             period_class=period_class, period_s=problem.periods_s[period_class],
-            component=int(problem.places_part[place]),
+            component=int(problem.viewpoints.component[place]),
         )
         for place in chosen
     ]  # fmt: skip
@@ -60,7 +61,7 @@ def all_seen_by(problem: Problem, tours: list[Tour], wanted: Flags) -> list[Tour
     search = Annealing(
         tours,
         samples._replace(weight=problem.reach_m * weight),
-        problem.space_grid,
+        problem.paths.grid,
         price=np.full(len(tours), 1e-3),
         over_price=over_prices(tours, OVER_PRICE * len(points)),
         seed=len(tours),

@@ -15,7 +15,8 @@ from rota.planners.patrol.ground.nearest_places import nearest_places, segments_
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.ground.viewpoints import choose_viewpoints, place_that_sees, sensor_arguments, what_places_see
+from rota.planners.patrol.ground.sight import sensor_arguments
+from rota.planners.patrol.ground.viewpoints import choose_viewpoints, place_that_sees, what_places_see
 from rota.planners.patrol.tours.tour import Tour, room_m
 
 Floats = NDArray[np.float64]
@@ -58,9 +59,9 @@ def last_place(problem: Problem, points: SamplePoints, i: int) -> Floats | None:
 
 def near_places(problem: Problem, xy_m: Floats) -> Floats:
     """The candidate places within reach of any of the points (n, 2)."""
-    tree = cKDTree(problem.places_m)
+    tree = cKDTree(problem.viewpoints.xy_m)
     near = tree.query_ball_point(xy_m, problem.robot.sensor.reach_m)
-    return problem.places_m[sorted({int(i) for row in near for i in row})].reshape(-1, 2)
+    return problem.viewpoints.xy_m[sorted({int(i) for row in near for i in row})].reshape(-1, 2)
 
 
 def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:

@@ -16,7 +16,7 @@ from rota.planners.patrol.bounds.best_bound import ProvedBound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
-from rota.planners.patrol.ground.limits_of_sight import along_the_rim, with_reach_for
+from rota.planners.patrol.ground.limits_of_sight import drawn_to_border, with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem, stretched
 from rota.planners.patrol.ground.sample_kernels import Samples
@@ -104,8 +104,8 @@ def settle(
             tours = bent(context, tours, points, samples, seed=context.seed + turn)
         else:
             tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
-        tours = along_the_rim(
-            tours, problem.rim_places_m, problem.space, problem.paths,
+        tours = drawn_to_border(
+            tours, problem.border_places_m, problem.space, problem.paths,
             near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
         )  # fmt: skip
         if may_add:
@@ -227,7 +227,7 @@ def new_points(
             found.append(replace(again, area_m2=np.full(len(again), problem.swath_m**2)))
             continue
         ranges_m = np.zeros(len(xy))
-        if len(problem.rim_places_m):
+        if len(problem.border_places_m):
             order, ranges_m = hardest_first(problem, tours, xy)
             xy = xy[order]
         _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
@@ -256,7 +256,7 @@ def mending(problem: Problem, tours: list[Tour], samples: Samples, seed: int) ->
     return Annealing(
         tours,
         samples,
-        problem.space_grid,
+        problem.paths.grid,
         price=np.full(len(tours), 0.3),
         over_price=over_prices(tours, OVER_PRICE),
         seed=seed,
@@ -270,7 +270,7 @@ def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: in
     search = Annealing(
         tours,
         samples._replace(weight=DEAR * samples.weight),
-        problem.space_grid,
+        problem.paths.grid,
         price=np.ones(len(tours)),
         over_price=over_prices(tours, OVER_PRICE),
         seed=seed,

@@ -181,7 +181,7 @@ def test_nobody_leaves_the_space() -> None:
     search = Polish(problem, [begun], samples_at(problem, corners)[1], length_price=0.3)  # type: ignore[arg-type]
     search.run(60, should_stop=lambda: False)
     ring = search.tours[0].vertices_m
-    assert free_segments(ring, np.roll(ring, -1, axis=0), problem.space_grid).all()
+    assert free_segments(ring, np.roll(ring, -1, axis=0), problem.paths.grid).all()
     assert 80 <= tour_length_m(search.tours[0]) < 0.9 * tour_length_m(begun)
 
 

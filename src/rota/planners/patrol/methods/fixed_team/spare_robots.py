@@ -68,14 +68,15 @@ def stood_aside(problem: Problem, tours: list[Tour], robots: int) -> list[Tour] 
     """The tours and further robots that stay where none on a tour comes past; None when there is no such room."""
     wide_m = 2 * problem.robot.body_radius_m * (1 + 1e-6)
     routes = [LineString(np.vstack([tour.vertices_m, tour.vertices_m[:1]])) for tour in tours]
-    free_m = shapely.distance(MultiLineString(routes), shapely.points(problem.places_m))
+    free_m = shapely.distance(MultiLineString(routes), shapely.points(problem.viewpoints.xy_m))
     tours = driven(tours)
     slowest = max(tours, key=lambda tour: tour.period_s)
     while sum(tour.robots for tour in tours) < robots:
         i = int(np.argmax(free_m))
         if free_m[i] < wide_m:
             return None
-        place_m = problem.places_m[i : i + 1]
-        tours.append(replace(slowest, vertices_m=place_m, robots=1, component=int(problem.places_part[i]), pace=None))
-        free_m = np.minimum(free_m, np.hypot(*(problem.places_m - place_m).T))
+        place_m = problem.viewpoints.xy_m[i : i + 1]
+        component = int(problem.viewpoints.component[i])
+        tours.append(replace(slowest, vertices_m=place_m, robots=1, component=component, pace=None))
+        free_m = np.minimum(free_m, np.hypot(*(problem.viewpoints.xy_m - place_m).T))
     return tours

@@ -14,8 +14,6 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.geometry.free_space import border_segments
-from rota.geometry.line_of_sight import edge_grid
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
@@ -121,7 +119,7 @@ def route_over(problem: Problem, ground: Ground) -> Tour | None:
     if near is None:
         return best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape))
     paths = ShortestPaths(near)
-    local = replace(problem, space=near, space_grid=edge_grid(border_segments(near)), paths=paths)
+    local = replace(problem, space=near, paths=paths)
     tour = best_route(local, replace(ground, component=0), ground.shape, promising_angles(local, ground.shape))
     return None if tour is None else replace(tour, component=ground.component)
 

@@ -42,7 +42,7 @@ def can_polish(problem: Problem) -> bool:
     Nor do robots that stand have lengths to speak of.
     """
     stands = any(robots_stand(problem, period_s) for period_s in problem.periods_s)
-    return not stands and problem.robot.turn_rate_rad_s is None and not len(problem.rim_places_m)
+    return not stands and problem.robot.turn_rate_rad_s is None and not len(problem.border_places_m)
 
 
 class Polish:
@@ -156,7 +156,7 @@ class Polish:
         """The places, with the vertices of legs that would leave the space back where they were."""
         start, end = self._layout.start, self._layout.end
         while True:
-            free = free_segments(then_m[start], then_m[end], self._problem.space_grid)
+            free = free_segments(then_m[start], then_m[end], self._problem.paths.grid)
             if free.all():
                 return then_m
             back = np.concatenate([start[~free], end[~free]])

@@ -1,0 +1,51 @@
+"""The space where robots can stand, with corners as finely rounded as what they must see there needs it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import shapely
+from shapely import MultiPolygon
+
+from rota.errors import NoPlanFound
+from rota.geometry.free_space import DemandedRegion, standing_space
+from rota.mission import Mission, Robot
+from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
+from rota.planners.patrol.ground.samples import MANY_CORNERS
+
+ARC_CORNERS = 16  # corners of a whole turn round a grown corner
+COARSE_ARC_CORNERS = 8  # the same in a mission with more than MANY_CORNERS corners
+FINE_ARC_M = 0.0005  # at the limit of sight a corner may keep a robot at most this much farther off than its body does
+
+
+def space_for(
+    mission: Mission, regions: Sequence[DemandedRegion], robot: Robot, range_margin_m: float
+) -> tuple[MultiPolygon, bool]:
+    """Where the robot's centre may be, and whether the regions reach to the limit of what it sees from there.
+
+    Corners are rounded finely where they do, or where a zone to visit can be entered only so. Raises NoPlanFound where
+    the robot can stand nowhere at all, or nowhere in a zone to visit.
+    """
+    body_m = robot.body_radius_m
+    corners = shapely.get_num_coordinates([mission.area, *(obstacle.shape for obstacle in mission.obstacles)]).sum()
+    space = standing_space(mission, body_m, arc_corners=ARC_CORNERS if corners <= MANY_CORNERS else COARSE_ARC_CORNERS)
+    visits = [region for region in regions if region.demand == "visit"]
+    at_limit = limit_is_asked_for(regions, space, robot, range_margin_m)
+    if at_limit or any(shapely.disjoint(region.shape, space) for region in visits):
+        space = standing_space(mission, body_m, arc_corners=fine_arc_corners(body_m))
+    if space.is_empty:
+        raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
+    for region in visits:
+        if shapely.disjoint(region.shape, space):
+            spot = region.shape.representative_point()
+            fits = "blocked to motion" if body_m == 0 else f"no place for a body of radius {body_m} m"
+            raise NoPlanFound(
+                f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f}): it is {fits}"
+            )
+    return space, at_limit
+
+
+def fine_arc_corners(body_radius_m: float) -> int:
+    """Corners of a whole turn round a grown corner that keep a robot at most ``FINE_ARC_M`` too far from it."""
+    return max(ARC_CORNERS, math.ceil(math.pi / math.acos(1 / (1 + FINE_ARC_M / max(body_radius_m, FINE_ARC_M)))))
