@@ -1,4 +1,4 @@
-"""A cache of compiled kernels for each process of the tests, and what tests have to tell people, printed at the end."""
+"""One cache of compiled kernels for all processes of the tests, and what tests tell people, printed at the end."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
-# numba's cache is not made for processes that compile one function for several signatures at the same time: the one may
-# write its code under the name that the other's index gives
-if worker := os.environ.get("PYTEST_XDIST_WORKER"):
-    cache = Path(__file__).parents[1] / ".pytest_cache" / "numba" / worker
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache))
+PROJECT = Path(__file__).parents[1]
+
+# processes side by side, and those that they start, keep what they compile in one place
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(PROJECT / ".pytest_cache" / "numba"))
+    os.environ["NUMBA_CACHE_LOCATOR_CLASSES"] = "tests.shared_cache.SharedCache"
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(PROJECT), *filter(None, [os.environ.get("PYTHONPATH")])])
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
