@@ -14,10 +14,12 @@ from rota.planners.swarm.kernels import Hearing
 from rota.planners.swarm.planner import DECIDE
 
 
+# 10,000 are the figure that is promised; the first thousand show what would break it
+@pytest.mark.parametrize("count", [1000, pytest.param(10_000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("hearing", [None, LATE_AND_LOSSY], ids=["exact", "late and lossy"])
 @pytest.mark.parametrize("controller", DECIDE)
-def test_from_10_000_dense_states_with_random_velocities_bodies_never_touch(controller: str, hearing) -> None:
-    states = dense_states(10_000, 5, np.random.default_rng(7))
+def test_from_dense_states_with_random_velocities_bodies_never_touch(controller: str, hearing, count: int) -> None:
+    states = dense_states(count, 5, np.random.default_rng(7))
     worst = worst_of(states, controller, 4, hearing)
     assert worst.faultless
     assert worst.way_m > 1e-4  # they do move
