@@ -12,9 +12,7 @@ html_theme = "furo"
 html_title = "Rota"
 pygments_style = "friendly"
 
-myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-html_math_renderer = "mathjax"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

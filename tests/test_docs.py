@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from benchmarks.measured import KEPT, PAGE, page_of, read_kept, replaced, write_kept
+from docs.house_picture import PICTURE, picture, reduced, rows_of
 
 import rota
 
@@ -71,3 +72,32 @@ def test_the_reference_names_modules_that_exist_and_all_public_names() -> None:
         name for name, home in listed.items() if home not in modules or not hasattr(importlib.import_module(home), name)
     ]
     assert wrong == []
+
+
+def test_the_picture_of_the_house_is_what_the_imports_give() -> None:
+    assert PICTURE.read_text() == picture(), "run python -m docs.house_picture"
+
+
+def test_the_house_is_drawn_from_arrows_that_do_not_follow_from_others() -> None:
+    arrows = {"a": {"b", "c", "d"}, "b": {"c"}, "c": set(), "d": {"c"}}
+    assert reduced(arrows) == {"a": {"b", "d"}, "b": {"c"}, "c": set(), "d": {"c"}}
+    rows = rows_of({"a": {"b", "c"}, "b": {"d"}, "c": set(), "d": set()})
+    assert [[point.name for point in row] for row in rows] == [["a"], [None, "b"], ["c", "d"]]
+
+
+def test_the_readme_is_short_and_its_figures_are_kept_rows() -> None:
+    readme = (PROJECT / "README.md").read_text()
+    assert len(readme.splitlines()) <= 200
+    figures = re.findall(r"^\| \[.*\]\(docs/benchmarks\.md#([\w-]+)\).* \| (.+) \|$", readme, re.M)
+    assert len(figures) == 5
+    kept = read_kept()
+    told = [
+        [row.measured for row in kept if row.name == name and measured in row.measured] for name, measured in figures
+    ]
+    assert [figure for figure, rows in zip(figures, told, strict=True) if not rows] == []
+
+
+def test_what_draws_the_search_can_be_loaded() -> None:
+    module = importlib.import_module("docs.search_picture")
+    assert module.PICTURE.exists()
+    assert module.MISSION.exists()

@@ -1,0 +1,124 @@
+"""Draw the stages of a real search: ``python -m docs.search_picture`` writes docs/search.png and prints its figures.
+
+The stages are those of the search for five robots in examples/harbour.yaml at effort quick, whose outcome is the plan
+that ``rota plan`` writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rota.check import check_plan
+from rota.draw.house_style import house_style
+from rota.draw.mission_picture import draw_mission
+from rota.draw.palette import OVER_PERIOD, route_style
+from rota.files.mission_file import read_mission
+from rota.mission import Mission
+from rota.planners.patrol.annealing.schedule import annealed_all
+from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.context import Context, begin_search
+from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.initial.allocation import splits, starts
+from rota.planners.patrol.methods.anneal_and_repair import cool_and_settle
+from rota.planners.patrol.methods.fewest import in_full, promising, worth_of_seeing
+from rota.planners.patrol.repair.repair import Settled
+from rota.planners.patrol.tours.tour import Tour, nests, over_budget_share
+
+MISSION = Path(__file__).parents[1] / "examples" / "harbour.yaml"
+PICTURE = Path(__file__).with_name("search.png")
+ROBOTS = 5
+
+
+class Stage(NamedTuple):
+    """The tours at one moment of the search, and the samples (n, 2) that no tour sees."""
+
+    title: str
+    tours: Sequence[Tour]
+    unseen_m: Any
+
+
+def stages(mission: Mission, robots: int) -> list[Stage]:
+    """Of the search that passes first: the tours at first, after a little annealing, after all of it, and repaired."""
+    context = begin_search(
+        set_up_problem(mission), asked=mission, seed=0, judge=check_plan, progress=lambda share, doing: None,
+        should_stop=lambda: False,
+    )  # fmt: skip
+    ways = starts(context.problem, context.work.groupings)
+    context = replace(context, dear=worth_of_seeing(ways))
+    seed = context.seed + 1000 * robots
+    tried = splits(context.problem, ways, robots, 1.0, handings=context.work.handings)
+    searches = in_full(context, promising(context, tried, seed=seed), seed=seed)
+    k, found = next(
+        (k, found)
+        for k, search in enumerate(searches)
+        for found in [repaired(context, search, seed + 100 * k)]
+        if found
+    )
+    tours = next(split.tours for split in tried if shape_of(split.tours) == shape_of(searches[k].tours))
+    moves = context.work.screening_moves
+    (screened,) = annealed_all(context, [tours], moves=moves, seed=seed, coarse=False)
+    return [
+        seen_by(context, f"1. First tours, one allocation of {len(tried)}", tours),
+        seen_by(context, f"2. After the {screened.moves_made:,} moves of the screening", screened.tours),
+        seen_by(context, f"3. After {searches[k].moves_made:,} moves more", searches[k].tours),
+        Stage(f"4. Bent and repaired: the check says {found.verdict.verdict}", found.tours, []),
+    ]
+
+
+def repaired(context: Context, search: Annealing, seed: int) -> Settled | None:
+    """What comes of a search after cooler annealing and repair; None when the check does not pass it."""
+    *_, last = [None, *cool_and_settle(context, search, seed=seed)]
+    return last
+
+
+def shape_of(tours: Sequence[Tour]) -> list[tuple[int, int, int]]:
+    """What annealing does not change of tours."""
+    return [(tour.period_class, tour.robots, tour.nest) for tour in tours]
+
+
+def seen_by(context: Context, title: str, tours: Sequence[Tour]) -> Stage:
+    """A stage of the search, with its figures in the title."""
+    _, samples = prepared_with(context.problem, no_points())
+    state = Annealing(
+        tours, samples, context.problem.paths.grid, price=np.zeros(len(tours)),
+        over_price=np.zeros(len(tours)), seed=0, range_margin_m=context.problem.range_margin_m,
+    )  # fmt: skip
+    unseen = state.unseen_samples
+    told = f"{title}\n{state.unseen_share:.2%} unseen, over budget by {over_budget_share(tours):.1%}"
+    return Stage(told, tours, [samples.x[unseen], samples.y[unseen]])
+
+
+def draw(found: Sequence[Stage], mission: Mission) -> Figure:
+    """Four maps, a colour for each robot or group of robots; unseen samples as dots."""
+    figure = Figure(figsize=(10.5, 8.4), layout="constrained")
+    for ax, stage in zip(figure.subplots(2, 2).flat, found, strict=True):
+        draw_mission(mission, ax)
+        if len(stage.unseen_m):
+            ax.plot(*stage.unseen_m, ".", color=OVER_PERIOD, markersize=1.5, zorder=3)
+        for robot, alike in enumerate(nests(stage.tours)):
+            colour, _ = route_style(robot)
+            for k in alike:
+                ring = stage.tours[k].vertices_m
+                ax.fill(ring[:, 0], ring[:, 1], fill=False, edgecolor=colour, linewidth=1.0, zorder=4)
+        ax.set_title(stage.title, fontsize=9, loc="left")
+    return figure
+
+
+def main() -> None:
+    """Draw and print."""
+    mission = read_mission(MISSION).mission.with_effort("quick")
+    found = stages(mission, ROBOTS)
+    with house_style():
+        draw(found, mission).savefig(PICTURE, dpi=110)
+    print(*[stage.title for stage in found], sep="\n")
+
+
+if __name__ == "__main__":
+    main()
