@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rota.mission import Effort, Mission
-from rota.planners.patrol.bounds.best_bound import ProvedBound, prove_bound
+from rota.planners.patrol.bounds.best_bound import prove_bound
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.verdict import Judge
 from rota.progress import Watch

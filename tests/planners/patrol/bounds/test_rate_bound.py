@@ -13,8 +13,9 @@ from shapely import MultiPolygon, Point, box
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import demanded_regions
 from rota.mission import DiscSensor, Robot, SquareSensor
-from rota.planners.patrol.bounds.area_bound import area_rate, footprint_m2, sweep_m2_s
+from rota.planners.patrol.bounds.area_bound import area_rate
 from rota.planners.patrol.bounds.rate_bound import rim_share, swept_robots
+from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
 # Sun et al. 2019: periods of zones 1, 2, 3 (section 5.1, then Table 6, cases 1 to 6): robots proved and the paper's

@@ -15,7 +15,7 @@ from shapely import MultiPolygon, box
 from rota.check import check_plan
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Obstacle, PatrolSettings
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.bounds.best_bound import ProvedBound
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with

@@ -1,40 +1,37 @@
-"""How few robots there could be: a number below which no plan exists, proved."""
+"""Robots at least, since each area must come into range within any window of its period.
+
+Statement. Of disjoint areas A_z with periods T_z, all of which can be seen, a team of robots that bring ``sweep`` m2/s
+of new ground into range at most, and have ``footprint`` m2 in range at rest, takes
+
+    robots >= max over mu in {1 / T_z} of sum_z A_z min(1 / T_z, mu) / (sweep + footprint mu).
+
+Proof. Within a window of length 1 / mu a robot brings at most sweep / mu of new ground into range and holds its
+footprint at the beginning. In that window all of an area with T_z <= 1 / mu comes into range. Of one with a longer
+period, such windows see the share 1 / (mu T_z) on average, so that some window sees as much as the sum asks.
+
+Source. The areas' rate argument of Sun et al. 2019, made rigorous by the footprint. "Range" stands where they say
+"view", for beside a corner the edge of a shadow outruns the disc.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-from rota.mission import DiscSensor, Fleet, Robot
+from rota.mission import Robot
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 
-
-def sweep_m2_s(robot: Robot) -> float:
-    """New area per second that comes into range of a moving robot at most (2 r V; a square of side a: sqrt(2) a V)."""
-    if isinstance(robot.sensor, DiscSensor):
-        return 2 * robot.sensor.radius_m * robot.speed_m_s
-    return math.sqrt(2) * robot.sensor.side_m * robot.speed_m_s
-
-
-def footprint_m2(robot: Robot) -> float:
-    """Area in range of a robot at rest."""
-    if isinstance(robot.sensor, DiscSensor):
-        return math.pi * robot.sensor.radius_m**2
-    return robot.sensor.side_m**2
+ROUNDING = 1e-9  # a rate counts as less by this, so that rounding of areas never raises the bound past the truth
+ROBOTS_ROUNDING = 1e-6  # a real number of robots must exceed a whole one by this to ask for one more
 
 
 def area_rate_bound(areas_m2: Sequence[float], periods_s: Sequence[float], robot: Robot) -> int:
-    """Robots at least, since each area must come into range within any window of its period.
+    """Robots at least for areas (k,) that can be seen, in m2, and their periods (k,) in seconds.
 
-    areas_m2, periods_s: (k,) disjoint areas that can be seen, and their periods. Within a window of length 1 / mu a
-    robot brings ``sweep / mu`` of new area into range and holds its footprint, hence
-
-        robots >= max over mu in {1 / T_z} of sum_z A_z min(1 / T_z, mu) / (sweep + footprint mu).
-
-    Degenerate: nothing asked gives 0, any area at least 1. Source: the areas' rate argument of Sun et al. 2019 made
-    rigorous by the footprint term; "range" rather than "view", for beside a corner a shadow's edge outruns the disc.
+    Nothing asked gives 0, any area at least 1.
     """
-    # rounding of the areas must never raise the bound past the truth
-    rounded = math.ceil(area_rate(areas_m2, periods_s, robot)[0] - 1e-9)
+    rounded = math.ceil(area_rate(areas_m2, periods_s, robot)[0] - ROUNDING)
     return max(rounded, 1 if any(area > 0 for area in areas_m2) else 0)
 
 
@@ -48,13 +45,7 @@ def area_rate(areas_m2: Sequence[float], periods_s: Sequence[float], robot: Robo
     return best
 
 
-def strongest_robot(fleet: Fleet) -> Robot:
-    """A robot at least as good as every one of the fleet: the bound for it holds for all."""
-    robots = fleet.robots or (fleet.equal_robot("robot-1"),)
-    speed_m_s = max(robot.speed_m_s for robot in robots)
-    # a square fits in the disc round it, so a mixed fleet is bounded by discs
-    if len({type(robot.sensor) for robot in robots}) == 1:
-        sensor = max((robot.sensor for robot in robots), key=lambda sensor: sensor.reach_m)
-    else:
-        sensor = DiscSensor(radius_m=max(robot.sensor.reach_m for robot in robots))
-    return Robot(name="strongest", speed_m_s=speed_m_s, sensor=sensor)
+def rate_proof(robots: float, asked_m2_s: float) -> ProvedBound:
+    """The proof from a real number of robots that are asked to see ``asked_m2_s`` of ground per second."""
+    each = f", a robot sweeps {asked_m2_s / robots:.4g} at most" if robots > 0 else ""
+    return ProvedBound(robots=math.ceil(robots - ROBOTS_ROUNDING), reason=f"{asked_m2_s:.4g} m2/s are asked for{each}")

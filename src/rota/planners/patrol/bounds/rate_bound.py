@@ -37,11 +37,11 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.mission import DiscSensor, Robot
-from rota.planners.patrol.bounds.area_bound import footprint_m2, sweep_m2_s
+from rota.planners.patrol.bounds.strongest_robot import footprint_m2, sweep_m2_s
 
 Floats = NDArray[np.float64]
 
-MOST_OVERLAYS = 240
+MOST_OVERLAYS = 240  # of widened ground, over all pairs of classes
 _QUARTER = 16  # corners per quarter of the circles about ground; they contain the true ones
 
 
@@ -79,10 +79,10 @@ def _best_merged(
     best = _earned(periods_s, areas_m2, lost_m2, border_m2, robot)
     while True:
         tries = [np.where(last == c, last[c + 1], last) for c in np.unique(last)[:-1]]
-        found = [_earned(periods_s[merged], areas_m2, lost_m2, border_m2, robot) for merged in tries]
-        if not found or max(found) <= best:
+        earned = [_earned(periods_s[merged], areas_m2, lost_m2, border_m2, robot) for merged in tries]
+        if not earned or max(earned) <= best:
             return best, float(((areas_m2 - lost_m2) / periods_s[last]).sum())
-        best, last = max(found), tries[int(np.argmax(found))]
+        best, last = max(earned), tries[int(np.argmax(earned))]
 
 
 def _earned(periods_s: Floats, areas_m2: Floats, lost_m2: Floats, border_m2: Floats, robot: Robot) -> float:
@@ -100,7 +100,7 @@ def _earned(periods_s: Floats, areas_m2: Floats, lost_m2: Floats, border_m2: Flo
 def _border_areas(ground: Sequence[MultiPolygon], robot: Robot) -> Floats:
     """(k, k): an upper estimate of the integral, over ground c, of 1 - psi(distance to ground 0..j), for j < c."""
     k = len(ground)
-    found = np.zeros((k, k))
+    border_m2 = np.zeros((k, k))
     reach_m, full_m = _reach_and_full(robot)
     pairs = k * (k - 1) // 2
     rings = int(np.clip(MOST_OVERLAYS // max(pairs, 1), 4, 40))
@@ -112,8 +112,8 @@ def _border_areas(ground: Sequence[MultiPolygon], robot: Robot) -> Floats:
         near = [shapely.intersection(wide, other) for other in ground[j + 1 :]]
         for i in range(rings):
             grown = _widened(urgent, float(at_m[i + 1]))
-            found[j, j + 1 :] += gain[i] * np.array([shapely.intersection(grown, part).area for part in near])
-    return found
+            border_m2[j, j + 1 :] += gain[i] * np.array([shapely.intersection(grown, part).area for part in near])
+    return border_m2
 
 
 def _widened(shape: MultiPolygon, by_m: float) -> MultiPolygon:

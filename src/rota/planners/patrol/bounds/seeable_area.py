@@ -33,14 +33,14 @@ class _Near(NamedTuple):
 def surely_seeable_m2(
     regions: Sequence[DemandedRegion], space: MultiPolygon, walls: Floats, robot: Robot
 ) -> list[float]:
-    """For each region an area that is surely seen from somewhere, never too much; 0 for zones that ask for visits.
+    """For each region an area in m2 that is surely seen from somewhere, never too large; 0 for zones to visit.
 
-    walls: (k, 4), the borders of what blocks sight. Surely seen is where a body covers the ground, for nothing that
-    blocks motion comes between (unless walls run through where robots can stand), and what is in range with no wall
-    within reach. Ground seen only past walls is left out: a bound on robots must stay one.
+    walls: (k, 4) metres, the borders of what blocks sight. Surely seen is the ground that a body covers, unless walls
+    run through where robots can stand: nothing that blocks motion comes between. Surely seen is also what is in range
+    with no wall within reach. Ground that is seen only past walls is left out.
 
-    Whether a place is among it depends on nothing that is farther than the reach. Where corners are very many, boxes
-    are looked at by themselves, each with all that lies so near to it, and the areas in the boxes are added up.
+    Whether a place belongs to it depends on nothing farther than the reach. Where corners are very many, boxes with all
+    that is so near them are looked at one by one, and their areas are added up.
     """
     parts = list(_near_boxes(regions, space, walls, 1.1 * robot.sensor.reach_m))
     walls_inside = any(_walls_run_through(part) for part in parts)
@@ -64,10 +64,10 @@ def _near_boxes(
         return
     tree = shapely.STRtree(lines)
     for box in boxes:
-        here = [None if shape is None else clipped(shape, box) for shape in asked]
-        if any(shape is not None and not shape.is_empty for shape in here):
+        within = [None if shape is None else clipped(shape, box) for shape in asked]
+        if any(shape is not None and not shape.is_empty for shape in within):
             wide = grown_box(box, near_m)
-            yield _Near(here, clipped(space, wide), lines[np.sort(tree.query(shapely.box(*wide)))])
+            yield _Near(within, clipped(space, wide), lines[np.sort(tree.query(shapely.box(*wide)))])
 
 
 def _walls_run_through(part: _Near) -> bool:

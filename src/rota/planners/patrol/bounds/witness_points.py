@@ -24,10 +24,11 @@ from rota.polygons import polygons_of
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SPREAD_OUT, MOST_HIDDEN = 120, 40
+MOST_SPREAD_OUT = 120  # witnesses that lie far from each other
+MOST_HIDDEN = 40  # witnesses that hardly any place sees
 FEWEST_PER_PERIOD = 12
-MOST_LOOKED_AT = 20_000  # samples
-MOST_CORNERS = 6_000  # beyond as many, ways between witnesses are measured straight
+MOST_LOOKED_AT = 20_000  # samples among which witnesses are chosen, for each period
+MOST_CORNERS = 6_000  # of a mission: with more, ways between witnesses are measured straight
 ROOM = 1e-4  # of the reach: what blocks is made thinner by it, so that rounding and tolerances only lower the bound
 _STEP = 1 / 8  # of the reach: between points on the border of a view
 _ARC_CORNERS, _BODY_SHARE = 64, 0.998  # circumscribed arcs of this radius stay within the true ones
@@ -37,17 +38,18 @@ _ARC_CORNERS, _BODY_SHARE = 64, 0.998  # circumscribed arcs of this radius stay 
 class Witnesses:
     """Points (or zones to visit), each of which must be served once in every window of its period.
 
-    period_s (n,). spread_m (n,): whoever serves it stands at most so long a way from its centre centre_m (n, 2). way_m
-    (n, n): ways between the centres, at most as long as for any robot; inf where there is none. part (n,): the part of
-    the standing space that it is served from, -1 when there are several; parts: how many there are.
+    period_s: (n,). centre_m: (n, 2), spread_m: (n,); whoever serves a point stands at most ``spread_m`` of travel from
+    its centre. way_m: (n, n) ways between the centres, never longer than those of any robot; inf where there is none.
+    component: (n,) the component of the standing space that a point is served from, -1 when there are several.
+    components: how many the space has.
     """
 
     centre_m: Floats
     spread_m: Floats
     period_s: Floats
     way_m: Floats
-    part: Ints
-    parts: int
+    component: Ints
+    components: int
 
     def __len__(self) -> int:
         return len(self.period_s)
@@ -56,21 +58,21 @@ class Witnesses:
     def apart_m(self) -> Floats:
         """(n, n) metres at least between a place that serves one and a place that serves the other; 0 on itself."""
         apart = np.maximum(0.0, self.way_m - self.spread_m[:, None] - self.spread_m[None, :])
-        one, other = self.part[:, None], self.part[None, :]
-        apart[(one >= 0) & (other >= 0) & (one != other)] = np.inf
+        row, column = self.component[:, None], self.component[None, :]
+        apart[(row >= 0) & (column >= 0) & (row != column)] = np.inf
         np.fill_diagonal(apart, 0.0)
         return apart
 
     def chosen(self, which: NDArray[np.bool_] | Ints) -> Witnesses:
-        """Some of them."""
+        """Those at the numbers, or the flags, ``which``."""
         which = np.flatnonzero(which) if which.dtype == np.bool_ else which
         return Witnesses(
             centre_m=self.centre_m[which],
             spread_m=self.spread_m[which],
             period_s=self.period_s[which],
             way_m=self.way_m[np.ix_(which, which)],
-            part=self.part[which],
-            parts=self.parts,
+            component=self.component[which],
+            components=self.components,
         )
 
 
@@ -85,23 +87,23 @@ def witnesses_of(problem: Problem, reach_m: float) -> Witnesses:
     chosen = _chosen_samples(points, problem.viewpoints, reach_m)
     if _corners_of(mission) > MOST_CORNERS:
         return _straight_witnesses(regions, periods_s, points[chosen], reach_m)
-    ground = _Ground(mission, reach_m)
-    found = [
-        (place, periods_s[points.period[i]]) for i in chosen if (place := ground.where_seen(points.xy_m[i])) is not None
+    space = _WiderSpace(mission, reach_m)
+    served = [
+        (place, periods_s[points.period[i]]) for i in chosen if (place := space.where_seen(points.xy_m[i])) is not None
     ]
-    found += [
+    served += [
         (place, region.period_s)
         for region in regions
-        if region.demand == "visit" and (place := ground.where_inside(region.shape)) is not None
+        if region.demand == "visit" and (place := space.where_inside(region.shape)) is not None
     ]
-    centre = np.array([place.centre_m for place, _ in found]).reshape(-1, 2)
+    centre = np.array([place.centre_m for place, _ in served]).reshape(-1, 2)
     return Witnesses(
         centre_m=centre,
-        spread_m=np.array([place.spread_m for place, _ in found]),
-        period_s=np.array([period for _, period in found], dtype=np.float64),
-        way_m=ground.paths.all_pairs(centre),
-        part=np.array([place.part for place, _ in found], dtype=np.int64),
-        parts=len(ground.parts),
+        spread_m=np.array([place.spread_m for place, _ in served]),
+        period_s=np.array([period for _, period in served], dtype=np.float64),
+        way_m=space.paths.all_pairs(centre),
+        component=np.array([place.component for place, _ in served], dtype=np.int64),
+        components=len(space.components),
     )
 
 
@@ -116,7 +118,7 @@ def _straight_witnesses(
     """The same with straight distances for ways: sound, as no way is shorter, and weaker, as walls count for nothing.
 
     Whoever sees a point is within the reach of it; whoever is inside a zone is no farther from a point of it than the
-    zone's farthest corner. Nothing is said about parts that nobody can travel between.
+    zone's farthest corner. Nothing is said about components that nobody can travel between.
     """
     zones = [region for region in regions if region.demand == "visit"]
     middles = [shapely.get_coordinates(shapely.point_on_surface(zone.shape))[0] for zone in zones]
@@ -131,8 +133,8 @@ def _straight_witnesses(
         spread_m=np.concatenate([np.full(len(points), reach_m), radii]) * (1 + ROOM),
         period_s=np.concatenate([np.array(periods_s)[points.period], [zone.period_s for zone in zones]]),
         way_m=np.hypot(*(centre[:, None] - centre[None]).transpose(2, 0, 1)),
-        part=np.full(count, -1, dtype=np.int64),
-        parts=1,
+        component=np.full(count, -1, dtype=np.int64),
+        components=1,
     )
 
 
@@ -140,11 +142,11 @@ def _straight_witnesses(
 class _Place:
     centre_m: Floats
     spread_m: float
-    part: int
+    component: int
 
 
-class _Ground:
-    """Where any robot of a fleet may stand, travel and look, all of it a little larger than it is."""
+class _WiderSpace:
+    """Where any robot of a fleet may stand, travel and look, a little wider than it is: no bound is too high."""
 
     def __init__(self, mission: Mission, reach_m: float) -> None:
         room_m = ROOM * reach_m
@@ -154,7 +156,7 @@ class _Ground:
         self.travel = polygons_of(standing_space(mission, 0.0).buffer(room_m, join_style="mitre"))
         thin_m = max(0.0, _BODY_SHARE * body_m - room_m)
         standing = standing_space(mission, thin_m, arc_corners=_ARC_CORNERS) if thin_m > 0 else self.travel
-        self.parts = list(standing.geoms)
+        self.components = list(standing.geoms)
         self.paths = ShortestPaths(self.travel)
         x0, y0, x1, y1 = shapely.box(*self.travel.bounds).buffer(4 * reach_m).bounds
         closed = shapely.difference(shapely.box(x0, y0, x1, y1), self.travel)
@@ -164,7 +166,7 @@ class _Ground:
         shapely.prepare(self.travel)
 
     def where_seen(self, point_m: Floats) -> _Place | None:
-        """Where one may stand to see a point: within ``spread_m`` of travel of ``centre_m``; None: no bound known."""
+        """Where a robot may stand to see a point (2,); None where the ways there have no known bound."""
         view = shapely.intersection(visibility_polygon(point_m, self.walls, self.reach_m), self.travel)
         if view.is_empty:
             return None
@@ -187,12 +189,12 @@ class _Ground:
     def _place(
         self, centre_m: Floats, views: BaseGeometry, straight_m: float, bent: BaseGeometry | None = None
     ) -> _Place | None:
-        """straight_m: how far that of ``views`` lies that is not ``bent`` (None: all of it is)."""
+        """The place that holds ``views``; ``bent`` is the part of them (None: all) that is not within straight_m."""
         spread_m = max(straight_m, self._farthest(centre_m, views if bent is None else bent))
         if not np.isfinite(spread_m):
             return None
-        parts = [k for k, part in enumerate(self.parts) if part.intersects(views)]
-        return _Place(centre_m=centre_m, spread_m=spread_m, part=parts[0] if len(parts) == 1 else -1)
+        within = [k for k, component in enumerate(self.components) if component.intersects(views)]
+        return _Place(centre_m=centre_m, spread_m=spread_m, component=within[0] if len(within) == 1 else -1)
 
     def _farthest(self, centre_m: Floats, shape: BaseGeometry) -> float:
         """A bound on the ways from the centre to the points of a shape in the travel space; 0 when it is empty."""
@@ -231,25 +233,25 @@ def _spread_out(xy_m: Floats, among: Ints, already: list[int], count: int, neare
     away = np.full(len(among), np.inf)
     for i in already:
         away = np.minimum(away, np.hypot(*(xy_m[among] - xy_m[i]).T))
-    found: list[int] = []
+    spread: list[int] = []
     for _ in range(count):
         k = int(np.argmax(away))
         if away[k] < nearest_m:
             break
-        found.append(int(among[k]))
+        spread.append(int(among[k]))
         away = np.minimum(away, np.hypot(*(xy_m[among] - xy_m[among[k]]).T))
-    return found
+    return spread
 
 
 def _hidden(sees: csr_array, among: Ints) -> list[int]:
     """Points no two of which any place sees, taken in their order. sees: places by points, by columns."""
     used = np.zeros(sees.shape[0], dtype=bool)
-    found: list[int] = []
+    hidden: list[int] = []
     for i in among:
         viewers = sees.indices[sees.indptr[i] : sees.indptr[i + 1]]
         if not used[viewers].any():
             used[viewers] = True
-            found.append(int(i))
-            if len(found) == MOST_HIDDEN:
+            hidden.append(int(i))
+            if len(hidden) == MOST_HIDDEN:
                 break
-    return found
+    return hidden

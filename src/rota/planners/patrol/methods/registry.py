@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 
 from rota.errors import NoPlanFound
-from rota.planners.patrol.bounds.best_bound import ProvedBound
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.fewest import fewest_robots
 from rota.planners.patrol.methods.large.search import fewest_on_large, is_large

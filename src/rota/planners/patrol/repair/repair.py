@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rota.plan import Plan
 from rota.planners.patrol.annealing.search import Annealing, over_prices
-from rota.planners.patrol.bounds.best_bound import ProvedBound
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see

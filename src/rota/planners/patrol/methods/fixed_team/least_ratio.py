@@ -14,9 +14,10 @@ from rota.errors import NoPlanFound
 from rota.mission import AREA, Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.schedule import shaped
-from rota.planners.patrol.bounds.area_bound import area_rate, strongest_robot, sweep_m2_s
+from rota.planners.patrol.bounds.area_bound import area_rate
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
+from rota.planners.patrol.bounds.strongest_robot import strongest_robot, sweep_m2_s
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, stretched

@@ -11,8 +11,9 @@ from functools import partial
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
 from rota.mission import Effort, Mission
-from rota.planners.patrol.bounds.area_bound import area_rate_bound, strongest_robot
+from rota.planners.patrol.bounds.area_bound import area_rate_bound
 from rota.planners.patrol.bounds.best_bound import prove_bound
+from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem

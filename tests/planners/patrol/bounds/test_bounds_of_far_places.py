@@ -8,15 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from rota.planners.patrol.bounds.apart_bound import (
-    best_chain,
-    chain_robots,
-    heaviest_clique,
-    shortest_tree,
-    straight_chain,
-    too_far_apart,
-    travel_robots,
-)
+from rota.planners.patrol.bounds.chain_bound import best_chain, chain_robots, straight_chain
+from rota.planners.patrol.bounds.clique_bound import heaviest_clique, too_far_apart
+from rota.planners.patrol.bounds.forest_bound import shortest_tree, travel_robots
 
 
 def ways(xy: np.ndarray) -> np.ndarray:
