@@ -40,15 +40,15 @@ def test_no_two_places_are_nearer_than_is_said(seed: int, monkeypatch: pytest.Mo
     monkeypatch.setattr("rota.planners.patrol.ground.problem.refuse_unseeable", lambda *_: None)
     problem = set_up_problem(mission)
     seen_m: list[np.ndarray] = []
-    found = witness_points._Ground.where_seen
+    found = witness_points._WiderSpace.where_seen
 
-    def noted(ground: witness_points._Ground, point_m: np.ndarray) -> witness_points._Place | None:
+    def noted(ground: witness_points._WiderSpace, point_m: np.ndarray) -> witness_points._Place | None:
         place = found(ground, point_m)
         if place is not None:
             seen_m.append(point_m)
         return place
 
-    monkeypatch.setattr(witness_points._Ground, "where_seen", noted)
+    monkeypatch.setattr(witness_points._WiderSpace, "where_seen", noted)
     apart = witnesses(mission, problem).apart_m
     assert len(apart) == len(seen_m) > 20
 

@@ -75,9 +75,7 @@ def best_chain(way_m: Floats, spread_m: Floats, period_s: Floats, speed_m_s: flo
     return most
 
 
-def straight_chain(
-    xy_m: Floats, reach_m: float, period_s: Floats, speed_m_s: float, directions: int = DIRECTIONS
-) -> int:
+def straight_chain(xy_m: Floats, reach_m: float, period_s: Floats, speed_m_s: float) -> int:
     """The longest chain of points xy_m (n, 2), each served from within reach_m, along one of ``DIRECTIONS``."""
     most = 0
     for angle in np.pi * np.arange(DIRECTIONS) / DIRECTIONS:
