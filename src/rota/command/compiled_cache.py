@@ -52,7 +52,7 @@ from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.plan import Plan, Trajectory
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.initial.allocation import starts
+from rota.planners.patrol.initial.allocation import period_groupings
 ring = [[2, 2], [18, 2], [18, 18], [2, 18], [2, 2]]
 mission = Mission(
     name="first run", area=MultiPolygon([box(0, 0, 20, 20)]), period_s=100,
@@ -60,8 +60,9 @@ mission = Mission(
     fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=5), body_radius_m=0.1),
 )
 problem = set_up_problem(mission)
-tours, price = starts(problem, 1)[0].tours, np.ones(1)
-Annealing(tours[:1], problem.samples, problem.paths.grid, price=price, over_price=price, seed=0, range_margin_m=0.01)
+tours, one = period_groupings(problem, 1)[0].tours, np.ones(1)
+weights = {'length_weight': one, 'budget_penalty': one}
+Annealing(tours[:1], problem.samples, problem.paths.grid, **weights, seed=0, range_margin_m=0.01)
 robots = [Trajectory(robot=f"robot-{k}", times_s=[0, 16, 32, 48, 64], positions_m=ring) for k in (1, 2)]
 check_plan(Plan(mission=mission, trajectories=tuple(robots)))
 """

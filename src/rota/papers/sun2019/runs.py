@@ -21,7 +21,6 @@ from rota.papers.sun2019.maps import figure_8, figure_13, figure_15, with_period
 from rota.plan import Plan, Trajectory
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.methods.registry import unmet_reason
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
@@ -38,6 +37,7 @@ from rota.planners.patrol.methods.sun2019.stages import (
     radius_m,
 )
 from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
+from rota.planners.patrol.verdict import unmet_reason
 
 AS_THE_PAPER = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="repaired")
 
@@ -195,7 +195,7 @@ class Runs:
         self._begin(doing)  # what was stopped early is not shown
         found = MethodOutcome(
             method="sun2019", plan=best.plan, report=check_plan(best.plan), planning_s=time.perf_counter() - began_s,
-            reason=None if is_good(best) else unmet_reason(context.bound, best),
+            reason=None if is_good(best) else unmet_reason(best.plan, best.verdict),
         )  # fmt: skip
         self._mended.append((mission, settings, found))
         return found

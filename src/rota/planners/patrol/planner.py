@@ -11,10 +11,11 @@ from rota.plan import Plan
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
-from rota.planners.patrol.methods.fixed_team.least_ratio import plan_with_least_ratio
-from rota.planners.patrol.methods.registry import fewest_by_method, swept_instead, unmet_reason
+from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
+from rota.planners.patrol.methods.registry import load_method
+from rota.planners.patrol.methods.sweeping.search import swept_instead
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
-from rota.planners.patrol.verdict import Judge, worst_reached
+from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
 from rota.progress import Watch
 
 
@@ -80,13 +81,14 @@ def plan_tours(
         set_up_problem(mission), asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop,
         watch=watch,
     )  # fmt: skip
+    method = load_method(mission.patrol.method)
     if mission.fleet.robots is not None:
-        return plan_with_least_ratio(context, asked)
-    best = fewest_by_method(context)
-    if not best.met and should_stop() and mission.patrol.method == "tours":
+        return plan_fixed_team(context, asked, method)
+    best = method(context)
+    if not best.met and should_stop() and context.anneals:
         best = swept_instead(context, best)
     if not best.met:
-        raise NoPlanFound(unmet_reason(context.bound, best), best=best.plan)
+        raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
     return best.plan
 
 

@@ -119,16 +119,26 @@ Judge = Callable[[Plan], Verdict]
 
 
 def counted(robots: int) -> str:
-    """So many robots, in words."""
+    """The number of robots, in words."""
     return "1 robot" if robots == 1 else f"{robots} robots"
+
+
+def worst_demand(verdict: Verdict) -> DemandOutcome | None:
+    """The demand that a plan misses most, or comes nearest to missing; None without demands."""
+    return max(verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s, default=None)
+
+
+def demanded(demand: DemandOutcome) -> str:
+    """What a demand is about, in words: the area, or a zone by its name."""
+    return "the area" if demand.name == AREA else repr(demand.name)
 
 
 def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
-    worst = max(verdict.demands, key=lambda demand: demand.worst_gap_s / demand.period_s, default=None)
+    worst = worst_demand(verdict)
     if worst is None or worst.worst_gap_s <= worst.period_s:
         return touching(verdict) or "the check finds the routes themselves at fault"
-    what, period_s = "the area" if worst.name == AREA else repr(worst.name), worst.period_s
+    what, period_s = demanded(worst), worst.period_s
     if math.isinf(worst.worst_gap_at_least_s):
         return f"some of {what} is never seen"
     if worst.worst_gap_at_least_s > period_s:
@@ -149,4 +159,13 @@ def touching(verdict: Verdict) -> str | None:
     return (
         f"no way was found to keep bodies apart: {' and '.join(worst.who.split(', '))} come within {worst.value:.3f} m"
         f"{where}{when}, where {worst.limit:.3f} m between their centres are needed{more}"
+    )
+
+
+def unmet_reason(plan: Plan, verdict: Verdict) -> str:
+    """Why the best plan is none: the demand that it misses most, by how much, and the proved bound."""
+    robots = counted(len(plan.trajectories))
+    return (
+        f"the best plan found, with {robots}, does not meet the demand: {worst_reached(verdict)};"
+        f" proved: at least {counted(plan.lower_bound_robots or 0)}: {plan.lower_bound_reason}"
     )

@@ -175,7 +175,7 @@ def problem(sensor: Sensor = ROBOT.sensor, turn_rate_rad_s: float | None = None,
     )
 
 
-def started(given: Problem, seed: int = 1, over_price: float = 4.0) -> Annealing:
+def started(given: Problem, seed: int = 1, budget_penalty: float = 4.0) -> Annealing:
     groups = tuple((c,) for c in range(len(given.periods_s)))
     tours = first_tours(given, groups)
     _, samples = prepared_with(given, no_points())
@@ -183,8 +183,8 @@ def started(given: Problem, seed: int = 1, over_price: float = 4.0) -> Annealing
         tours,
         samples,
         given.paths.grid,
-        price=np.linspace(0.3, 0.9, len(tours)),
-        over_price=np.full(len(tours), over_price),
+        length_weight=np.linspace(0.3, 0.9, len(tours)),
+        budget_penalty=np.full(len(tours), budget_penalty),
         seed=seed,
         range_margin_m=given.range_margin_m,
     )
@@ -325,14 +325,14 @@ def test_moves_gain_no_more_and_lose_no_less_than_is_estimated(case: dict[str, o
 
 
 def test_the_books_are_true_where_much_is_unseen() -> None:
-    # so dear that tours shrink to points and nearly everything is unseen, then so cheap that they grow again
+    # so coverage_weight that tours shrink to points and nearly everything is unseen, then so cheap that they grow again
     given = problem()
     search = started(given)
-    search._state.price[:] = 50.0
+    search._state.length_weight[:] = 50.0
     run(search, 20_000)
     assert_books_are_true(search)
     assert search.unseen > len(given.points) / 2
-    search._state.price[:] = 0.01
+    search._state.length_weight[:] = 0.01
     run(search, 20_000)
     assert_books_are_true(search)
     assert_legs_are_free(given, search.tours)
@@ -358,7 +358,7 @@ def test_tours_of_one_vertex_grow_and_are_counted() -> None:
         tour([[30, 20]], robot=given.robot, period_s=60, period_class=1),
     ]
     search = Annealing(
-        alone, samples, given.paths.grid, price=np.full(2, 0.1), over_price=np.full(2, 1.0), seed=5,
+        alone, samples, given.paths.grid, length_weight=np.full(2, 0.1), budget_penalty=np.full(2, 1.0), seed=5,
         range_margin_m=given.range_margin_m,
     )  # fmt: skip
     assert_books_are_true(search)
@@ -395,7 +395,7 @@ def test_the_run_may_be_cut_into_chunks_or_stopped() -> None:
 
 def test_mending_loses_nothing_that_was_seen() -> None:
     given = problem()
-    search = started(given, over_price=0.0)
+    search = started(given, budget_penalty=0.0)
     run(search, 3000)
     before = set(search.unseen_samples.tolist())
     assert before  # at this price something is left to mend

@@ -14,7 +14,7 @@ from rota.planners.patrol.annealing import kernels, move_kernels
 from rota.planners.patrol.annealing.compile_ahead import compile_exchanges, compile_moves
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.initial.allocation import starts
+from rota.planners.patrol.initial.allocation import period_groupings
 compile_exchanges()
 compile_moves()
 mission = Mission(
@@ -24,8 +24,8 @@ mission = Mission(
 )
 problem = set_up_problem(mission)
 search = Annealing(
-    starts(problem, 1)[0].tours, problem.samples, problem.paths.grid, price=np.ones(1), over_price=np.ones(1),
-    seed=0, range_margin_m=0.01,
+    period_groupings(problem, 1)[0].tours, problem.samples, problem.paths.grid,
+    length_weight=np.ones(1), budget_penalty=np.ones(1), seed=0, range_margin_m=0.01,
 )
 print(search.run(2_000, hot_m=1.0, cold_m=0.01, should_stop=lambda: False))
 several = (kernels.anneal, move_kernels.try_two_opt, move_kernels.try_or_opt)

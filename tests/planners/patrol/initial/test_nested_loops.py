@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TypedDict
 
 import numpy as np
 import pytest
@@ -13,19 +14,19 @@ from tests.planners.patrol.annealing.test_annealing import assert_books_are_true
 from rota.check import check_plan
 from rota.mission import DiscSensor, Fleet, Mission, Zone
 from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.efforts import ESTIMATES, QUICK
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.initial.allocation import nest_bases, nests_on, starts
+from rota.planners.patrol.initial.allocation import nested_allocations, nesting_bases, period_groupings
 from rota.planners.patrol.initial.nested_loops import (
-    HANDINGS,
-    Handing,
     excursions,
     nested,
     petals_of,
-    scattered_petals,
+    separate_petals,
     spare_m,
 )
 from rota.planners.patrol.repair.repair import plan_of
+from rota.planners.patrol.settings import ExcursionEstimate
 from rota.planners.patrol.tours.timetable import paced_timetable
 from rota.planners.patrol.tours.tour import (
     Tour,
@@ -39,6 +40,20 @@ from rota.planners.patrol.tours.tour import (
     rounds_more,
     tour_length_m,
 )
+
+USUAL = ESTIMATES[0]
+
+
+class Loops(TypedDict):
+    """How nested loops are asked for."""
+
+    least_slack: float
+    separate: bool
+    estimate: ExcursionEstimate
+
+
+def loops_of(least_slack: float, *, separate: bool = False) -> Loops:
+    return {"least_slack": least_slack, "separate": separate, "estimate": USUAL}
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +131,7 @@ def test_the_search_keeps_a_nest_together_and_within_its_rounds(problem: Problem
     _, samples = prepared_with(problem, no_points())
     tours = nest(problem)[:4]
     search = Annealing(
-        tours, samples, problem.paths.grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=2,
+        tours, samples, problem.paths.grid, length_weight=np.full(4, 0.3), budget_penalty=np.full(4, 6.0), seed=2,
         range_margin_m=problem.range_margin_m,
     )  # fmt: skip
     before = search.unseen_share
@@ -183,7 +198,8 @@ def test_petals_find_their_own_vertices_of_the_hub(problem: Problem) -> None:
     begins: list[list[int]] = []
     for seed in (1, 2, 3):
         search = Annealing(
-            tours, samples, problem.paths.grid, price=np.full(4, 0.3), over_price=np.full(4, 6.0), seed=seed,
+            tours, samples, problem.paths.grid,
+            length_weight=np.full(4, 0.3), budget_penalty=np.full(4, 6.0), seed=seed,
             range_margin_m=problem.range_margin_m,
         )  # fmt: skip
         before = search.unseen_share
@@ -201,37 +217,37 @@ def test_petals_find_their_own_vertices_of_the_hub(problem: Problem) -> None:
 def test_spare_metres_by_hand(problem: Problem) -> None:
     hub = nest(problem)[0]
     # three rounds of 40 m less 1.15 x 20 m, four fifths of which are spent on the ground
-    assert spare_m(hub, 20.0, 60.0) == pytest.approx(0.8 * 3 * (40 - 23), rel=1e-4)
+    assert spare_m(hub, 20.0, 60.0, USUAL) == pytest.approx(0.8 * 3 * (40 - 23), rel=1e-4)
     # one round only: a longer tour, and no excursion
     assert petals_of(hub, 39.0) == 0
-    assert spare_m(hub, 20.0, 39.0) == pytest.approx(0.8 * (40 - 23), rel=1e-4)
+    assert spare_m(hub, 20.0, 39.0, USUAL) == pytest.approx(0.8 * (40 - 23), rel=1e-4)
     # two robots have 80 m for each of their rounds, and still begin one every 20 s
-    assert spare_m(replace(hub, robots=2), 20.0, 60.0) == pytest.approx(0.8 * 3 * (80 - 23), rel=1e-4)
-    assert spare_m(hub, 60.0, 60.0) == 0
+    assert spare_m(replace(hub, robots=2), 20.0, 60.0, USUAL) == pytest.approx(0.8 * 3 * (80 - 23), rel=1e-4)
+    assert spare_m(hub, 60.0, 60.0, USUAL) == 0
 
 
 def test_metres_for_petals_from_different_vertices_by_hand(problem: Problem) -> None:
     hub = nest(problem)[0]
     # hub rounds of 1.15 x 20 = 23 m: two petals have 17 m each, for 120 m less three rounds leave 51; three have 28
-    petals, metres = scattered_petals(hub, 20.0, 60.0)
+    petals, metres = separate_petals(hub, 20.0, 60.0, 1.15)
     assert (petals, metres) == (2, pytest.approx(34, rel=1e-4))
     # with rounds of 11.5 m three petals have 28.5 m each, and 120 m less four rounds are 74 m; two have 57
-    assert scattered_petals(hub, 10.0, 60.0) == (3, pytest.approx(74, rel=1e-4))
-    assert scattered_petals(hub, 10.0, 39.0) == (0, 0.0)  # time for one round
-    assert scattered_petals(replace(hub, robots=2), 10.0, 60.0) == (0, 0.0)  # these keep in step
+    assert separate_petals(hub, 10.0, 60.0, 1.15) == (3, pytest.approx(74, rel=1e-4))
+    assert separate_petals(hub, 10.0, 39.0, 1.15) == (0, 0.0)  # time for one round
+    assert separate_petals(replace(hub, robots=2), 10.0, 60.0, 1.15) == (0, 0.0)  # these keep in step
     # 0.95 x 74 m are worth it beside 0.8 x 3 x 28.5, 0.95 x 34 m beside 0.8 x 3 x 17 as well
-    assert excursions(hub, 10.0, 60.0, scattered=True)[1:] == (pytest.approx(0.95 * 74, rel=1e-4), True)
-    assert excursions(hub, 20.0, 60.0, scattered=True)[0] == 2
-    assert excursions(hub, 10.0, 60.0, scattered=False)[1:] == (spare_m(hub, 10.0, 60.0), False)
+    assert excursions(hub, 10.0, 60.0, USUAL, separate=True)[1:] == (pytest.approx(0.95 * 74, rel=1e-4), True)
+    assert excursions(hub, 20.0, 60.0, USUAL, separate=True)[0] == 2
+    assert excursions(hub, 10.0, 60.0, USUAL, separate=False)[1:] == (spare_m(hub, 10.0, 60.0, USUAL), False)
 
 
-def test_metres_of_excursions_as_generously_as_the_handing_says(problem: Problem) -> None:
-    hub, generous = nest(problem)[0], Handing(winding=0.5, travel=0.6)
+def test_metres_of_excursions_as_generously_as_the_estimate_says(problem: Problem) -> None:
+    hub, generous = nest(problem)[0], ExcursionEstimate(hub_detour=0.5, travel_share=0.6)
     # rounds of 0.5 x 20 m leave 30 m, of which excursions from one vertex spend three fifths on their ground
     assert spare_m(hub, 20.0, 60.0, generous) == pytest.approx(0.6 * 3 * 30, rel=1e-4)
     # four rounds of 10 m leave 80 of 120 m for three that begin elsewhere; they spend a fifth more or so
-    assert scattered_petals(hub, 20.0, 60.0, 0.5) == (3, pytest.approx(80, rel=1e-4))
-    spent = excursions(hub, 20.0, 60.0, scattered=True, handing=generous)
+    assert separate_petals(hub, 20.0, 60.0, 0.5) == (3, pytest.approx(80, rel=1e-4))
+    spent = excursions(hub, 20.0, 60.0, generous, separate=True)
     assert spent == (3, pytest.approx(0.6 * 0.95 / 0.8 * 80, rel=1e-4), True)
 
 
@@ -259,14 +275,27 @@ def test_robots_of_one_hub_begin_its_rounds_in_turn(problem: Problem, robots: in
 
 
 def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> None:
-    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
-    one_each = [replace(t, robots=1) for t in way.tours]
-    found = nested(problem, way.grounds, one_each, way.ideal_m, 1.0)
+    grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
+    one_each = [replace(t, robots=1) for t in grouping.tours]
+    found = nested(
+        problem, grouping.groups, one_each, grouping.ideal_m, least_slack=1.0, separate=False, estimate=USUAL
+    )
     assert found is not None
-    room, tours = found
-    spare = spare_m(one_each[0], way.ideal_m[0], 60.0)
-    assert room == pytest.approx((one_each[1].budget_m + spare) / way.ideal_m[1])
-    assert nested(problem, way.grounds, one_each, way.ideal_m, 1.01 * room) is None
+    slack, tours = found
+    spare = spare_m(one_each[0], grouping.ideal_m[0], 60.0, USUAL)
+    assert slack == pytest.approx((one_each[1].budget_m + spare) / grouping.ideal_m[1])
+    assert (
+        nested(
+            problem,
+            grouping.groups,
+            one_each,
+            grouping.ideal_m,
+            least_slack=1.01 * slack,
+            separate=False,
+            estimate=USUAL,
+        )
+        is None
+    )
     hub, *petals, slow = tours
     assert [tour.nest for tour in tours] == [0, 0, 0, 0, -1]
     assert all((petal.vertices_m[0] == hub.vertices_m[0]).all() for petal in petals)
@@ -275,67 +304,79 @@ def test_excursions_take_the_slow_ground_next_to_their_hub(problem: Problem) -> 
     assert nearest < slow.vertices_m[:, 0].max()
 
 
-def test_scattered_excursions_begin_where_their_ground_is(problem: Problem) -> None:
-    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
-    one_each = [replace(t, robots=1) for t in way.tours]
-    found = nested(problem, way.grounds, one_each, way.ideal_m, 1.0, scattered=True)
+def test_separate_excursions_begin_where_their_ground_is(problem: Problem) -> None:
+    grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
+    one_each = [replace(t, robots=1) for t in grouping.tours]
+    found = nested(problem, grouping.groups, one_each, grouping.ideal_m, **loops_of(1.0, separate=True))
     assert found is not None
-    room, (hub, *petals, _) = found
-    count, spare = scattered_petals(one_each[0], way.ideal_m[0], 60.0)
-    assert room == pytest.approx((one_each[1].budget_m + 0.95 * spare) / way.ideal_m[1])
+    slack, (hub, *petals, _) = found
+    count, spare = separate_petals(one_each[0], grouping.ideal_m[0], 60.0, 1.15)
+    assert slack == pytest.approx((one_each[1].budget_m + 0.95 * spare) / grouping.ideal_m[1])
     assert len(petals) == count
     for petal in petals:
         away_m = np.hypot(*(hub.vertices_m - petal.vertices_m[1:].mean(axis=0)).T)
         own = meeting(hub.vertices_m, petal.vertices_m)
         assert away_m[own] < away_m.min() + problem.swath_m  # as near as any vertex is, but for the way there
     # where they cannot: robots that keep in step
-    two = [replace(way.tours[0], robots=2), one_each[1]]
-    assert nested(problem, way.grounds, two, way.ideal_m, 1.0, scattered=True) is None
+    two = [replace(grouping.tours[0], robots=2), one_each[1]]
+    assert nested(problem, grouping.groups, two, grouping.ideal_m, **loops_of(1.0, separate=True)) is None
 
 
 def test_quick_ground_with_two_robots_gives_one_hub_or_two(problem: Problem) -> None:
-    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
-    quick_m = replace(way.tours[0], robots=1).budget_m
+    grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
+    quick_m = replace(grouping.tours[0], robots=1).budget_m
     # the gate takes a robot and a half, which three robots would share with the rest as their loads are: one and two
-    way = replace(way, ideal_m=[1.2 * quick_m, 2.1 * replace(way.tours[1], robots=1).budget_m])
-    first, second, third = nest_bases(problem, way, [1, 2], 3)
+    grouping = replace(grouping, ideal_m=[1.2 * quick_m, 2.1 * replace(grouping.tours[1], robots=1).budget_m])
+    first, second, third = nesting_bases(problem, grouping, [1, 2], 3)
     assert [tour.robots for tour in first.tours] == [1, 2]
     assert [(tour.period_class, tour.robots) for tour in second.tours] == [(0, 2), (1, 1)]
     assert [(tour.period_class, tour.robots) for tour in third.tours] == [(0, 1), (0, 1), (1, 1)]
     assert third.ideal_m[0] + third.ideal_m[1] == pytest.approx(1.2 * quick_m)
-    assert third.ideal_m[2] == way.ideal_m[1]
+    assert third.ideal_m[2] == grouping.ideal_m[1]
     # with two robots nothing would be left for the rest
-    assert len(nest_bases(problem, way, [1, 1], 2)) == 1
+    assert len(nesting_bases(problem, grouping, [1, 1], 2)) == 1
 
 
 def test_quick_ground_that_takes_no_sweeping_may_have_a_nest_too(problem: Problem) -> None:
     # a zone that is visited, say: no budget can be too tight for its lanes
-    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
-    one_each = [replace(t, robots=1) for t in way.tours]
-    visited = replace(way, tours=one_each, ideal_m=[0.0, way.ideal_m[1]])
-    [split] = nests_on(problem, [visited], 1.0)
-    found = nested(problem, visited.grounds, one_each, visited.ideal_m, 1.0)
+    grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
+    one_each = [replace(t, robots=1) for t in grouping.tours]
+    visited = replace(grouping, tours=one_each, ideal_m=[0.0, grouping.ideal_m[1]])
+    [allocation] = nested_allocations(problem, [visited], QUICK.allocation, least_slack=1.0)
+    found = nested(problem, visited.groups, one_each, visited.ideal_m, **loops_of(1.0))
     assert found is not None
-    assert split.room == found[0]
+    assert allocation.slack == found[0]
 
 
-def test_every_handing_gives_a_nest_of_its_own(problem: Problem) -> None:
-    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
+def test_every_estimate_gives_a_nest_of_its_own(problem: Problem) -> None:
+    grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
     # so much slow ground that no excursions sweep it all
-    base = replace(way, tours=[replace(t, robots=1) for t in way.tours], ideal_m=[way.ideal_m[0], 200.0])
-    [usual] = nests_on(problem, [base], 0.1)
-    found = list(nests_on(problem, [base], 0.1, handings=3, scattered=True))
+    base = replace(grouping, tours=[replace(t, robots=1) for t in grouping.tours], ideal_m=[grouping.ideal_m[0], 200.0])
+    [usual] = nested_allocations(problem, [base], QUICK.allocation, least_slack=0.1)
+    settings = replace(QUICK.allocation, estimates=ESTIMATES[:3], separate_anchors=True)
+    found = list(nested_allocations(problem, [base], settings, least_slack=0.1))
     assert len(found) == 6  # from one vertex, then from several
-    assert all(split.nests for split in found)
+    assert all(allocation.nested for allocation in found)
     assert [tour.vertices_m.tolist() for tour in found[0].tours] == [t.vertices_m.tolist() for t in usual.tours]
-    # what a handing promises is what its excursions are handed, and the slow tour is left with the rest
-    spare = [spare_m(base.tours[0], base.ideal_m[0], 60.0, handing) for handing in HANDINGS[:3]]
-    left = [len(split.tours[-1].vertices_m) for split in found[:3]]
+    # what an estimate promises is what its excursions are handed, and the slow tour is left with the rest
+    spare = [spare_m(base.tours[0], base.ideal_m[0], 60.0, estimate) for estimate in settings.estimates]
+    left = [len(allocation.tours[-1].vertices_m) for allocation in found[:3]]
     assert left[np.argmax(spare)] < left[np.argmin(spare)]
 
 
 def test_no_nest_where_the_slow_ground_is_one_place(problem: Problem) -> None:
-    way = next(way for way in starts(problem, 4) if len(way.tours) == 2)
-    one_place = replace(way.grounds[1], places=way.grounds[1].places[:1])
-    one_each = [replace(t, robots=1) for t in way.tours]
-    assert nested(problem, [way.grounds[0], one_place], one_each, way.ideal_m, 1.0) is None
+    grouping = next(grouping for grouping in period_groupings(problem, 4) if len(grouping.tours) == 2)
+    one_place = replace(grouping.groups[1], places=grouping.groups[1].places[:1])
+    one_each = [replace(t, robots=1) for t in grouping.tours]
+    assert (
+        nested(
+            problem,
+            [grouping.groups[0], one_place],
+            one_each,
+            grouping.ideal_m,
+            least_slack=1.0,
+            separate=False,
+            estimate=USUAL,
+        )
+        is None
+    )

@@ -10,7 +10,7 @@ from shapely import MultiPolygon, box
 
 import rota
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings
-from rota.planners.patrol.annealing.search import over_prices
+from rota.planners.patrol.annealing.search import budget_penalties
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.standing import robots_stand, standing_tours
@@ -40,7 +40,7 @@ def test_a_metre_over_the_budget_costs_more_the_less_there_is() -> None:
     problem = set_up_problem(SQUARE)
     tour = standing_tours(problem, problem.points.region == 0, 0)[0]
     still, slow, free = (replace(tour, period_s=t) for t in (0.01, 1.0, 100.0))
-    assert over_prices([still, slow, free], 4.0) == pytest.approx([920, 9.2, 4], rel=1e-3)
+    assert budget_penalties([still, slow, free], 4.0) == pytest.approx([920, 9.2, 4], rel=1e-3)
 
 
 @pytest.mark.parametrize("period_s", [0.01, 1.5])

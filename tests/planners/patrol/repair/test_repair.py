@@ -8,17 +8,16 @@ import numpy as np
 import pytest
 import shapely
 from shapely import MultiPolygon, box
+from tests.planners.patrol.searching import search_on
 
 from rota.check import check_plan
 from rota.check.report import Report
 from rota.mission import DiscSensor, Effort, Fleet, Mission, Obstacle, PatrolSettings
 from rota.plan import Plan
-from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.repair import repair
 from rota.planners.patrol.repair.detours import least_detour
-from rota.planners.patrol.repair.repair import as_near_as_tight, shorter_m
+from rota.planners.patrol.repair.repair import repair_until_feasible, shorter_m, with_tight_margin
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 
@@ -56,17 +55,6 @@ def test_no_way_is_no_detour(problem: Problem) -> None:
     assert least_detour(problem, np.array([[1.0, 1.0], [2.0, 1.0]]), np.array([7.0, 7.0]))[1] == np.inf
 
 
-def context(problem: Problem) -> Context:
-    return begin_search(
-        problem,
-        asked=problem.mission,
-        seed=0,
-        judge=check_plan,
-        progress=lambda _share, _what: None,
-        should_stop=lambda: False,
-    )
-
-
 @pytest.fixture(scope="module")
 def roomy_and_tight(problem: Problem) -> tuple[Tour, Tour]:
     """A tour that takes half of its budget, and one that takes all of it."""
@@ -81,7 +69,7 @@ def test_tight_tours_are_asked_for_hardly_more_in_later_rounds(
     problem: Problem, roomy_and_tight: tuple[Tour, Tour]
 ) -> None:
     def asked(tour: Tour, *, bends: bool) -> list[float]:
-        return [shorter_m(context(problem), [tour], turn, bends=bends) / problem.reach_m for turn in (1, 20)]
+        return [shorter_m(search_on(problem), [tour], turn, bends=bends) / problem.reach_m for turn in (1, 20)]
 
     roomy, tight = roomy_and_tight
     margin = problem.range_margin_m / problem.reach_m
@@ -98,17 +86,15 @@ def test_with_more_effort_tight_tours_keep_less_of_a_margin(
 ) -> None:
     roomy, tight = roomy_and_tight
     high = replace(problem, mission=problem.mission.with_effort("high"))
-    assert as_near_as_tight(context(problem), [tight]) == problem
-    assert as_near_as_tight(context(high), [roomy]) == high
-    kept = as_near_as_tight(context(high), [roomy, tight])
+    assert with_tight_margin(search_on(problem), [tight]) == problem
+    assert with_tight_margin(search_on(high), [roomy]) == high
+    kept = with_tight_margin(search_on(high), [roomy, tight])
     assert 0 < kept.range_margin_m < problem.range_margin_m
-    assert shorter_m(context(high), [tight], 1, bends=True) < shorter_m(context(problem), [tight], 1, bends=True)
+    assert shorter_m(search_on(high), [tight], 1, bends=True) < shorter_m(search_on(problem), [tight], 1, bends=True)
 
 
 @pytest.mark.parametrize(("effort", "rounds"), [("quick", 1), ("high", 3)])
-def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(
-    monkeypatch: pytest.MonkeyPatch, effort: Effort, rounds: int
-) -> None:
+def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(effort: Effort, rounds: int) -> None:
     # a round of 40 m, for which there is time for 39.98 m
     ring = np.array([[2.0, 2], [12, 2], [12, 12], [2, 12]])
     period_s = 40 * 0.9995
@@ -121,7 +107,6 @@ def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(
     )
     given = set_up_problem(mission)
     tour = Tour(vertices_m=ring, period_class=0, period_s=period_s, robots=1, robot=given.robot, component=0)
-    monkeypatch.setattr(repair, "bent", lambda _context, tours, *_rest, **_kinds: tours)  # as if it could not be bent
     asked_s: list[float] = []
 
     def judge(plan: Plan) -> Report:
@@ -138,8 +123,10 @@ def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(
             shown_unmet_demand=np.zeros(0, dtype=np.int64),
         )
 
-    found = repair.settle(
-        replace(context(given), judge=judge), [tour], no_points(), may_add=False, rounds=3, annealed=True
+    context = search_on(given)
+    unbent = replace(context.settings, repair=replace(context.settings.repair, bending_steps=0))
+    found = repair_until_feasible(
+        replace(context, judge=judge, settings=unbent), [tour], no_points(), may_add=False, rounds=3, annealed=True
     )
     assert not found.met
     assert found.plan.mission.period_s == period_s  # what is kept is the plan for what is asked

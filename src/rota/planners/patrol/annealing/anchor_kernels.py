@@ -89,7 +89,7 @@ def move_together(
             continue
         t.x[a], t.y[a] = x, y
         now_m = tour_length(k, t)
-        metres += t.price[k] * (now_m - t.length[k])
+        metres += t.length_weight[k] * (now_m - t.length[k])
         t.length[k] = now_m
     keeps = metres + over_budget_cost(h, t) - was + t.unseen[0] - unseen <= limit
     if not keeps:

@@ -30,7 +30,7 @@ def added_by(v: int, px: float, py: float, qx: float, qy: float, t: Tours) -> fl
     ax, ay, bx, by = t.x[v], t.y[v], t.x[w], t.y[w]
     ahead = norm(px - ax, py - ay) + norm(qx - bx, qy - by)
     back = norm(qx - ax, qy - ay) + norm(px - bx, py - by)
-    price = t.price[k] + (t.over_price[k] if t.length[k] > t.budget_m[k] else 0.0)
+    price = t.length_weight[k] + (t.budget_penalty[k] if t.length[k] > t.budget_m[k] else 0.0)
     return (min(ahead, back) - norm(bx - ax, by - ay)) * price
 
 

@@ -49,17 +49,17 @@ class Annealing:
         samples: Samples,
         space: EdgeGrid,
         *,
-        price: Floats,
-        over_price: Floats,
+        length_weight: Floats,
+        budget_penalty: Floats,
         seed: int,
         range_margin_m: float,
         reserve: float = 0.0,
     ) -> None:
-        """price, over_price: (k,) cost per metre of each tour, and above its budget less the reserve (a share)."""
+        """length_weight, budget_penalty: (k,) cost of a metre of each tour, and of one beyond its reduced budget."""
         self._tours = [replace(t, vertices_m=without_repeats(t.vertices_m), pace=None) for t in tours]
         self._samples = samples
         self._space = space
-        self._price, self._over_price = price, over_price
+        self._length_weight, self._budget_penalty = length_weight, budget_penalty
         self._range_margin_m, self._reserve = range_margin_m, reserve
         reach_m = np.array([t.robot.sensor.reach_m for t in tours])
         self._longest_m = LONGEST_LEG * float(reach_m.min())
@@ -105,9 +105,9 @@ class Annealing:
             square=np.array([0 if isinstance(t.robot.sensor, DiscSensor) else 1 for t in tours], dtype=np.int64),
             period_class=np.array([t.period_class for t in tours], dtype=np.int64),
             turn_m=np.array([t.turn_m_per_rad for t in tours]),
-            price=np.asarray(self._price, dtype=np.float64),
+            length_weight=np.asarray(self._length_weight, dtype=np.float64),
             budget_m=np.array([t.budget_m for t in tours]) * (1 - self._reserve),
-            over_price=np.asarray(self._over_price, dtype=np.float64),
+            budget_penalty=np.asarray(self._budget_penalty, dtype=np.float64),
             hub=hub, petals=petals, meets=numbers(len(tours)), more=np.array(more, dtype=np.int64),
             whole_m=whole_m * (1 - self._reserve),
             seen=np.zeros((slots, self._room), dtype=np.int32), seen_n=numbers(slots), free_slots=numbers(slots),
@@ -226,7 +226,7 @@ def ring_of(state: Tours, k: int) -> Floats:
     return np.column_stack([state.x[order], state.y[order]])
 
 
-def over_prices(tours: list[Tour], price: float) -> Floats:
+def budget_penalties(tours: list[Tour], price: float) -> Floats:
     """Price (k,) of a metre over the budget of each tour; the more the less a robot can travel at all."""
     one_m = np.array([replace(tour, robots=1).budget_m for tour in tours])
     reach_m = np.array([tour.robot.sensor.reach_m for tour in tours])

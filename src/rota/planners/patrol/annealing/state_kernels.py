@@ -55,9 +55,9 @@ class Tours(NamedTuple):
     square: Ints  # 1 where the sensor is a square
     period_class: Ints  # the period class
     turn_m: Floats  # metres in the time of a turn by 1 rad
-    price: Floats  # of a metre
+    length_weight: Floats  # of a metre
     budget_m: Floats
-    over_price: Floats  # of a metre over budget
+    budget_penalty: Floats  # of a metre over budget
     hub: Ints  # the tour that it is a petal of, or itself
     petals: Ints  # of a hub: the first petal, and one past the last
     meets: Ints  # of a petal: the vertex of its hub at which it begins
@@ -156,13 +156,13 @@ def over_budget_cost(h: int, t: Tours) -> float:
     """Price of what tour h, or the hub h with its petals, is over budget: in each of its rounds and in all of them."""
     first, last = t.petals[h, 0], t.petals[h, 1]
     if first == last:
-        return t.over_price[h] * max(0.0, t.length[h] - t.budget_m[h])
+        return t.budget_penalty[h] * max(0.0, t.length[h] - t.budget_m[h])
     over, whole = 0.0, t.more[h] * t.length[h]
     for petal in range(first, last):
         round_m = t.length[h] + t.length[petal]
         over += max(0.0, round_m - t.budget_m[h])
         whole += round_m
-    return t.over_price[h] * (over + max(0.0, whole - t.whole_m[h]))
+    return t.budget_penalty[h] * (over + max(0.0, whole - t.whole_m[h]))
 
 
 @compiled
@@ -172,13 +172,13 @@ def length_cost(k: int, change_m: float, t: Tours) -> float:
     if t.petals[h, 0] == t.petals[h, 1]:
         was, budget = t.length[k], t.budget_m[k]
         over = max(0.0, was + change_m - budget) - max(0.0, was - budget)
-        return t.price[k] * change_m + t.over_price[k] * over
+        return t.length_weight[k] * change_m + t.budget_penalty[k] * over
     was = over_budget_cost(h, t)
     kept = t.length[k]
     t.length[k] = kept + change_m
     now = over_budget_cost(h, t)
     t.length[k] = kept
-    return t.price[k] * change_m + now - was
+    return t.length_weight[k] * change_m + now - was
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Ways to share the ground among so many robots: which period classes go together, and who keeps to a tour alone."""
+"""Which tours a team size begins with: period classes grouped, robots handed to the groups, nested loops besides."""
 
 from __future__ import annotations
 
@@ -10,46 +10,67 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rota.planners.patrol.ground.problem import Problem
-from rota.planners.patrol.initial.first_tours import Ground, class_groups, grounds, shared_tour, tours_apart
-from rota.planners.patrol.initial.nested_loops import HANDINGS, WINDING, can_nest, nested, slowest
+from rota.planners.patrol.initial.first_tours import PlaceGroup, class_groups, place_groups, shared_tour, tours_apart
+from rota.planners.patrol.initial.nested_loops import can_nest, nested, slowest
 from rota.planners.patrol.initial.standing import robots_stand
+from rota.planners.patrol.settings import AllocationSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
-NEST_BELOW = 1.4  # budgets over ideal lengths, below which loops within loops are tried
-MOST_APART = 64  # robots, beyond which each on a tour of its own is not tried
+HUB_DETOUR = 1.15  # length of a real hub over that of an ideal one, for choosing how many robots share it
 
 
 @dataclass(frozen=True, kw_only=True)
-class Start:
-    """One way to group the period classes: the grounds, a tour past each, and the metres of ideal lanes over each."""
+class PeriodGrouping:
+    """One way to group the period classes.
 
-    grounds: list[Ground]
+    groups: the places of each tour. tours: one for each. ideal_m: metres of ideal lanes over the ground of each.
+    """
+
+    groups: list[PlaceGroup]
     tours: list[Tour]
     ideal_m: list[float]
 
+    def with_robots(self, robots: list[int]) -> PeriodGrouping:
+        """The same grouping with so many robots on each of its tours."""
+        tours = [replace(tour, robots=n) for tour, n in zip(self.tours, robots, strict=True)]
+        return replace(self, tours=tours)
 
-def starts(problem: Problem, most: int) -> list[Start]:
-    """Up to ``most`` ways to group the classes, the fewest expected robots first."""
-    found = []
-    for groups, _ in zip(class_groups(problem), range(most), strict=False):
-        here = grounds(problem, groups)
-        tours = [shared_tour(problem, ground) for ground in here]
-        found.append(Start(grounds=here, tours=tours, ideal_m=ideal_lengths_m(problem, tours)))
-    return found
+
+@dataclass(frozen=True, kw_only=True)
+class Allocation:
+    """Tours that the search may begin with.
+
+    slack: how many times longer than ideal the budgets allow them to be. nested: whether some are nested loops.
+    """
+
+    slack: float
+    tours: list[Tour]
+    nested: bool
+
+
+def period_groupings(problem: Problem, most: int) -> list[PeriodGrouping]:
+    """Up to ``most`` ways to group the period classes, those with the fewest expected robots first."""
+    groupings = []
+    for classes, _ in zip(class_groups(problem), range(most), strict=False):
+        groups = place_groups(problem, classes)
+        tours = [shared_tour(problem, group) for group in groups]
+        groupings.append(PeriodGrouping(groups=groups, tours=tours, ideal_m=ideal_lengths_m(problem, tours)))
+    return groupings
 
 
 def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
     """Metres that each tour would take if it swept its ground in perfect lanes.
 
-    A tour's ground: what asks for its period or a longer one, up to the next longer period of a tour; shared among the
-    tours of one period in proportion to their lengths. No tour is ideal below a hundredth of its own length. Robots
-    that stand need no more than they move.
+    A tour's ground asks for its period or a longer one, up to the next longer period of a tour; tours of one period
+    share it in proportion to their lengths. No tour is ideal below a hundredth of its own length. Robots that stand
+    need no more than they move.
     """
     served = sorted({tour.period_class for tour in tours})
-    found = []
+    ideal_m = []
     for tour in tours:
+        own_m = tour_length_m(tour)
         if robots_stand(problem, tour.period_s):
-            found.append(tour_length_m(tour))
+            ideal_m.append(own_m)
             continue
         later = [c for c in served if c > tour.period_class]
         classes = range(tour.period_class, min(later, default=len(problem.periods_s)))
@@ -58,162 +79,155 @@ def ideal_lengths_m(problem: Problem, tours: list[Tour]) -> list[float]:
             for region, c in zip(problem.regions, problem.region_class, strict=True)
             if c in classes and region.demand == "every_point"
         )
-        own_m = tour_length_m(tour)
         alike_m = sum(tour_length_m(other) for other in tours if other.period_class == tour.period_class)
         share = own_m / alike_m if alike_m > 0 else 1.0
-        found.append(max(0.01 * own_m, share * ground_m2 / problem.swath_m))
-    return found
+        ideal_m.append(max(0.01 * own_m, share * ground_m2 / problem.swath_m))
+    return ideal_m
 
 
-def winding(ways: list[Start]) -> float:
+def detour_factor(groupings: list[PeriodGrouping]) -> float:
     """How many times longer than ideal the shortest first tours are: near 1 in the open, more in buildings."""
-    return min(sum(tour_length_m(tour) for tour in way.tours) / max(1e-9, sum(way.ideal_m)) for way in ways)
+    return min(
+        sum(tour_length_m(tour) for tour in grouping.tours) / max(1e-9, sum(grouping.ideal_m)) for grouping in groupings
+    )
 
 
-def robots_each(start: Start, robots: int) -> list[int] | None:
-    """So many robots handed to the tours, each where the load is greatest.
+def robots_per_tour(grouping: PeriodGrouping, robots: int) -> list[int] | None:
+    """So many robots handed to the tours one by one, each where the load is greatest.
 
     None when there are fewer than tours, or more but no tour with anything to do: robots that stand need no others.
     """
-    if robots < len(start.tours) or (robots > len(start.tours) and not any(start.ideal_m)):
+    if robots < len(grouping.tours) or (robots > len(grouping.tours) and not any(grouping.ideal_m)):
         return None
-    one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
-    counts = [1] * len(one_m)
-    for _ in range(robots - len(one_m)):
-        k = int(np.argmax([m / (n * b) for m, n, b in zip(start.ideal_m, counts, one_m, strict=True)]))
+    budgets_m = single_budgets_m(grouping)
+    counts = [1] * len(budgets_m)
+    for _ in range(robots - len(budgets_m)):
+        k = int(np.argmax([m / (n * b) for m, n, b in zip(grouping.ideal_m, counts, budgets_m, strict=True)]))
         counts[k] += 1
     return counts
 
 
-def squeeze(start: Start, counts: list[int]) -> float:
-    """How much longer than ideal the tours may be with so many robots each; below 1 there is no hope.
+def single_budgets_m(grouping: PeriodGrouping) -> list[float]:
+    """The budget of each tour with one robot on it."""
+    return [replace(tour, robots=1).budget_m for tour in grouping.tours]
+
+
+def slack_factor(grouping: PeriodGrouping) -> float:
+    """How many times longer than ideal the tours may be with the robots they have; below 1 there is no hope.
 
     A tour may serve any ground of its component whose period is at least its own: within each component, all that
-    the quickest classes ask for must fit into the budgets of the tours of these classes.
+    the quickest classes ask for must fit into the budgets of the tours of these classes. inf without such ground.
     """
-    return min((room for _, room in squeezes(start, counts)), default=math.inf)
+    return min((slack for _, slack in slack_factors(grouping)), default=math.inf)
 
 
-def squeezes(start: Start, counts: list[int]) -> Iterator[tuple[int, float]]:
-    """The same for each class that tours serve, in each component: the class, and how much longer the tours may be."""
-    for component in {tour.component for tour in start.tours}:
-        here = [k for k, tour in enumerate(start.tours) if tour.component == component]
-        for period_class in {start.tours[k].period_class for k in here}:
-            quick = [k for k in here if start.tours[k].period_class <= period_class]
-            asked_m = sum(start.ideal_m[k] for k in quick)
-            budget_m = sum(replace(start.tours[k], robots=counts[k]).budget_m for k in quick)
+def slack_factors(grouping: PeriodGrouping) -> Iterator[tuple[int, float]]:
+    """Each class that tours of a component serve, and the slack factor of the tours of it and all quicker classes."""
+    for component in {tour.component for tour in grouping.tours}:
+        own = [k for k, tour in enumerate(grouping.tours) if tour.component == component]
+        for period_class in {grouping.tours[k].period_class for k in own}:
+            quick = [k for k in own if grouping.tours[k].period_class <= period_class]
+            asked_m = sum(grouping.ideal_m[k] for k in quick)
             if asked_m > 0:
-                yield period_class, budget_m / asked_m
+                yield period_class, sum(grouping.tours[k].budget_m for k in quick) / asked_m
 
 
-def nest_bases(problem: Problem, start: Start, counts: list[int], robots: int) -> list[Start]:
-    """What loops within loops may be built on: the robots as their loads are, or as few on quick ground as can be.
+def allocations(
+    problem: Problem,
+    groupings: list[PeriodGrouping],
+    robots: int,
+    settings: AllocationSettings,
+    *,
+    least_slack: float,
+) -> list[Allocation]:
+    """Every set of tours with which so many robots might do; the ones with most slack first.
+
+    Robots that would share a tour are tried on tours of their own too, and nested loops where budgets are tight.
+    least_slack: allocations with a smaller slack factor are left out.
+    """
+    plain: list[Allocation] = []
+    nested_loops: list[Allocation] = []
+    seen: set[tuple[tuple[int, int], ...]] = set()
+    for grouping in groupings:
+        counts = robots_per_tour(grouping, robots)
+        if counts is None:
+            continue
+        shared = grouping.with_robots(counts)
+        slack = slack_factor(shared)
+        if can_nest(problem) and slack < settings.nested_slack_limit:
+            bases = nesting_bases(problem, grouping, counts, robots)
+            nested_loops += nested_allocations(problem, bases, settings, least_slack=least_slack)
+        if slack < least_slack:
+            continue
+        plain.append(Allocation(slack=slack, tours=shared.tours, nested=False))
+        shape = tuple(sorted((tour.period_class, tour.robots) for tour in shared.tours))
+        fresh = shape not in seen or problem.robot.body_radius_m > 0
+        if 1 < max(counts) <= settings.most_own_tours and fresh:
+            tours = own_tours(problem, shared)
+            if len(tours) == robots:
+                plain.append(Allocation(slack=slack, tours=tours, nested=False))
+        seen.add(shape)
+    return sorted([*plain, *nested_loops], key=lambda allocation: -allocation.slack)
+
+
+def own_tours(problem: Problem, shared: PeriodGrouping) -> list[Tour]:
+    """A tour for each robot, where neighbourhoods of its own can be found for it."""
+    tours: list[Tour] = []
+    for group, tour in zip(shared.groups, shared.tours, strict=True):
+        tours += tours_apart(problem, group, tour.robots) if tour.robots > 1 else [tour]
+    return [replace(tour, robots=1) for tour in tours]
+
+
+def nesting_bases(problem: Problem, grouping: PeriodGrouping, counts: list[int], robots: int) -> list[PeriodGrouping]:
+    """What nested loops may be built on: the robots as their loads are, or as few on quick ground as can be.
 
     In the second every quick ground has as many robots as it needs, that take turns on one hub, and the slowest the
     rest; in the third each of these robots has a hub of its own.
     """
-    bases = [with_counts(start, counts)]
-    one_m = [replace(tour, robots=1).budget_m for tour in start.tours]
-    load = [m / b for m, b in zip(start.ideal_m, one_m, strict=True)]
-    slow = slowest(start.tours, load)
-    needed = [1 if k == slow else max(1, math.ceil(WINDING * x)) for k, x in enumerate(load)]
+    bases = [grouping.with_robots(counts)]
+    load = [m / b for m, b in zip(grouping.ideal_m, single_budgets_m(grouping), strict=True)]
+    slow = slowest(grouping.tours, load)
+    needed = [1 if k == slow else max(1, math.ceil(HUB_DETOUR * x)) for k, x in enumerate(load)]
     needed[slow] += robots - sum(needed)
     if needed[slow] < 1:
         return bases
     if needed != counts:
-        bases.append(with_counts(start, needed))
+        bases.append(grouping.with_robots(needed))
     if max((n for k, n in enumerate(needed) if k != slow), default=1) > 1:
-        alone = hubs_apart(problem, start, needed, slow)
-        if sum(tour.robots for tour in alone.tours) == robots:
-            bases.append(alone)
+        separate = with_own_hubs(problem, grouping, needed, slow)
+        if sum(tour.robots for tour in separate.tours) == robots:
+            bases.append(separate)
     return bases
 
 
-def with_counts(start: Start, counts: list[int]) -> Start:
-    """The start with so many robots on each of its tours."""
-    return replace(start, tours=[replace(tour, robots=n) for tour, n in zip(start.tours, counts, strict=True)])
+def with_own_hubs(problem: Problem, grouping: PeriodGrouping, needed: list[int], slow: int) -> PeriodGrouping:
+    """The grouping with so many robots, each of them on a tour of its own but for those of the slowest tour."""
+    hubs: list[tuple[PlaceGroup, Tour, float]] = []
+    for k, (group, tour, ideal_m) in enumerate(zip(grouping.groups, grouping.tours, grouping.ideal_m, strict=True)):
+        apart = tours_apart(problem, group, needed[k]) if k != slow and needed[k] > 1 else [tour]
+        whole_m = sum(tour_length_m(hub) for hub in apart)
+        for hub in apart:
+            share = tour_length_m(hub) / whole_m if whole_m > 0 else 1 / len(apart)
+            hubs.append((group, replace(hub, robots=needed[k] if k == slow else 1), share * ideal_m))
+    return PeriodGrouping(groups=[g for g, _, _ in hubs], tours=[t for _, t, _ in hubs], ideal_m=[m for *_, m in hubs])
 
 
-def hubs_apart(problem: Problem, start: Start, needed: list[int], slow: int) -> Start:
-    """The start with so many robots, each of them on a tour of its own but for those of the slowest tour."""
-    hubs: list[tuple[Ground, Tour, float]] = []
-    for k, (ground, tour, ideal_m) in enumerate(zip(start.grounds, start.tours, start.ideal_m, strict=True)):
-        apart = tours_apart(problem, ground, needed[k]) if k != slow and needed[k] > 1 else [tour]
-        whole_m = sum(tour_length_m(one) for one in apart)
-        for one in apart:
-            share = tour_length_m(one) / whole_m if whole_m > 0 else 1 / len(apart)
-            hubs.append((ground, replace(one, robots=needed[k] if k == slow else 1), share * ideal_m))
-    return Start(grounds=[g for g, _, _ in hubs], tours=[t for _, t, _ in hubs], ideal_m=[m for *_, m in hubs])
+def nested_allocations(
+    problem: Problem, bases: list[PeriodGrouping], settings: AllocationSettings, *, least_slack: float
+) -> Iterator[Allocation]:
+    """The nested loops on these bases, where neither the quick tours nor the rest are too tight.
 
-
-def nests_on(
-    problem: Problem, bases: list[Start], least_squeeze: float, *, handings: int = 1, scattered: bool = False
-) -> Iterator[Split]:
-    """The loops within loops on these bases, where neither the quick tours nor the rest are too tight.
-
-    The way to every piece of slow ground and back makes them longer than a tour of it all. handings: how many ways to
-    hand ground to excursions are tried; scattered: with excursions from different vertices, too.
+    The way to every piece of slow ground and back makes them longer than a tour of it all.
     """
-    for base, apart in itertools.product(bases, (False, True) if scattered else (False,)):
+    for base, separate in itertools.product(bases, (False, True) if settings.separate_anchors else (False,)):
         latest = max(tour.period_class for tour in base.tours)
-        hubs = [room for period_class, room in squeezes(base, [t.robots for t in base.tours]) if period_class < latest]
-        if min(hubs, default=math.inf) < least_squeeze:
+        hubs = [slack for period_class, slack in slack_factors(base) if period_class < latest]
+        if min(hubs, default=math.inf) < least_slack:
             continue
-        for handing in HANDINGS[:handings]:
-            nest = nested(
-                problem, base.grounds, base.tours, base.ideal_m, least_squeeze, scattered=apart, handing=handing
-            )
-            if nest is not None:
-                yield Split(room=min([nest[0], *hubs]), tours=nest[1], nests=True)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Split:
-    """The tours to begin with, and how many times longer than ideal they may be; ``nests``: loops within loops."""
-
-    room: float
-    tours: list[Tour]
-    nests: bool
-
-
-def splits(
-    problem: Problem,
-    ways: list[Start],
-    robots: int,
-    least_squeeze: float,
-    *,
-    handings: int = 1,
-    scattered: bool = False,
-) -> list[Split]:
-    """The tours to begin with for so many robots, every way in which they might suffice; the roomiest first.
-
-    Robots that would share a tour are tried on tours of their own too, and where budgets are tight loops within loops,
-    of which ``handings`` and ``scattered`` tell how many (see ``nests_on``).
-    """
-    found: list[Split] = []
-    nests: list[Split] = []
-    seen: set[tuple[tuple[int, int], ...]] = set()
-    for start in ways:
-        counts = robots_each(start, robots)
-        if counts is None:
-            continue
-        room = squeeze(start, counts)
-        shared = with_counts(start, counts).tours
-        if can_nest(problem) and room < NEST_BELOW:
-            bases = nest_bases(problem, start, counts, robots)
-            nests += nests_on(problem, bases, least_squeeze, handings=handings, scattered=scattered)
-        if room < least_squeeze:
-            continue
-        found.append(Split(room=room, tours=shared, nests=False))
-        shape = tuple(sorted((tour.period_class, tour.robots) for tour in shared))
-        if 1 < max(counts) <= MOST_APART and (shape not in seen or problem.robot.body_radius_m > 0):
-            apart = [
-                one
-                for ground, tour in zip(start.grounds, shared, strict=True)
-                for one in (tours_apart(problem, ground, tour.robots) if tour.robots > 1 else [tour])
-            ]
-            if len(apart) == robots:
-                alone = [replace(tour, robots=1) for tour in apart]
-                found.append(Split(room=room, tours=alone, nests=False))
-        seen.add(shape)
-    return sorted([*found, *nests], key=lambda split: -split.room)
+        for estimate in settings.estimates:
+            loops = nested(
+                problem, base.groups, base.tours, base.ideal_m,
+                least_slack=least_slack, separate=separate, estimate=estimate,
+            )  # fmt: skip
+            if loops is not None:
+                yield Allocation(slack=min([loops[0], *hubs]), tours=loops[1], nested=True)

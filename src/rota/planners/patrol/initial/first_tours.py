@@ -59,9 +59,10 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ground:
-    """Places (indices) that one tour, or several, go past to see all that is theirs; ``period_class`` is their class.
+class PlaceGroup:
+    """Places that one tour, or several, go past to see all that is theirs.
 
+    period_class: of the tours. component: of the standing space. places: their indices in the problem's places.
     stands: the tour of a robot that hardly moves, where the period leaves no time for more; otherwise None.
     """
 
@@ -71,9 +72,9 @@ class Ground:
     stands: Tour | None = None
 
 
-def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
+def place_groups(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[PlaceGroup]:
     """For each group of classes, part and cluster the places from which all of it is seen."""
-    found: list[Ground] = []
+    found: list[PlaceGroup] = []
     places, covered = problem.viewpoints, np.zeros(len(problem.points), dtype=bool)
     for group in groups:
         wanted = np.isin(problem.points.period, group) & ~covered
@@ -82,7 +83,7 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
                 _, seen = what_places_see(tour.vertices_m, problem.robot, problem.range_margin_m, problem.samples)
                 covered[seen] = True
                 found.append(
-                    Ground(
+                    PlaceGroup(
                         period_class=group[0], component=tour.component, places=np.zeros(0, dtype=np.int64), stands=tour
                     )
                 )
@@ -91,36 +92,36 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
         for place in chosen:
             covered[places.seen[places.start[place] : places.start[place + 1]]] = True
         for component, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
-            found.append(Ground(period_class=group[0], component=component, places=cluster))
+            found.append(PlaceGroup(period_class=group[0], component=component, places=cluster))
     return found
 
 
 def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Tour]:
-    """Tours that see every sample, one per ground, each with the robots that its length needs."""
-    return [shared_tour(problem, ground) for ground in grounds(problem, groups)]
+    """Tours that see every sample, one per group of places, each with the robots that its length needs."""
+    return [shared_tour(problem, group) for group in place_groups(problem, groups)]
 
 
-def shared_tour(problem: Problem, ground: Ground) -> Tour:
-    """One tour past all places of the ground, with the robots that its length needs."""
-    if ground.stands is not None:
-        return ground.stands
-    return tour_past(problem, problem.viewpoints.xy_m[ground.places], ground.period_class, ground.component)
+def shared_tour(problem: Problem, group: PlaceGroup) -> Tour:
+    """One tour past all places of the group, with the robots that its length needs."""
+    if group.stands is not None:
+        return group.stands
+    return tour_past(problem, problem.viewpoints.xy_m[group.places], group.period_class, group.component)
 
 
-def tours_apart(problem: Problem, ground: Ground, count: int) -> list[Tour]:
+def tours_apart(problem: Problem, group: PlaceGroup, count: int) -> list[Tour]:
     """Up to ``count`` tours of one robot, each past the places of a neighbourhood of its own.
 
     To share a tour is shorter in the open; to keep apart is better in narrow places, where a shared tour goes there
     and back, and for bodies, which would meet.
     """
-    if ground.stands is not None:
-        return [ground.stands]
-    places_m = problem.viewpoints.xy_m[ground.places]
+    if group.stands is not None:
+        return [group.stands]
+    places_m = problem.viewpoints.xy_m[group.places]
     if len(places_m) > MOST_GEODESIC:
         labels = list(straight_neighbourhoods(places_m, count))
     else:
         labels = list(neighbourhoods(distances(problem, places_m), count))
-    return [tour_past(problem, places_m[label], ground.period_class, ground.component) for label in labels]
+    return [tour_past(problem, places_m[label], group.period_class, group.component) for label in labels]
 
 
 def straight_neighbourhoods(places_m: Floats, count: int) -> Iterator[Ints]:
@@ -162,14 +163,14 @@ def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[
     """
     apart_m = max(problem.robot.speed_m_s * period_s / 2, 2 * problem.swath_m)
     for component in np.unique(problem.viewpoints.component[places]):
-        here = places[problem.viewpoints.component[places] == component]
-        if len(here) > MOST_ORDERED:
-            yield int(component), here
+        own = places[problem.viewpoints.component[places] == component]
+        if len(own) > MOST_ORDERED:
+            yield int(component), own
             continue
-        linked = distances(problem, problem.viewpoints.xy_m[here]) <= apart_m
+        linked = distances(problem, problem.viewpoints.xy_m[own]) <= apart_m
         count, label = connected_components(csr_array(linked), directed=False)
         for k in range(count):
-            yield int(component), here[label == k]
+            yield int(component), own[label == k]
 
 
 def distances(problem: Problem, places_m: Floats) -> Floats:

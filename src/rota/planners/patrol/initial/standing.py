@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.annealing.search import Annealing, over_prices
+from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import laid_out
 from rota.planners.patrol.ground.viewpoints import choose_viewpoints
@@ -62,8 +62,8 @@ def all_seen_by(problem: Problem, tours: list[Tour], wanted: Flags) -> list[Tour
         tours,
         samples._replace(weight=problem.reach_m * weight),
         problem.paths.grid,
-        price=np.full(len(tours), 1e-3),
-        over_price=over_prices(tours, OVER_PRICE * len(points)),
+        length_weight=np.full(len(tours), 1e-3),
+        budget_penalty=budget_penalties(tours, OVER_PRICE * len(points)),
         seed=len(tours),
         range_margin_m=problem.range_margin_m,
     )

@@ -1,98 +1,97 @@
-"""Annealing cooler and cooler, and mending in between, until the judge passes the tours or it does not pay."""
+"""Annealing cooler and cooler, with repairs in between, until the judge passes the tours or it does not pay."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterator
 
-from rota.planners.patrol.annealing.schedule import PRICE, Stage, annealed
+from rota.planners.patrol.annealing.schedule import anneal_tours
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.context import Context, Work
+from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.repair.bending.search import Polish, can_polish
-from rota.planners.patrol.repair.repair import TIGHT, Settled, as_near_as_tight, settle
+from rota.planners.patrol.repair.bending.search import Bending, can_bend
+from rota.planners.patrol.repair.repair import Repaired, are_tight, repair_until_feasible, with_tight_margin
+from rota.planners.patrol.settings import AlternationSettings, Stage
 from rota.planners.patrol.tours.tour import Tour, over_budget_share
 
-GAINING = 0.8  # of what tours are over budget after the last mending: more, and they will not come within it
-CLOSE = 0.006  # share of the budgets that another annealing gains or not, as luck has it
-LUCK = 0.002  # the same of all annealings from cold on: as much nearer may they come with other seeds
-SEEDS_APART = 10  # the annealings of one cooling take seeds of their own
-SHORTENING = 40  # steps of linear programs before the first mending
-COOLEST = 1 / 32  # of the reach: heat of the last annealings
-LAST_RESERVE = 0.0075  # of annealings that begin from mended tours
-LAST_STAGES = (Stage(1 / 4, 3.0, 0.01), Stage(1 / 16, 12.0, 0.005))  # before the first mending
-UNSEEN, OVER = 0.015, 0.03  # shares of the ground and of the budgets that mending and cooler annealing may still gain
+SEEDS_APART = 10  # the annealings of one attempt take seeds of their own
 
 
-def cool_and_settle(context: Context, search: Annealing, *, seed: int) -> Iterator[Settled | None]:
-    """After every mending None, or at last the settled plan that the judge passed within the budgets.
+def anneal_and_repair(context: Context, search: Annealing, *, seed: int) -> Iterator[Repaired | None]:
+    """After every repair None, or at last the plan that the judge passed within the budgets.
 
-    Tours that come nearly within their budgets once may do so with other seeds: they are cooled as often as pays.
+    Tours that come near to their budgets once may do so with other seeds, so that other attempts are made.
     """
-    least_over = math.inf
-    for turn in range(context.work.chances):
-        over = yield from cooled_and_settled(context, search, seed=seed + SEEDS_APART * turn)
-        least_over = min(over, least_over)
-        if math.isinf(over) or least_over > LUCK or context.should_stop():
+    settings = context.settings.alternation
+    least_excess = math.inf
+    for attempt in range(settings.attempts):
+        excess = yield from attempt_with_seed(context, search, seed=seed + SEEDS_APART * attempt)
+        least_excess = min(excess, least_excess)
+        if math.isinf(excess) or least_excess > settings.retry_limit or context.should_stop():
             return
 
 
-def cooled_and_settled(context: Context, search: Annealing, *, seed: int) -> Generator[Settled | None, None, float]:
-    """Anneal cooler, then mend; while that fails narrowly, anneal again, cooler still, knowing what the judge missed.
+def attempt_with_seed(context: Context, search: Annealing, *, seed: int) -> Generator[Repaired | None, None, float]:
+    """Anneal, then repair; while that fails narrowly, anneal again, cooler, with what the judge found unmet.
 
-    Yields as ``cool_and_settle`` does, and returns the least share by which the tours were over their budgets after a
-    mending (inf: no other cooling is called for). What is unseen becomes dearer and the reserve smaller as it cools:
-    mending takes many times the metres that a little more annealing does. Where it could not find the rest it is left
-    out, and so is all that comes after it.
+    Yields as ``anneal_and_repair`` does. Returns the least share by which repaired tours were over their budgets; inf
+    calls for no other attempt. The weight of seeing grows and the reserve shrinks from one annealing to the next, since
+    a repair takes many times the metres that annealing does. A repair that could not find the rest is left out, and so
+    is all that comes after it.
     """
+    settings = context.settings.alternation
     extra = no_points()
-    problem, work = context.problem, context.work
-    reach_m = problem.reach_m
-    least_over = math.inf
-    near = CLOSE if work.chances == 1 else LUCK  # who has other chances does not hang on to a poor one
-    bends = can_polish(problem)
-    stages = [*LAST_STAGES, *(later_stage(work, turn) for turn in range(1, work.coolings))]
-    for turn, stage in enumerate(stages):
-        unseen = work.cooled_unseen if turn and bends else UNSEEN
-        if context.should_stop() or search.unseen_share > unseen or search.over_budget_share > OVER:
+    least_excess = math.inf
+    bends = can_bend(context.problem)
+    for turn, stage in enumerate(settings.stages):
+        unseen_limit = settings.later_unseen_limit if turn and bends else settings.unseen_limit
+        over_limit = search.over_budget_share > settings.over_budget_limit
+        if context.should_stop() or search.unseen_share > unseen_limit or over_limit:
             break
-        search = annealed(
-            context, search.tours, extra,
-            heat_m=max(stage.heat, COOLEST) * reach_m, moves=work.cooling_moves, seed=seed + 1 + turn, stage=stage,
-        )  # fmt: skip
-        if turn + 1 < len(LAST_STAGES):
+        search = annealed_once_more(context, search, extra, stage, seed=seed + 1 + turn)
+        if turn + 1 < len(settings.first_stages):
             continue
         tours = shortened(context, search.tours, extra)
-        if bends and over_budget_share(tours) > work.bent_over:
+        if bends and over_budget_share(tours) > settings.bent_over_budget_limit:
             break
-        found = settle(context, tours, extra, may_add=False, rounds=work.repairs, annealed=True)
-        if found.met and found.fits:
-            yield found
+        repaired = repair_until_feasible(
+            context, tours, extra, may_add=False, rounds=context.settings.repair.rounds, annealed=True
+        )
+        if repaired.met and repaired.within_budgets:
+            yield repaired
             return math.inf
         yield None
-        over = over_budget_share(found.tours)
-        if over > OVER:
+        if repaired.within_budgets and not len(repaired.verdict.unmet_points_m):
+            return math.inf  # everything is seen in time, but bodies touch: they would on any tour much like this
+        excess = over_budget_share(repaired.tours)
+        if not goes_on(excess, least_excess, settings):
             break
-        if found.fits and not len(found.verdict.unmet_points_m):
-            return math.inf  # all is seen in time, but bodies meet: they would on any tour much like this
-        if over > max(GAINING * least_over, near):
-            break
-        least_over, extra = min(over, least_over), found.extra
-    return least_over
+        least_excess, extra = min(excess, least_excess), repaired.extra
+    return least_excess
 
 
-def later_stage(work: Work, turn: int) -> Stage:
-    """The stage before the mending of number ``turn``, from 1 on, which begins from mended tours."""
-    return Stage(work.later_heat / 2**turn, work.later_dear, LAST_RESERVE / 2**turn)
+def annealed_once_more(
+    context: Context, search: Annealing, extra: SamplePoints, stage: Stage, *, seed: int
+) -> Annealing:
+    """The annealing that begins with the tours of another, with this stage's heat, weight and reserve."""
+    settings = context.settings.alternation
+    stage = stage._replace(heat=max(stage.heat, settings.least_heat))
+    return anneal_tours(context, search.tours, extra, moves=settings.moves, seed=seed, stage=stage)
+
+
+def goes_on(excess: float, least_excess: float, settings: AlternationSettings) -> bool:
+    """Whether another annealing may bring the tours within budgets that they exceed by this share after a repair."""
+    gains = excess <= max(settings.gain_limit * least_excess, settings.near_budget_limit)
+    return gains and excess <= settings.over_budget_limit
 
 
 def shortened(context: Context, tours: list[Tour], extra: SamplePoints) -> list[Tour]:
-    """The tours as short as they can be bent while they see as much, so that mending has most to spend."""
-    problem = context.problem
-    if not can_polish(problem) or over_budget_share(tours, TIGHT) == 0:
+    """Tight tours bent as short as they come while they see as much, so that the repair has most to spend."""
+    problem, settings = context.problem, context.settings
+    if not can_bend(problem) or not are_tight(context, tours):
         return tours
     _, samples = prepared_with(problem, extra)
-    search = Polish(as_near_as_tight(context, tours), tours, samples, length_price=PRICE)
-    search.run(SHORTENING, should_stop=context.should_stop)
-    return search.tours
+    bending = Bending(with_tight_margin(context, tours), tours, samples, length_weight=settings.annealing.length_weight)
+    bending.run(settings.alternation.shortening_steps, should_stop=context.should_stop)
+    return bending.tours

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, over_prices
+from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
@@ -21,7 +21,7 @@ from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem, stretched
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
-from rota.planners.patrol.repair.bending.search import Polish, can_polish
+from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.repair.detours import ON_ROUTE_M, led_past, nearby_place, visit_places
 from rota.planners.patrol.tours.timetable import as_trajectories
 from rota.planners.patrol.tours.tour import Tour, driven, over_budget_share, tour_length_m
@@ -32,23 +32,12 @@ from rota.planners.patrol.verdict import Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-OVER_PRICE = 6.0  # of a metre over budget
-DEAR = 20.0  # times what a sample is worth, while tours are tightened
-TIGHTER = 0.01  # share of the budgets to which they are tightened below them
-MOST_NEW_POINTS = 1_500
-MOST_STUCK = 4  # rounds in which the judge's complaints stay as many
-ROOMY_BEND = 0.02  # of the reach: how much farther than to what is missed tours are bent
-CREEP, TIGHT_CREEP = 0.25, 0.03  # of the range margin: how much farther in every round
-TIGHT = 0.02  # share of the budgets: tours that leave less of theirs are tight
-POLISHING = 25  # steps of linear programs in one round
-ROUNDING = 1e-6  # share of the budgets that sums of many legs may be off
-MOST_REROUTES = 3  # for the sake of bodies
-MOST_VISITS = 12  # places that are gone to in one round for the sake of stubborn points
+ROUNDING = 1e-6  # share of the budgets by which sums of many legs may be off
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settled:
-    """Tours whose plan was judged; ``extra`` are the points that the judge's complaints added on the way."""
+class Repaired:
+    """Tours, their plan and its verdict; ``extra``: all points that the judge found unmet on the way."""
 
     tours: list[Tour]
     plan: Plan
@@ -56,7 +45,12 @@ class Settled:
     extra: SamplePoints
 
     @property
-    def fits(self) -> bool:
+    def robots(self) -> int:
+        """The robots of all its tours."""
+        return sum(tour.robots for tour in self.tours)
+
+    @property
+    def within_budgets(self) -> bool:
         """Whether every tour keeps within its budget."""
         return over_budget_share(self.tours) == 0
 
@@ -80,7 +74,7 @@ def plan_of(problem: Problem, tours: Sequence[Tour], *, seed: int, bound: Proved
     )
 
 
-def settle(
+def repair_until_feasible(
     context: Context,
     tours: list[Tour],
     extra: SamplePoints,
@@ -88,94 +82,117 @@ def settle(
     may_add: bool,
     rounds: int,
     annealed: bool = False,
-) -> Settled:
-    """Mend the tours until the judge passes their plan, they outgrow their budgets, or ``rounds`` are over.
+) -> Repaired:
+    """Repair the tours until the judge passes their plan, they exceed their budgets, or ``rounds`` are over.
 
-    With ``may_add`` a tour that outgrows its budget gets another robot. annealed: the tours see nearly everything and
-    are about as short as they can be, so that linear programs find the rest. Returns the last state.
+    may_add: a tour that exceeds its budget gets another robot.
+    annealed: the tours see nearly everything and are about as short as they can be; linear programs find the rest.
+    Returns the last state.
+    """
+    settings = context.settings.repair
+    bends = annealed and can_bend(context.problem)
+    stuck, reroutes, unmet_before = 0, 0, -1
+    for turn in range(1, rounds + 1):
+        tours = seeing_all(context, tours, extra, may_add=may_add, bends=bends, seed=context.seed + turn - 1)
+        excess = over_budget_share(tours)
+        goes_on_over_budget = bends and excess <= settings.over_budget_limit
+        repaired = judged(context, tours, extra, turn, bends=bends, eased_by=2 * excess if goes_on_over_budget else 0.0)
+        new = repaired.extra[np.arange(len(extra), len(repaired.extra))]
+        if may_add and context.problem.is_ragged and len(new):
+            context = replace(context, problem=with_room_to_see(context.problem, new.xy_m))
+        unmet = len(repaired.verdict.unmet_points_m)
+        stuck = stuck + 1 if unmet == unmet_before else 0
+        unmet_before = unmet
+        if repaired.met or turn == rounds or stuck == settings.stuck_rounds or context.should_stop():
+            break
+        if not may_add and excess > 0 and not goes_on_over_budget:
+            break
+        if len(new):
+            extra = repaired.extra
+            if stuck:
+                tours = visiting_stubborn(context, tours, new, stuck)
+            continue
+        # all is seen, but bodies touch
+        apart = led_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < settings.reroutes else None
+        if apart is None:
+            break
+        tours, reroutes, stuck = apart, reroutes + 1, 0
+    return repaired
+
+
+def seeing_all(
+    context: Context, tours: list[Tour], extra: SamplePoints, *, may_add: bool, bends: bool, seed: int
+) -> list[Tour]:
+    """The tours after one round: led to where they see all samples, then fitted to their budgets."""
+    problem = context.problem
+    points, samples = prepared_with(problem, extra)
+    lead = bent if bends else see_the_rest
+    tours = drawn_to_border(
+        lead(context, tours, points, samples, seed=seed), problem.border_places_m, problem.space, problem.paths,
+        near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
+    )  # fmt: skip
+    if may_add:
+        return [with_robots(tour) for tour in tours]
+    if not bends and over_budget_share(tours) > 0:
+        return tightened(context, tours, samples, seed=seed)
+    return tours
+
+
+def judged(
+    context: Context, tours: list[Tour], extra: SamplePoints, turn: int, *, bends: bool, eased_by: float
+) -> Repaired:
+    """The tours with their plan and its verdict, and what the judge finds unmet among the extra points.
+
+    eased_by: the judge is shown periods longer by this share. Who is late by a little sees everything late; what is
+    missed shows when there is more time.
     """
     problem = context.problem
-    polishes = annealed and can_polish(problem)
-    turn, stuck, reroutes = 0, 0, 0
-    complaints = -1
-    while True:
-        points, samples = prepared_with(problem, extra)
-        if polishes:
-            tours = bent(context, tours, points, samples, seed=context.seed + turn)
-        else:
-            tours = see_the_rest(context, tours, points, samples, seed=context.seed + turn)
-        tours = drawn_to_border(
-            tours, problem.border_places_m, problem.space, problem.paths,
-            near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
-        )  # fmt: skip
-        if may_add:
-            tours = [with_robots(tour) for tour in tours]
-        elif not polishes and over_budget_share(tours) > 0:
-            tours = tightened(context, tours, samples, seed=context.seed + turn)
-        plan = plan_of(problem, tours, seed=context.seed, bound=context.bound)
-        over = over_budget_share(tours)
-        mends = polishes and over <= context.work.mends_over
-        # who is late by a little sees everything late: what is missed shows when there is so much more time
-        shown = plan_of(stretched(problem, 1 + 2 * over), tours, seed=context.seed) if mends and over > 0 else plan
-        verdict = context.judge(shown)
-        turn += 1
-        shorter = shorter_m(context, tours, turn, bends=polishes)
-        found = new_points(problem, tours, verdict, turn, shorter_m=shorter)
-        if may_add and problem.is_ragged and len(found):
-            problem = with_room_to_see(problem, found.xy_m)
-            context = replace(context, problem=problem)
-        settled = Settled(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, found]))
-        stuck = stuck + 1 if len(verdict.unmet_points_m) == complaints else 0
-        complaints = len(verdict.unmet_points_m)
-        if settled.met or turn == rounds or stuck == MOST_STUCK or context.should_stop():
-            return settled
-        if not may_add and over > 0 and not mends:
-            return settled
-        if not len(found):
-            # all is seen, but bodies touch
-            apart = led_apart(problem, tours, verdict, may_add) if reroutes < MOST_REROUTES else None
-            if apart is None:
-                return settled
-            tours, reroutes, stuck = apart, reroutes + 1, 0
-            continue
-        extra = settled.extra
-        if stuck:
-            tours = visiting_stubborn(problem, tours, found, stuck)
+    plan = plan_of(problem, tours, seed=context.seed, bound=context.bound)
+    shown = plan_of(stretched(problem, 1 + eased_by), tours, seed=context.seed) if eased_by > 0 else plan
+    verdict = context.judge(shown)
+    shorter = shorter_m(context, tours, turn, bends=bends)
+    new = new_points(context, tours, verdict, turn, shorter_m=shorter)
+    return Repaired(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, new]))
 
 
-def visiting_stubborn(problem: Problem, tours: list[Tour], found: SamplePoints, stuck: int) -> list[Tour]:
+def visiting_stubborn(context: Context, tours: list[Tour], points: SamplePoints, stuck: int) -> list[Tour]:
     """The tours led to where points can be seen from nearby, nearer by each round in which they are ``stuck``.
 
-    Every such point is seen, but no one view takes in a whole piece round it.
+    Every such point is seen, but no single view takes in a whole piece round it.
     """
-    for i in range(min(len(found), MOST_VISITS)):
-        place = nearby_place(problem, found.xy_m[i], float(found.visit_m[i]), stuck)
+    for i in range(min(len(points), context.settings.repair.visits)):
+        place = nearby_place(context.problem, points.xy_m[i], float(points.visit_m[i]), stuck)
         if place is not None:
-            tours = led_past(problem, tours, place, int(found.period[i]))
+            tours = led_past(context.problem, tours, place, int(points.period[i]))
     return tours
 
 
 def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
-    problem = as_near_as_tight(context, tours)
-    search = Polish(problem, tours, samples, reserve=ROUNDING)
-    search.run(POLISHING, should_stop=context.should_stop)
-    if context.work.mends_over > 0 and over_budget_share(search.tours) > 0:
-        search.hand_over(POLISHING, should_stop=context.should_stop)
-    if not search.some_far:
-        return search.tours
-    longer = see_the_rest(context, search.tours, points, samples, seed=seed)
-    search = Polish(problem, longer, samples, reserve=ROUNDING)
-    search.run(POLISHING, should_stop=context.should_stop)
-    return search.tours
+    problem, settings = with_tight_margin(context, tours), context.settings.repair
+    bending = Bending(problem, tours, samples, reserve=ROUNDING)
+    bending.run(settings.bending_steps, should_stop=context.should_stop)
+    if settings.over_budget_limit > 0 and over_budget_share(bending.tours) > 0:
+        bending.hand_over(settings.bending_steps, should_stop=context.should_stop)
+    if not bending.some_far:
+        return bending.tours
+    longer = see_the_rest(context, bending.tours, points, samples, seed=seed)
+    bending = Bending(problem, longer, samples, reserve=ROUNDING)
+    bending.run(settings.bending_steps, should_stop=context.should_stop)
+    return bending.tours
 
 
-def as_near_as_tight(context: Context, tours: Sequence[Tour]) -> Problem:
-    """The problem, with a smaller range margin where budgets are tight: what is missed then takes rounds of mending."""
+def are_tight(context: Context, tours: Sequence[Tour]) -> bool:
+    """Whether some tour leaves hardly anything of its budget."""
+    return over_budget_share(tours, context.settings.repair.tight_reserve) > 0
+
+
+def with_tight_margin(context: Context, tours: Sequence[Tour]) -> Problem:
+    """The problem, with a smaller range margin where tours are tight: what is missed then takes rounds of repair."""
     problem = context.problem
-    if over_budget_share(tours, TIGHT) == 0:
+    if not are_tight(context, tours):
         return problem
-    return replace(problem, range_margin_m=context.work.tight_margin * problem.range_margin_m)
+    return replace(problem, range_margin_m=context.settings.repair.tight_range_margin * problem.range_margin_m)
 
 
 def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bool) -> list[Tour] | None:
@@ -192,25 +209,27 @@ def with_robots(tour: Tour) -> Tour:
 
 
 def shorter_m(context: Context, tours: Sequence[Tour], turn: int, *, bends: bool) -> float:
-    """By how much less than they reach sensors are taken to reach for what was missed, the more in every round.
+    """By how much less than they reach sensors are taken to reach for what was missed, more in every round.
 
-    bends: by linear programs, which go no further than they are asked to; one bend should close all of a sliver, not
-    just the part of it round the point that was found. Tight tours are asked for little, since every metre counts, and
-    for hardly more in later rounds.
+    bends: by linear programs, which go no further than they are asked to; a single bend is to close all of a sliver,
+    not just the part of it round the point that was missed. Tight tours are asked for little, since every metre counts.
     """
-    problem = context.problem
-    if bends and over_budget_share(tours, TIGHT) > 0:
-        return context.work.tight_bend * problem.reach_m + TIGHT_CREEP * turn * problem.range_margin_m
-    return (ROOMY_BEND * problem.reach_m if bends else 0.0) + CREEP * turn * problem.range_margin_m
+    problem, settings = context.problem, context.settings.repair
+    if bends and are_tight(context, tours):
+        return settings.tight_bend * problem.reach_m + settings.tight_bend_growth * turn * problem.range_margin_m
+    further_m = settings.roomy_bend * problem.reach_m if bends else 0.0
+    return further_m + settings.roomy_bend_growth * turn * problem.range_margin_m
 
 
 def new_points(
-    problem: Problem, tours: Sequence[Tour], verdict: Verdict, turn: int, *, shorter_m: float
+    context: Context, tours: Sequence[Tour], verdict: Verdict, turn: int, *, shorter_m: float
 ) -> SamplePoints:
     """The places that the judge found unmet, as samples; of a crowd of them a few, more and nearer in every round.
 
     shorter_m: by how much less than they reach sensors are taken to reach for them.
     """
+    problem = context.problem
+    most = max(context.settings.repair.new_points, len(problem.points) // 20)
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
     unmet_m, unmet_demand = verdict.unmet_points_m, verdict.unmet_demand
     if problem.is_ragged and len(verdict.shown_unmet_m):  # most others lie in pieces of ground that walls cut in two
@@ -231,7 +250,7 @@ def new_points(
             order, ranges_m = hardest_first(problem, tours, xy)
             xy = xy[order]
         _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
-        first = np.sort(first)[:: max(1, len(first) // max(MOST_NEW_POINTS, len(problem.points) // 20))]
+        first = np.sort(first)[:: max(1, len(first) // most)]
         new = points_of(xy[first], problem.spacing_m**2, problem.region_class[i], i, shrink_m=shorter_m)
         found.append(with_reach_for(new, ranges_m[first], problem.reach_m, problem.range_margin_m))
     return joined(found)
@@ -251,43 +270,35 @@ def hardest_first(problem: Problem, tours: Sequence[Tour], xy_m: Floats) -> tupl
     return order.astype(np.int64), ranges_m[order]
 
 
-def mending(problem: Problem, tours: list[Tour], samples: Samples, seed: int) -> Annealing:
-    """A search that bends legs to see more: metres cost next to nothing unless they exceed a budget."""
+def annealing_of(
+    context: Context, tours: list[Tour], samples: Samples, *, length_weight: float, seed: int, reserve: float = 0.0
+) -> Annealing:
+    """The tours as random moves see them, with a high penalty on metres over their budgets less the reserve."""
+    problem = context.problem
     return Annealing(
-        tours,
-        samples,
-        problem.paths.grid,
-        price=np.full(len(tours), 0.3),
-        over_price=over_prices(tours, OVER_PRICE),
-        seed=seed,
-        range_margin_m=problem.range_margin_m,
-    )
+        tours, samples, problem.paths.grid,
+        length_weight=np.full(len(tours), length_weight),
+        budget_penalty=budget_penalties(tours, context.settings.repair.budget_penalty),
+        seed=seed, range_margin_m=problem.range_margin_m, reserve=reserve,
+    )  # fmt: skip
 
 
 def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: int) -> list[Tour]:
-    """The tours made shorter by moves too small to lose anything that is seen: to see is dear, and there is no heat."""
-    problem = context.problem
-    search = Annealing(
-        tours,
-        samples._replace(weight=DEAR * samples.weight),
-        problem.paths.grid,
-        price=np.ones(len(tours)),
-        over_price=over_prices(tours, OVER_PRICE),
-        seed=seed,
-        range_margin_m=problem.range_margin_m,
-        reserve=TIGHTER,
-    )
-    heat_m = problem.reach_m / 1000
-    search.run(context.work.cooling_moves // 2, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
+    """The tours made shorter by moves too small to lose anything that is seen, at hardly any heat."""
+    settings = context.settings.repair
+    weighty = samples._replace(weight=settings.tightening_coverage_weight * samples.weight)
+    search = annealing_of(context, tours, weighty, length_weight=1.0, seed=seed, reserve=settings.tightening_reserve)
+    heat_m = context.problem.reach_m / 1000
+    search.run(settings.tightening_moves, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
     return search.tours
 
 
 def see_the_rest(
     context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int
 ) -> list[Tour]:
-    """Bend the tours a little until they see all samples; lead them by a way of their own to what is left."""
-    problem = context.problem
-    search = mending(problem, tours, samples, seed)
+    """Bend the tours a little until they see all samples; lead them by a detour to what is left."""
+    length_weight = context.settings.repair.length_weight
+    search = annealing_of(context, tours, samples, length_weight=length_weight, seed=seed)
     search.mend(500 + 40 * search.unseen)
     tours = search.tours
     before = np.zeros(0, dtype=np.int64)
@@ -296,9 +307,9 @@ def see_the_rest(
         if np.array_equal(unseen, before):
             break  # none is left, or what is left is seen only by a hair
         before = unseen
-        longer = visit_places(problem, tours, points, samples, unseen)
+        longer = visit_places(context.problem, tours, points, samples, unseen)
         if longer is None:
             break
         tours = longer
-        search = mending(problem, tours, samples, seed)
+        search = annealing_of(context, tours, samples, length_weight=length_weight, seed=seed)
     return tours

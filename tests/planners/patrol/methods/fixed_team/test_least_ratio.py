@@ -19,9 +19,9 @@ from rota.command.cli import app
 from rota.files.plan_file import read_plan
 from rota.mission import DiscSensor, Fleet, Method, Mission, PatrolSettings, Zone
 from rota.plan_summary import ratio_sentence
-from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.methods.fixed_team.least_ratio import proved_ratio, stretched
-from rota.planners.patrol.methods.fixed_team.spare_robots import stood_aside
+from rota.planners.patrol.ground.problem import Problem, set_up_problem, stretched
+from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
+from rota.planners.patrol.methods.fixed_team.team_tours import with_bystanders
 from rota.planners.patrol.tours.tour import Tour
 
 REACH_M = 5.0
@@ -196,14 +196,14 @@ def test_stretched_periods_are_stretched_everywhere() -> None:
 def test_robots_stand_aside_only_where_bodies_do_not_touch(hall: Problem) -> None:
     ring = np.array([[2.0, 2.0], [28.0, 2.0], [28.0, 18.0], [2.0, 18.0]])
     tour = Tour(vertices_m=ring, period_class=0, period_s=10.0, robots=1, robot=hall.robot, component=0)
-    tours = stood_aside(hall, [tour], 6)
+    tours = with_bystanders(hall, [tour], 6)
     assert tours is not None
     stands_m = np.vstack([one.vertices_m for one in tours[1:]])
     assert len(stands_m) == 5
     assert ((stands_m > 3) & (stands_m < (27, 17))).all()
     apart_m = np.hypot(*(stands_m[:, None] - stands_m[None]).transpose(2, 0, 1))
     assert apart_m[np.triu_indices(5, 1)].min() > 1
-    assert stood_aside(hall, [tour], 1000) is None
+    assert with_bystanders(hall, [tour], 1000) is None
 
 
 def test_the_ratio_is_told_for_fleets_of_a_given_number() -> None:

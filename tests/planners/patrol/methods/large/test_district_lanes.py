@@ -11,8 +11,7 @@ from shapely import LineString, MultiPolygon, box
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.large.lanes import MOST_SHARING, groups_for, in_districts, robots_shared, space_near
-from rota.planners.patrol.methods.sweeping.routes import Ground
-from rota.planners.patrol.methods.sweeping.search import grounds
+from rota.planners.patrol.methods.sweeping.routes import SweepGround, sweep_grounds
 from rota.planners.patrol.tours.tour import tour_length_m
 
 FIELD = Mission(
@@ -36,7 +35,7 @@ def test_robots_are_shared_evenly(robots: int, groups: int, shares: list[int]) -
 
 @pytest.mark.parametrize(("robots", "corners", "groups"), [(12, 0, 1), (13, 0, 2), (12, 1000, 2), (3, 10_000, 3)])
 def test_districts_have_few_robots_and_few_corners(problem: Problem, robots: int, corners: int, groups: int) -> None:
-    (ground,) = grounds(problem, ((0,),))
+    (ground,) = sweep_grounds(problem, ((0,),))
     if corners:
         round_shape = MultiPolygon([shapely.Point(0, 0).buffer(50, quad_segs=corners // 4)])
         assert shapely.count_coordinates(round_shape) == corners + 1
@@ -45,7 +44,7 @@ def test_districts_have_few_robots_and_few_corners(problem: Problem, robots: int
 
 
 def test_routes_fit_and_leave_nothing_out_of_range(problem: Problem) -> None:
-    (ground,) = grounds(problem, ((0,),))
+    (ground,) = sweep_grounds(problem, ((0,),))
     tours = in_districts(problem, ground, 0.02, None)
     assert tours is not None
     assert len(tours) >= 2
@@ -62,19 +61,19 @@ def test_routes_fit_and_leave_nothing_out_of_range(problem: Problem) -> None:
 
 
 def test_too_few_robots_give_none(problem: Problem) -> None:
-    (ground,) = grounds(problem, ((0,),))
+    (ground,) = sweep_grounds(problem, ((0,),))
     assert in_districts(problem, ground, 0.0, 11) is None  # 23,100 m2 take 11.55 robots that sweep 10 m
 
 
 def test_periods_too_short_for_lanes_give_none(problem: Problem) -> None:
-    (ground,) = grounds(problem, ((0,),))
+    (ground,) = sweep_grounds(problem, ((0,),))
     assert in_districts(replace(problem, periods_s=(9.9,)), ground, 0.0, None) is None  # 99 m, and the reach is 5 m
 
 
 def test_robots_with_bodies_have_routes_of_their_own() -> None:
     bodies = replace(FIELD, fleet=replace(FIELD.fleet, body_radius_m=0.2))
     alone = set_up_problem(bodies)
-    (ground,) = grounds(alone, ((0,),))
+    (ground,) = sweep_grounds(alone, ((0,),))
     tours = in_districts(alone, ground, 0.0, None)
     assert tours is not None
     assert {tour.robots for tour in tours} == {1}
@@ -85,7 +84,7 @@ def test_ways_are_looked_for_nearby_only_where_the_district_hangs_together() -> 
     comb = replace(FIELD, area=MultiPolygon([box(0, 0, 200, 120).difference(box(60, 20, 140, 120))]))
     problem = set_up_problem(comb)
     teeth = MultiPolygon([box(0, 90, 60, 120), box(140, 90, 200, 120)])
-    ends = Ground(shape=teeth, stops_m=problem.points.xy_m[:0], period_class=0, component=0)
+    ends = SweepGround(shape=teeth, stops_m=problem.points.xy_m[:0], period_class=0, component=0)
     assert space_near(problem, ends) is None
     near = space_near(problem, replace(ends, shape=MultiPolygon([box(0, 90, 60, 120)])))
     assert near is not None

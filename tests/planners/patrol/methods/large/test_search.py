@@ -8,11 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from shapely import MultiPolygon, box
+from tests.planners.patrol.searching import search_on
 
 import rota
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Zone
-from rota.planners.patrol.methods import registry
-from rota.planners.patrol.methods.large import search
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.methods.fewest.search import fewest_robots
+from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
+from rota.planners.patrol.methods.large.search import asked_m2, by_districts, fewest_on_large, is_large
+from rota.planners.patrol.repair.repair import Repaired
+from rota.planners.patrol.settings import DistrictSettings
 
 FIELD = Mission(
     name="field",
@@ -51,46 +56,45 @@ def test_a_large_field_takes_hardly_more_robots_than_it_must() -> None:
     assert len(lengths) >= 2  # districts, of which each has its route
 
 
-def test_ground_is_large_by_its_area_in_squares_of_the_reach(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
-
-    def refuse(context: object, _: object) -> None:
-        asked.append(context)
-        raise rota.NoPlanFound("seen")
-
-    monkeypatch.setattr(registry, "fewest_on_large", refuse)
-    large = replace(FIELD, obstacles=(), area=MultiPolygon([box(0, 0, 400.1, 250)]))  # 4,000 squares of 5 m: 100,000 m2
-    with pytest.raises(rota.NoPlanFound, match="seen"):
-        rota.make_plan(large)
-    monkeypatch.setattr(registry, "fewest_robots", refuse_small)
-    with pytest.raises(rota.NoPlanFound, match="small"):
-        rota.make_plan(replace(large, area=MultiPolygon([box(0, 0, 399.9, 250)])))
-    assert len(asked) == 1
-
-
-def refuse_small(context: object) -> None:
-    raise rota.NoPlanFound("small")
+@pytest.mark.parametrize(("width_m", "large"), [(100.1, True), (99.9, False)])
+def test_ground_is_large_by_its_area_in_squares_of_the_reach(width_m: float, large: bool) -> None:
+    # a sensor that reaches 5 m: 40 squares are 1,000 m2
+    field = replace(FIELD, obstacles=(), area=MultiPolygon([box(0, 0, width_m, 10)]))
+    context = search_on(field)
+    settings = replace(context.settings.districts, large_from=40.0)
+    assert is_large(context.problem, settings) is large
+    assert not is_large(context.problem, context.settings.districts)
 
 
 def test_districts_searched_by_themselves_give_one_plan_and_always_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "LARGE", 30.0)
-    monkeypatch.setattr(search, "MOST_SEARCHED", 25.0)
-    monkeypatch.setattr(search, "NEAR_BOUND", {"quick": 0.0})
-    counted = []
-    whole = search.by_districts
-
-    def by_districts(context: object, searched: object, missions: list[Mission]) -> object:
-        counted.append(len(missions))
-        return whole(context, searched, missions)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(search, "by_districts", by_districts)
-    monkeypatch.setattr(search, "in_lanes", lambda context: None)
-    one = rota.make_plan(STREETS)
+    context = search_on(STREETS)
+    # 604 m2 to be seen point by point are 38 squares of 4 m
+    missions = missions_of(STREETS, boxes_for(asked_m2(context.problem), 25 * 4**2), 16.0)
+    assert len(missions) == 2
+    found = by_districts(context, fewest_robots, missions)
+    assert met(found.plan)
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    other = rota.make_plan(STREETS)
-    assert counted == [2, 2]  # 604 m2 to be seen point by point are 38 squares of 4 m
-    assert met(one)
-    assert len(one.trajectories) == len(other.trajectories)
-    for a, b in zip(one, other, strict=True):
+    again = by_districts(context, fewest_robots, missions)
+    assert len(found.tours) == len(again.tours)
+    for a, b in zip(found.plan, again.plan, strict=True):
         assert np.array_equal(a.positions_m, b.positions_m)
         assert np.array_equal(a.times_s, b.times_s)
+
+
+def test_districts_are_searched_where_lanes_take_many_more_robots_than_the_bound() -> None:
+    context = search_on(STREETS)
+    districts = DistrictSettings(enough=0.0, most_area=25.0)
+    context = replace(context, settings=replace(context.settings, districts=districts))
+    asked: list[Mission] = []
+
+    def search(district: Context) -> Repaired:
+        asked.append(district.problem.mission)
+        return fewest_robots(replace(district, should_stop=lambda: True))
+
+    fewest_on_large(context, search)
+    assert len(asked) == 2
+    asked.clear()
+    generous = replace(districts, enough=99.0)
+    lanes = fewest_on_large(replace(context, settings=replace(context.settings, districts=generous)), search)
+    assert met(lanes.plan)
+    assert asked == []

@@ -128,7 +128,7 @@ def test_swarms_may_cut_the_frame() -> None:
     swarms = replace(TABLE_4, swarms=20, particles=20)
     found = fewest_robots_by_stages(context_of(YARD), MethodSettings(partition=swarms))
     assert found.met
-    assert found.fits
+    assert found.within_budgets
     assert 2 <= len(found.plan.trajectories) <= 5
 
 

@@ -12,13 +12,13 @@ from shapely import LineString, MultiPolygon, box
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.sweeping.routes import (
-    Ground,
+    SweepGround,
     angles,
     best_route,
     closed_route,
     driving_order,
-    grounds,
     missed_m2,
+    sweep_grounds,
 )
 from rota.planners.patrol.tours.tour import tour_length_m
 
@@ -34,8 +34,8 @@ def rectangle() -> Problem:
     return problem_over(MultiPolygon([box(0, 0, 60, 39)]))
 
 
-def only(problem: Problem) -> Ground:
-    (ground,) = grounds(problem, ((0,),))
+def only(problem: Problem) -> SweepGround:
+    (ground,) = sweep_grounds(problem, ((0,),))
     return ground
 
 
@@ -84,7 +84,7 @@ def test_routes_go_round_obstacles_and_pass_by_stops() -> None:
 def test_lanes_in_other_parts_of_the_space_are_left_out() -> None:
     split = Obstacle(shape=MultiPolygon([box(28, -1, 32, 40)]))
     problem = problem_over(MultiPolygon([box(0, 0, 60, 39)]), obstacles=(split,))
-    here = grounds(problem, ((0,),))
+    here = sweep_grounds(problem, ((0,),))
     assert [ground.component for ground in here] == [0, 1]
     assert [ground.shape.area for ground in here] == pytest.approx([28 * 39] * 2)
     lanes = [np.array([[5.0, 5.0], [20.0, 5.0]]), np.array([[40.0, 5.0], [55.0, 5.0]])]

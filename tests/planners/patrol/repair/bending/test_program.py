@@ -11,9 +11,9 @@ from scipy.sparse import csr_array
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.repair.bending.layout import laid_out
 from rota.planners.patrol.repair.bending.program import (
-    LACK_PRICE,
     MOVE_PRICE,
     OVER_PRICE,
+    RANGE_WEIGHT,
     Rows,
     best_step,
     length_rows,
@@ -25,9 +25,9 @@ Floats = NDArray[np.float64]
 TRUST_M = 0.3
 
 
-@pytest.mark.parametrize("length_price", [0.0, 0.3])
+@pytest.mark.parametrize("length_weight", [0.0, 0.3])
 @pytest.mark.parametrize("seed", range(6))
-def test_as_good_as_with_every_limit(seed: int, length_price: float) -> None:
+def test_as_good_as_with_every_limit(seed: int, length_weight: float) -> None:
     rng = np.random.default_rng(seed)
     corners, samples = 12, 400
     angles = np.sort(rng.random(corners)) * 2 * np.pi
@@ -44,7 +44,7 @@ def test_as_good_as_with_every_limit(seed: int, length_price: float) -> None:
     fixed = np.arange(corners) == 4
 
     step = best_step(
-        layout, places_m, ranges, border, fixed=fixed, trust_m=TRUST_M, reserve=0.01, length_price=length_price
+        layout, places_m, ranges, border, fixed=fixed, trust_m=TRUST_M, reserve=0.01, length_weight=length_weight
     )
 
     assert step is not None
@@ -54,25 +54,25 @@ def test_as_good_as_with_every_limit(seed: int, length_price: float) -> None:
     assert (np.abs(moves_m) <= np.where(np.repeat(fixed, 2), 0.0, TRUST_M) + 1e-9).all()
     assert (border.along @ moves_m <= border.most_m + 1e-6).all()
     assert step.cost == pytest.approx(
-        cost(moves_m, budgets, left_m, ranges, length_price) + length_price * float(lengths_m.sum()), abs=1e-5
+        cost(moves_m, budgets, left_m, ranges, length_weight) + length_weight * float(lengths_m.sum()), abs=1e-5
     )
-    least = least_cost(budgets, left_m, ranges, border, fixed=fixed, length_price=length_price)
-    assert step.cost == pytest.approx(least + length_price * float(lengths_m.sum()), abs=1e-5)
+    least = least_cost(budgets, left_m, ranges, border, fixed=fixed, length_weight=length_weight)
+    assert step.cost == pytest.approx(least + length_weight * float(lengths_m.sum()), abs=1e-5)
 
 
-def cost(moves_m: Floats, budgets: csr_array, left_m: Floats, ranges: Rows, length_price: float) -> float:
+def cost(moves_m: Floats, budgets: csr_array, left_m: Floats, ranges: Rows, length_weight: float) -> float:
     over_m = np.maximum(0.0, budgets @ moves_m - left_m).sum()
-    lack_m = np.maximum(0.0, ranges.along @ moves_m - ranges.most_m).sum()
+    range_deficit_m = np.maximum(0.0, ranges.along @ moves_m - ranges.most_m).sum()
     return float(
         OVER_PRICE * over_m
-        + LACK_PRICE * lack_m
+        + RANGE_WEIGHT * range_deficit_m
         + MOVE_PRICE * np.abs(moves_m).sum()
-        + length_price * (budgets @ moves_m).sum()
+        + length_weight * (budgets @ moves_m).sum()
     )
 
 
 def least_cost(
-    budgets: csr_array, left_m: Floats, ranges: Rows, border: Rows, *, fixed: NDArray[np.bool_], length_price: float
+    budgets: csr_array, left_m: Floats, ranges: Rows, border: Rows, *, fixed: NDArray[np.bool_], length_weight: float
 ) -> float:
     """The least that any moves cost: moves are free variables, with their sizes beside them, and all limits dense."""
     n, r, b = len(fixed) * 2, len(ranges.most_m), len(left_m)
@@ -85,9 +85,9 @@ def least_cost(
         [-size, -size, np.zeros((n, b + r))],
     ])  # fmt: skip
     most_m = np.repeat(np.where(fixed, 0.0, TRUST_M), 2)
-    prices = [length_price * budgets.toarray().sum(axis=0), np.full(n, MOVE_PRICE)]
+    prices = [length_weight * budgets.toarray().sum(axis=0), np.full(n, MOVE_PRICE)]
     found = linprog(
-        np.concatenate([*prices, np.full(b, OVER_PRICE), np.full(r, LACK_PRICE)]),
+        np.concatenate([*prices, np.full(b, OVER_PRICE), np.full(r, RANGE_WEIGHT)]),
         A_ub=limits,
         b_ub=np.concatenate([left_m, ranges.most_m, border.most_m, np.zeros(2 * n)]),
         bounds=[*zip(-most_m, most_m, strict=True), *[(0, None)] * (n + b + r)],

@@ -1,1 +1,1 @@
-"""A fleet with a fixed number of robots: the smallest worst ratio of gap to period."""
+"""A fixed team: plans for a given number of robots with the smallest worst ratio of gap to period."""

@@ -19,7 +19,7 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
 from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turned
 from rota.planners.patrol.methods.sweeping.methods import load, sequential
-from rota.planners.patrol.methods.sweeping.routes import Ground, best_route, promising_angles
+from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.polygons import polygons_of
@@ -35,7 +35,7 @@ BALANCING = 6  # rounds in which districts are weighed anew by the lengths of th
 AROUND = 4.0  # reaches beyond a district's bounds in which its route may find its way
 
 
-def in_districts(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
+def in_districts(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """Routes over districts of the ground, with as few robots as their lengths allow; None when more than ``most``.
 
     reserve: share of every budget that is kept for mending. None also where a period is too short for lanes, or
@@ -58,7 +58,7 @@ def in_districts(problem: Problem, ground: Ground, reserve: float, most: int | N
     return None
 
 
-def over_districts(problem: Problem, ground: Ground, robots: int, reserve: float) -> list[Tour]:
+def over_districts(problem: Problem, ground: SweepGround, robots: int, reserve: float) -> list[Tour]:
     """So many robots on routes over districts as large as their shares, weighed anew until all fit or none can help."""
     shares = robots_shared(robots, groups_for(problem, ground, robots))
     weights = shares.astype(np.float64)
@@ -85,7 +85,7 @@ def divided(shape: MultiPolygon, angle_rad: float, weights: Floats) -> list[Mult
     return [MultiPolygon(polygons(turned(part, angle_rad))) for part in cut if part.area > 0]
 
 
-def groups_for(problem: Problem, ground: Ground, robots: int) -> int:
+def groups_for(problem: Problem, ground: SweepGround, robots: int) -> int:
     """How many districts there are for so many robots: as few as keep each one's robots and corners few."""
     sharing = math.ceil(robots / (1 if problem.robot.body_radius_m > 0 else MOST_SHARING))
     winding = math.ceil(int(shapely.count_coordinates(ground.shape)) / MOST_CORNERS)
@@ -97,7 +97,7 @@ def robots_shared(robots: int, groups: int) -> Ints:
     return np.array([robots // groups + (k < robots % groups) for k in range(groups)], dtype=np.int64)
 
 
-def routes_over(problem: Problem, ground: Ground, areas: list[MultiPolygon], shares: Ints) -> list[Tour]:
+def routes_over(problem: Problem, ground: SweepGround, areas: list[MultiPolygon], shares: Ints) -> list[Tour]:
     """One route over each area with its share of the robots, by way of the stops nearest to it.
 
     An area near which no robot can be has none.
@@ -113,7 +113,7 @@ def routes_over(problem: Problem, ground: Ground, areas: list[MultiPolygon], sha
     return found
 
 
-def route_over(problem: Problem, ground: Ground) -> Tour | None:
+def route_over(problem: Problem, ground: SweepGround) -> Tour | None:
     """The shortest closed route over one district that lanes give; its ways are looked for near the district."""
     near = space_near(problem, ground)
     if near is None:
@@ -124,7 +124,7 @@ def route_over(problem: Problem, ground: Ground) -> Tour | None:
     return None if tour is None else replace(tour, component=ground.component)
 
 
-def space_near(problem: Problem, ground: Ground) -> MultiPolygon | None:
+def space_near(problem: Problem, ground: SweepGround) -> MultiPolygon | None:
     """Where robots can be in and round the district, if it is all in one; None when ways may lead farther round."""
     margin_m = AROUND * problem.robot.sensor.reach_m
     x0, y0, x1, y1 = shapely.total_bounds(np.array([ground.shape, *shapely.points(ground.stops_m)]))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
-from rota.mission import Effort, Mission
+from rota.mission import Mission
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
@@ -19,21 +18,16 @@ from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.lanes import in_districts
-from rota.planners.patrol.methods.sweeping.search import fewest_robots_of, judged_by_lanes
-from rota.planners.patrol.repair.repair import Settled, settle
+from rota.planners.patrol.methods.method import Method
+from rota.planners.patrol.methods.sweeping.search import judged_by_lanes, sweep_with_fewest_robots
+from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.settings import DistrictSettings
 from rota.planners.patrol.tours.tour import Tour
 
-Search = Callable[[Context], Settled]
 
-LARGE = 4_000.0  # squares of the reach: ground above it is planned in districts
-MOST_SEARCHED = 8_000.0  # squares of the reach in a district that is searched by itself
-AROUND = 4.0  # reaches round a district in which its robots may go
-NEAR_BOUND: dict[Effort, float] = {"quick": 1.1, "normal": 1.05, "high": 1.0}  # robots over the bound that are few
-
-
-def is_large(problem: Problem) -> bool:
+def is_large(problem: Problem, settings: DistrictSettings) -> bool:
     """Whether so much ground must be seen, compared with what a robot sees at once, that it is planned in districts."""
-    return asked_m2(problem) > LARGE * problem.reach_m**2
+    return asked_m2(problem) > settings.large_from * problem.reach_m**2
 
 
 def asked_m2(problem: Problem) -> float:
@@ -41,22 +35,22 @@ def asked_m2(problem: Problem) -> float:
     return float(sum(region.shape.area for region in problem.regions if region.demand == "every_point"))
 
 
-def fewest_on_large(context: Context, search: Search) -> Settled:
-    """The best settled plan for large ground (met unless all repair failed).
+def fewest_on_large(context: Context, search: Method) -> Repaired:
+    """The best plan for large ground (met unless all repair failed).
 
     Lanes first, which open ground needs no more robots than. Where they take many more than the bound, every district
     is searched by itself as small ground is (``search``), at once, and the tours of all are mended together.
     """
-    problem = context.problem
-    few = NEAR_BOUND[problem.mission.patrol.effort] * context.enough_robots
+    problem, settings = context.problem, context.settings.districts
+    few = settings.enough * context.enough_robots
     lanes = in_lanes(context)
-    if lanes is not None and (context.should_stop() or (lanes.met and len(lanes.plan.trajectories) <= few)):
+    if lanes is not None and (context.should_stop() or (lanes.met and lanes.robots <= few)):
         return lanes
-    count = boxes_for(asked_m2(problem), MOST_SEARCHED * problem.reach_m**2)
+    count = boxes_for(asked_m2(problem), settings.most_area * problem.reach_m**2)
     if count == 1:
         return better(lanes, search(context))
-    missions = missions_of(problem.mission, count, AROUND * problem.robot.sensor.reach_m)
-    if lanes is not None and lanes.met and sum(map(least_robots, missions)) >= len(lanes.plan.trajectories):
+    missions = missions_of(problem.mission, count, settings.margin * problem.robot.sensor.reach_m)
+    if lanes is not None and lanes.met and sum(map(least_robots, missions)) >= lanes.robots:
         return lanes  # each district takes whole robots
     return better(lanes, by_districts(context, search, missions))
 
@@ -68,24 +62,24 @@ def least_robots(mission: Mission) -> int:
     return area_rate_bound(areas_m2, periods_s, strongest_robot(mission.fleet))
 
 
-def in_lanes(context: Context) -> Settled | None:
-    """The best settled plan of lanes over districts; None when no lane lies where a robot can be."""
+def in_lanes(context: Context) -> Repaired | None:
+    """The best plan of lanes over districts; None when no lane lies where a robot can be."""
     try:
-        return fewest_robots_of(in_districts, context)
+        return sweep_with_fewest_robots(in_districts, context)
     except NoPlanFound:
         return None
 
 
-def better(one: Settled | None, other: Settled) -> Settled:
+def better(one: Repaired | None, other: Repaired) -> Repaired:
     """The one that is met; of two that are the one with fewer robots, the first of equals."""
     if one is None or (other.met and not one.met):
         return other
     if one.met and not other.met:
         return one
-    return other if len(other.plan.trajectories) < len(one.plan.trajectories) else one
+    return other if other.robots < one.robots else one
 
 
-def by_districts(context: Context, search: Search, missions: list[Mission]) -> Settled:
+def by_districts(context: Context, search: Method, missions: list[Mission]) -> Repaired:
     """Tours found for every district's mission by itself, mended together, robots added if it takes them."""
     found: list[list[Tour]] = []
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
@@ -96,14 +90,18 @@ def by_districts(context: Context, search: Search, missions: list[Mission]) -> S
                 0.3 + 0.6 * len(found) / len(missions), f"{len(found)} of {len(missions)} districts planned"
             )
     exact = replace(context, problem=judged_by_lanes(context.problem))
-    whole = settle(exact, joined(found), no_points(), may_add=False, rounds=context.work.repairs)
-    if whole.met and whole.fits:
+    whole = repair_until_feasible(
+        exact, joined(found), no_points(), may_add=False, rounds=context.settings.repair.rounds
+    )
+    if whole.met and whole.within_budgets:
         return whole
     context.progress(0.9, "finishing with the robots that mending asks for")
-    return settle(exact, joined(found), no_points(), may_add=True, rounds=3 * context.work.repairs)
+    return repair_until_feasible(
+        exact, joined(found), no_points(), may_add=True, rounds=context.settings.repair.patient_rounds
+    )
 
 
-def tours_of(context: Context, search: Search, mission: Mission, seed: int) -> list[Tour]:
+def tours_of(context: Context, search: Method, mission: Mission, seed: int) -> list[Tour]:
     """The tours that the search finds for one district, classes and parts as the whole problem numbers them.
 
     None where nobody can see enough of it from within: mending the whole will lead robots there.
@@ -120,9 +118,9 @@ def tours_of(context: Context, search: Search, mission: Mission, seed: int) -> l
     whole = context.problem
     found = []
     for tour in search(alone).tours:
-        part = int(whole.paths.part_of(tour.vertices_m[:1])[0])
+        component = int(whole.paths.part_of(tour.vertices_m[:1])[0])
         period_class = whole.periods_s.index(problem.periods_s[tour.period_class])
-        found.append(replace(tour, period_class=period_class, component=max(part, 0)))
+        found.append(replace(tour, period_class=period_class, component=max(component, 0)))
     return found
 
 

@@ -1,7 +1,7 @@
 """The fewest robots of the method: deployments and frames in turn, cut for fewer and fewer robots, repaired, judged.
 
 The paper stops at routes that Eq. 26 says are short enough. Here the check judges them: routes are led to what they
-leave unseen (``repair.settle``), and where this makes them too long, the frame is cut for more robots.
+leave unseen (``repair.repair_until_feasible``), and where this makes them too long, the frame is cut for more robots.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measured
-from rota.planners.patrol.repair.repair import Settled, plan_of, settle
+from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 FURTHER = 8  # robots more than the first partition needs, up to which frames are cut anew while the check fails
 
 
-def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = None) -> Settled:
+def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = None) -> Repaired:
     """The best settled plan of the method (met unless all repair failed).
 
     settings: None for those that the mission asks for. Each frame is cut for as many robots as Eq. 26 asks for, then
@@ -40,7 +40,7 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
         )
     settings = settings or settings_for(context.problem.mission.patrol)
     problem = context.problem
-    best: Settled | None = None
+    best: Repaired | None = None
     first: Framed | None = None
     # covers have no chance in them, but the tours past their places have
     ways = [(turn, deploy) for turn in range(settings.frames) for deploy in settings.deployments]
@@ -65,7 +65,7 @@ def part_of(progress: Callable[[float, str], None], turn: int, turns: int) -> Ca
     return lambda share, what: progress(0.9 * (turn + share) / turns, what)
 
 
-def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best: Settled | None) -> Settled:
+def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best: Repaired | None) -> Repaired:
     """The plan with the fewest robots that this frame gives, or the one given if that has no more."""
     stages = cut(context, framed, settings, None)
     if best is not None and is_good(best):
@@ -85,7 +85,7 @@ def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best:
     return best
 
 
-def with_more(context: Context, framed: Framed, settings: MethodSettings, best: Settled) -> Settled:
+def with_more(context: Context, framed: Framed, settings: MethodSettings, best: Repaired) -> Repaired:
     """A plan of one robot after the other more than the partition asks for; in the end, of as many as mending asks."""
     first = len(cut(context, framed, settings, None).segments)
     for robots in range(first + 1, first + FURTHER + 1):
@@ -98,7 +98,7 @@ def with_more(context: Context, framed: Framed, settings: MethodSettings, best: 
             return best
     context.progress(0.9, "finishing with the robots that mending asks for")
     tours = tours_of(context.problem, cut(context, framed, settings, None))
-    last = settle(context, tours, no_points(), may_add=True, rounds=3 * settings.route.repairs)
+    last = repair_until_feasible(context, tours, no_points(), may_add=True, rounds=3 * settings.route.repairs)
     return last if is_better(last, best) else best
 
 
@@ -107,7 +107,7 @@ def cut(context: Context, framed: Framed, settings: MethodSettings, robots: int 
     return cut_in_segments(framed, context.problem.robot, context.problem.paths, settings, robots=robots)
 
 
-def settled(context: Context, stages: Stages, settings: MethodSettings) -> Settled:
+def settled(context: Context, stages: Stages, settings: MethodSettings) -> Repaired:
     """The routes led to what they leave unseen until the check passes or the rounds are over.
 
     Where this makes routes too long they are shortened, or the frame is cut anew by their lengths; when that does not
@@ -115,25 +115,27 @@ def settled(context: Context, stages: Stages, settings: MethodSettings) -> Settl
     """
     tours, rounds = tours_of(context.problem, stages), settings.route.repairs
     if settings.route.routes == "shortened":
-        return settle(context, tours, no_points(), may_add=False, rounds=rounds)
+        return repair_until_feasible(context, tours, no_points(), may_add=False, rounds=rounds)
     robots = len(stages.segments)
-    best = settle(context, tours, no_points(), may_add=True, rounds=rounds)
+    best = repair_until_feasible(context, tours, no_points(), may_add=True, rounds=rounds)
     found = best
     for _ in range(settings.route.recuts):
         if (best.met and robots_of(best) <= robots) or context.should_stop() or len(found.tours) < robots:
             break
         driven_m = np.array([tour_length_m(tour) for tour in found.tours[:robots]])
         stages = cut(context, measured(stages, driven_m, context.problem.robot), settings, robots)
-        found = settle(context, tours_of(context.problem, stages), no_points(), may_add=True, rounds=rounds)
+        found = repair_until_feasible(
+            context, tours_of(context.problem, stages), no_points(), may_add=True, rounds=rounds
+        )
         best = found if is_better(found, best) else best
     return best
 
 
-def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Settled:
+def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Repaired:
     """The plan of the routes as they are, judged."""
     tours = tours_of(context.problem, cut(context, framed, settings, None))
     plan = plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
-    return Settled(tours=tours, plan=plan, verdict=context.judge(plan), extra=no_points())
+    return Repaired(tours=tours, plan=plan, verdict=context.judge(plan), extra=no_points())
 
 
 def tours_of(problem: Problem, stages: Stages) -> list[Tour]:
@@ -148,18 +150,18 @@ def tours_of(problem: Problem, stages: Stages) -> list[Tour]:
     ]  # fmt: skip
 
 
-def is_good(settled: Settled) -> bool:
+def is_good(settled: Repaired) -> bool:
     """Whether the plan passed, and no route is longer than its period allows."""
-    return settled.met and settled.fits
+    return settled.met and settled.within_budgets
 
 
-def is_better(found: Settled, best: Settled | None) -> bool:
+def is_better(found: Repaired, best: Repaired | None) -> bool:
     """Whether a plan is better than the best so far: one that passes, then fewer robots."""
     if best is None or not is_good(found):
         return best is None
     return not is_good(best) or robots_of(found) < robots_of(best)
 
 
-def robots_of(settled: Settled) -> int:
+def robots_of(settled: Repaired) -> int:
     """The robots of all its tours."""
     return sum(tour.robots for tour in settled.tours)

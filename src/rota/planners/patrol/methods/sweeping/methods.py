@@ -19,11 +19,10 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.mission import Method
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sweeping.lanes import ground_turned, slab, turned, turning
 from rota.planners.patrol.methods.sweeping.routes import (
-    Ground,
+    SweepGround,
     angles,
     best_route,
     promising_angles,
@@ -34,13 +33,13 @@ from rota.planners.patrol.methods.sweeping.routes import (
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
-Sweeping = Callable[[Problem, Ground, float, int | None], list[Tour] | None]  # see the methods of this module
+Sweeping = Callable[[Problem, SweepGround, float, int | None], list[Tour] | None]  # see the methods of this module
 
 BALANCING = 4  # rounds in which strips and sub-areas are made more alike
 MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
 
 
-def sequential(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
+def sequential(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """One route over everything, with robots evenly spaced on it (Figure 3b), as many as its length needs."""
     tour = best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape))
     if tour is None:
@@ -53,7 +52,7 @@ def not_more(tours: list[Tour], most: int | None) -> list[Tour] | None:
     return tours if most is None or burden(tours)[0] <= most else None
 
 
-def parallel(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
+def parallel(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """Strips side by side, each swept by a robot of its own, all lanes in one direction (Figure 3a).
 
     The strips are as few as fit the robots' budgets, and then made as even as can be. A lane too long for one robot is
@@ -91,7 +90,7 @@ def load(tour: Tour) -> float:
 
 
 def strips_at(
-    problem: Problem, ground: Ground, angle_rad: float, reserve: float, most: int | None
+    problem: Problem, ground: SweepGround, angle_rad: float, reserve: float, most: int | None
 ) -> list[Tour] | None:
     """The fewest strips along lanes of this angle, and then as even as rounds of bisection make them."""
     upright = ground_turned(ground.shape, -angle_rad)
@@ -100,7 +99,7 @@ def strips_at(
     edges = low + (high - low) * np.arange(lanes + 1) / lanes
     stops = np.searchsorted(edges, (ground.stops_m @ turning(-angle_rad))[:, 1]).clip(1, lanes) - 1
 
-    def strip(first: int, last: int) -> Ground:
+    def strip(first: int, last: int) -> SweepGround:
         shape = MultiPolygon([turned(part, angle_rad) for part in slab(upright, edges[first], edges[last])])
         return replace(ground, shape=shape, stops_m=ground.stops_m[(stops >= first) & (stops < last)])
 
@@ -140,7 +139,7 @@ def strips_at(
     return best
 
 
-def pieces_of_lane(problem: Problem, strip: Ground, whole: Tour, angle_rad: float, share: float) -> list[Tour]:
+def pieces_of_lane(problem: Problem, strip: SweepGround, whole: Tour, angle_rad: float, share: float) -> list[Tour]:
     """A strip too long for one robot cut across: even pieces, as few as fit; or shared, where that takes fewer robots.
 
     Pieces keep robots with bodies from meeting face to face on one lane, which is worth a robot more.
@@ -175,7 +174,7 @@ def widest(good: Callable[[int], bool], first: int, last: int) -> int:
     return first
 
 
-def decomposition(problem: Problem, ground: Ground, reserve: float, most: int | None) -> list[Tour] | None:
+def decomposition(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """Sub-areas of a robot each, swept cell by cell, each in the direction that suits it best (Figure 3c).
 
     Halved again and again by straight cuts, in proportion to the robots on either side, along the directions that give
@@ -197,7 +196,7 @@ def decomposition(problem: Problem, ground: Ground, reserve: float, most: int | 
     return strips
 
 
-def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
+def balanced_areas(problem: Problem, ground: SweepGround, robots: int) -> list[Tour]:
     """Tours over so many sub-areas, weighed anew by the lengths of their tours until these stop becoming more alike."""
     weights = np.ones(robots)
     best: list[Tour] = []
@@ -214,7 +213,9 @@ def balanced_areas(problem: Problem, ground: Ground, robots: int) -> list[Tour]:
     return best
 
 
-def tours_over(problem: Problem, ground: Ground, areas: list[MultiPolygon], tried: list[float] | None) -> list[Tour]:
+def tours_over(
+    problem: Problem, ground: SweepGround, areas: list[MultiPolygon], tried: list[float] | None
+) -> list[Tour]:
     """One tour over each sub-area, by way of the stops nearest to it.
 
     tried: the directions of its lanes; None: those that suit it best, its cells each by themselves.
@@ -256,10 +257,3 @@ def cut_in_two(shape: MultiPolygon, angle_rad: float, share: float) -> tuple[Mul
         bottom, top = (middle, top) if below < share * upright.area else (bottom, middle)
     both = [MultiPolygon(slab(upright, low - 1, middle)), MultiPolygon(slab(upright, middle, high + 1))]
     return turned(both[0], angle_rad), turned(both[1], angle_rad)
-
-
-METHODS: dict[Method, Sweeping] = {
-    "sequential": sequential,
-    "parallel": parallel,
-    "decomposition": decomposition,
-}

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import DiscSensor, Effort
+from rota.mission import DiscSensor
+from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import distances
 from rota.planners.patrol.initial.visiting_order import short_order
@@ -26,12 +27,11 @@ MOST_ENDS = 4000  # beyond as many lane ends the order is that of the strips
 UNSEEN = 3.0  # times the length of lane that its ground takes: what it costs to mend a pocket that a route misses
 SPARE = 0.999  # of the swath: neighbouring lanes overlap by a little, for the check's finest pieces
 DIRECTIONS = 6  # edges of a shape whose directions are tried, beside both axes
-ANGLES: dict[Effort, int] = {"quick": 3, "normal": 6, "high": 12}  # of these, the most promising are tried in full
 ROUTED = 3  # of the ways to lay lanes over a shape, the shortest on a guess are joined to routes and compared
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ground:
+class SweepGround:
     """What one route, or several side by side, must see: ground of some period classes before one part of the space.
 
     period_class: the shortest of the classes; stops_m (n, 2): places to be visited besides.
@@ -43,10 +43,10 @@ class Ground:
     component: int
 
 
-def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Ground]:
+def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[SweepGround]:
     """The ground of each group of period classes, by part of the standing space; what no part borders is left out.
 
-    Ground in front of two parts belongs to the larger one.
+    SweepGround in front of two parts belongs to the larger one.
     """
     taken: BaseGeometry = MultiPolygon()
     claims = []
@@ -69,7 +69,7 @@ def grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Groun
             here = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
             stops = visits[parts == part]
             if not here.is_empty or len(stops):
-                found.append(Ground(shape=here, stops_m=stops, period_class=group[0], component=part))
+                found.append(SweepGround(shape=here, stops_m=stops, period_class=group[0], component=part))
     return found
 
 
@@ -123,7 +123,7 @@ def promising_angles(problem: Problem, shape: MultiPolygon) -> list[float]:
     if shape.is_empty:
         return []
     tried = sorted(angles(problem, shape), key=lambda angle: guess_m(shape, sensing(problem, angle)))
-    return tried[: ANGLES[problem.mission.patrol.effort]]
+    return tried[: EFFORTS[problem.mission.patrol.effort].sweeping.angles]
 
 
 def lane_cost_m(lanes: list[Floats], swath: Swath) -> float:
@@ -187,11 +187,11 @@ def without_a_side(
 
 
 def best_route(
-    problem: Problem, ground: Ground, shape: MultiPolygon, tried: list[float], *, own: bool = False
+    problem: Problem, ground: SweepGround, shape: MultiPolygon, tried: list[float], *, own: bool = False
 ) -> Tour | None:
     """The shortest closed route over a shape that lanes at the angles tried give; None when no robot can be near it.
 
-    Ground that a route does not see is charged for, since mending will have to lead it there.
+    SweepGround that a route does not see is charged for, since mending will have to lead it there.
     """
     best: tuple[float, Tour] | None = None
     ways = [[]] if shape.is_empty else layouts(problem, shape, tried, own=own)
@@ -222,7 +222,7 @@ def missed_m2(problem: Problem, tour: Tour, shape: MultiPolygon) -> float:
     return float(shapely.difference(shape, shapely.union_all(swept)).area)
 
 
-def closed_route(problem: Problem, lanes: list[Floats], ground: Ground) -> Tour | None:
+def closed_route(problem: Problem, lanes: list[Floats], ground: SweepGround) -> Tour | None:
     """A short closed tour along all lanes (k, 2), each driven in either direction, joined by shortest paths.
 
     Lanes outside the ground's part of the space are left out. None when there are none.

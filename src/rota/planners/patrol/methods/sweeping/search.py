@@ -1,29 +1,33 @@
-"""The fewest robots of a traditional method: groups of zones and reserves tried in turn, each mended and judged."""
+"""The fewest robots of a traditional method: groups of zones and reserves tried in turn, each repaired and judged."""
 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from rota.errors import NoPlanFound
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.efforts import QUICK
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import class_groups
-from rota.planners.patrol.methods.sweeping.methods import Sweeping
-from rota.planners.patrol.methods.sweeping.routes import Ground, grounds
-from rota.planners.patrol.repair.repair import Settled, settle
+from rota.planners.patrol.methods.sweeping.methods import Sweeping, decomposition, parallel, sequential
+from rota.planners.patrol.methods.sweeping.routes import SweepGround, sweep_grounds
+from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
-GROUPINGS = 8  # ways to group the period classes that are tried, the most promising first
 LEAST_LANES = 0.95  # of area / swath: what a robot holds in view at either end of its lanes makes them shorter
-RESERVES = (0.0, 0.02, 0.05, 0.1, 0.2)  # shares of the budgets kept for mending, one after the other
+PATIENCE_S = 10.0  # for a plan of lanes where the search was stopped before it had any
 
 
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
-    """Tours that a method gives for one grouping of the period classes and one reserve."""
+    """Tours that a method gives for one grouping of the period classes.
+
+    reserve: number of the share of the budgets that is kept for the repair, among those of the settings.
+    """
 
     tours: list[Tour]
     groups: tuple[tuple[int, ...], ...]
@@ -35,37 +39,74 @@ class Proposal:
         return sum(tour.robots for tour in self.tours), sum(tour_length_m(tour) for tour in self.tours)
 
 
-def fewest_robots_of(sweeping: Sweeping, context: Context) -> Settled:
-    """The best settled plan of a way to sweep ground in lanes (met unless all repair failed).
+def sweep_sequentially(context: Context) -> Repaired:
+    """The method ``sequential``: one route over everything, shared by robots; see ``sweep_with_fewest_robots``."""
+    return sweep_with_fewest_robots(sequential, context)
+
+
+def sweep_in_parallel(context: Context) -> Repaired:
+    """The method ``parallel``: strips side by side, a robot each; see ``sweep_with_fewest_robots``."""
+    return sweep_with_fewest_robots(parallel, context)
+
+
+def sweep_decomposed(context: Context) -> Repaired:
+    """The method ``decomposition``: sub-areas of a robot each; see ``sweep_with_fewest_robots``."""
+    return sweep_with_fewest_robots(decomposition, context)
+
+
+def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
+    """The best plan of a way to sweep ground in lanes (met unless all repair failed).
 
     The methods know one period; here the period classes are grouped in every way that could be best, a single group
-    included, and each group's ground is swept at its shortest period by routes of its own. The proposals are mended
-    and judged, those with the fewest robots first; one that mending drives over its budgets comes back with more kept
-    in reserve. Raises NoPlanFound when no robot can stand near anything that is asked.
+    included, and each group's ground is swept at its shortest period by routes of its own. The proposals are repaired
+    and judged, those with the fewest robots first; one that exceeds its budgets then comes back with a larger reserve.
+    Raises NoPlanFound when no robot can stand near anything that is asked.
     """
+    settings = context.settings
+    tries, rounds = settings.sweeping.tries, settings.repair.rounds
     exact = replace(context, problem=judged_by_lanes(context.problem))
     proposals = list(first_proposals(sweeping, exact))
     if not proposals:
         raise NoPlanFound("no lane lies where a robot can be")
-    best: Settled | None = None
+    best: Repaired | None = None
     last_resort = min(proposals, key=lambda proposal: proposal.rank)
-    for turn in range(context.work.tries):
+    for turn in range(tries):
         proposals = sorted((p for p in proposals if is_smaller(p, best)), key=lambda proposal: proposal.rank)
         if not proposals or context.should_stop():
             break
         proposal = proposals.pop(0)
-        context.progress(0.3 + 0.6 * turn / context.work.tries, f"trying {proposal.rank[0]} robots")
-        found = settle(exact, proposal.tours, no_points(), may_add=False, rounds=context.work.repairs)
-        if found.met and found.fits and (best is None or len(found.plan.trajectories) < len(best.plan.trajectories)):
-            best = found
-        elif proposal.reserve + 1 < len(RESERVES):
-            most = None if best is None else len(best.plan.trajectories) - 1
-            careful = proposed(sweeping, exact.problem, proposal.groups, proposal.reserve + 1, most)
+        context.progress(0.3 + 0.6 * turn / tries, f"trying {proposal.rank[0]} robots")
+        repaired = repair_until_feasible(exact, proposal.tours, no_points(), may_add=False, rounds=rounds)
+        if repaired.met and repaired.within_budgets and (best is None or repaired.robots < best.robots):
+            best = repaired
+        elif proposal.reserve + 1 < len(settings.sweeping.reserves):
+            most = None if best is None else best.robots - 1
+            careful = proposed(sweeping, exact, proposal.groups, proposal.reserve + 1, most)
             proposals += [] if careful is None else [careful]
     if best is None:
         context.progress(0.9, "finishing with the robots that mending asks for")
-        best = settle(exact, last_resort.tours, no_points(), may_add=True, rounds=3 * context.work.repairs)
+        rounds = settings.repair.patient_rounds
+        best = repair_until_feasible(exact, last_resort.tours, no_points(), may_add=True, rounds=rounds)
     return best
+
+
+def swept_instead(context: Context, best: Repaired) -> Repaired:
+    """A plan of lanes where the search was stopped before it had any: few missions take more than seconds for it.
+
+    It has seldom fewer robots than the search would have found, but it passes. The best there was if it does not, or
+    takes longer than ``PATIENCE_S``.
+    """
+    context.progress(0.9, "sweeping in lanes instead")
+    asked, end_s = context.problem.mission, time.monotonic() + PATIENCE_S
+    hasty = replace(
+        context, problem=replace(context.problem, mission=asked.with_effort("quick")), settings=QUICK,
+        should_stop=lambda: time.monotonic() > end_s,
+    )  # fmt: skip
+    try:
+        swept = sweep_sequentially(hasty)
+    except NoPlanFound:
+        return best
+    return replace(swept, plan=replace(swept.plan, mission=asked)) if swept.met else best
 
 
 def judged_by_lanes(problem: Problem) -> Problem:
@@ -73,18 +114,18 @@ def judged_by_lanes(problem: Problem) -> Problem:
     return replace(problem, points=replace(problem.points, shrink_m=0.0 * problem.points.shrink_m))
 
 
-def is_smaller(proposal: Proposal, best: Settled | None) -> bool:
+def is_smaller(proposal: Proposal, best: Repaired | None) -> bool:
     """Whether a proposal has fewer robots than the best plan."""
-    return best is None or proposal.rank[0] < len(best.plan.trajectories)
+    return best is None or proposal.rank[0] < best.robots
 
 
 def first_proposals(sweeping: Sweeping, context: Context) -> Iterator[Proposal]:
     """What the method gives for each grouping of the period classes, nothing kept in reserve."""
-    ways = list(class_groups(context.problem))[:GROUPINGS]
+    groupings = list(class_groups(context.problem))[: context.settings.sweeping.groupings]
     fewest: int | None = None
-    for k, groups in enumerate(ways):
-        context.progress(0.3 * k / len(ways), "laying lanes")
-        proposal = proposed(sweeping, context.problem, groups, 0, fewest)
+    for k, groups in enumerate(groupings):
+        context.progress(0.3 * k / len(groupings), "laying lanes")
+        proposal = proposed(sweeping, context, groups, 0, fewest)
         if proposal is not None and proposal.tours:
             fewest = min(proposal.rank[0], fewest or proposal.rank[0])
             yield proposal
@@ -93,25 +134,26 @@ def first_proposals(sweeping: Sweeping, context: Context) -> Iterator[Proposal]:
 
 
 def proposed(
-    sweeping: Sweeping, problem: Problem, groups: tuple[tuple[int, ...], ...], reserve: int, most: int | None
+    sweeping: Sweeping, context: Context, groups: tuple[tuple[int, ...], ...], reserve: int, most: int | None
 ) -> Proposal | None:
-    """The method's tours over the ground of every group and part; None when they surely are more than ``most``."""
-    left = grounds(problem, groups)
+    """The method's tours over the ground of every group and component; None when they are surely more than ``most``."""
+    problem, share = context.problem, context.settings.sweeping.reserves[reserve]
+    left = sweep_grounds(problem, groups)
     tours: list[Tour] = []
     while left:
         ground = left.pop(0)
         others = sum(tour.robots for tour in tours) + sum(least_robots(problem, ground) for ground in left)
-        room = None if most is None else most - others
-        if room is not None and least_robots(problem, ground) > room:
+        allowed = None if most is None else most - others
+        if allowed is not None and least_robots(problem, ground) > allowed:
             return None
-        found = sweeping(problem, ground, RESERVES[reserve], room)
-        if found is None:
+        swept = sweeping(problem, ground, share, allowed)
+        if swept is None:
             return None
-        tours += found
+        tours += swept
     return Proposal(tours=tours, groups=groups, reserve=reserve)
 
 
-def least_robots(problem: Problem, ground: Ground) -> int:
+def least_robots(problem: Problem, ground: SweepGround) -> int:
     """Robots below which no lanes over a ground can keep its period: its area over what one sweeps."""
     swept_m2 = problem.swath_m * problem.robot.speed_m_s * problem.periods_s[ground.period_class]
     return max(1, math.ceil(LEAST_LANES * float(ground.shape.area) / swept_m2))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.repair.bending.sighting_kernels import best_looks
+from rota.planners.patrol.repair.bending.sighting_kernels import best_sightings
 from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, whole_budget_m
 
 Floats = NDArray[np.float64]
@@ -48,15 +48,16 @@ class Layout:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Looks:
+class Sightings:
     """For every sample (n,) the leg that sees it with most range to spare, or -1, and the place on it (0 to 1).
 
-    lack_m (n,): by how much range is short; less than 0 where the sample is seen, inf where it is far from all legs.
+    range_deficit_m (n,): by how much range is short; less than 0 where the sample is seen, inf where it is far from all
+    legs.
     """
 
     leg: Ints
     at: Floats
-    lack_m: Floats
+    range_deficit_m: Floats
 
 
 def laid_out(tours: Sequence[Tour], longest_m: float) -> tuple[Layout, Floats]:
@@ -123,32 +124,32 @@ def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
             yield whole, whole_budget_m(tours, hub, np.array([petals[0], petals[-1] + 1]))
 
 
-def looks(
+def sightings(
     layout: Layout,
     places_m: Floats,
     samples: Samples,
     *,
     range_margin_m: float,
     further_m: float,
-    behind_m: Floats | float = 0.0,
-) -> Looks:
+    handicap_m: Floats | float = 0.0,
+) -> Sightings:
     """Who sees which sample, the vertices at these places (n, 2); ``further_m``: how far beyond reach is looked.
 
-    behind_m: by how much more range to spare a leg of each tour (k,) must see a sample than others do, to have it.
+    handicap_m: by how much more range to spare a leg of each tour (k,) must see a sample than others do, to have it.
     """
-    behind_m = np.broadcast_to(behind_m, len(layout.tours))
+    handicap_m = np.broadcast_to(handicap_m, len(layout.tours))
     robots = [tour.robot for tour in layout.tours]
-    reach_m = np.array([inner_reach_m(robot.sensor) for robot in robots]) - range_margin_m - behind_m
+    reach_m = np.array([inner_reach_m(robot.sensor) for robot in robots]) - range_margin_m - handicap_m
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
     period_class = np.array([tour.period_class for tour in layout.tours], dtype=np.int64)
     n = len(samples.x)
-    leg, at, lack_m = np.empty(n, dtype=np.int64), np.empty(n), np.empty(n)
+    leg, at, range_deficit_m = np.empty(n, dtype=np.int64), np.empty(n), np.empty(n)
     legs = np.hstack([places_m[layout.start], places_m[layout.end]])
     room = 1024
-    while best_looks(
+    while best_sightings(
         legs, period_class[layout.tour], reach_m[layout.tour], square[layout.tour], further_m, samples,
-        np.empty(room, dtype=np.int32), leg, at, lack_m,
+        np.empty(room, dtype=np.int32), leg, at, range_deficit_m,
     ):  # fmt: skip
         room *= 2
-    lack_m -= np.where(leg >= 0, behind_m[layout.tour[leg]], 0.0)
-    return Looks(leg=leg, at=at, lack_m=lack_m)
+    range_deficit_m -= np.where(leg >= 0, handicap_m[layout.tour[leg]], 0.0)
+    return Sightings(leg=leg, at=at, range_deficit_m=range_deficit_m)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
 
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.repair.bending.layout import Layout, Looks
+from rota.planners.patrol.repair.bending.layout import Layout, Sightings
 from rota.planners.patrol.repair.bending.solver import GrowingProgram
 
 Floats = NDArray[np.float64]
@@ -17,7 +17,7 @@ Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 OVER_PRICE = 2.0  # of a metre over a budget
-LACK_PRICE = 5.0  # of a metre of range that a sample lacks
+RANGE_WEIGHT = 5.0  # of a metre of range that a sample lacks
 MOVE_PRICE = 1e-3  # of a metre that a vertex moves along an axis: what need not move stays
 AIM_M = 1e-6  # nearer than asked, so that rounding hides nothing
 NEEDED = 0.25  # of a step: ranges with less to spare are limits from the start, others once a step breaks them
@@ -39,12 +39,12 @@ class Step(NamedTuple):
 
 def best_step(
     layout: Layout, places_m: Floats, ranges: Rows, clearances: Rows, *, fixed: Flags, trust_m: float, reserve: float,
-    length_price: float,
+    length_weight: float,
 ) -> Step | None:  # fmt: skip
     """The moves, along either axis at most twice ``trust_m``, after which least is lacking; None: there is no answer.
 
     ranges: what samples may lose, for a price. clearances: how near vertices may come to the border, at no price.
-    fixed (n,): vertices that stay. reserve: share of the budgets that is left alone. length_price: of every metre.
+    fixed (n,): vertices that stay. reserve: share of the budgets that is left alone. length_weight: of every metre.
     """
     n, b = len(places_m), len(layout.budget_m)
     moved = moves_of(layout, fixed)
@@ -52,7 +52,7 @@ def best_step(
     lengths_m = layout.lengths_m(places_m)
     budgets = csr_array(csr_array(layout.counts) @ by_tour)
     left_m = layout.budget_m * (1 - reserve) - layout.counts @ lengths_m
-    longer = length_price * np.asarray((by_tour @ moved).sum(axis=0)).ravel()
+    longer = length_weight * np.asarray((by_tour @ moved).sum(axis=0)).ravel()
     most_m = np.repeat(np.where(fixed, 0.0, trust_m), 2)
     used, nearer, closer = budgets @ moved, csr_array(ranges.along @ moved), clearances.along @ moved
     # a variable is the difference of two numbers that are not negative, so that its size has a price
@@ -65,7 +65,7 @@ def best_step(
     )
     taken = new = ranges.most_m < NEEDED * trust_m
     while True:
-        program.add_soft_rows(csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=LACK_PRICE)
+        program.add_soft_rows(csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=RANGE_WEIGHT)
         found = program.solve()
         if found is None:
             return None
@@ -73,7 +73,7 @@ def best_step(
         variables = values[: 2 * n] - values[2 * n : 4 * n]
         beyond_m = nearer @ variables - ranges.most_m
         if not (beyond_m[~taken] > AIM_M).any():
-            return Step((moved @ variables).reshape(n, 2), cost + length_price * float(lengths_m.sum()))
+            return Step((moved @ variables).reshape(n, 2), cost + length_weight * float(lengths_m.sum()))
         new = ~taken & (beyond_m > -NEEDED * trust_m)
         taken = taken | new
 
@@ -104,23 +104,23 @@ def length_rows(layout: Layout, places_m: Floats) -> csr_array:
 
 
 def range_rows(
-    layout: Layout, places_m: Floats, looks: Looks, samples: Samples, *, square: bool, near_m: float
+    layout: Layout, places_m: Floats, sightings: Sightings, samples: Samples, *, square: bool, near_m: float
 ) -> Rows:
     """How much farther away each sample may get that a step could lose or gain: one with less than ``near_m`` to spare.
 
     Each is left to the leg that sees it best, from where that sees it.
     """
-    near = np.flatnonzero((looks.leg >= 0) & (looks.lack_m > -near_m))
-    a, b, t = layout.start[looks.leg[near]], layout.end[looks.leg[near]], looks.at[near]
+    near = np.flatnonzero((sightings.leg >= 0) & (sightings.range_deficit_m > -near_m))
+    a, b, t = layout.start[sightings.leg[near]], layout.end[sightings.leg[near]], sightings.at[near]
     here_m = (1 - t)[:, None] * places_m[a] + t[:, None] * places_m[b]
     away_m = here_m - np.column_stack([samples.x[near], samples.y[near]])
-    spare_m = -looks.lack_m[near]
+    spare_m = -sightings.range_deficit_m[near]
     if square:
         # both coordinates are limited, each on its own; but for visits, which are within a circle
         wide = np.tile(samples.visit_m[near] == 0, 2)
         sides_m = np.abs(away_m)
         spare_m = np.concatenate([spare_m + sides_m.max(axis=1) - sides_m[:, axis] for axis in (0, 1)])
-        round_m = np.concatenate([-looks.lack_m[near], np.full(len(near), np.inf)])
+        round_m = np.concatenate([-sightings.range_deficit_m[near], np.full(len(near), np.inf)])
         spare_m = np.where(wide, spare_m, round_m)
         along_m = np.vstack([away_m * [1, 0], away_m * [0, 1]])
         away_m = np.where(wide[:, None], along_m, np.tile(away_m, (2, 1)))

@@ -3,7 +3,7 @@
 Annealing finds which leg sees what; but it moves one vertex at a time and at random, and the last metres and slivers
 take it more moves than all the rest. Here who sees what is kept for one step, lengths and ranges are taken as linear,
 and a linear program moves all vertices at once within a trust region (Fletcher and Sainz de la Maza, Mathematical
-Programming 43, 1989); then everybody looks again.
+Programming 43, 1989); then everybody sightings again.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.repair.bending.clearance import Border
-from rota.planners.patrol.repair.bending.layout import Looks, laid_out, looks
-from rota.planners.patrol.repair.bending.program import LACK_PRICE, OVER_PRICE, best_step, range_rows
+from rota.planners.patrol.repair.bending.layout import Sightings, laid_out, sightings
+from rota.planners.patrol.repair.bending.program import OVER_PRICE, RANGE_WEIGHT, best_step, range_rows
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
@@ -36,7 +36,7 @@ SPARE = 0.003  # of a budget: a tour that leaves less has nothing to spare
 SURE = 1e-7  # costs below this are rounding
 
 
-def can_polish(problem: Problem) -> bool:
+def can_bend(problem: Problem) -> bool:
     """Whether it is worth while: turning time is not linear, the rim of what can be seen leaves no room to move in.
 
     Nor do robots that stand have lengths to speak of.
@@ -45,7 +45,7 @@ def can_polish(problem: Problem) -> bool:
     return not stands and problem.robot.turn_rate_rad_s is None and not len(problem.border_places_m)
 
 
-class Polish:
+class Bending:
     """One search: tours within their budgets less a reserve that see all samples, as near as steps can come to that."""
 
     def __init__(
@@ -55,21 +55,21 @@ class Polish:
         samples: Samples,
         *,
         reserve: float = 0.0,
-        length_price: float = 0.0,
+        length_weight: float = 0.0,
     ) -> None:
-        """length_price: of every metre; 0: tours within their budgets are as good as shorter ones.
+        """length_weight: of every metre; 0: tours within their budgets are as good as shorter ones.
 
         Then they move no more than they need to, so that nothing else is lost.
         """
         self._problem, self._samples = problem, samples
-        self._reserve, self._length_price = reserve, length_price
+        self._reserve, self._length_weight = reserve, length_weight
         self._reach_m = problem.reach_m
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
         self._layout, self._places_m = laid_out(tours, LONGEST_LEG * self._reach_m)
-        self._behind_m = np.zeros(len(tours))
-        self._looks = self._look(self._places_m)
-        self._cost = self._cost_of(self._places_m, self._looks)
+        self._handicap_m = np.zeros(len(tours))
+        self._sightings = self._look(self._places_m)
+        self._cost = self._cost_of(self._places_m, self._sightings)
         self._trust_m = FIRST_TRUST * self._reach_m
 
     @property
@@ -80,7 +80,7 @@ class Polish:
     @property
     def some_far(self) -> bool:
         """Whether no leg comes near some of the samples; steps do nothing about them."""
-        return bool((self._looks.leg < 0).any())
+        return bool((self._sightings.leg < 0).any())
 
     def run(self, steps: int, *, should_stop: Callable[[], bool]) -> None:
         """Take at most so many steps."""
@@ -93,19 +93,19 @@ class Polish:
 
         Nothing changes when that is no gain.
         """
-        layout, kept = self._layout, (self._places_m, self._looks, self._cost)
+        layout, kept = self._layout, (self._places_m, self._sightings, self._cost)
         left_m = layout.budget_m * (1 - self._reserve) - layout.counts @ layout.lengths_m(self._places_m)
         tight = (layout.counts[left_m < SPARE * layout.budget_m] > 0).any(axis=0)
         if tight.all() or not tight.any():
             return
-        for behind_m in (HANDED * self._reach_m, 0.0):
-            self._behind_m = np.where(tight, behind_m, 0.0)
-            self._looks = self._look(self._places_m)
-            self._cost = self._cost_of(self._places_m, self._looks)
+        for handicap_m in (HANDED * self._reach_m, 0.0):
+            self._handicap_m = np.where(tight, handicap_m, 0.0)
+            self._sightings = self._look(self._places_m)
+            self._cost = self._cost_of(self._places_m, self._sightings)
             self._trust_m = FIRST_TRUST * self._reach_m
             self.run(steps, should_stop=should_stop)
         if self._cost >= kept[2]:
-            self._places_m, self._looks, self._cost = kept
+            self._places_m, self._sightings, self._cost = kept
 
     def step(self) -> bool:
         """Take one step, if it is one ahead; False when no further step is worth its time."""
@@ -115,42 +115,42 @@ class Polish:
         clearances, fixed = self._border.clearances(layout, places_m, near_m)
         step = best_step(
             layout, places_m,
-            range_rows(layout, places_m, self._looks, self._samples, square=self._square, near_m=near_m),
-            clearances, fixed=fixed, trust_m=self._trust_m, reserve=self._reserve, length_price=self._length_price,
+            range_rows(layout, places_m, self._sightings, self._samples, square=self._square, near_m=near_m),
+            clearances, fixed=fixed, trust_m=self._trust_m, reserve=self._reserve, length_weight=self._length_weight,
         )  # fmt: skip
         if step is None or self._cost - step.cost < self._worth:
             return False
         then_m = self._kept_free(places_m + step.moves_m)
-        looks_then = self._look(then_m)
-        cost = self._cost_of(then_m, looks_then)
+        sightings_then = self._look(then_m)
+        cost = self._cost_of(then_m, sightings_then)
         kept = (self._cost - cost) / (self._cost - step.cost)
         if kept > 0.7:
             self._trust_m = min(1.5 * self._trust_m, MOST_TRUST * self._reach_m)
         elif kept < 0.3:
             self._trust_m *= 0.5
         if kept > 0.02:
-            self._places_m, self._looks, self._cost = then_m, looks_then, cost
+            self._places_m, self._sightings, self._cost = then_m, sightings_then, cost
         return True
 
-    def _look(self, places_m: Floats) -> Looks:
-        return looks(
+    def _look(self, places_m: Floats) -> Sightings:
+        return sightings(
             self._layout, places_m, self._samples,
-            range_margin_m=self._problem.range_margin_m, further_m=FURTHER * self._reach_m, behind_m=self._behind_m,
+            range_margin_m=self._problem.range_margin_m, further_m=FURTHER * self._reach_m, handicap_m=self._handicap_m,
         )  # fmt: skip
 
     @property
     def _worth(self) -> float:
         """What a step must promise to gain."""
         lengths_m = float(self._layout.lengths_m(self._places_m).sum())
-        least = SHORTER_M * self._length_price if self._length_price else SURE
-        return max(least, GAIN * (self._cost - self._length_price * lengths_m))
+        least = SHORTER_M * self._length_weight if self._length_weight else SURE
+        return max(least, GAIN * (self._cost - self._length_weight * lengths_m))
 
-    def _cost_of(self, places_m: Floats, looks: Looks) -> float:
+    def _cost_of(self, places_m: Floats, sightings: Sightings) -> float:
         layout = self._layout
         lengths_m = layout.lengths_m(places_m)
         over_m = np.maximum(0.0, layout.counts @ lengths_m - layout.budget_m * (1 - self._reserve)).sum()
-        lack_m = np.clip(looks.lack_m, 0.0, FURTHER * self._reach_m).sum()
-        return float(OVER_PRICE * over_m + LACK_PRICE * lack_m + self._length_price * lengths_m.sum())
+        range_deficit_m = np.clip(sightings.range_deficit_m, 0.0, FURTHER * self._reach_m).sum()
+        return float(OVER_PRICE * over_m + RANGE_WEIGHT * range_deficit_m + self._length_weight * lengths_m.sum())
 
     def _kept_free(self, then_m: Floats) -> Floats:
         """The places, with the vertices of legs that would leave the space back where they were."""

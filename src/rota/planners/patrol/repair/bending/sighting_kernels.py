@@ -71,7 +71,7 @@ def clear_from(
 
 
 @compiled
-def clear_look(
+def clear_sighting(
     ax: float, ay: float, dx: float, dy: float, near: float, reach: float, square: int, i: int, s: Samples
 ) -> float:
     """The leg parameter nearest to ``near`` from which sample i is not hidden, of a leg from a along d that sees it."""
@@ -92,7 +92,7 @@ def clear_look(
 
 
 @compiled
-def best_looks(
+def best_sightings(
     legs: Any, period_class: Any, reach: Any, square: Any, further: float, s: Samples,
     runs: Any, leg: Any, at: Any, lack: Any,
 ) -> int:  # fmt: skip
@@ -123,7 +123,7 @@ def best_looks(
                     continue
                 if visit[i] == 0 and wall_start[i] < wall_start[i + 1]:
                     # never nearer than where walls are left aside
-                    t = clear_look(ax, ay, dx, dy, t, reach[k] + further, wide, i, s)
+                    t = clear_sighting(ax, ay, dx, dy, t, reach[k] + further, wide, i, s)
                     short = range_at(px, py, dx, dy, t, wide) - limit
                 if short < lack[i]:
                     leg[i], at[i], lack[i] = k, t, short

@@ -59,5 +59,5 @@ class GrowingProgram:
 
     def _add_rows(self, rows: csr_array, most: Floats) -> None:
         count = rows.shape[0]
-        starts, columns = rows.indptr[:-1].astype(np.int32), rows.indices.astype(np.int32)
-        self._solver.addRows(count, np.full(count, -np.inf), most, rows.nnz, starts, columns, rows.data)
+        period_groupings, columns = rows.indptr[:-1].astype(np.int32), rows.indices.astype(np.int32)
+        self._solver.addRows(count, np.full(count, -np.inf), most, rows.nnz, period_groupings, columns, rows.data)

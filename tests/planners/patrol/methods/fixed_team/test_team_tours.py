@@ -1,4 +1,4 @@
-"""Handing robots to tours and joining tours, in closed form; a robot for each part of the ground."""
+"""Spare robots that help and tours that are joined, in closed form; a robot for each component of the ground."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shapely import LineString, MultiPolygon, Point, box
 import rota
 from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.methods.fixed_team.given_tours import busiest_helped, joined_tour, with_so_many
+from rota.planners.patrol.methods.fixed_team.team_tours import joined_for_team, joined_tour, with_a_helper
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 
@@ -35,7 +35,7 @@ def rings(problem: Problem, *corners_m: tuple[float, float, float]) -> list[Tour
 def test_a_spare_robot_helps_where_the_budget_is_fullest(problem: Problem) -> None:
     tours = rings(problem, (0, 0, 5), (10, 0, 15), (0, 20, 8))
     for expected in ([1, 2, 1], [1, 2, 2], [1, 3, 2]):  # 20, 60 and 32 m
-        tours = busiest_helped(tours)
+        tours = with_a_helper(tours)
         assert [one.robots for one in tours] == expected
 
 
@@ -53,14 +53,14 @@ def test_joined_tours_go_round_both_and_change_over_where_they_are_near(problem:
 
 def test_fewer_robots_than_tours_share_joined_tours(problem: Problem) -> None:
     tours = rings(problem, (0, 0, 4), (6, 0, 4), (20, 20, 10))
-    two = with_so_many(problem, tours, 2)
+    two = joined_for_team(problem, tours, 2)
     assert [one.robots for one in two] == [1, 1]
     # the two short ones are joined: 16 + 16 m and 2 m there and back
     assert sorted(tour_length_m(one) for one in two) == pytest.approx([36, 40])
-    (alone,) = with_so_many(problem, tours, 1)
+    (alone,) = joined_for_team(problem, tours, 1)
     assert alone.robots == 1
     assert tour_length_m(alone) > 76
-    assert [one.robots for one in with_so_many(problem, tours, 4)] == [1, 1, 2]
+    assert [one.robots for one in joined_for_team(problem, tours, 4)] == [1, 1, 2]
 
 
 def test_each_part_of_the_ground_gets_a_robot_of_its_own() -> None:

@@ -1,0 +1,104 @@
+"""The settings of each effort: what a mission's ``effort`` chooses. What is not named here is the same for all."""
+
+from __future__ import annotations
+
+import math
+
+from rota.mission import Effort
+from rota.planners.patrol.settings import (
+    AllocationSettings,
+    AlternationSettings,
+    AnnealingSettings,
+    DistrictSettings,
+    ExcursionEstimate,
+    FixedTeamSettings,
+    MultistartSettings,
+    RepairSettings,
+    ScreeningSettings,
+    SearchSettings,
+    Stage,
+    SweepingSettings,
+    TeamSizeSettings,
+)
+
+# annealing hardly moves ground from one robot to another, so that more effort tries more of these
+ESTIMATES = (
+    ExcursionEstimate(1.15, 0.8),
+    ExcursionEstimate(1.15, 0.67),
+    ExcursionEstimate(1.05, 0.55),
+    ExcursionEstimate(1.05, 0.67),
+    ExcursionEstimate(1.25, 0.8),
+    ExcursionEstimate(1.05, 0.8),
+    ExcursionEstimate(0.95, 0.55),
+)
+
+QUICK = SearchSettings(
+    allocation=AllocationSettings(groupings=4, least_slack=1.15, separate_anchors=False, estimates=ESTIMATES[:1]),
+    team_size=TeamSizeSettings(single_steps=2, searches_ragged=False),
+    screening=ScreeningSettings(allocations=6, nested_allocations=0, moves=50_000),
+    multistart=MultistartSettings(allocations=2, seeds=1, kept=2),
+    annealing=AnnealingSettings(moves=300_000, most_moves=2_000_000),
+    alternation=AlternationSettings(
+        attempts=1,
+        annealings=5,
+        moves=150_000,
+        later_stage=Stage(1 / 8, 6.0, 0.0075),
+        later_unseen_limit=0.015,
+        bent_over_budget_limit=math.inf,
+        near_budget_limit=0.006,
+    ),
+    repair=RepairSettings(
+        rounds=12, over_budget_limit=0.0, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=75_000
+    ),
+    fixed_team=FixedTeamSettings(tries=4, nearness=1.025, new_allocations=False),
+    sweeping=SweepingSettings(tries=2, angles=3),
+    districts=DistrictSettings(enough=1.1),
+)
+
+NORMAL = SearchSettings(
+    allocation=AllocationSettings(groupings=8, least_slack=1.1, separate_anchors=True, estimates=ESTIMATES[:4]),
+    team_size=TeamSizeSettings(single_steps=2, searches_ragged=True),
+    screening=ScreeningSettings(allocations=8, nested_allocations=24, moves=50_000),
+    multistart=MultistartSettings(allocations=2, seeds=2, kept=2),
+    annealing=AnnealingSettings(moves=600_000, most_moves=10_000_000),
+    alternation=AlternationSettings(
+        attempts=1,
+        annealings=5,
+        moves=600_000,
+        later_stage=Stage(1 / 8, 6.0, 0.0075),
+        later_unseen_limit=0.0008,
+        bent_over_budget_limit=0.005,
+        near_budget_limit=0.006,
+    ),
+    repair=RepairSettings(
+        rounds=20, over_budget_limit=0.0002, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=300_000
+    ),
+    fixed_team=FixedTeamSettings(tries=6, nearness=1.015, new_allocations=True),
+    sweeping=SweepingSettings(tries=2, angles=6),
+    districts=DistrictSettings(enough=1.05),
+)
+
+HIGH = SearchSettings(
+    allocation=AllocationSettings(groupings=16, least_slack=1.05, separate_anchors=True, estimates=ESTIMATES),
+    team_size=TeamSizeSettings(single_steps=8, searches_ragged=True),
+    screening=ScreeningSettings(allocations=16, nested_allocations=56, moves=100_000),
+    multistart=MultistartSettings(allocations=4, seeds=6, kept=8),
+    annealing=AnnealingSettings(moves=800_000, most_moves=100_000_000),
+    alternation=AlternationSettings(
+        attempts=6,
+        annealings=9,
+        moves=1_200_000,
+        later_stage=Stage(1 / 16, 20.0, 0.0075),
+        later_unseen_limit=0.015,
+        bent_over_budget_limit=math.inf,
+        near_budget_limit=0.002,
+    ),
+    repair=RepairSettings(
+        rounds=30, over_budget_limit=0.001, tight_range_margin=0.1, tight_bend=0.002, tightening_moves=600_000
+    ),
+    fixed_team=FixedTeamSettings(tries=9, nearness=1.01, new_allocations=True),
+    sweeping=SweepingSettings(tries=8, angles=12),
+    districts=DistrictSettings(enough=1.0),
+)
+
+EFFORTS: dict[Effort, SearchSettings] = {"quick": QUICK, "normal": NORMAL, "high": HIGH}

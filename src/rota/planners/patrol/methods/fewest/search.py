@@ -1,0 +1,110 @@
+"""The search over team sizes: up from a likely one until a plan passes, then down one by one until none does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from rota.mission import Effort
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.efforts import EFFORTS
+from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings
+from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_size
+from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack, sure_team_size
+from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+
+
+def fewest_robots(context: Context) -> Repaired:
+    """The plan with the fewest robots found (met unless all repair failed).
+
+    Every effort begins with what the lesser ones found and looks for fewer: more effort never takes more robots.
+    """
+    asked = context.problem.mission
+    names = list(EFFORTS)
+    efforts = names[: names.index(asked.patrol.effort) + 1]
+    best = None
+    for turn, effort in enumerate(efforts):
+        own = context if effort == asked.patrol.effort else with_less_effort(context, effort)
+        best = reduce_team(replace(own, progress=share_of_progress(context.progress, turn, len(efforts))), best)
+        if context.should_stop() or (best.met and best.robots <= context.enough_robots):
+            break
+    assert best is not None
+    return best if best.plan.mission is asked else replace(best, plan=replace(best.plan, mission=asked))
+
+
+def with_less_effort(context: Context, effort: Effort) -> Context:
+    """The same search with less effort: a coarser lattice, less work, the same bound."""
+    problem = set_up_problem(context.problem.mission.with_effort(effort))
+    return replace(context, problem=problem, settings=EFFORTS[effort])
+
+
+def share_of_progress(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
+    """Progress told within one of several equal turns."""
+    return lambda share, what: progress((turn + share) / turns, what)
+
+
+def reduce_team(context: Context, best: Repaired | None) -> Repaired:
+    """The plan with the fewest robots found with this effort; the best one given if none has fewer.
+
+    Begins with a likely team size and goes up until a plan passes; or, when the first one did, down one by one until
+    none does, no further than the proved bound.
+    """
+    settings = context.settings.team_size
+    groupings = period_groupings(context.problem, context.settings.allocation.groupings)
+    if context.problem.is_ragged and not settings.searches_ragged:
+        repaired = repair_first_tours(context, groupings)
+        if repaired.met:
+            return repaired
+    context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
+    likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
+    likely = max(context.enough_robots, likely)
+    if best is None or not best.met or best.robots > likely + 1:
+        best = search_upwards(context, groupings, likely, best)
+        if best.robots > likely:
+            return best  # smaller teams were tried on the way up
+    return search_downwards(context, groupings, best)
+
+
+def search_downwards(context: Context, groupings: list[PeriodGrouping], best: Repaired) -> Repaired:
+    """The last plan that passes with one robot less and one less again, no further than to the proved bound."""
+    robots = first = best.robots
+    enough = context.enough_robots
+    while best.met and robots > enough and not context.should_stop():
+        robots -= 1
+        context.progress(0.4 + 0.5 * (first - robots) / (first - enough), f"trying {robots} robots")
+        least_slack = context.settings.allocation.least_slack
+        smaller = plan_with_team_size(context, groupings, robots, least_slack=least_slack)
+        if smaller is None or smaller.robots >= best.robots:
+            break  # a repair may post robots of their own
+        best = smaller
+    return best
+
+
+def search_upwards(context: Context, groupings: list[PeriodGrouping], robots: int, best: Repaired | None) -> Repaired:
+    """A plan with so many robots or more, fewer than the best has; else the best; else the first tours, repaired."""
+    settings = context.settings.team_size
+    first, sure = robots, sure_team_size(groupings)
+    steps = 0
+    while steps < settings.single_steps or robots < sure:
+        if best is not None and best.met and robots >= best.robots:
+            return best
+        context.progress(0.1 + 0.3 * (robots - first) / max(sure, robots + 1 - first), f"trying {robots} robots")
+        larger = plan_with_team_size(context, groupings, robots, least_slack=1.0)
+        if larger is not None:
+            return larger
+        if context.should_stop():
+            break
+        steps += 1
+        robots += 1 if steps < settings.single_steps else max(1, int(settings.coarse_step * robots))
+    if best is not None and best.met:
+        return best
+    return repair_first_tours(context, groupings)
+
+
+def repair_first_tours(context: Context, groupings: list[PeriodGrouping]) -> Repaired:
+    """The first tours repaired until they pass, with as many robots as they then need."""
+    context.progress(0.4, "finishing with the robots that surely suffice")
+    rounds = context.settings.repair.patient_rounds
+    return repair_until_feasible(context, groupings[0].tours, no_points(), may_add=True, rounds=rounds)

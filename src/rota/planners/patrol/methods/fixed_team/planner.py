@@ -1,0 +1,108 @@
+"""The planner for fixed teams: the smallest worst ratio of gap to period that the fleet's robots reach."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rota.errors import NoPlanFound
+from rota.mission import Mission
+from rota.plan import Plan
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.ground.problem import stretched
+from rota.planners.patrol.initial.allocation import period_groupings
+from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
+from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, least_ratio
+from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
+from rota.planners.patrol.methods.fixed_team.reasons import NOTHING_SEES_ALL, apart, best_ratio, too_few
+from rota.planners.patrol.methods.fixed_team.team import Team
+from rota.planners.patrol.methods.fixed_team.team_tours import joined_for_team, starts_per_component, with_helpers
+from rota.planners.patrol.methods.fixed_team.whole_team import with_smaller_team, with_whole_team
+from rota.planners.patrol.methods.method import Method
+from rota.planners.patrol.repair.repair import Repaired, plan_of
+from rota.planners.patrol.tours.tour import Tour, driven
+from rota.planners.patrol.verdict import counted, touching, worst_reached
+
+
+def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
+    """The plan for exactly the fleet's robots whose worst ratio is the smallest found; NoPlanFound when it exceeds 1.
+
+    asked: the mission with its starts, which say where spare robots go, and without a reserve, with which no ratio is
+    proved. method: finds a plan with as few robots as it can. When robots get in each other's way, fewer of them keep
+    watch, and the others help them or stand aside.
+    """
+    problem = context.problem
+    robots = len(problem.mission.fleet.robots or ())
+    team = Team(robots=robots, starting=starts_per_component(problem, asked), method=method)
+    groupings = period_groupings(problem, context.settings.allocation.groupings)
+    weight = coverage_weight_for(groupings, context.settings.team_size)
+    anyone = replace(for_anyone(context), coverage_weight=weight)
+    components = {tour.component for tour in groupings[0].tours}
+    # who starts in a component stays in it: only helping others there is left to choose
+    if len(components) > team.robots or len(team.starting) > 1:
+        return plan_from_fewest(context, method(anyone), team)
+    reserve = asked.patrol.period_margin > 0 or asked.patrol.range_margin_m > 0
+    bound = 1.0 if context.bound.robots > team.robots else 0.0
+    proved = 0.0 if reserve else max(proved_ratio(problem, team.robots), bound)
+    best = least_ratio(anyone, team, proved)
+    plan = None if best is None else as_asked(context, best)
+    if plan is not None and context.judge(plan).verdict == "met":
+        return plan
+    if best is None and not context.anneals:
+        return plan_from_fewest(context, method(anyone), team)
+    if context.anneals and (best is None or problem.robot.body_radius_m > 0):
+        smaller = with_smaller_team(context, anyone, team)
+        if smaller is not None:
+            return smaller.plan
+    if best is None:
+        plan = planned(context, joined_for_team(problem, groupings[0].tours, team.robots))
+        crowded = touching(context.judge(plan)) if problem.robot.body_radius_m > 0 else None
+        raise NoPlanFound(too_few(context, team.robots, crowded or NOTHING_SEES_ALL), best=plan)
+    ratio = best_ratio(best.repaired.verdict, best.ratio, reserve=reserve)
+    raise NoPlanFound(too_few(context, team.robots, ratio, least_ratio=proved), best=plan)
+
+
+def for_anyone(context: Context) -> Context:
+    """The same search for as many robots as it takes, each like the one that all of the fleet can stand in for."""
+    problem, robot = context.problem, context.problem.robot
+    fleet = replace(
+        problem.mission.fleet,
+        robots=None,
+        speed_m_s=robot.speed_m_s,
+        sensor=robot.sensor,
+        body_radius_m=robot.body_radius_m,
+        turn_rate_rad_s=robot.turn_rate_rad_s,
+    )
+    return replace(context, problem=replace(problem, mission=replace(problem.mission, fleet=fleet)))
+
+
+def as_asked(context: Context, best: Reached) -> Plan:
+    """The plan for stretched periods as an answer to the mission, with the fleet's own robots."""
+    problem = context.problem
+    plan = plan_of(stretched(problem, best.stretch), best.repaired.tours, seed=context.seed, bound=context.bound)
+    return replace(plan, mission=problem.mission)
+
+
+def planned(context: Context, tours: list[Tour]) -> Plan:
+    """The plan that drives these tours."""
+    return plan_of(context.problem, tours, seed=context.seed, bound=context.bound)
+
+
+def plan_from_fewest(context: Context, fewest: Repaired, team: Team) -> Plan:
+    """The plan for exactly the team's robots, from one with as few as possible; NoPlanFound when they are too few."""
+    robots, tours = team.robots, driven(fewest.tours)
+    components = len({tour.component for tour in tours})
+    if fewest.robots <= robots:
+        whole = with_whole_team(context, fewest, team)
+        if whole is not None:
+            return whole.plan
+        tours, detail = with_helpers(tours, robots, team.starting), f"{fewest.robots} may do"
+    elif components > robots:
+        tours, detail = [replace(tour, robots=1) for tour in tours[:robots]], apart(components)
+    else:
+        tours, detail = joined_for_team(context.problem, tours, robots), f"{fewest.robots} can"
+    plan = planned(context, tours)
+    verdict = context.judge(plan)
+    if verdict.verdict == "met":
+        return plan
+    detail += f"; with {counted(robots)} {worst_reached(verdict)}"
+    raise NoPlanFound(too_few(context, robots, detail), best=plan)

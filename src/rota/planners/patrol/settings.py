@@ -1,0 +1,303 @@
+"""The settings of the search, one type for each of its stages; ``efforts`` holds their values.
+
+A share is of the whole: of the ground, of a budget, of the reach. A weight is a cost in the metres that it is worth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class ExcursionEstimate(NamedTuple):
+    """What an excursion between two rounds of a hub is taken to cover, when slow ground is first handed to it.
+
+    hub_detour: length of a real hub over that of an ideal one.
+    travel_share: share of what the hub leaves of the budget that is spent on the ground, not on the way there.
+    """
+
+    hub_detour: float
+    travel_share: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class AllocationSettings:
+    """Which tours a team size begins with.
+
+    groupings: at most this many ways to group the period classes are tried.
+    least_slack: a team size is tried if its budgets are at least this multiple of the ideal lengths.
+    most_own_tours: up to this many robots, tours of one robot each are tried besides shared ones.
+    nested_slack_limit: nested loops are tried where the slack factor of plain tours is below this.
+    separate_anchors: whether excursions of nested loops may also begin at different vertices of their hub.
+    estimates: each estimate gives nested loops of its own.
+    """
+
+    groupings: int
+    least_slack: float
+    separate_anchors: bool
+    estimates: tuple[ExcursionEstimate, ...]
+    most_own_tours: int = 64
+    nested_slack_limit: float = 1.4
+
+
+@dataclass(frozen=True, kw_only=True)
+class TeamSizeSettings:
+    """Which team sizes are tried.
+
+    likely_slack: the first team size tried has budgets of this multiple of the ideal lengths.
+    single_steps: on the way up, this many sizes are tried one by one.
+    coarse_step: later sizes on the way up grow by this share of themselves.
+    open_detour: where first tours are at most this multiple of the ideal lengths, ground counts as open.
+    most_coverage_weight: beyond open ground the weight of seeing grows with the detours, up to this multiple.
+    searches_ragged: whether fewer robots are looked for on ground with very many corners, whose tries take minutes.
+    """
+
+    single_steps: int
+    searches_ragged: bool
+    likely_slack: float = 1.3
+    coarse_step: float = 1 / 8
+    open_detour: float = 1.5
+    most_coverage_weight: float = 6.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScreeningSettings:
+    """Which allocations of a team size go on after a little annealing.
+
+    allocations: at most this many allocations are annealed, half of them nested.
+    nested_allocations: at most this many nested ones compete for their half, in shorter annealings.
+    moves: of one annealing.
+    unseen_limit: allocations that leave a larger share of the ground unseen are dropped.
+    nested_unseen_limit: the same for nested ones, which take longer to find their shape.
+    nested_factor: the shortfall of nested ones counts this much, since the moves to come gain them more.
+    multistart_limit: with several seeds, others go on if their shortfall is at most this multiple of the best one's.
+    """
+
+    allocations: int
+    nested_allocations: int
+    moves: int
+    unseen_limit: float = 0.045
+    nested_unseen_limit: float = 0.09
+    nested_factor: float = 0.8
+    multistart_limit: float = 1.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class MultistartSettings:
+    """How often the best allocations are annealed in full.
+
+    allocations: at most this many are.
+    seeds: annealings of each on average.
+    kept: at most this many annealed tours go on, those with the least shortfall.
+    coverage_weights: the annealings take these multiples of the weight of seeing in turn.
+    """
+
+    allocations: int
+    seeds: int
+    kept: int
+    coverage_weights: tuple[float, ...] = (1.0, 2.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnnealingSettings:
+    """One annealing from hot to cold.
+
+    moves: of a full annealing of tours of ``reference_corners`` corners.
+    most_moves: of any annealing.
+    reference_corners: annealing takes more moves in proportion to the corners beyond these.
+    corners_per_reach: on ragged ground, at most this many corners count in each reach of ideal tour.
+    length_weight: of a metre of the slowest tour.
+    most_length_weight: of a metre of any tour.
+    budget_penalty: of a metre over a budget.
+    reserve: share of the budgets that is left to the repair.
+    halfway_unseen_limit: a full annealing ends if half of its moves leave a larger share of the ground unseen.
+    coarse_spacing: a quarter of the samples is taken if their spacing then is at most this share of the reach.
+    hot: heat at the beginning, as a share of the reach.
+    cold: the reach is this many times the heat at the end.
+    """
+
+    moves: int
+    most_moves: int
+    reference_corners: int = 300
+    corners_per_reach: float = 2.0
+    length_weight: float = 0.3
+    most_length_weight: float = 0.8
+    budget_penalty: float = 4.0
+    reserve: float = 0.03
+    halfway_unseen_limit: float = 0.033
+    coarse_spacing: float = 0.167
+    hot: float = 1 / 2
+    cold: float = 200.0
+
+
+class Stage(NamedTuple):
+    """One annealing of those that alternate with repairs.
+
+    heat: at its beginning, as a share of the reach.
+    coverage_weight: multiple of the usual weight of seeing; corners are not worth their detours otherwise.
+    reserve: share of the budgets that is left to the repair.
+    """
+
+    heat: float
+    coverage_weight: float
+    reserve: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class AlternationSettings:
+    """Annealing and repair in turn, from annealed tours to a plan that passes.
+
+    attempts: with other seeds, while the tours come near to their budgets.
+    annealings: of one attempt; all but the first are followed by a repair.
+    moves: of one annealing.
+    first_stages: the annealings before the first repair.
+    later_stage: the annealing after the first repair has half of this heat and reserve, each later one half again.
+    least_heat: no annealing begins cooler, as a share of the reach.
+    unseen_limit: an attempt ends if the tours it begins with leave a larger share of the ground unseen.
+    later_unseen_limit: the same after the first annealing, where linear programs do the repair.
+    over_budget_limit: an attempt ends if tours are over a budget by a larger share of it.
+    bent_over_budget_limit: the same of tours shortened by linear programs, before the first repair.
+    gain_limit: an attempt goes on if a repair leaves at most this multiple of the least excess so far.
+    near_budget_limit: it goes on, too, if the excess is at most this share of a budget.
+    retry_limit: another attempt is made if some repair came within this share of the budgets.
+    shortening_steps: linear programs that shorten the tours before the first repair.
+    """
+
+    attempts: int
+    annealings: int
+    moves: int
+    later_stage: Stage
+    later_unseen_limit: float
+    bent_over_budget_limit: float
+    near_budget_limit: float
+    first_stages: tuple[Stage, ...] = (Stage(1 / 4, 3.0, 0.01), Stage(1 / 16, 12.0, 0.005))
+    least_heat: float = 1 / 32
+    unseen_limit: float = 0.015
+    over_budget_limit: float = 0.03
+    gain_limit: float = 0.8
+    retry_limit: float = 0.002
+    shortening_steps: int = 40
+
+    @property
+    def stages(self) -> list[Stage]:
+        """The annealings of one attempt, cooler and cooler."""
+        halvings = range(1, self.annealings + 1 - len(self.first_stages))
+        heat, weight, reserve = self.later_stage
+        return [*self.first_stages, *(Stage(heat / 2**k, weight, reserve / 2**k) for k in halvings)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RepairSettings:
+    """From tours that see all samples to a plan that the judge passes.
+
+    rounds: of repair and judgement.
+    over_budget_limit: tours over a budget by at most this share of it are repaired further.
+    tight_reserve: tours that leave less of a budget than this share are tight.
+    tight_range_margin: share of the range margin that is kept while tight tours are bent.
+    tight_bend: tight tours are bent this much farther than to what they miss, as a share of the reach.
+    roomy_bend: the same of other tours.
+    tight_bend_growth: by which that grows in every round, as a share of the range margin.
+    roomy_bend_growth: the same of other tours, and of all where linear programs are not used.
+    bending_steps: linear programs of one round.
+    new_points: at most this many of the places that the judge found unmet become samples in one round.
+    stuck_rounds: the repair ends if the judge finds as many places unmet in this many rounds.
+    visits: at most this many places are visited in a round because the repair is stuck.
+    reroutes: at most this many times tours are led another way because bodies touch.
+    length_weight: of a metre while legs are bent at random.
+    budget_penalty: of a metre over a budget while legs are bent or shortened at random.
+    tightening_coverage_weight: multiple of the weight of seeing while tours are shortened at random.
+    tightening_reserve: share of the budgets below which they are shortened.
+    tightening_moves: random moves that shorten them.
+    """
+
+    rounds: int
+    over_budget_limit: float
+    tight_range_margin: float
+    tight_bend: float
+    tightening_moves: int
+    tight_reserve: float = 0.02
+    roomy_bend: float = 0.02
+    tight_bend_growth: float = 0.03
+    roomy_bend_growth: float = 0.25
+    bending_steps: int = 25
+    new_points: int = 1_500
+    stuck_rounds: int = 4
+    visits: int = 12
+    reroutes: int = 3
+    length_weight: float = 0.3
+    budget_penalty: float = 6.0
+    tightening_coverage_weight: float = 20.0
+    tightening_reserve: float = 0.01
+
+    @property
+    def patient_rounds(self) -> int:
+        """Rounds where there is nothing else left to try."""
+        return 3 * self.rounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class FixedTeamSettings:
+    """The smallest worst ratio of gap to period that a fixed number of robots reaches.
+
+    tries: multiples of the periods that are tried.
+    nearness: the search ends once a multiple that passed is at most this factor above one that failed.
+    new_allocations: whether new tours are tried too once some have passed.
+    growth: while none has passed, the next multiple tried is larger by this factor.
+    passed_weight: the next multiple lies this share of the way, of logarithms, from one that failed to one that passed.
+    least: smaller multiples are not tried.
+    """
+
+    tries: int
+    nearness: float
+    new_allocations: bool
+    growth: float = 1.25
+    passed_weight: float = 0.65
+    least: float = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepingSettings:
+    """The traditional methods.
+
+    tries: proposals that are repaired and judged.
+    groupings: at most this many ways to group the period classes are tried.
+    angles: directions of lanes, the most promising, for which routes are laid.
+    reserves: shares of the budgets kept for the repair, the next one where the one before was too little.
+    """
+
+    tries: int
+    angles: int
+    groupings: int = 8
+    reserves: tuple[float, ...] = (0.0, 0.02, 0.05, 0.1, 0.2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistrictSettings:
+    """Large ground, which is planned in districts.
+
+    enough: lanes are kept if their robots are at most this multiple of the fewest there can be.
+    large_from: ground of a larger area, in squares of the reach, is large.
+    most_area: of a district that is searched by itself, in squares of the reach.
+    margin: reaches round a district in which its robots may go.
+    """
+
+    enough: float
+    large_from: float = 4_000.0
+    most_area: float = 8_000.0
+    margin: float = 4.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchSettings:
+    """All stages of one search."""
+
+    allocation: AllocationSettings
+    team_size: TeamSizeSettings
+    screening: ScreeningSettings
+    multistart: MultistartSettings
+    annealing: AnnealingSettings
+    alternation: AlternationSettings
+    repair: RepairSettings
+    fixed_team: FixedTeamSettings
+    sweeping: SweepingSettings
+    districts: DistrictSettings

@@ -1,0 +1,76 @@
+"""More effort begins with what the lesser efforts find, on a coarser lattice, and never takes more robots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from tests.planners.patrol.searching import YARD, search_on
+
+from rota.check import check_plan
+from rota.plan import Plan
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.efforts import EFFORTS, QUICK
+from rota.planners.patrol.ground import problem as problem_module
+from rota.planners.patrol.methods.fewest.search import fewest_robots, reduce_team, with_less_effort
+from rota.planners.patrol.repair.repair import Repaired
+from rota.planners.patrol.verdict import Verdict
+
+
+def test_less_effort_keeps_the_bound_and_lays_a_coarser_lattice() -> None:
+    normal = replace(search_on(YARD.with_effort("normal")), bound=ProvedBound(robots=7, reason="so"), enough_robots=9)
+    quick = with_less_effort(normal, "quick")
+    assert quick.problem.spacing_m == pytest.approx(1.5 * normal.problem.spacing_m)
+    assert quick.settings == EFFORTS["quick"] != normal.settings
+    assert (quick.bound, quick.enough_robots) == (normal.bound, 9)
+
+
+@pytest.fixture(scope="module")
+def first() -> Repaired:
+    """The quick search's plan."""
+    return fewest_robots(search_on(YARD))
+
+
+def test_more_effort_is_spent_only_while_fewer_robots_may_do(first: Repaired) -> None:
+    told: list[float] = []
+    normal = search_on(YARD.with_effort("normal"))
+    found = fewest_robots(replace(normal, progress=lambda share, _what: told.append(share)))
+    # two robots are the bound, and the least effort, the first half of the search, finds them
+    assert (found.robots, found.plan.lower_bound_robots) == (2, 2)
+    assert found.plan.mission == normal.problem.mission
+    assert [tour.vertices_m.tolist() for tour in found.tours] == [tour.vertices_m.tolist() for tour in first.tours]
+    assert 0 < max(told) < 0.5
+
+
+def never_content(plan: Plan) -> Verdict:
+    return replace(check_plan(plan), verdict="violated")
+
+
+def hasty(context: Context) -> Context:
+    """The search with hardly any moves, and a judge whom nothing suits."""
+    settings = replace(
+        QUICK,
+        screening=replace(QUICK.screening, moves=10),
+        annealing=replace(QUICK.annealing, moves=10),
+    )
+    return replace(context, settings=settings, judge=never_content)
+
+
+def test_the_best_of_less_effort_is_kept_when_more_finds_no_better(first: Repaired) -> None:
+    assert reduce_team(replace(hasty(search_on(YARD)), enough_robots=1), first) is first
+
+
+def test_fewer_robots_on_ragged_ground_are_looked_for_where_the_settings_say_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(problem_module, "MOST_DENSE", 0)
+    told: list[str] = []
+    ragged = replace(search_on(YARD), progress=lambda _share, what: told.append(what))
+    assert ragged.problem.is_ragged
+    found = reduce_team(ragged, None)
+    assert check_plan(found.plan).verdict == "met"
+    assert not any("trying" in what for what in told)
+    searches = replace(QUICK, team_size=replace(QUICK.team_size, searches_ragged=True))
+    reduce_team(replace(ragged, settings=searches, should_stop=lambda: any("trying" in what for what in told)), None)
+    assert any("trying" in what for what in told)
