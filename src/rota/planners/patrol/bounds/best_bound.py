@@ -18,7 +18,6 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
-from rota.planners.patrol.bounds.sweep_and_travel_bound import sweep_and_travel_bound
 from rota.planners.patrol.bounds.witness_points import Witnesses, witnesses_of
 from rota.planners.patrol.ground.problem import Problem
 
@@ -40,7 +39,6 @@ def prove_bound(problem: Problem) -> ProvedBound:
         ProvedBound(robots=1, reason="something is asked, and it can be seen"),
         *_by_rates(regions, seeable_m2, robot),
         groups_bound(pieces, robot),
-        sweep_and_travel_bound(pieces, robot),
         straight_chain_bound(problem, robot),
     ]
     if witnesses.components > 1:

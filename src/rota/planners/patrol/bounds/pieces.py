@@ -56,15 +56,15 @@ def ground_pieces(regions: Sequence[DemandedRegion], seeable_m2: Sequence[float]
     )
 
 
-def groupings(pieces: Pieces, robot: Robot, *, from_m: float = 0.0) -> Iterator[tuple[list[Ints], Floats]]:
+def groupings(pieces: Pieces, robot: Robot) -> Iterator[tuple[list[Ints], Floats]]:
     """Groups of pieces, and the least distances gaps_m (m, m) between places in range of two of the groups.
 
-    For each period the pieces with that or a shorter one are grouped by single linkage, at several thresholds from
-    ``from_m`` up. Each group is an array of numbers of pieces.
+    For each period the pieces with that or a shorter one are grouped by single linkage, at several thresholds.
+    Each group is an array of numbers of pieces.
     """
     for period_s in np.unique(pieces.period_s):
         asked = np.flatnonzero(pieces.period_s <= period_s)
-        for label in _linkages(pieces.away_m[np.ix_(asked, asked)], from_m):
+        for label in _linkages(pieces.away_m[np.ix_(asked, asked)]):
             groups = [asked[label == k] for k in range(int(label.max()) + 1)]
             yield groups, _gaps(pieces, groups, robot)
 
@@ -74,10 +74,10 @@ def seen_within_m2(robot: Robot, window_s: Floats | float) -> Floats | float:
     return sweep_m2_s(robot) * window_s + footprint_m2(robot)
 
 
-def _linkages(away_m: Floats, from_m: float) -> Iterator[Ints]:
-    """Labels (n,) from 0 on of single linkage clusters, at thresholds from ``from_m`` up; away_m: (n, n)."""
+def _linkages(away_m: Floats) -> Iterator[Ints]:
+    """Labels (n,) from 0 on of single linkage clusters, at thresholds from 0 up; away_m: (n, n)."""
     first, second, length = shortest_tree(away_m)
-    steps = np.unique(np.concatenate([[from_m], length[length > from_m]]))
+    steps = np.unique(np.append(0.0, length))
     if len(steps) > MOST_LINKAGES:
         steps = steps[np.unique(np.linspace(0, len(steps) - 1, MOST_LINKAGES).astype(np.int64))]
     for step in steps:
