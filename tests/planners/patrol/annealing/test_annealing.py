@@ -30,7 +30,7 @@ from rota.planners.patrol.annealing.state_kernels import (
 )
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.ground.sample_kernels import Samples, leg_sees
+from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.initial.first_tours import first_tours
 from rota.planners.patrol.tours.tour import Tour, split_legs, tour_length_m, turns_rad, without_repeats
 
@@ -218,12 +218,12 @@ def assert_books_are_true(search: Annealing) -> None:
         for v in ring:
             w = state.after[v]
             ends = (state.x[v], state.y[v], state.x[w], state.y[w])
-            sensor = (state.reach_m[k], state.square[k], state.period_class[k], samples, out)
+            sensor, rest = (state.reach_m[k], state.square[k]), (state.period_class[k], samples, out)
             runs = state.seen[state.slot[v], : state.seen_n[state.slot[v]]]
-            if runs.tolist() != out[: leg_sees(*ends, *sensor)].tolist():
+            if runs.tolist() != out[: leg_sees(Leg(*ends, *sensor), *rest)].tolist():
                 # what is seen from the very end of a leg, past a corner that it touches, depends on the direction in
                 # which the leg was made
-                assert runs.tolist() == out[: leg_sees(*ends[2:], *ends[:2], *sensor)].tolist()
+                assert runs.tolist() == out[: leg_sees(Leg(*ends[2:], *ends[:2], *sensor), *rest)].tolist()
             for first, end in runs.reshape(-1, 2):
                 times_seen[first:end] += 1
     assert state.times_seen.tolist() == times_seen.tolist()
@@ -257,7 +257,7 @@ def seen_from(state: Tours, samples: Samples, k: int, places: Sequence[tuple[flo
     times = np.zeros(len(samples.x), dtype=np.int64)
     out = np.empty(2 * len(samples.x), dtype=np.int32)
     for a, b in pairwise(places):
-        count = leg_sees(*a, *b, state.reach_m[k], state.square[k], state.period_class[k], samples, out)
+        count = leg_sees(Leg(*a, *b, state.reach_m[k], state.square[k]), state.period_class[k], samples, out)
         for first, end in out[:count].reshape(-1, 2):
             times[first:end] += 1
     return times

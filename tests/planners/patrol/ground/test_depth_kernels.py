@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rota.planners.patrol.ground.depth_kernels import depths
-from rota.planners.patrol.ground.sample_kernels import Samples, leg_sees
+from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.samples import points_of, prepare
 from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, turned
 
@@ -30,7 +30,7 @@ def rooms(rng: np.random.Generator, count: int) -> Floats:
 
 def runs(leg: Floats, square: int, samples: Samples) -> list[int]:
     out = np.empty(2 * len(samples.x), dtype=np.int32)
-    return out[: leg_sees(*leg, 3.0, square, 0, samples, out)].tolist()
+    return out[: leg_sees(Leg(*leg, 3.0, square), 0, samples, out)].tolist()
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -12,9 +12,9 @@ from shapely import LineString, MultiPolygon, Polygon, box
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import border_segments
-from rota.planners.patrol.ground.sample_kernels import Samples, leg_sees
+from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.samples import SamplePoints, joined, lattice_places, points_of, prepare
-from rota.planners.patrol.ground.sight_kernels import range_interval
+from rota.planners.patrol.ground.sight_kernels import Line, range_interval
 
 Floats = NDArray[np.float64]
 NO_WALLS = np.zeros((0, 4))
@@ -46,7 +46,7 @@ def items(
 ) -> list[int]:
     """The samples of the runs that ``leg_sees`` tells; no run is empty or reaches past the last sample."""
     out = np.empty(2 * len(samples.x), dtype=np.int32)
-    runs = out[: leg_sees(ax, ay, bx, by, reach, square, serves, samples, out)].reshape(-1, 2)
+    runs = out[: leg_sees(Leg(ax, ay, bx, by, reach, square), serves, samples, out)].reshape(-1, 2)
     assert (runs[:, 0] < runs[:, 1]).all()
     assert (runs <= len(samples.x)).all()
     return [i for first, end in runs for i in range(first, end)]
@@ -247,13 +247,13 @@ def test_too_little_room_is_told() -> None:
     # of six points in one bin every second one is seen: three runs, two numbers each
     points = points_of(np.array([[0.0, 0.9 + 0.2 * (i % 2)] for i in range(6)]), 1.0, 0, 0)
     s = scene(points, NO_WALLS, 4.0)
-    assert leg_sees(0.0, 0.0, 1.0, 0.0, 1.0, 0, 0, s.samples, np.empty(5, dtype=np.int32)) == -1
-    assert leg_sees(0.0, 0.0, 1.0, 0.0, 1.0, 0, 0, s.samples, np.empty(6, dtype=np.int32)) == 6
+    assert leg_sees(Leg(0.0, 0.0, 1.0, 0.0, 1.0, 0), 0, s.samples, np.empty(5, dtype=np.int32)) == -1
+    assert leg_sees(Leg(0.0, 0.0, 1.0, 0.0, 1.0, 0), 0, s.samples, np.empty(6, dtype=np.int32)) == 6
     grid = scene(lattice_of(box(0, 0, 6, 6), 1.0), NO_WALLS, 4.0)
-    assert leg_sees(3.0, 3.0, 3.0, 3.0, 1.0, 0, 0, grid.samples, np.empty(3, dtype=np.int32)) == -1
-    assert leg_sees(3.0, 3.0, 3.0, 3.0, 1.0, 0, 0, grid.samples, np.empty(4, dtype=np.int32)) == 4
+    assert leg_sees(Leg(3.0, 3.0, 3.0, 3.0, 1.0, 0), 0, grid.samples, np.empty(3, dtype=np.int32)) == -1
+    assert leg_sees(Leg(3.0, 3.0, 3.0, 3.0, 1.0, 0), 0, grid.samples, np.empty(4, dtype=np.int32)) == 4
     # rows of nothing but seen samples that follow each other are one run
-    assert leg_sees(3.0, 3.0, 3.0, 3.0, 9.0, 0, 0, grid.samples, np.empty(2, dtype=np.int32)) == 2
+    assert leg_sees(Leg(3.0, 3.0, 3.0, 3.0, 9.0, 0), 0, grid.samples, np.empty(2, dtype=np.int32)) == 2
 
 
 def lattice_of(
@@ -299,7 +299,7 @@ def test_the_interval_in_range_against_dense_times() -> None:
         p, d = rng.normal(0, 5, 2), rng.normal(0, 6, 2) * rng.choice([0.0, 1.0], 2, p=[0.2, 0.8])
         square, reach = int(rng.integers(0, 2)), 4.0
         inside = in_range(np.zeros(2), p + t[:, None] * d, reach, bool(square))
-        first, last = range_interval(p[0], p[1], d[0], d[1], reach, square)
+        first, last = range_interval(Line(p[0], p[1], d[0], d[1]), reach, square)
         if not inside.any():
             assert last - first < 1e-3
             continue

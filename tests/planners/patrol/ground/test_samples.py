@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, Point, Polygon, affinity, box
 
 from rota.geometry.free_space import DemandedRegion, border_segments
-from rota.planners.patrol.ground.sample_kernels import leg_sees
+from rota.planners.patrol.ground.sample_kernels import Leg, leg_sees
 from rota.planners.patrol.ground.samples import (
     border,
     joined,
@@ -186,7 +186,7 @@ def test_walls_in_reach_are_in_reach_and_enough() -> None:
             way = (leg[0], leg[1], leg[0] + leg[2], leg[1] + leg[3])
             if LineString([way[:2], way[2:]]).intersects(shape):
                 continue
-            some, all_ = (out[: leg_sees(*way, 7.0, 0, 0, s, out)].tolist() for s in (samples, everything))
+            some, all_ = (out[: leg_sees(Leg(*way, 7.0, 0), 0, s, out)].tolist() for s in (samples, everything))
             assert some == all_
             compared += int(np.diff(np.reshape(some, (-1, 2)), axis=1).sum())
     assert dropped > 1000

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.ground.sample_kernels import Index, Samples, leg_sees
+from rota.planners.patrol.ground.sample_kernels import Index, Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
 Floats = NDArray[np.float64]
@@ -189,7 +189,7 @@ def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: T
         t.ints[FULL] = 1
         return False
     slot = t.free_slots[left - 1]
-    found = leg_sees(ax, ay, bx, by, t.reach_m[k], t.square[k], t.period_class[k], s, t.seen[slot])
+    found = leg_sees(Leg(ax, ay, bx, by, t.reach_m[k], t.square[k]), t.period_class[k], s, t.seen[slot])
     if found < 0:
         t.ints[FULL] = 1
         return False

@@ -1,4 +1,4 @@
-"""Compiled loops of the patrol planner: what a leg sees. Arrays are float64 and int64: one compilation serves all."""
+"""Compiled loops that tell which samples a leg sees. Arrays have fixed types: one compilation serves all."""
 
 from __future__ import annotations
 
@@ -8,7 +8,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.ground.sight_kernels import STANDING_M2, TOUCH_M, compiled, in_sight, inlined, range_interval
+from rota.planners.patrol.ground.sight_kernels import (
+    DEPTH_SECTORS,
+    STANDING_M2,
+    TOUCH_M,
+    Line,
+    all_hidden,
+    compiled,
+    hidden_until,
+    inlined,
+    nearest_in_range,
+    range_interval,
+    turned,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -16,9 +28,14 @@ Index = np.uint64  # in the hottest loops: each index that may be negative costs
 
 
 class Samples(NamedTuple):
-    """Points that must be seen: those of lattices row by row, then all others by bins; see ``samples.py``.
+    """Points (n) that must be seen: those of lattices row by row, then all others by bins; see ``samples.py``.
 
-    depth2: how far each sees in each sector of directions; see ``depth_kernels.py``.
+    x, y, weight, period, visit_m, shrink_m: (n,), as ``SamplePoints`` has them. Point i has the walls
+    wall_item[wall_start[i] : wall_start[i + 1]] near it, rows of walls (k, 4). next_walled: (n,) the first point from i
+    on that has any. depth2: (n, 2, DEPTH_SECTORS) how far each point sees, see ``depth_kernels.py``. frames (f, 4),
+    frame_ints (f, 4), column_start: the lattices, see ``samples.lattice_frames``. bin_start: where each bin of the
+    other points begins; bins: (2,) how many columns and rows there are. origin: (5,) metres, the least x and y of all
+    points, the side of a bin, the farthest that a visit is served from, and ``hidden_until``'s corner.
     """
 
     x: Floats
@@ -40,17 +57,46 @@ class Samples(NamedTuple):
     bins: Ints
 
 
+class Leg(NamedTuple):
+    """A straight way from a to b, in metres, and the sensor that is taken along it.
+
+    reach: metres, a disc's radius or half a square's side; square: 1 for a square, 0 for a disc.
+    """
+
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    reach: float
+    square: int
+
+
+class Lane(NamedTuple):
+    """What is in range of a leg from a along d: the leg, 1 / dy (0 for a level leg), and the reach r in metres.
+
+    (nx, ny): across the leg, as long as the reach.
+    """
+
+    ax: float
+    ay: float
+    dx: float
+    dy: float
+    per_dy: float
+    nx: float
+    ny: float
+    r: float
+
+
 @inlined
-def square_row(
-    ax: float, ay: float, dx: float, dy: float, per_dy: float, reach: float, y: float
-) -> tuple[float, float]:  # fmt: skip
-    """Least and greatest x at height y that a square's range sweeps on the leg from a along d; first > last: none."""
+def square_row(lane: Lane, y: float) -> tuple[float, float]:
+    """Least and greatest x at height y that a square's range sweeps on the leg; the first is greater: none."""
+    ax, ay, dx, dy, reach = lane.ax, lane.ay, lane.dx, lane.dy, lane.r
     first, last = 0.0, 1.0
     if dy == 0.0:
         if abs(y - ay) > reach:
             return 1.0, 0.0
     else:
-        t0, t1 = (y - reach - ay) * per_dy, (y + reach - ay) * per_dy
+        t0, t1 = (y - reach - ay) * lane.per_dy, (y + reach - ay) * lane.per_dy
         first, last = max(0.0, min(t0, t1)), min(1.0, max(t0, t1))
         if first > last:
             return 1.0, 0.0
@@ -59,13 +105,9 @@ def square_row(
 
 
 @inlined
-def disc_row(
-    ax: float, ay: float, dx: float, dy: float, per_dy: float, nx: float, ny: float, reach: float, y: float
-) -> tuple[float, float]:
-    """Least and greatest x at height y that a disc's range sweeps on the leg from a along d; first > last: none.
-
-    (nx, ny): across the leg, as long as the reach.
-    """
+def disc_row(lane: Lane, y: float) -> tuple[float, float]:
+    """Least and greatest x at height y that a disc's range sweeps on the leg; the first is greater: none."""
+    ax, ay, dx, dy, reach = lane.ax, lane.ay, lane.dx, lane.dy, lane.r
     left, right = math.inf, -math.inf
     up = y - ay
     under = reach * reach - up * up
@@ -79,163 +121,175 @@ def disc_row(
         left, right = min(left, ax + dx - wide), max(right, ax + dx + wide)
     if dy != 0.0:
         # the straight sides of the lane
-        t = (y - ay - ny) * per_dy
+        t = (y - ay - lane.ny) * lane.per_dy
         if 0 <= t <= 1:
-            x = ax + nx + t * dx
+            x = ax + lane.nx + t * dx
             left, right = min(left, x), max(right, x)
-        t = (y - ay + ny) * per_dy
+        t = (y - ay + lane.ny) * lane.per_dy
         if 0 <= t <= 1:
-            x = ax - nx + t * dx
+            x = ax - lane.nx + t * dx
             left, right = min(left, x), max(right, x)
     return left, right
 
 
 @inlined
-def nearest_in_range(
-    px: float, py: float, dx: float, dy: float, per_aa: float, reach: float, square: int, slack: float
-) -> float:
-    """A leg parameter (of p + t d) at which the origin is in range, near its nearest approach; -1 when there is none.
+def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samples) -> bool:
+    """Whether sample i is in range and not hidden somewhere on a leg; line: the leg as the sample sees it.
 
-    slack: squared metres by which a disc may fall short, for what was found in range by another formula.
+    near: a leg parameter in range, where sight is likeliest. Mostly one look from there is enough, and mostly the
+    depths tell what comes of it. They change nothing of the answer.
     """
-    t = 0.0
-    if per_aa > 0:
-        t = -(px * dx + py * dy) * per_aa
-        t = 0.0 if t < 0 else (1.0 if t > 1 else t)
-    if square:
-        first, last = range_interval(px, py, dx, dy, reach, square)
-        if first > last:
-            return -1.0
-        return first if t < first else (last if t > last else t)
-    qx, qy = px + t * dx, py + t * dy
-    return t if qx * qx + qy * qy <= reach * reach + slack else -1.0
+    cx, cy, corner, begin, end = s.x[i], s.y[i], s.origin[4], s.wall_start[i], s.wall_start[i + 1]
+    walls, items, depth2 = s.walls, s.wall_item, s.depth2
+    qx, qy = line.px + near * line.dx, line.py + near * line.dy
+    near2 = qx * qx + qy * qy
+    if near2 < depth2[i, 0, int(turned(qx, qy)) % DEPTH_SECTORS]:
+        return True
+    hidden = False
+    for j in range(begin, end):
+        k = items[j]
+        ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
+        if hidden_until(near, ux, uy, vx, vy, line, corner) > near:
+            hidden = True
+            break
+    if not hidden:
+        return True
+    if line.dx * line.dx + line.dy * line.dy < STANDING_M2:
+        return False
+    t, last = range_interval(line, reach, square)
+    ex, ey = line.px + last * line.dx, line.py + last * line.dy
+    if all_hidden(line.px + t * line.dx, line.py + t * line.dy, ex, ey, near2, depth2, i):
+        return False
+    moved = True
+    while moved:
+        moved = False
+        for j in range(begin, end):
+            k = items[j]
+            ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
+            until = hidden_until(t, ux, uy, vx, vy, line, corner)
+            if until > t:
+                if until >= last:
+                    return False
+                t = until + 1e-12
+                moved = True
+    return True
 
 
 @compiled
-def leg_sees(
-    ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any
-) -> int:
-    """Write what the leg a-b sees of the samples of period class >= serves, as runs: first index, one past the last.
+def leg_sees(leg: Leg, period_class: int, s: Samples, out: Any) -> int:
+    """Write what the leg sees of the samples of this period class or a longer one: first index, one past the last.
 
-    Returns how many numbers were written, two for each run, or -1 if ``out`` is short. No two runs share a sample.
+    Returns how many numbers it wrote to ``out``, two for each run, or -1 if that is short. No two runs share a sample.
     """
-    found = lattice_runs(ax, ay, bx, by, reach, square, serves, s, out)
-    if found < 0:
-        return found
-    return loose_runs(ax, ay, bx, by, reach, square, serves, s, out, found)
+    written = lattice_runs(leg, period_class, s, out)
+    if written < 0:
+        return written
+    return loose_runs(leg, period_class, s, out, written)
 
 
 @compiled
-def lattice_runs(
-    ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any
-) -> int:
-    """The part of ``leg_sees`` that lies on lattices: row by row, one look at a time only where walls are near."""
-    xs, ys = s.x, s.y
-    wall_start, wall_item, walls, next_walled = s.wall_start, s.wall_item, s.walls, s.next_walled
-    frames, ints, column_start, corner = s.frames, s.frame_ints, s.column_start, s.origin[4]
-    depth2 = s.depth2
-    dx, dy = bx - ax, by - ay
+def lattice_runs(leg: Leg, period_class: int, s: Samples, out: Any) -> int:
+    """The part of ``leg_sees`` that lies on lattices."""
+    dx, dy = leg.bx - leg.ax, leg.by - leg.ay
     aa = dx * dx + dy * dy
     per_aa = 1 / aa if aa >= STANDING_M2 else 0.0
     per_dy = 1 / dy if dy != 0.0 else 0.0
     per_leg = 1 / math.sqrt(aa) if aa > 0 else 0.0
-    found, room = 0, out.shape[0] - 1
-    for f in range(frames.shape[0]):
-        r = reach - frames[f, 3]
-        if ints[f, 0] < serves or r < 0:
+    written = 0
+    for f in range(s.frames.shape[0]):
+        r = leg.reach - s.frames[f, 3]
+        if s.frame_ints[f, 0] < period_class or r < 0:
             continue
-        left, low, step = frames[f, 0], frames[f, 1], frames[f, 2]
-        rows, columns, table = ints[f, 1], ints[f, 2], ints[f, 3]
-        row0 = max(0, math.ceil((min(ay, by) - r - low) / step))
-        row1 = min(rows - 1, math.floor((max(ay, by) + r - low) / step))
-        if max(ax, bx) + r < left or min(ax, bx) - r > left + columns * step:
-            continue
-        per_step = 1 / step
-        nx, ny = -dy * per_leg * r, dx * per_leg * r
-        for row in range(row0, row1 + 1):
-            y = low + row * step
-            if square:
-                x0, x1 = square_row(ax, ay, dx, dy, per_dy, r, y)
-            else:
-                x0, x1 = disc_row(ax, ay, dx, dy, per_dy, nx, ny, r, y)
-            if x0 > x1 or x1 < left or x0 > left + columns * step:
-                continue
-            c0 = max(0, math.ceil((x0 - left) * per_step))
-            c1 = min(columns, math.floor((x1 - left) * per_step) + 1)
-            if c0 >= c1:
-                continue
-            at = table + row * (columns + 1)
-            i, end = np.int64(column_start[at + c0]), np.int64(column_start[at + c1])
-            while i < end:
-                until = min(end, next_walled[i])
-                if until == i:
-                    cx, cy = xs[i], ys[i]
-                    px, py = ax - cx, ay - cy
-                    t = nearest_in_range(px, py, dx, dy, per_aa, r, square, TOUCH_M)
-                    first, last = wall_start[i], wall_start[i + 1]
-                    if t < 0 or not in_sight(
-                        px, py, dx, dy, t, r, square, cx, cy, walls, wall_item, first, last, corner, depth2, i
-                    ):
-                        i += 1
-                        continue
-                    until = i + 1
-                if found > 0 and out[found - 1] == i:
-                    out[found - 1] = until
-                else:
-                    if found >= room:
-                        return -1
-                    out[found], out[found + 1] = i, until
-                    found += 2
-                i = until
-    return found
+        lane = Lane(leg.ax, leg.ay, dx, dy, per_dy, -dy * per_leg * r, dx * per_leg * r, r)
+        written = frame_runs(f, leg, lane, per_aa, s, out, written)
+        if written < 0:
+            return -1
+    return written
 
 
 @compiled
-def loose_runs(
-    ax: float, ay: float, bx: float, by: float, reach: float, square: int, serves: int, s: Samples, out: Any, found: int
-) -> int:
-    """The part of ``leg_sees`` that lies on no lattice, bin by bin; ``found`` numbers have been written before."""
+def frame_runs(f: int, leg: Leg, lane: Lane, per_aa: float, s: Samples, out: Any, written: int) -> int:
+    """The part that lies on lattice f, row by row; samples are asked one by one only where walls are near."""
+    xs, ys, next_walled, column_start, square = s.x, s.y, s.next_walled, s.column_start, leg.square
+    left, low, step = s.frames[f, 0], s.frames[f, 1], s.frames[f, 2]
+    rows, columns, table = s.frame_ints[f, 1], s.frame_ints[f, 2], s.frame_ints[f, 3]
+    row0 = max(0, math.ceil((min(leg.ay, leg.by) - lane.r - low) / step))
+    row1 = min(rows - 1, math.floor((max(leg.ay, leg.by) + lane.r - low) / step))
+    if max(leg.ax, leg.bx) + lane.r < left or min(leg.ax, leg.bx) - lane.r > left + columns * step:
+        return written
+    per_step, room = 1 / step, out.shape[0] - 1
+    for row in range(row0, row1 + 1):
+        y = low + row * step
+        if square:
+            x0, x1 = square_row(lane, y)
+        else:
+            x0, x1 = disc_row(lane, y)
+        if x0 > x1 or x1 < left or x0 > left + columns * step:
+            continue
+        c0 = max(0, math.ceil((x0 - left) * per_step))
+        c1 = min(columns, math.floor((x1 - left) * per_step) + 1)
+        if c0 >= c1:
+            continue
+        at = table + row * (columns + 1)
+        i, end = np.int64(column_start[at + c0]), np.int64(column_start[at + c1])
+        while i < end:
+            until = min(end, next_walled[i])
+            if until == i:
+                line = Line(leg.ax - xs[i], leg.ay - ys[i], lane.dx, lane.dy)
+                t = nearest_in_range(line, per_aa, lane.r, square, TOUCH_M)
+                if t < 0 or not in_sight(line, t, lane.r, square, i, s):
+                    i += 1
+                    continue
+                until = i + 1
+            if written > 0 and out[written - 1] == i:
+                out[written - 1] = until
+            else:
+                if written >= room:
+                    return -1
+                out[written], out[written + 1] = i, until
+                written += 2
+            i = until
+    return written
+
+
+@compiled
+def loose_runs(leg: Leg, period_class: int, s: Samples, out: Any, written: int) -> int:
+    """The part of ``leg_sees`` that lies on no lattice, bin by bin; so many numbers have been written before."""
     # local names: the loop below runs over everything near every leg that is ever tried
     xs, ys, period, visit, shrink = s.x, s.y, s.period, s.visit_m, s.shrink_m
-    wall_start, wall_item, walls, bin_start, depth2 = s.wall_start, s.wall_item, s.walls, s.bin_start, s.depth2
-    left, low, cell, farthest, corner = s.origin[0], s.origin[1], s.origin[2], s.origin[3], s.origin[4]
+    wall_start, bin_start = s.wall_start, s.bin_start
+    left, low, cell = s.origin[0], s.origin[1], s.origin[2]
     columns, rows = s.bins[0], s.bins[1]
-    far = max(reach * (1.4142135623730951 if square else 1.0), farthest)
-    x0 = max(0, int((min(ax, bx) - far - left) / cell))
-    x1 = min(columns - 1, int((max(ax, bx) + far - left) / cell))
-    y0 = max(0, int((min(ay, by) - far - low) / cell))
-    y1 = min(rows - 1, int((max(ay, by) + far - low) / cell))
-    dx, dy = bx - ax, by - ay
+    far = max(leg.reach * (1.4142135623730951 if leg.square else 1.0), s.origin[3])
+    x0 = max(0, int((min(leg.ax, leg.bx) - far - left) / cell))
+    x1 = min(columns - 1, int((max(leg.ax, leg.bx) + far - left) / cell))
+    y0 = max(0, int((min(leg.ay, leg.by) - far - low) / cell))
+    y1 = min(rows - 1, int((max(leg.ay, leg.by) + far - low) / cell))
+    dx, dy = leg.bx - leg.ax, leg.by - leg.ay
     aa = dx * dx + dy * dy
     per_aa = 1 / aa if aa >= STANDING_M2 else 0.0
     room = out.shape[0] - 1
     if x0 > x1:
-        return found
+        return written
     for row in range(y0, y1 + 1):
         # the bins of a row follow each other, and most are empty
         for i in range(bin_start[row * columns + x0], bin_start[row * columns + x1 + 1]):
-            if period[i] < serves:
+            if period[i] < period_class:
                 continue
-            cx, cy = xs[i], ys[i]
-            px, py = ax - cx, ay - cy
-            r, wide = reach - shrink[i], square
+            line = Line(leg.ax - xs[i], leg.ay - ys[i], dx, dy)
+            r, wide = leg.reach - shrink[i], leg.square
             if visit[i] > 0:
                 r, wide = visit[i], 0
-            t = nearest_in_range(px, py, dx, dy, per_aa, r, wide, 0.0)
+            t = nearest_in_range(line, per_aa, r, wide, 0.0)
             if t < 0:
                 continue
-            first, last = wall_start[i], wall_start[i + 1]
-            if (
-                visit[i] == 0
-                and last > first
-                and not in_sight(px, py, dx, dy, t, r, wide, cx, cy, walls, wall_item, first, last, corner, depth2, i)
-            ):
+            if visit[i] == 0 and wall_start[i + 1] > wall_start[i] and not in_sight(line, t, r, wide, i, s):
                 continue
-            if found > 0 and out[found - 1] == i:
-                out[found - 1] = i + 1
+            if written > 0 and out[written - 1] == i:
+                out[written - 1] = i + 1
                 continue
-            if found >= room:
+            if written >= room:
                 return -1
-            out[found], out[found + 1] = i, i + 1
-            found += 2
-    return found
+            out[written], out[written + 1] = i, i + 1
+            written += 2
+    return written

@@ -1,10 +1,10 @@
-"""Compiled loops that ask whether a point is in range and in sight of a leg, past walls."""
+"""Compiled questions about one point and one leg: when the point is in range, and how long a wall hides it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from numba import njit
 
@@ -28,6 +28,15 @@ def inlined(function: Callable[..., Any]) -> Any:
     return njit(**OPTIONS, inline="always")(function)
 
 
+class Line(NamedTuple):
+    """A leg as a point sees it: from p along d, in metres, with the point at the origin. Places on it are p + t d."""
+
+    px: float
+    py: float
+    dx: float
+    dy: float
+
+
 @compiled
 def norm(dx: float, dy: float) -> float:
     """Length of a vector; the library's hypot guards against overflow, which costs more than all the rest here."""
@@ -35,14 +44,13 @@ def norm(dx: float, dy: float) -> float:
 
 
 @compiled
-def hidden_until(
-    t: float, ux: float, uy: float, vx: float, vy: float, px: float, py: float, dx: float, dy: float, corner: float
-) -> float:  # fmt: skip
+def hidden_until(t: float, ux: float, uy: float, vx: float, vy: float, line: Line, corner: float) -> float:
     """End of the interval of leg parameters round ``t`` in which a wall hides the origin, or t if it does not.
 
-    The wall runs from u to v, its obstacle on the left, the leg from p on along d, all seen from the hidden point. A
-    point that lies on the wall, farther than ``corner`` from its ends, is hidden from the obstacle's side.
+    The wall runs from u to v with its obstacle on the left, in metres from the hidden point. A point that lies on the
+    wall, farther than ``corner`` metres from its ends, is hidden from the obstacle's side.
     """
+    px, py, dx, dy = line.px, line.py, line.dx, line.dy
     wx, wy = vx - ux, vy - uy
     turn = ux * vy - uy * vx
     if turn < 0:
@@ -51,7 +59,7 @@ def hidden_until(
     at, slope = wy * (px - ux) - wx * (py - uy), wy * dx - wx * dy
     now = at + t * slope
     if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
-        if turn >= 0:  # the sign above is for the side away from the point: here it is the obstacle's that counts
+        if turn >= 0:  # the sign above is for the side away from the point; the side of the obstacle counts here
             at, slope, now = -at, -slope, -now
         now -= TOUCH_M * norm(wx, wy)
         if now <= 0 or ux * vx + uy * vy >= 0 or min(ux * ux + uy * uy, vx * vx + vy * vy) <= corner * corner:
@@ -76,8 +84,12 @@ def hidden_until(
 
 
 @compiled
-def range_interval(px: float, py: float, dx: float, dy: float, reach: float, square: int) -> tuple[float, float]:
-    """First and last leg parameter at which the origin is in range of p + t d; first > last when it never is."""
+def range_interval(line: Line, reach: float, square: int) -> tuple[float, float]:
+    """First and last leg parameter at which the origin is in range; first > last when it never is.
+
+    reach: metres, a disc's radius or, with ``square``, half a square's side.
+    """
+    px, py, dx, dy = line.px, line.py, line.dx, line.dy
     first, last = 0.0, 1.0
     if square:
         for axis in range(2):
@@ -101,6 +113,27 @@ def range_interval(px: float, py: float, dx: float, dy: float, reach: float, squ
     return max(0.0, (-ab - root) / aa), min(1.0, (-ab + root) / aa)
 
 
+@inlined
+def nearest_in_range(line: Line, per_aa: float, reach: float, square: int, slack: float) -> float:
+    """A leg parameter at which the origin is in range, near its nearest approach; -1 when there is none.
+
+    per_aa: 1 / (d . d), or 0 for a leg without length. slack: squared metres by which a disc may fall short, for points
+    that another formula told to be in range.
+    """
+    px, py, dx, dy = line.px, line.py, line.dx, line.dy
+    t = 0.0
+    if per_aa > 0:
+        t = -(px * dx + py * dy) * per_aa
+        t = 0.0 if t < 0 else (1.0 if t > 1 else t)
+    if square:
+        first, last = range_interval(line, reach, square)
+        if first > last:
+            return -1.0
+        return first if t < first else (last if t > last else t)
+    qx, qy = px + t * dx, py + t * dy
+    return t if qx * qx + qy * qy <= reach * reach + slack else -1.0
+
+
 @compiled
 def turned(x: float, y: float) -> float:
     """How far a direction is turned from the x axis to the left, in sectors (0 for none), which are not quite alike."""
@@ -115,7 +148,10 @@ def turned(x: float, y: float) -> float:
 
 @compiled
 def all_hidden(ax: float, ay: float, bx: float, by: float, near2: float, depth2: Any, i: int) -> bool:
-    """Whether all of a leg from a to b is known to be hidden from sample i; near2: squared metres to its nearest."""
+    """Whether all of a leg from a to b, in metres from sample i, is known to be hidden from it.
+
+    near2: squared metres to the leg's nearest place. depth2: (n, 2, DEPTH_SECTORS), as ``depth_kernels.depths`` tells.
+    """
     k, last = int(turned(ax, ay)) % DEPTH_SECTORS, int(turned(bx, by)) % DEPTH_SECTORS
     step = 1 if ax * by - ay * bx >= 0 else DEPTH_SECTORS - 1
     while depth2[i, 1, k] < near2:
@@ -123,46 +159,3 @@ def all_hidden(ax: float, ay: float, bx: float, by: float, near2: float, depth2:
             return True
         k = (k + step) % DEPTH_SECTORS
     return False
-
-
-@inlined
-def in_sight(
-    px: float, py: float, dx: float, dy: float, near: float, reach: float, square: int, cx: float, cy: float,
-    walls: Any, items: Any, begin: int, end: int, corner: float, depth2: Any, i: int,
-) -> bool:  # fmt: skip
-    """Whether c, sample i, is in range and not hidden somewhere on a leg that starts at c + p and runs along d.
-
-    near: a leg parameter in range, where sight is likeliest: mostly one look from there is enough, and mostly the
-    depths tell what comes of it; they change nothing of the answer.
-    """
-    qx, qy = px + near * dx, py + near * dy
-    near2 = qx * qx + qy * qy
-    if near2 < depth2[i, 0, int(turned(qx, qy)) % DEPTH_SECTORS]:
-        return True
-    hidden = False
-    for j in range(begin, end):
-        k = items[j]
-        ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-        if hidden_until(near, ux, uy, vx, vy, px, py, dx, dy, corner) > near:
-            hidden = True
-            break
-    if not hidden:
-        return True
-    if dx * dx + dy * dy < STANDING_M2:
-        return False
-    t, last = range_interval(px, py, dx, dy, reach, square)
-    if all_hidden(px + t * dx, py + t * dy, px + last * dx, py + last * dy, near2, depth2, i):
-        return False
-    moved = True
-    while moved:
-        moved = False
-        for j in range(begin, end):
-            k = items[j]
-            ux, uy, vx, vy = walls[k, 0] - cx, walls[k, 1] - cy, walls[k, 2] - cx, walls[k, 3] - cy
-            until = hidden_until(t, ux, uy, vx, vy, px, py, dx, dy, corner)
-            if until > t:
-                if until >= last:
-                    return False
-                t = until + 1e-12
-                moved = True
-    return True

@@ -8,27 +8,27 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from rota.planners.patrol.ground.sample_kernels import Samples, leg_sees
+from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import TOUCH_M
 
 MANY_WALLS, MOST_SECTORS = 40, 256  # from so many walls on round a point they are sorted by direction
 
 
 @njit(cache=True)
-def places_see(x: Any, y: Any, reach: float, square: int, serves: int, s: Samples, room: int) -> Any:
+def places_see(x: Any, y: Any, reach: float, square: int, period_class: int, s: Samples, room: int) -> Any:
     """Samples that each place sees: starts (n + 1,) and indices; no place sees more than ``room``."""
     n = x.shape[0]
     start = np.zeros(n + 1, dtype=np.int64)
     runs = np.empty(2 * room, dtype=np.int32)
     for i in range(n):
-        found = leg_sees(x[i], y[i], x[i], y[i], reach, square, serves, s, runs)
+        found = leg_sees(Leg(x[i], y[i], x[i], y[i], reach, square), period_class, s, runs)
         start[i + 1] = start[i]
         for j in range(0, found, 2):
             start[i + 1] += runs[j + 1] - runs[j]
     items = np.empty(start[n], dtype=np.int32)
     at = 0
     for i in range(n):
-        found = leg_sees(x[i], y[i], x[i], y[i], reach, square, serves, s, runs)
+        found = leg_sees(Leg(x[i], y[i], x[i], y[i], reach, square), period_class, s, runs)
         for j in range(0, found, 2):
             for sample in range(runs[j], runs[j + 1]):
                 items[at] = sample

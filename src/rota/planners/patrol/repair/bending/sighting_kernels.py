@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rota.planners.patrol.ground.sample_kernels import Samples, leg_sees
-from rota.planners.patrol.ground.sight_kernels import STANDING_M2, compiled, hidden_until, norm, range_interval
+from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
+from rota.planners.patrol.ground.sight_kernels import STANDING_M2, Line, compiled, hidden_until, norm, range_interval
 
 
 @compiled
@@ -61,7 +61,7 @@ def clear_from(
             k = s.wall_item[j]
             ux, uy = s.walls[k, 0] - cx, s.walls[k, 1] - cy
             vx, vy = s.walls[k, 2] - cx, s.walls[k, 3] - cy
-            until = hidden_until(t, ux, uy, vx, vy, px, py, dx, dy, corner)
+            until = hidden_until(t, ux, uy, vx, vy, Line(px, py, dx, dy), corner)
             if until > t:
                 if until >= last:
                     return math.inf
@@ -77,7 +77,7 @@ def clear_sighting(
     """The leg parameter nearest to ``near`` from which sample i is not hidden, of a leg from a along d that sees it."""
     cx, cy = s.x[i], s.y[i]
     px, py = ax - cx, ay - cy
-    first, last = range_interval(px, py, dx, dy, reach, square)
+    first, last = range_interval(Line(px, py, dx, dy), reach, square)
     after: float = clear_from(px, py, dx, dy, near, max(near, last), cx, cy, i, s)
     if after == near:
         return near
@@ -108,7 +108,7 @@ def best_sightings(
     for k in range(legs.shape[0]):
         ax, ay, bx, by = legs[k, 0], legs[k, 1], legs[k, 2], legs[k, 3]
         dx, dy = bx - ax, by - ay
-        found = leg_sees(ax, ay, bx, by, reach[k] + further, square[k], period_class[k], s, runs)
+        found = leg_sees(Leg(ax, ay, bx, by, reach[k] + further, square[k]), period_class[k], s, runs)
         if found < 0:
             return -1
         for run in range(0, found, 2):
