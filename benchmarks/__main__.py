@@ -13,7 +13,7 @@ from benchmarks.machine import facts
 from benchmarks.measured import PAGE, cell, kept_row, page_of, read_kept, replaced, write_kept
 from benchmarks.row import EFFORT_TAKEN, Options, Row
 from benchmarks.warm_cache import REPEATS, SHORT_S
-from rota.mission import Effort
+from rota.planners.patrol.planner_settings import Effort
 
 
 def main() -> None:

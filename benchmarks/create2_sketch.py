@@ -22,6 +22,7 @@ from rota.papers.alam2020 import maps
 from rota.papers.alam2020.monitoring_figures import PURPOSES
 from rota.papers.alam2020.runs import METHODS, Runs, StudySettings
 from rota.plan import Plan
+from rota.planners.bounce.planner_settings import BounceSettings
 
 HALL = TypedMap(rows=(".....", ".....", "..#..", "....."), cell_m=0.5)
 DURATION_S, SEEDS, FAR_M, MOST_M = 200.0, 5, 0.25, 0.01
@@ -74,7 +75,9 @@ def laboratories(options: Options) -> Iterator[Row]:
     plans = {f"{method}-{k}": one.plan(k) for method, one in zip(METHODS, cover, strict=True) for k in range(20)}
     yield from _driven_in_time("Figure 6", plans, options)
     watched = maps.watching(maps.lab(maps.LAB_2, 2, 90.0), maps.LAB_REGIONS)
-    asked = {purpose: replace(watched, planning=replace(watched.bounce, purpose=purpose)) for purpose in PURPOSES}
+    asked = {
+        purpose: replace(watched, planning=replace(BounceSettings.of(watched), purpose=purpose)) for purpose in PURPOSES
+    }
     yield from _driven_in_time(
         "Figure 11, 90 degrees", {p: make_plan(mission) for p, mission in asked.items()}, options
     )

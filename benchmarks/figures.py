@@ -36,7 +36,7 @@ from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
 from rota.files.mission_file import read_mission
-from rota.mission import PatrolSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 FIG13 = EXAMPLES / "sun2019-fig13.yaml"
 FLOOR_PATIENCE_S = 1800.0

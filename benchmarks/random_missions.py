@@ -14,18 +14,8 @@ import shapely
 from shapely import MultiPolygon, Point, Polygon, affinity, box
 
 from rota.errors import MissionError
-from rota.mission import (
-    Blocks,
-    Demand,
-    DiscSensor,
-    Fleet,
-    Mission,
-    Obstacle,
-    PatrolSettings,
-    Sensor,
-    SquareSensor,
-    Zone,
-)
+from rota.mission import Blocks, Demand, DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor, Zone
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 DRAWS = 1000  # of one seed, until a mission is fair
 LEAST_SEEABLE = 0.985  # share of the ground that a robot comes near enough to, walls left aside

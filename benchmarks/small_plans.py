@@ -4,20 +4,11 @@ from __future__ import annotations
 
 from shapely import box
 
-from rota.mission import (
-    BounceSettings,
-    DiscSensor,
-    Fleet,
-    Mission,
-    MovingObstacle,
-    Obstacle,
-    PatrolSettings,
-    Robot,
-    SquareSensor,
-    SwarmSettings,
-    Zone,
-)
+from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
+from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 
 def patrolling() -> Plan:

@@ -18,12 +18,13 @@ from rota.check.report import Report
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.make_plan import make_plan
-from rota.mission import Effort, Mission, Sun2019
+from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
+from rota.planners.patrol.planner_settings import Effort, Sun2019
 
 OURS, REPAIRED = Sun2019(), Sun2019(routes="repaired")
 PRINTED = {CASES[-1]: ("Tables 2, 3 and 4", AS_PRINTED), FIGURE_16: ("Tables 7, 3 and 4", AS_PRINTED_FIGURE_16)}

@@ -19,6 +19,7 @@ from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Mission, Obstacle, StartBox
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 SEEDS = range(100, 103)  # none of which anything was tuned on
 HEAPS = ((49, 10.0), (49, 15.0), (49, 20.0), (49, 30.0), (49, 50.0), (100, 50.0))  # robots, side of the corner box
@@ -96,4 +97,4 @@ def rooms(delay_steps: int) -> Mission:
 
 def late(asked: Mission, delay_steps: int) -> Mission:
     """The same mission, with news of others that many steps old."""
-    return replace(asked, planning=replace(asked.swarm, delay_steps=delay_steps))
+    return replace(asked, planning=replace(SwarmSettings.of(asked), delay_steps=delay_steps))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +11,15 @@ import numpy as np
 import pytest
 from PIL import Image
 from shapely import MultiPolygon, box
+from tests.stand_in import standing_in
 
 from rota.command.cli import run
 from rota.compare import HEAD, compare_methods, comparison_table, distinct_loops, draw_outcomes, named_methods
 from rota.errors import MissionError, NoPlanFound
-from rota.mission import METHODS, DiscSensor, Fleet, Mission, PatrolSettings
+from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan, Trajectory
+from rota.planner import Planner
+from rota.planners.patrol.planner_settings import METHODS, PatrolSettings
 
 MAKE_PLAN = importlib.import_module("rota.make_plan")
 YARD = """\
@@ -45,9 +47,9 @@ def stand_in(mission: Mission, **_: Any) -> Plan:
     plan = Plan(
         mission=mission, trajectories=(loop("robot-1", square), loop("robot-2", square, 4.5)), lower_bound_robots=1
     )
-    if mission.patrol.method == "parallel":
+    if PatrolSettings.of(mission).method == "parallel":
         raise NoPlanFound("nobody can stand anywhere")
-    if mission.patrol.method == "decomposition":
+    if PatrolSettings.of(mission).method == "decomposition":
         stays = Trajectory(robot="robot-1", times_s=[0.0], positions_m=[(-50.0, 0.0)])
         raise NoPlanFound("too far away", best=Plan(mission=mission, trajectories=(stays,), lower_bound_robots=1))
     return plan
@@ -56,7 +58,7 @@ def stand_in(mission: Mission, **_: Any) -> Plan:
 @pytest.fixture
 def yard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(MAKE_PLAN, "_planner", lambda _mission: stand_in)
+    monkeypatch.setattr(MAKE_PLAN, "planner_of", standing_in(stand_in))
     path = tmp_path / "yard.yaml"
     path.write_text(YARD)
     return path
@@ -148,7 +150,7 @@ def test_wrong_methods_are_bad_input(yard: Path, capsys: pytest.CaptureFixture[s
 def test_no_methods_at_all_are_refused() -> None:
     with pytest.raises(MissionError, match="none is given; tours, parallel"):
         compare_methods(mission(), ())
-    assert named_methods(None) == METHODS
+    assert named_methods(mission(), None) == METHODS
 
 
 @pytest.mark.parametrize("name", ["plans.png", "plans.svg", "plans.pdf"])
@@ -164,10 +166,10 @@ def test_the_picture_has_a_panel_per_method(yard: Path, name: str) -> None:
 def test_a_picture_that_cannot_be_is_refused_before_any_planning(
     yard: Path, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def never(_: Mission) -> Callable[..., Plan]:
+    def never(_: Mission) -> Planner:
         raise AssertionError("planned all the same")
 
-    monkeypatch.setattr(MAKE_PLAN, "_planner", never)
+    monkeypatch.setattr(MAKE_PLAN, "planner_of", never)
     assert run(["compare", "yard.yaml", "-o", name]) == 2
     assert name.split("/")[0] in capsys.readouterr().err
 

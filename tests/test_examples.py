@@ -16,8 +16,10 @@ from shapely import LineString, Point, box, union_all
 from rota.command.cli import run
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan
-from rota.mission import DiscSensor, Mission, SwarmSettings
+from rota.mission import DiscSensor, Mission
+from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 PROJECT = Path(__file__).parents[1]
 EXAMPLES = PROJECT / "examples"
@@ -150,7 +152,11 @@ def test_the_swarm_s_square_is_the_small_case_of_chen_2018() -> None:
     assert {(r.body_radius_m, r.sensor, r.speed_m_s) for r in robots} == {(0.5, DiscSensor(radius_m=25), 2)}
     assert len(robots) * math.pi * 25**2 / mission.area.area == pytest.approx(0.7854, abs=1e-4)
     assert isinstance(mission.planning, SwarmSettings)
-    assert (mission.swarm.time_step_s, mission.swarm.stop_m, mission.swarm.neighbours) == (0.25, 1e-5, 4)
+    assert (
+        SwarmSettings.of(mission).time_step_s,
+        SwarmSettings.of(mission).stop_m,
+        SwarmSettings.of(mission).neighbours,
+    ) == (0.25, 1e-5, 4)
 
 
 @needs_real_inputs
@@ -180,8 +186,8 @@ def test_bouncing_robots_fit_in_every_cell_of_their_typed_map(name: str, size_m2
     assert mission.area.area == pytest.approx(size_m2)
     assert union_all([obstacle.shape for obstacle in mission.obstacles]).area == pytest.approx(walls * 0.25)
     # an iRobot Create 2 is 0.34 m wide
-    assert mission.fleet.body_radius_m == 0.17 < mission.bounce.cell_m / 2
-    assert mission.bounce.task == name.split("-")[1]
+    assert mission.fleet.body_radius_m == 0.17 < BounceSettings.of(mission).cell_m / 2
+    assert BounceSettings.of(mission).task == name.split("-")[1]
 
 
 # ---------------------------------------------------------------- planning

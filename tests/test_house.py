@@ -10,6 +10,7 @@ from tests.test_imports import FILES, imports_of, module_name, within
 PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
 PATROL_STAGES = [
+    ["planner_settings", "work_ahead"],
     ["tours", "verdict", "margins", "settings", "efforts"],
     ["ground"],
     ["bounds", "context"],
@@ -17,7 +18,7 @@ PATROL_STAGES = [
     ["initial", "traffic"],
     ["repair"],
     ["methods"],
-    ["planner"],
+    ["planner", "compiled_by_two"],
 ]
 METHOD_STAGES = [
     ["method", "registry"],

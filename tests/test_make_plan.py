@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from shapely import box
+from tests.stand_in import standing_in
 
 from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
@@ -34,7 +35,7 @@ TOO_FAST = Plan(
 
 
 def use(monkeypatch: pytest.MonkeyPatch, planner: Callable[..., Plan]) -> None:
-    monkeypatch.setattr(MODULE, "_planner", lambda _mission: planner)
+    monkeypatch.setattr(MODULE, "planner_of", standing_in(planner))
 
 
 def test_the_planner_gets_mission_seed_judge_and_stop_rule(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,8 @@ import shapely
 from shapely import MultiPolygon, Point, box
 
 from rota.errors import MissionError
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone, start_faults
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone, start_faults
+from rota.planners.bounce.planner_settings import BounceSettings
 
 
 def with_zones(*names: str) -> Mission:
@@ -70,10 +71,16 @@ def test_a_shape_on_a_grid_is_taken_off_it() -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"zones": ()}, r"zones: .* a zone with a period is needed"),
-        ({"period_s": 9.0}, "period_s: 9.0 is not allowed; bouncing robots monitor zones"),
-        ({"planning": BounceSettings(cell_m=1, task="cover")}, "fleet.robots: 'fewest' .* needed to cover an area"),
-        ({"zones": (Zone(name="gate", shape=box(0, 0, 1, 1), period_s=5),)}, "zone gate: demand: 'every_point'"),
+        ({"zones": ()}, "^period_s: is missing; give seconds for the area, or a zone with a period_s"),
+        ({"period_s": 9.0}, "^period_s: bouncing robots monitor zones, not the area"),
+        (
+            {"planning": BounceSettings(cell_m=1, task="cover")},
+            r"^fleet\.robots: a number of robots, .* to cover an area",
+        ),
+        (
+            {"zones": (Zone(name="gate", shape=box(0, 0, 1, 1), period_s=5),)},
+            r"^zones\[0\]\.demand: every_point is not allowed",
+        ),
         (
             {"planning": BounceSettings(cell_m=1, bouncing_angles_deg=(90, 45))},
             "2 angles .* one for all robots is needed",
@@ -88,7 +95,7 @@ def test_what_bouncing_robots_cannot_do_is_refused(changes, words):
         "fleet": Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1)),
         "planning": BounceSettings(cell_m=1),
     }
-    assert Mission(**good).bounce.cell_m == 1
+    assert BounceSettings.of(Mission(**good)).cell_m == 1
     with pytest.raises(MissionError, match=words):
         Mission(**{**good, **changes})
 

@@ -14,7 +14,8 @@ from hypothesis import HealthCheck, Phase, given, note, settings, strategies as 
 from shapely import MultiPoint, MultiPolygon, Polygon, affinity, box
 
 import rota
-from rota.mission import Blocks, DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Robot, Sensor, SquareSensor, Zone
+from rota.mission import Blocks, DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]
 

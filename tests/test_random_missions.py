@@ -11,6 +11,7 @@ from benchmarks.random_missions import described, is_fair, random_mission, sweep
 from shapely import MultiPolygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 COURT = Mission(
     name="court",
@@ -36,7 +37,7 @@ def test_a_seed_is_a_mission(missions: list[Mission]) -> None:
     assert [random_mission(seed) for seed in (3, 0, 41)] == [missions[seed] for seed in (3, 0, 41)]
     assert len({mission.area.wkb for mission in missions}) == len(missions)
     assert [mission.name for mission in missions] == [f"random-{seed}" for seed in range(200)]
-    assert {mission.patrol.effort for mission in missions} == {"quick"}
+    assert {PatrolSettings.of(mission).effort for mission in missions} == {"quick"}
     # in whole centimetres, but free of any grid, which everything made of a shape would inherit
     for shape in (shape for mission in missions for shape in (mission.area, *(o.shape for o in mission.obstacles))):
         corners_cm = 100 * shapely.get_coordinates(shape)

@@ -14,13 +14,15 @@ from rota.check import check_plan
 from rota.draw.ground import ground_of
 from rota.draw.sightings import Sightings
 from rota.errors import MissionError
+from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import plan_from_json, plan_to_json
-from rota.files.run_file import read_run, write_run
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, PatrolSettings, StartBox, SwarmSettings
+from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, StartBox
 from rota.plan import Plan, Trajectory
 from rota.plan_summary import range_at_the_end, range_from
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner import run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 CONE = DiscSensor(radius_m=40, half_angle_deg=30)
 EXAMPLE = Path(__file__).parents[1] / "examples" / "swarm-space.yaml"
@@ -102,7 +104,7 @@ def test_a_plan_in_space_passes_the_check_and_survives_its_file() -> None:
     assert check_plan(run.plan).verdict == "met"
     again = plan_from_json(plan_to_json(run.plan))
     assert again.trajectories == run.plan.trajectories
-    assert again.mission.swarm == run.plan.mission.swarm
+    assert SwarmSettings.of(again.mission) == SwarmSettings.of(run.plan.mission)
     assert again.mission.fleet == run.plan.mission.fleet
     starts = np.array([trajectory.positions_m[0] for trajectory in run.plan])
     assert len(set(starts[:, 2])) == len(starts)
@@ -116,8 +118,8 @@ def test_a_plan_in_space_passes_the_check_and_survives_its_file() -> None:
 def test_a_run_in_space_goes_on_bit_for_bit(tmp_path: Path) -> None:
     whole = run_mission(mission(), seed=1)
     part = run_mission(mission(most_steps=60), seed=1)
-    write_run(part.state, tmp_path / "a.rota-run")
-    rest = run_mission(mission(), seed=1, resume=read_run(tmp_path / "a.rota-run"))
+    write_checkpoint(part.state, tmp_path / "a.rota-run")
+    rest = run_mission(mission(), seed=1, resume=read_checkpoint(tmp_path / "a.rota-run"))
     assert rest.plan.trajectories == whole.plan.trajectories
 
 

@@ -9,7 +9,7 @@ from shapely import MultiPolygon, box, union_all
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan, Trajectory
-from rota.planner_settings import BounceSettings
+from rota.planners.bounce.planner_settings import BounceSettings
 
 STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
 BODY_RADIUS_M = 0.17

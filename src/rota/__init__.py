@@ -11,32 +11,33 @@ from rota.make_plan import make_plan, search_plan
 if TYPE_CHECKING:
     from rota.check import check_plan
     from rota.draw import animate_plan, draw_cells, draw_plan
-    from rota.errors import MissionError, NoPlanFound, PlanError, RotaError, RunError
+    from rota.errors import CheckpointError, MissionError, NoPlanFound, PlanError, RotaError
+    from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
     from rota.files.geojson import write_geojson
     from rota.files.mission_file import read_mission
     from rota.files.plan_file import read_plan, write_plan
     from rota.files.qgroundcontrol import write_qgroundcontrol
-    from rota.files.run_file import read_run, write_run
     from rota.mission import (
-        BounceSettings,
         DiscSensor,
         Fleet,
         GeoPoint,
         Mission,
         MovingObstacle,
         Obstacle,
-        PatrolSettings,
         Robot,
         SquareSensor,
         StartBox,
         StartPoints,
-        SwarmSettings,
         Zone,
     )
     from rota.plan import Plan, Trajectory
+    from rota.planners.bounce.planner_settings import BounceSettings
+    from rota.planners.patrol.planner_settings import PatrolSettings
+    from rota.planners.swarm.planner_settings import SwarmSettings
 
 __all__ = [
     "BounceSettings",
+    "CheckpointError",
     "DiscSensor",
     "Fleet",
     "GeoPoint",
@@ -50,7 +51,6 @@ __all__ = [
     "PlanError",
     "Robot",
     "RotaError",
-    "RunError",
     "SquareSensor",
     "StartBox",
     "StartPoints",
@@ -62,42 +62,42 @@ __all__ = [
     "draw_cells",
     "draw_plan",
     "make_plan",
+    "read_checkpoint",
     "read_mission",
     "read_plan",
-    "read_run",
     "search_plan",
+    "write_checkpoint",
     "write_geojson",
     "write_plan",
     "write_qgroundcontrol",
-    "write_run",
 ]
 
 _MODULES = {
     "rota.check": ["check_plan"],
     "rota.draw": ["animate_plan", "draw_cells", "draw_plan"],
-    "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError", "RunError"],
+    "rota.errors": ["MissionError", "NoPlanFound", "PlanError", "RotaError", "CheckpointError"],
     "rota.files.geojson": ["write_geojson"],
     "rota.files.mission_file": ["read_mission"],
     "rota.files.plan_file": ["read_plan", "write_plan"],
     "rota.files.qgroundcontrol": ["write_qgroundcontrol"],
-    "rota.files.run_file": ["read_run", "write_run"],
+    "rota.files.checkpoint_file": ["read_checkpoint", "write_checkpoint"],
     "rota.mission": [
-        "BounceSettings",
         "DiscSensor",
         "Fleet",
         "GeoPoint",
         "Mission",
         "MovingObstacle",
         "Obstacle",
-        "PatrolSettings",
         "Robot",
         "SquareSensor",
         "StartBox",
         "StartPoints",
-        "SwarmSettings",
         "Zone",
     ],
     "rota.plan": ["Plan", "Trajectory"],
+    "rota.planners.bounce.planner_settings": ["BounceSettings"],
+    "rota.planners.patrol.planner_settings": ["PatrolSettings"],
+    "rota.planners.swarm.planner_settings": ["SwarmSettings"],
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.errors import RunError
+from rota.errors import CheckpointError
 from rota.mission import Mission
 
 Floats = NDArray[np.float64]
@@ -15,7 +15,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SwarmState:
+class Checkpoint:
     """A mission, a seed, and where n robots stand after so many ``steps``; the last ``steps_at_rest`` of them at rest.
 
     names (n,): numbers in the fleet, in the order in which robots are computed, which rounding depends on; so are
@@ -42,7 +42,7 @@ class SwarmState:
     news_m: Floats
 
     def __post_init__(self) -> None:
-        n, axes = len(self.mission.fleet.robots or ()), 2 if self.mission.swarm.altitudes_m is None else 3
+        n, axes = len(self.mission.fleet.robots or ()), 2 if self.mission.planning.altitudes_m is None else 3
         shapes = {"names": (n,), "places_m": (n, axes), "velocities_m_s": (n, axes)}
         shapes |= {"recent_m": (len(self.recent_m), n, axes), "kept_robots": self.kept_steps.shape}
         shapes["past"] = (len(self.past), 4, n)
@@ -50,13 +50,13 @@ class SwarmState:
         shapes["kept_places_m"] = (len(self.kept_robots), axes)
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
-                raise RunError(f"{name}: has the shape {getattr(self, name).shape}; {shape} is needed")
+                raise CheckpointError(f"{name}: has the shape {getattr(self, name).shape}; {shape} is needed")
         for field in fields(self):
             values = getattr(self, field.name)
             if isinstance(values, float | np.ndarray) and not np.isfinite(values).all():
-                raise RunError(f"{field.name}: holds a value that is not finite")
+                raise CheckpointError(f"{field.name}: holds a value that is not finite")
         if not np.array_equal(np.sort(self.names), np.arange(n)):
-            raise RunError(f"names: every number from 0 to {n - 1} is needed once")
+            raise CheckpointError(f"names: every number from 0 to {n - 1} is needed once")
         _require_steps(self, n)
 
     @property
@@ -65,36 +65,43 @@ class SwarmState:
         return self.steps - len(self.recent_m) + 1
 
     def require_same(self, mission: Mission, seed: int) -> None:
-        """Raise RunError, naming what differs, unless this is a run of a mission with this seed.
+        """Raise CheckpointError, naming what differs, unless this is a run of a mission with this seed.
 
         The most steps of a run may differ, so that one which they have ended goes on; fewer than it has made may not.
         """
-        mine, most = self.mission, mission.swarm.most_steps
-        mine = replace(mine, planning=replace(mine.swarm, most_steps=most))
-        differ = [field.name for field in fields(Mission) if getattr(mine, field.name) != getattr(mission, field.name)]
-        if "planning" in differ:
-            names = [
-                f.name for f in fields(mine.swarm) if getattr(mine.swarm, f.name) != getattr(mission.swarm, f.name)
-            ]
-            differ[differ.index("planning")] = ", ".join(f"swarm.{name}" for name in names)
+        settings, name = self.mission.planning, self.mission.planning.planner
+        differ = [
+            field.name
+            for field in fields(Mission)
+            if field.name != "planning" and getattr(self.mission, field.name) != getattr(mission, field.name)
+        ]
+        if type(settings) is not type(mission.planning):
+            differ.append("planner")
+        else:
+            names = [item.name for item in fields(settings) if item.name != "most_steps"]
+            changed = [item for item in names if getattr(settings, item) != getattr(mission.planning, item)]
+            differ += [f"{name}.{item}" for item in changed]
         if differ:
-            verb = "differs" if len(differ) == 1 and "," not in differ[0] else "differ"
-            raise RunError(
-                f"the run is of another mission: {', '.join(differ)} {verb}; only swarm.most_steps may be changed"
+            verb = "differs" if len(differ) == 1 else "differ"
+            raise CheckpointError(
+                f"the run is of another mission: {', '.join(differ)} {verb}; only {name}.most_steps may be changed"
             )
         if seed != self.seed:
-            raise RunError(f"seed: {seed} is not allowed; the run has the seed {self.seed}")
-        if most < self.steps:
-            raise RunError(f"swarm.most_steps: {most} is not allowed; the run has made {self.steps} steps already")
+            raise CheckpointError(f"seed: {seed} is not allowed; the run has the seed {self.seed}")
+        most = mission.planning.most_steps
+        if most is not None and most < self.steps:
+            raise CheckpointError(
+                f"{name}.most_steps: {most} is not allowed; the run has made {self.steps} steps already"
+            )
 
 
-def _require_steps(state: SwarmState, robots: int) -> None:
+def _require_steps(state: Checkpoint, robots: int) -> None:
     ok = state.steps >= 0 and state.steps_at_rest >= 0 and len(state.recent_m) >= 1 and state.recent_from >= 0
     if not ok:
-        raise RunError(f"steps: {state.steps} with {len(state.recent_m)} recent places is not possible")
+        raise CheckpointError(f"steps: {state.steps} with {len(state.recent_m)} recent places is not possible")
     if state.thinned_m < 0:
-        raise RunError(f"thinned_m: {state.thinned_m} is not allowed; must be 0 or more")
+        raise CheckpointError(f"thinned_m: {state.thinned_m} is not allowed; must be 0 or more")
     ends = ((state.kept_robots, robots - 1), (state.kept_steps, state.recent_from))
     for values, last in ends:
         if len(values) and (values.min() < 0 or values.max() > last):
-            raise RunError(f"kept places: numbers from 0 to {last} are needed")
+            raise CheckpointError(f"kept places: numbers from 0 to {last} are needed")

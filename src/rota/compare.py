@@ -14,8 +14,10 @@ import shapely
 
 from rota.errors import MissionError, NoPlanFound, RotaError
 from rota.make_plan import search_plan
-from rota.mission import METHODS, DiscSensor, Fleet, Method, Mission, PatrolSettings
+from rota.mission import Mission
 from rota.plan import Plan, Trajectory
+from rota.planner import planner_named, planner_of
+from rota.planner_registry import DEFAULT
 
 if TYPE_CHECKING:
     from rota.check.report import Report
@@ -31,7 +33,7 @@ class MethodOutcome:
     planning_s: seconds of search and of the judging within it. reason: why there is no plan that meets the demand.
     """
 
-    method: Method
+    method: str
     plan: Plan | None
     report: Report | None
     planning_s: float
@@ -74,48 +76,53 @@ class MethodOutcome:
 
 def compare_methods(
     mission: Mission,
-    methods: Sequence[Method] = METHODS,
+    methods: Sequence[str] | None = None,
     *,
     seed: int = 0,
     progress: Callable[[float, str], None] | None = None,
     should_stop: Callable[[], bool] | None = None,
 ) -> tuple[MethodOutcome, ...]:
-    """Plan ``mission`` with each of the methods, in their order, and check the outcomes.
+    """Plan ``mission`` with each of its planner's methods, or of those given, in their order; check the outcomes.
 
     seed: the same for all. progress: called with a fraction 0..1 and what is being done. should_stop: asked now and
     then; True makes the methods that are left give what they have at once. A method that finds no plan is an outcome
     with a reason. Raises MissionError for no methods, a method given twice, or one that is not known.
     """
     tell = progress or (lambda fraction, doing: None)
+    methods = named_methods(mission, None) if methods is None else methods
     if not methods:
-        raise MissionError(f"methods: none is given; {', '.join(METHODS)} are known")
+        raise MissionError(f"methods: none is given; {', '.join(planner_of(mission).methods)} are known")
     for method in methods:
         if list(methods).count(method) > 1:
             raise MissionError(f"methods: {method!r} is given twice")
     asked = [mission.with_method(method) for method in methods]
     tell(0.0, "loading")
-    load_compiled_loops(methods)
-    found = []
-    for k, one in enumerate(asked):
+    load_compiled_loops(methods, mission.planning.planner)
+    outcomes = []
+    for k, by_method in enumerate(asked):
 
         def told(fraction: float, doing: str, k: int = k) -> None:
             tell((k + fraction) / len(asked), f"{methods[k]}: {doing}")
 
-        found.append(outcome_of(one, seed=seed, progress=told, should_stop=should_stop))
-    return tuple(found)
+        outcomes.append(outcome_of(by_method, seed=seed, progress=told, should_stop=should_stop))
+    return tuple(outcomes)
 
 
-def named_methods(listed: str | None) -> tuple[Method, ...]:
-    """The methods of a list of names with commas, all of them for None; raises MissionError for an unknown name."""
+def named_methods(mission: Mission, listed: str | None) -> tuple[str, ...]:
+    """The methods of a list of names with commas, all of the mission's planner for None.
+
+    Raises MissionError for a planner that has no methods to compare and for an unknown name.
+    """
+    known = planner_of(mission).methods
+    if not known:
+        raise MissionError(f"methods: the {mission.planning.planner} planner has none that could be compared")
     if listed is None:
-        return METHODS
-    found: list[Method] = []
-    for name in (name.strip() for name in listed.split(",")):
-        known = [method for method in METHODS if method == name]
-        if not known:
-            raise MissionError(f"methods: {name!r} is not known; {', '.join(METHODS)} are")
-        found += known
-    return tuple(found)
+        return known
+    names = tuple(name.strip() for name in listed.split(","))
+    for name in names:
+        if name not in known:
+            raise MissionError(f"methods: {name!r} is not known; {', '.join(known)} are")
+    return names
 
 
 def outcome_of(
@@ -128,7 +135,7 @@ def outcome_of(
     """Plan the mission by the method of its settings; a search that fails is an outcome too."""
     from rota.check import check_plan
 
-    method = mission.patrol.method
+    method = mission.planning.method or ""
     started_s = time.perf_counter()
     try:
         search = search_plan(mission, seed=seed, progress=progress, should_stop=should_stop)
@@ -149,38 +156,31 @@ def outcome_of(
     )
 
 
-def load_compiled_loops(methods: Sequence[Method] = ()) -> None:
-    """Plan a small yard, so that no method's time holds what the first one spends on loading compiled loops.
-
-    Those of sun2019, where it is among the methods, are loaded as well: most of them are its own.
-    """
-    yard = Mission(
-        name="yard",
-        area=shapely.MultiPolygon([shapely.box(0, 0, 20, 20)]),
-        period_s=100,
-        fleet=Fleet(speed_m_s=5, sensor=DiscSensor(radius_m=5)),
-        planning=PatrolSettings(effort="quick", method="sequential"),
-    )
+def load_compiled_loops(methods: Sequence[str] = (), planner: str = DEFAULT) -> None:
+    """Plan the planner's small mission, so that no method's time holds what the first one spends on loading loops."""
+    small = planner_named(planner).small_mission(methods)
+    if small is None:
+        return
     with suppress(NoPlanFound):
-        search_plan(yard.with_method("sun2019") if "sun2019" in methods else yard)
+        search_plan(small)
 
 
 def distinct_loops(plan: Plan) -> list[Trajectory]:
     """One trajectory for each loop of the plan; robots that follow each other on one loop count once."""
-    found: list[tuple[Trajectory, shapely.LineString]] = []
+    distinct: list[tuple[Trajectory, shapely.LineString]] = []
     for trajectory in plan:
         points_m = trajectory.positions_m[trajectory.loop_index :, :2]
         if len(points_m) < 2:
             continue
         line = shapely.LineString(points_m)
         same_s = 1e-6 * trajectory.loop_duration_s
-        for other, along in found:
+        for other, along in distinct:
             alike = abs(other.loop_duration_s - trajectory.loop_duration_s) <= same_s
             if alike and shapely.hausdorff_distance(line, along) < SAME_LOOP_M:
                 break
         else:
-            found.append((trajectory, line))
-    return [trajectory for trajectory, _ in found]
+            distinct.append((trajectory, line))
+    return [trajectory for trajectory, _ in distinct]
 
 
 def comparison_table(outcomes: Sequence[MethodOutcome]) -> str:
@@ -215,7 +215,7 @@ def comparison_to_json(mission: Mission, outcomes: Sequence[MethodOutcome], seed
     return {
         "rota_comparison": 1,
         "mission": mission.name,
-        "effort": mission.patrol.effort,
+        "effort": mission.planning.effort,
         "seed": seed,
         "methods": [
             {

@@ -22,22 +22,26 @@ class PlanError(RotaError):
     """A plan (or plan file) that contradicts itself or its mission."""
 
 
-class RunError(RotaError):
-    """A stopped run (or run file) that contradicts itself, or belongs to another mission than the one given."""
+class CheckpointError(RotaError):
+    """A checkpoint (or its file) that contradicts itself, or belongs to another mission than the one given."""
 
 
 class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
     """No plan that meets the demand was found; the message gives the reason and the proved bound.
 
-    ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None. ``run``: a swarm's run that
-    ended before it came to rest (a ``rota.checkpoint.SwarmState``), or None. ``told``: what the planner knows beside
-    the best plan, as sentences.
+    ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None. ``facts``: what the planner knows
+    beside it, as sentences. ``checkpoint``: of a run that ended before it came to rest (a
+    ``rota.checkpoint.Checkpoint``), or None.
     """
 
     def __init__(
-        self, reason: str, best: object | None = None, run: object | None = None, told: tuple[str, ...] = ()
+        self,
+        reason: str,
+        best: object | None = None,
+        checkpoint: object | None = None,
+        facts: tuple[str, ...] = (),
     ) -> None:
         self.best = best
-        self.run = run
-        self.told = told
+        self.checkpoint = checkpoint
+        self.facts = facts
         super().__init__(reason)

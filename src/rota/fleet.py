@@ -9,7 +9,7 @@ from functools import cached_property
 
 from rota.errors import MissionError
 from rota.limits import LARGEST_M, LONGEST_S
-from rota.planner_settings import require, require_positive, require_text
+from rota.refusals import require, require_positive, require_text
 
 Place = tuple[float, float]
 

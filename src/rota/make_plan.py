@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError, NoPlanFound
+from rota.planner import Answer, Request, planner_of
 from rota.progress import SearchState, Watch
 
 if TYPE_CHECKING:
     from rota.check.report import Report
-    from rota.checkpoint import SwarmState
+    from rota.checkpoint import Checkpoint
     from rota.mission import Mission
     from rota.plan import Plan
-    from rota.planners.swarm.metrics import History
 
 Progress = Callable[[float, str], None]
 ShouldStop = Callable[[], bool]
@@ -24,17 +24,26 @@ ShouldStop = Callable[[], bool]
 
 @dataclass(frozen=True, kw_only=True)
 class PlanSearch:
-    """What a search came to: a plan, the check's report on it, and whether the planner was stopped early.
+    """What a search came to: the planner's answer, the check's report on its plan, and whether it was stopped early."""
 
-    ``run``: a swarm's run that ended before robots came to rest; None where it is no swarm, or they did. ``told``: what
-    the planner knows beside the plan, as sentences.
-    """
-
-    plan: Plan
+    answer: Answer
     report: Report
     stopped_early: bool
-    run: SwarmState | None = None
-    told: tuple[str, ...] = ()
+
+    @property
+    def plan(self) -> Plan:
+        """The plan."""
+        return self.answer.plan
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """What the planner knows beside the plan, as sentences."""
+        return self.answer.facts
+
+    @property
+    def checkpoint(self) -> Checkpoint | None:
+        """Of a run that ended before robots came to rest; None where there was no run, or they did."""
+        return self.answer.checkpoint
 
 
 def make_plan(
@@ -44,7 +53,7 @@ def make_plan(
     time_limit_s: float | None = None,
     progress: Progress | None = None,
     should_stop: ShouldStop | None = None,
-    resume: SwarmState | None = None,
+    resume: Checkpoint | None = None,
 ) -> Plan:
     """Plan ``mission`` and return a plan that the check passes; see ``search_plan``, which tells more."""
     return search_plan(
@@ -60,8 +69,8 @@ def search_plan(
     progress: Progress | None = None,
     should_stop: ShouldStop | None = None,
     watch: Watch | None = None,
-    resume: SwarmState | None = None,
-    observe: Callable[[History], None] | None = None,
+    resume: Checkpoint | None = None,
+    observe: Callable[[Any], None] | None = None,
 ) -> PlanSearch:
     """Plan ``mission`` with the planner that its settings name, and check the outcome.
 
@@ -70,50 +79,38 @@ def search_plan(
     being done. should_stop: asked now and then; True stops like the time limit. watch: called with every state that
     the search comes to, from several threads; it changes nothing of what is found. resume: a swarm's run to go on with;
     the outcome is the plan of the same run without a stop, bit for bit. observe: called with what every step of a swarm
-    in the plane came to, those since the stop of one that goes on.
+    in the plane came to (``History``), those since the stop of one that goes on.
 
     Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
-    is not greater than 0 or a mission that the planner cannot use; RunError for a run of another mission or seed.
+    is not greater than 0 or a mission that the planner cannot use; CheckpointError for another mission's or
+    seed's.
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
     judge = _Judge(mission, watch)
     stop = _StopRule(time_limit_s, should_stop)
-    runs: list[SwarmState] = []
-    told: list[str] = []
-    more: dict[str, Any] = {}
-    if mission.planning.planner == "swarm":
-        _require_observable(mission, observe)
-        more = {"resume": resume, "keep": runs.append, "observe": observe}
-    elif resume is not None or observe is not None:
+    planner = planner_of(mission)
+    if not mission.planning.makes_runs and (resume is not None or observe is not None):
         what = "makes no runs that can be gone on with" if resume is not None else "has no steps to measure"
         raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
-    elif mission.planning.planner == "bounce":
-        more = {"tell": told.append}
+    request = Request(
+        mission=mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch,
+        checkpoint=resume, observe=observe,
+    )  # fmt: skip
     try:
-        plan = _planner(mission)(
-            mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch, **more
-        )
+        answer = planner.plan(request)
     except NoPlanFound as failure:
-        failure.told = tuple(told)
         if stop.stopped:
-            raise NoPlanFound(f"{failure} (stopped early)", best=failure.best, told=failure.told) from failure
+            raise NoPlanFound(f"{failure} (stopped early)", best=failure.best, facts=failure.facts) from failure
         raise
-    report = judge(plan)
+    report = judge(answer.plan)
     if report.verdict != "met":
         reason = f"the best plan found is not shown to meet the demand: {_judged(report)}"
         raise NoPlanFound(
             reason + (" (stopped early)" if stop.stopped else ""),
-            best=plan, run=runs[0] if runs else None, told=tuple(told),
+            best=answer.plan, checkpoint=answer.checkpoint, facts=answer.facts,
         )  # fmt: skip
-    return PlanSearch(
-        plan=plan, report=report, stopped_early=stop.stopped, run=runs[0] if runs else None, told=tuple(told)
-    )
-
-
-def _require_observable(mission: Mission, observe: object) -> None:
-    if observe is not None and mission.swarm.altitudes_m is not None:
-        raise MissionError("swarm.altitudes_m: swarms in space are not measured step by step")
+    return PlanSearch(answer=answer, report=report, stopped_early=stop.stopped)
 
 
 def _judged(report: Report) -> str:
@@ -121,21 +118,6 @@ def _judged(report: Report) -> str:
     verdict, wrong = f"the check says {report.verdict!r}", report.violations
     more = f", and {len(wrong) - 1} more" if len(wrong) > 1 else ""
     return f"{verdict} ({wrong[0].text()}{more})" if wrong else verdict
-
-
-def _planner(mission: Mission) -> Callable[..., Plan]:
-    # planners compile and load much: only the one that is asked for is imported
-    if mission.planning.planner == "swarm":
-        from rota.planners.swarm import plan_swarm
-
-        return plan_swarm
-    if mission.planning.planner == "bounce":
-        from rota.planners.bounce import plan_bounce
-
-        return plan_bounce
-    from rota.planners.patrol import plan_patrol
-
-    return plan_patrol
 
 
 class _Judge:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import shapely
@@ -26,34 +26,9 @@ from rota.fleet import (
     inner_reach_m as inner_reach_m,
 )
 from rota.limits import LARGEST_M, LONGEST_S
-from rota.planner_settings import (
-    HEADINGS as HEADINGS,
-    METHODS as METHODS,
-    BounceCells as BounceCells,
-    BounceMethod as BounceMethod,
-    BounceSettings as BounceSettings,
-    BounceTask as BounceTask,
-    Contact as Contact,
-    ContactFree as ContactFree,
-    Controller as Controller,
-    Corners as Corners,
-    DeploymentMethod as DeploymentMethod,
-    Device as Device,
-    Effort as Effort,
-    FramePartition as FramePartition,
-    FrameTour as FrameTour,
-    Method as Method,
-    PatrolSettings as PatrolSettings,
-    Purpose as Purpose,
-    SegmentRoutes as SegmentRoutes,
-    SetBoundary as SetBoundary,
-    Sun2019 as Sun2019,
-    SwarmSettings as SwarmSettings,
-    VelocityChoice as VelocityChoice,
-    require,
-    require_positive,
-    require_text,
-)
+from rota.planner_registry import DEFAULT, door_of
+from rota.planner_settings import Bouncing as Bouncing, PlannerSettings as PlannerSettings, settings_of
+from rota.refusals import Where, fleet_blocks, inner, path_of, require, require_positive, require_text
 from rota.start_faults import TOUCH_M as TOUCH_M, start_faults as start_faults
 
 Blocks = Literal["both", "motion", "sight"]
@@ -61,6 +36,7 @@ Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
 
 AREA = "area"  # the name of the ground outside zones, wherever zones are told
+NO_PERIOD = "is missing; give seconds for the area, or a zone with a period_s"
 AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another name"
 
 
@@ -161,8 +137,7 @@ class MovingObstacle:
 class Mission:
     """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
 
-    ``planning`` chooses the planner by its type. A swarm's fleet is a list of robots, and it may leave out all
-    periods: nothing is asked then but to spread. Only it heeds moving obstacles.
+    ``planning`` chooses the planner by its type, which also says what of a mission it refuses.
 
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
     than ``AREA``, by which reports call that ground.
@@ -176,7 +151,7 @@ class Mission:
     period_s: float | None = None
     origin: GeoPoint | None = None
     unseeable: Unseeable = "exclude"
-    planning: PatrolSettings | SwarmSettings | BounceSettings = field(default_factory=PatrolSettings)
+    planning: PlannerSettings = field(default_factory=lambda: _default_settings())
     moving_obstacles: tuple[MovingObstacle, ...] = ()
 
     def __post_init__(self) -> None:
@@ -196,121 +171,89 @@ class Mission:
         )
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
-        space = isinstance(self.planning, SwarmSettings) and self.planning.altitudes_m is not None
-        for sensor in (self.fleet.sensor, *(robot.sensor for robot in self.fleet.robots or ())):
-            ok = space or not isinstance(sensor, DiscSensor) or sensor.half_angle_deg is None
-            require(ok, "sensor.half_angle_deg", sensor, "only a swarm with altitudes_m has footprints that grow")
-        if isinstance(self.planning, SwarmSettings):
-            self._require_swarm()
-            return
-        require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "only a swarm heeds them")
-        coming = [robot.name for robot in self.fleet.robots or () if not robot.stays]
-        require(not coming, "fleet.robots", coming, "only robots of a swarm join or leave; leave out joins_s, leaves_s")
-        if isinstance(self.planning, BounceSettings):
-            self._require_bounce(self.planning)
-        else:
-            self._require_patrol(self.planning)
+        refused = [*self.planning.refused(_as_written(self)), *self._refused_by_any()]
+        if refused:
+            raise MissionError(*(f"{path_of(place)}: {message}" for place, message in refused))
 
-    def _require_patrol(self, settings: PatrolSettings) -> None:
-        reach_m = min(inner_reach_m(r.sensor) for r in (self.fleet.equal_robot("r"), *(self.fleet.robots or ())))
-        margin_m = settings.range_margin_m
-        allowed = f"must be less than the {reach_m:.6g} m that every sensor reaches"
-        require(margin_m < reach_m, "patrol.range_margin_m", margin_m, allowed)
+    def _refused_by_any(self) -> Iterator[tuple[Where, str]]:
+        """What no planner but one whose settings say so can use."""
         asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
-        require(asked, "period_s", None, "the area or at least one zone needs a period")
-
-    def _require_swarm(self) -> None:
-        robots = self.fleet.robots
-        require(robots is not None, "fleet.robots", "fewest", "a swarm needs a number of robots, or a list of them")
-        for robot in robots or ():
-            ok = isinstance(robot.sensor, DiscSensor) or self.swarm.altitudes_m is None
-            require(ok, f"robot {robot.name}: sensor", "square", "a swarm with altitudes_m needs disc sensors")
-            ok = robot.turn_rate_rad_s is None
-            require(ok, f"robot {robot.name}: turn_rate_rad_s", robot.turn_rate_rad_s, "a swarm turns at once; null")
-        if self.swarm.altitudes_m is not None:
-            # footprints that grow with height are not what the check judges periods by
-            periods = [self.period_s, *(zone.period_s for zone in self.zones)]
-            asked = [period for period in periods if period is not None]
-            require(not asked, "period_s", asked, "a swarm with altitudes_m is asked no periods; leave them out")
-            require(not self.moving_obstacles, "moving_obstacles", len(self.moving_obstacles), "none with altitudes_m")
-            coming = [robot.name for robot in robots or () if not robot.stays]
-            require(not coming, "fleet.robots", coming, "with altitudes_m none may join or leave")
-
-    def _require_bounce(self, settings: BounceSettings) -> None:
-        require(not isinstance(self.fleet.start, StartBox), "fleet.start", "a box", "bouncing robots start at points")
-        robots = self.fleet.robots
-        ok = robots is not None or self.fleet.start is None
-        require(ok, "fleet.start", "points", "robots as few as possible begin where the planner likes: remove it")
-        ok = robots is not None or settings.task == "monitor"
-        require(ok, "fleet.robots", "fewest", "a number of robots, or a list of them, is needed to cover an area")
-        for name in ("bouncing_angles_deg", "start_headings_deg"):
-            angles = getattr(settings, name)
-            if angles is not None and len(angles) != 1 and (robots is None or len(angles) != len(robots)):
-                allowed = f"one for all robots or one for each of {len(robots)}" if robots else "one for all robots"
-                raise MissionError(f"bounce.{name}: {len(angles)} angles are not allowed; {allowed} is needed")
-        if settings.cells == "none":
-            starts = [robot.name for robot in robots or () if robot.start is not None]
-            allowed = "with bounce.cells none robots begin where the planner likes; remove it"
-            require(self.fleet.start is None and not starts, "start", starts or "points", allowed)
-        if settings.task == "monitor":
-            zones = [zone for zone in self.zones if zone.period_s is not None]
-            require(self.period_s is None, "period_s", self.period_s, "bouncing robots monitor zones, not the area")
-            require(bool(zones), "zones", [], "a zone with a period is needed to monitor")
-            for zone in zones:
-                ok = zone.demand == "visit"
-                require(ok, f"zone {zone.name}: demand", zone.demand, "bouncing robots visit zones; visit")
-        else:
-            asked = [zone.name for zone in self.zones if zone.period_s is not None]
-            ok = self.period_s is None and not asked
-            require(ok, "period_s", self.period_s or asked, "covering happens once; give no periods, or task monitor")
+        if self.planning.asks_periods and not asked:
+            yield ("period_s",), NO_PERIOD
+        if self.planning.altitudes_m is None:
+            yield from growing_footprints(_as_written(self))
 
     @property
-    def patrol(self) -> PatrolSettings:
-        """The settings of the planner ``patrol``; TypeError for a mission of another one."""
-        if not isinstance(self.planning, PatrolSettings):
-            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by patrol")
-        return self.planning
-
-    @property
-    def swarm(self) -> SwarmSettings:
-        """The settings of the planner ``swarm``; TypeError for a mission of another one."""
-        if not isinstance(self.planning, SwarmSettings):
-            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by swarm")
-        return self.planning
+    def bouncing(self) -> Bouncing:
+        """The rules by which robots bounce; TypeError for a mission whose robots do not."""
+        if (rules := self.planning.bouncing) is None:
+            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}: its robots do not bounce")
+        return rules
 
     @property
     def grid_corner_m(self) -> Place:
-        """The lower left corner of a bouncing robot's first cell: that of the area's bounds.
-
-        Where the settings give another corner of a cell, it is up to a cell below and to the left of the bounds.
-        """
-        given, cell_m = self.bounce.cell_origin, self.bounce.cell_m
-        x0, y0, _, _ = self.area.bounds
-        if given is None:
-            return x0, y0
-        left, below = (math.ceil((given[k] - low) / cell_m - 1e-9) for k, low in enumerate((x0, y0)))
-        return given[0] - left * cell_m, given[1] - below * cell_m
-
-    @property
-    def bounce(self) -> BounceSettings:
-        """The settings of the planner ``bounce``; TypeError for a mission of another one."""
-        if not isinstance(self.planning, BounceSettings):
-            raise TypeError(f"mission {self.name} is planned by {self.planning.planner}, not by bounce")
-        return self.planning
+        """The lower left corner of a bouncing robot's first cell."""
+        return self.bouncing.first_corner_m(self.area.bounds)
 
     @property
     def has_starts(self) -> bool:
         """Whether any robot must begin at a given place."""
         return self.fleet.start is not None or any(robot.start is not None for robot in self.fleet.robots or ())
 
-    def with_effort(self, effort: Effort) -> Mission:
-        """The same mission, planned with another effort."""
-        ok = isinstance(self.planning, PatrolSettings)
-        require(ok, "effort", effort, f"the {self.planning.planner} planner has none: leave it out")
-        return replace(self, planning=replace(self.patrol, effort=effort))
+    def with_effort(self, effort: str) -> Mission:
+        """The same mission, planned with another effort; MissionError for a planner that has none."""
+        return self._with_setting("effort", effort)
 
-    def with_method(self, method: Method) -> Mission:
-        """The same mission, planned by another method."""
-        ok = isinstance(self.planning, PatrolSettings)
-        require(ok, "method", method, f"the {self.planning.planner} planner has none; methods are the patrol planner's")
-        return replace(self, planning=replace(self.patrol, method=method))
+    def with_method(self, method: str) -> Mission:
+        """The same mission, planned by another method of its planner; MissionError for a planner that has none."""
+        return self._with_setting("method", method)
+
+    def _with_setting(self, name: str, value: str) -> Mission:
+        known = any(item.name == name for item in settings_of(type(self.planning)))
+        require(known, name, value, f"the {self.planning.planner} planner has no {name}: leave it out")
+        return replace(self, planning=replace(self.planning, **{name: value}))
+
+
+def _default_settings() -> PlannerSettings:
+    settings: PlannerSettings = door_of(DEFAULT).settings()
+    return settings
+
+
+def growing_footprints(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """Footprints that grow with height, in a mission as written that has no heights."""
+    for where, block in fleet_blocks(data):
+        if inner(block, "sensor", "half_angle_deg") is not None:
+            yield (*where, "sensor", "half_angle_deg"), "is for a swarm with altitudes_m only: remove it"
+
+
+def _as_written(mission: Mission) -> dict[str, Any]:
+    """The mission as a file would have it, without shapes: what planners look at to refuse it."""
+    fleet, start = mission.fleet, mission.fleet.start
+    return {
+        "period_s": mission.period_s,
+        "zones": [{"name": zone.name, "period_s": zone.period_s, "demand": zone.demand} for zone in mission.zones],
+        "moving_obstacles": list(mission.moving_obstacles),
+        "fleet": {
+            "robots": "fewest" if fleet.robots is None else [_robot_as_written(robot, fleet) for robot in fleet.robots],
+            "sensor": _sensor_as_written(fleet.sensor),
+            "turn_rate_rad_s": fleet.turn_rate_rad_s,
+            "start": {"box": start.low_m} if isinstance(start, StartBox) else start and {"points": start.points_m},
+        },
+        mission.planning.planner: vars(mission.planning),
+    }
+
+
+def _robot_as_written(robot: Robot, fleet: Fleet) -> dict[str, Any]:
+    """One robot, with what differs from the fleet."""
+    told: dict[str, Any] = {"start": robot.start, "joins_s": robot.joins_s, "leaves_s": robot.leaves_s}
+    if robot.sensor != fleet.sensor:
+        told["sensor"] = _sensor_as_written(robot.sensor)
+    if robot.turn_rate_rad_s != fleet.turn_rate_rad_s:
+        told["turn_rate_rad_s"] = robot.turn_rate_rad_s
+    return told
+
+
+def _sensor_as_written(sensor: Sensor) -> dict[str, Any]:
+    if isinstance(sensor, DiscSensor):
+        return {"shape": "disc", "radius_m": sensor.radius_m, "half_angle_deg": sensor.half_angle_deg}
+    return {"shape": "square", "side_m": sensor.side_m}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rota.errors import PlanError
 from rota.limits import FAR_FROM_AREA_M, LONGEST_S, SHORTEST_LOOP_S
-from rota.mission import Mission, SwarmSettings
+from rota.mission import Mission
 
 Floats = NDArray[np.float64]
 EndReason = Literal["rest", "most_steps", "stopped"]
@@ -189,9 +189,9 @@ class Plan:
                 raise PlanError(f"robot {name} has more than one trajectory")
             self.mission.fleet.robot(name)
         planning = self.mission.planning
-        if self.run_end is not None and not isinstance(planning, SwarmSettings):
+        if self.run_end is not None and not planning.makes_runs:
             raise PlanError(f"run_end: only swarms have runs; the planner is {planning.planner}")
-        flying = isinstance(planning, SwarmSettings) and planning.altitudes_m is not None
+        flying = planning.altitudes_m is not None
         bounds_m = np.array(self.mission.area.bounds)
         for trajectory in self.trajectories:
             _require_near(trajectory, bounds_m, flying)

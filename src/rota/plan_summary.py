@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from shapely import LineString, Point, Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
-from rota.mission import AREA, BounceSettings, DiscSensor, Mission, Sensor, Zone
+from rota.mission import AREA, DiscSensor, Mission, Sensor, Zone
 from rota.plan import Plan, Trajectory
-from rota.plan_physics import clocks_sentence, cycles_sentence, errors_sentence
 from rota.polygons import polygons_of
 
 if TYPE_CHECKING:
@@ -158,31 +157,6 @@ def robots_sentence(plan: Plan) -> str:
     return f"{count}; no plan with fewer than {bound} exists, proved."
 
 
-def sentences_of(plan: Plan, report: Report) -> tuple[str | None, ...]:
-    """What is said of a plan below its table; None in place of what there is nothing to say of."""
-    if plan.mission.planning.planner == "swarm":
-        return (holding_sentence(plan), covered_sentence(plan), ratio_sentence(plan, report))
-    if isinstance(plan.mission.planning, BounceSettings):
-        told = (clocks_sentence(plan, report), errors_sentence(plan))
-        if plan.mission.planning.task == "cover":
-            return (swept_sentence(plan), *told)
-        cycles = cycles_sentence(plan)
-        return (cycles, ratio_sentence(plan, report), rattling_sentence(plan), approach_sentence(plan), *told)
-    return (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
-
-
-def holding_sentence(plan: Plan) -> str:
-    """When robots that spread come to hold, how far they have gone by then, and whether they were cut off."""
-    ways_m = [float(np.linalg.norm(np.diff(t.positions_m, axis=0), axis=1).sum()) for t in plan]
-    n, last_s = len(plan.trajectories), max((trajectory.loop_start_s for trajectory in plan), default=0.0)
-    robots = f"{n} robot" + ("s hold" if n != 1 else " holds")
-    gone = f"{rounded(min(ways_m))} to {rounded(max(ways_m))} m" if n > 1 else f"{rounded(ways_m[0])} m"
-    held = f"{robots} {rounded(last_s)} s after setting out, having gone {gone}"
-    if plan.run_end is None or plan.run_end.at_rest:
-        return f"{held}."
-    return f"{held}: the run was {plan.run_end.text()}."
-
-
 def range_from(sensor: Sensor, place_m: Floats) -> Polygon:
     """What a sensor at a place (2,) or (3,) metres has in range, obstacles aside; a disc as a 256-gon of its area.
 
@@ -210,37 +184,6 @@ def range_at_the_end(plan: Plan) -> tuple[BaseGeometry, BaseGeometry, float]:
         footprints.append(range_from(robot.sensor, trajectory.positions_m[-1]))
         sum_m2 += footprints[-1].area
     return union_all(footprints).intersection(free), free, sum_m2
-
-
-def covered_sentence(plan: Plan) -> str:
-    """How much of the free space the holding robots have in range, and what footprints that share nothing would."""
-    seen, free, sum_m2 = range_at_the_end(plan)
-    share, most = seen.area / free.area, min(1.0, sum_m2 / free.area)
-    return f"They then have {share:.1%} of the area in range; footprints without overlap would have {most:.1%}."
-
-
-def swept_sentence(plan: Plan) -> str:
-    """How much of the floor bodies pass over, and sensors come over: a cell counts as covered when it is entered."""
-    mission = plan.mission
-    blocking = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
-    floor = mission.area.difference(blocking)
-    ways = [LineString(np.vstack([t.positions_m[:, :2], t.positions_m[-1:, :2]])) for t in plan]
-    robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
-    bodies = union_all([way.buffer(robot.body_radius_m) for way, robot in zip(ways, robots, strict=True)])
-    told = f"Bodies pass over {bodies.intersection(floor).area / floor.area:.1%} of the floor"
-    if all(isinstance(robot.sensor, DiscSensor) for robot in robots):
-        discs = union_all([way.buffer(robot.sensor.reach_m) for way, robot in zip(ways, robots, strict=True)])
-        told += f", discs of the sensors over {discs.intersection(floor).area / floor.area:.1%} (walls aside)"
-    return f"{told}: a cell counts as covered when a robot comes to its centre."
-
-
-def rattling_sentence(plan: Plan) -> str | None:
-    """Which robots never leave their places on their loops but turn there for ever; None: none does."""
-    names = [t.robot for t in plan if t.loop_duration_s > 0 and t.loop_length_m == 0]
-    if not names:
-        return None
-    what = "stay in one cell and turn" if len(names) > 1 else "stays in one cell and turns"
-    return f"{', '.join(names)} {what} there for ever: a limit cycle, too."
 
 
 def approach_sentence(plan: Plan) -> str | None:

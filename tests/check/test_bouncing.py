@@ -11,8 +11,9 @@ from shapely import box
 
 from rota.check import Report, check_plan, report_table, report_to_json
 from rota.check.bounce_floor import Floor, crossed, heading_moves
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.plan import Plan, Trajectory
+from rota.planners.bounce.planner_settings import BounceSettings
 
 
 def kinds(report: Report) -> list[str]:
@@ -53,7 +54,7 @@ def test_a_turn_in_the_open_is_told_where(headings: bool) -> None:
 def test_another_angle_off_cells_off_headings_and_sideways() -> None:
     # bounces by 90 degrees cannot turn it round at once: it would go along the end of the lane
     other = monitoring()
-    settings = replace(other.mission.bounce, bouncing_angles_deg=(90.0,))
+    settings = replace(BounceSettings.of(other.mission), bouncing_angles_deg=(90.0,))
     assert "turns where nothing is in the way" in kinds(
         check_plan(replace(other, mission=replace(other.mission, planning=settings)))
     )
@@ -160,7 +161,7 @@ def test_moves_and_what_they_cross() -> None:
 
 def test_floors_of_too_many_cells_are_not_called_met() -> None:
     plan = covering()
-    settings = replace(plan.mission.bounce, cell_m=1e-9)
+    settings = replace(BounceSettings.of(plan.mission), cell_m=1e-9)
     report = check_plan(replace(plan, mission=replace(plan.mission, planning=settings)))
     assert kinds(report) == ["too many cells to judge"]
 

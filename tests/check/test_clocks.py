@@ -12,8 +12,10 @@ from shapely import box
 
 from rota.check import Report, check_plan
 from rota.check.clocks import clock_margin_s
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, PatrolSettings, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Zone
 from rota.plan import Plan, Trajectory
+from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 Floats = NDArray[np.float64]
 BODY_M = 0.5

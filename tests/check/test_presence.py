@@ -9,8 +9,9 @@ import numpy as np
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Robot, SwarmSettings, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
 from rota.plan import Plan, Trajectory
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 SENSOR = DiscSensor(radius_m=10)
 

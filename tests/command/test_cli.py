@@ -20,6 +20,7 @@ import pytest
 from benchmarks.create2.plans import TypedMap, bounced_plan
 from PIL import Image
 from shapely import Point, box, union_all
+from tests.stand_in import standing_in
 
 from rota.check import check_plan
 from rota.command.cli import run
@@ -27,8 +28,10 @@ from rota.command.interrupt import stop_on_interrupt
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.files.plan_file import read_plan, write_plan
-from rota.mission import Mission, SwarmSettings
+from rota.mission import Mission
 from rota.plan import Plan, Trajectory
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 MAKE_PLAN = importlib.import_module("rota.make_plan")
 YARD = """\
@@ -70,7 +73,7 @@ Use = Callable[[Callable[..., Plan]], None]
 @pytest.fixture
 def use(monkeypatch: pytest.MonkeyPatch) -> Use:
     """Puts a stand-in in the planner's place."""
-    return lambda planner: monkeypatch.setattr(MAKE_PLAN, "_planner", lambda _mission: planner)
+    return lambda planner: monkeypatch.setattr(MAKE_PLAN, "planner_of", standing_in(planner))
 
 
 def good(mission: Mission, **_: Any) -> Plan:
@@ -115,7 +118,7 @@ def test_seed_effort_and_time_limit_reach_the_planner(yard: Path, use: Use) -> N
     asked: list[tuple[int, str]] = []
 
     def planner(mission: Mission, *, seed: int, should_stop: Callable[[], bool], **_: Any) -> Plan:
-        asked.append((seed, mission.patrol.effort))
+        asked.append((seed, PatrolSettings.of(mission).effort))
         while len(asked) == 2 and not should_stop():
             pass
         return answer(mission)
@@ -323,7 +326,7 @@ STOPPED_AT = """
 import importlib, os, signal, sys
 from rota.command.cli import run
 make_plan = importlib.import_module("rota.make_plan")
-ask, planner_of, asked = make_plan._StopRule.__call__, make_plan._planner, 0
+ask, planner_of, asked = make_plan._StopRule.__call__, make_plan.planner_of, 0
 def counted(self):
     global asked
     asked += 1
@@ -334,7 +337,7 @@ def begun(mission):
     if sys.argv[1] == "0":
         os.kill(os.getpid(), signal.SIGTERM)
     return planner_of(mission)
-make_plan._StopRule.__call__, make_plan._planner = counted, begun
+make_plan._StopRule.__call__, make_plan.planner_of = counted, begun
 sys.exit(run(["plan", "mission.yaml"]))
 """
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -373,11 +376,13 @@ def test_a_search_that_does_not_stop_is_ended(yard: Path) -> None:
         "from rota.command import interrupt\n"
         "from rota.command.cli import run\n"
         "interrupt.GRACE_S = 1\n"
-        "def deaf(mission, **_):\n"
+        "from rota.planner import Planner\n"
+        "class Deaf(Planner):\n"
+        "  def plan(self, request):\n"
         "    os.kill(os.getpid(), signal.SIGTERM)\n"
         "    while True:\n"
         "        pass\n"
-        "importlib.import_module('rota.make_plan')._planner = lambda mission: deaf\n"
+        "importlib.import_module('rota.make_plan').planner_of = lambda mission: Deaf()\n"
         "sys.exit(run(['plan', 'yard.yaml']))\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False, timeout=60)
@@ -431,12 +436,14 @@ def test_the_second_signal_ends_at_once_and_leaves_the_old_file(end: str, yard: 
     script = (
         "import importlib, os, signal, sys\n"
         "from rota.command.cli import run\n"
-        "def deaf(mission, **_):\n"
+        "from rota.planner import Planner\n"
+        "class Deaf(Planner):\n"
+        "  def plan(self, request):\n"
         f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('still here\\n')\n"
         f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('deaf\\n')\n"
-        "importlib.import_module('rota.make_plan')._planner = lambda mission: deaf\n"
+        "importlib.import_module('rota.make_plan').planner_of = lambda mission: Deaf()\n"
         "sys.exit(run(['plan', 'yard.yaml']))\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)

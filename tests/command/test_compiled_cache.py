@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 import rota
-from rota.command import compiled_cache
-from rota.command.compiled_cache import compiled_by_two, is_compiled
+from rota.command.compiled_cache import is_compiled
+from rota.planners.patrol.compiled_by_two import OTHER_HALF, compiled_by_two
 
 
 def index_of(folder: Path, name: str, *, age_s: float) -> None:
@@ -48,7 +48,7 @@ def test_the_packages_that_the_program_asks_for_have_main_kernels() -> None:
 
 def test_the_check_is_compiled_in_another_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # with the usual cache, compiled by now, it is over soon; what counts is that it runs through without a fault
-    done = subprocess.run([sys.executable, "-c", compiled_cache._OTHER_HALF], capture_output=True, check=False)
+    done = subprocess.run([sys.executable, "-c", OTHER_HALF], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
     with compiled_by_two():
         assert is_compiled()

@@ -16,8 +16,10 @@ from rota.draw.cells_picture import cells_figure, draw_cells
 from rota.draw.entered_cells import entries_of_cells, faced_cells
 from rota.draw.plan_picture import plan_figure
 from rota.errors import PlanError
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, PatrolSettings, Robot, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
 from rota.plan import Plan, Trajectory
+from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 VISITED = Zone(name="door", shape=box(1, 2, 1.5, 2.5), period_s=60, demand="visit")
 

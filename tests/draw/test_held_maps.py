@@ -15,8 +15,9 @@ from rota.draw import animate_plan, draw_plan
 from rota.draw.held_frames import HeldFrames
 from rota.draw.held_maps import covered_colour, holds
 from rota.draw.plan_picture import plan_figure
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SwarmSettings
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.plan import Plan, Trajectory
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 LENS_M2 = 2 * 10**2 * math.acos(15 / 20) - 7.5 * math.sqrt(4 * 10**2 - 15**2)  # of two discs of 10 m, 15 m apart
 

@@ -14,8 +14,9 @@ from shapely import Polygon, box, union_all
 from rota.errors import PlanError
 from rota.files.create2_driven import Driven, touching_legs
 from rota.files.create2_legs import BODY_RADIUS_M, driven, drives_of
-from rota.mission import Obstacle, PatrolSettings
+from rota.mission import Obstacle
 from rota.plan import Plan
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 ROOM = TypedMap(rows=("....", "....", "...."), cell_m=0.5)
 CORRIDOR = TypedMap(rows=("......",), cell_m=0.5)

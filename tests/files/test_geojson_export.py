@@ -16,8 +16,9 @@ from shapely.geometry import shape
 from rota.errors import RotaError
 from rota.files.geodesy import Projection
 from rota.files.geojson import geojson_text, plan_to_geojson, write_geojson
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, SwarmSettings, Zone
+from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan, Trajectory
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 ORIGIN = GeoPoint(lat=53.5413871, lon=9.9836)
 GEOD = Geod(ellps="WGS84")

@@ -13,7 +13,9 @@ from rota.files.example_mission import example_mission_text
 from rota.files.geodesy import Projection
 from rota.files.mission_file import mission_schema, read_mission
 from rota.files.yaml_text import parse_text
-from rota.mission import BounceSettings, DiscSensor, GeoPoint, PatrolSettings, Robot, SquareSensor
+from rota.mission import DiscSensor, GeoPoint, Robot, SquareSensor
+from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 ROOT = Path(__file__).parent.parent.parent
 EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.yaml") if not path.name.endswith("_map.yaml"))
@@ -200,7 +202,7 @@ def test_an_obstacle_outside_the_area_is_told(tmp_path):
 def test_overrides_replace_values_and_are_named_when_at_fault(tmp_path):
     mission = read(tmp_path, BASE, overrides={"patrol.effort": "quick", "fleet.robots": 2, "period_s": 30}).mission
     assert mission.fleet.robots is not None
-    assert (mission.patrol.effort, len(mission.fleet.robots), mission.period_s) == ("quick", 2, 30)
+    assert (PatrolSettings.of(mission).effort, len(mission.fleet.robots), mission.period_s) == ("quick", 2, 30)
     with pytest.raises(MissionError) as caught:
         read(tmp_path, BASE, overrides={"patrol.effort": "wild", "fleet.robot": 2})
     assert sorted(caught.value.faults) == [
@@ -330,4 +332,4 @@ def test_a_typed_map_is_a_rectangle_with_its_first_line_in_the_north(tmp_path):
 
 def test_a_cell_of_its_own_goes_before_the_typed_one(tmp_path):
     mission = read(tmp_path, TYPED.replace("{task", "{cell_m: 0.25, task")).mission
-    assert mission.bounce.cell_m == 0.25
+    assert BounceSettings.of(mission).cell_m == 0.25

@@ -20,22 +20,22 @@ from rota.errors import PlanError, RotaError
 from rota.files import plan_schema as fields
 from rota.files.plan_file import plan_from_json, plan_from_text, plan_text, plan_to_json, read_plan, write_plan
 from rota.mission import (
-    BounceSettings,
     DiscSensor,
     Fleet,
     GeoPoint,
     Mission,
     MovingObstacle,
     Obstacle,
-    PatrolSettings,
     Robot,
     SquareSensor,
     StartBox,
     StartPoints,
-    SwarmSettings,
     Zone,
 )
 from rota.plan import Plan, Trajectory
+from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 
 def harbour() -> Plan:
@@ -200,17 +200,14 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
         (fields.ZoneFields, Zone, {}),
         (fields.ObstacleFields, Obstacle, {}),
         (fields.OriginFields, GeoPoint, {}),
-        (fields.PatrolFields, PatrolSettings, {}),
         (fields.TrajectoryFields, Trajectory, {"robot": "name"}),
-        (fields.SwarmFields, SwarmSettings, {}),
-        (fields.BounceFields, BounceSettings, {}),
         (fields.MovingObstacleFields, MovingObstacle, {}),
         (fields.MissionFields, Mission, {"planning": "planner"}),
     ],
 )
 def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict[str, str]) -> None:
     expected = {renamed.get(f.name, f.name) for f in dataclasses.fields(type_)}
-    assert set(model.model_fields) - {"patrol", "swarm", "bounce"} == expected
+    assert set(model.model_fields) == expected
 
 
 def test_a_bounce_plan_keeps_its_angles_and_a_turn_is_a_leg_without_length() -> None:
@@ -254,7 +251,7 @@ def test_points_to_start_from_travel_with_the_plan_and_plans_of_before_have_no_s
     del document["mission"]["patrol"]["range_margin_m"]
     old = plan_from_json(document).mission
     assert old.fleet.start is None
-    assert (old.patrol.period_margin, old.patrol.range_margin_m) == (0, 0)
+    assert (PatrolSettings.of(old).period_margin, PatrolSettings.of(old).range_margin_m) == (0, 0)
 
 
 def test_the_reason_of_the_bound_travels_with_the_plan_and_may_be_absent() -> None:
@@ -334,7 +331,7 @@ CROSSED = [[[[0, 0], [1, 1], [0, 1], [1, 0]]]]
         ("mission.fleet.sensor.shape", "cube", r"^mission\.fleet\.sensor: .*'disc', 'square'"),
         ("mission.fleet.sensor.side_m", ..., r"^mission\.fleet\.sensor\.side_m: Field required"),
         ("mission.planner", "swerm", r"^mission\.planner: .*'patrol'"),
-        ("mission.patrol.effort", "low", r"^mission\.patrol\.effort: .*'quick', 'normal' or 'high'"),
+        ("mission.patrol.effort", "low", r'^mission\.patrol\.effort: "low" is not allowed; quick, normal or high'),
         ("robots.0.name", "nobody", r"^robots: robot 'nobody' is not in the fleet"),
         ("robots.1.name", "Zoë", r"^robots: robot Zoë has more than one trajectory"),
         ("robots.0.times_s", [0, 1, 0.5, 5], r"^robots\[0\]: .*times_s\[2\] = 0\.5 does not come after 1\.0"),

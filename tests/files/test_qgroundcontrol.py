@@ -19,8 +19,9 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.errors import PlanError, RotaError
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol, write_qgroundcontrol
-from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, SwarmSettings, Zone
+from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan, Trajectory
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 ORIGIN = GeoPoint(lat=-33.8567844, lon=151.2152967)
 GEOD = Geod(ellps="WGS84")

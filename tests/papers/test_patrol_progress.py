@@ -12,12 +12,13 @@ from typing import Any
 import pytest
 from PIL import Image
 from shapely import MultiPolygon, box
+from tests.stand_in import standing_in
 
 from rota import search_plan
 from rota.command.cli import run
 from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
-from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings
+from rota.mission import DiscSensor, Fleet, Mission
 from rota.papers.patrol_progress import (
     COLUMNS,
     PatrolProgress,
@@ -28,6 +29,7 @@ from rota.papers.patrol_progress import (
 )
 from rota.papers.sun2019 import figure_13
 from rota.plan import Plan, Trajectory
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.progress import SearchState
 
 MAKE_PLAN = importlib.import_module("rota.make_plan")
@@ -123,7 +125,7 @@ Use = Callable[[Callable[..., Plan]], None]
 def use(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Use:
     monkeypatch.chdir(tmp_path)
     Path("yard.yaml").write_text(YARD)
-    return lambda planner: monkeypatch.setattr(MAKE_PLAN, "_planner", lambda _mission: planner)
+    return lambda planner: monkeypatch.setattr(MAKE_PLAN, "planner_of", standing_in(planner))
 
 
 def test_the_command_prints_a_table_and_writes_what_is_asked_for(use: Use, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.bounce_floor import TOUCH_M, Floor
-from rota.mission import BounceSettings
 from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
@@ -22,8 +21,8 @@ class Around:
 
     def __init__(self, plan: Plan, floor: Floor) -> None:
         self._plan, self._floor = plan, floor
-        settings = plan.mission.planning
-        self._swept = isinstance(settings, BounceSettings) and settings.contact == "swept"
+        rules = plan.mission.planning.bouncing
+        self._swept = rules is not None and rules.contact == "swept"
 
     def meets(self, robot: Trajectory, cell: Ints, heading: int, time_s: float) -> bool:
         """Whether the robot's move would bring it in contact with another one, in the step that begins at ``time_s``.

@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check.routes import lines_of, segments_of
-from rota.mission import BounceSettings, Mission
+from rota.mission import Bouncing, Mission
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -26,12 +26,12 @@ MOST_CELLS = 4_000_000
 class Floor:
     """The lattice of a mission's cells; a cell is a row (column, row) of whole numbers, 0, 0 at the lower left."""
 
-    def __init__(self, mission: Mission, settings: BounceSettings) -> None:
-        self.cell_m = settings.cell_m
-        self.moves = heading_moves(settings.headings)
-        self._pass_corners = settings.corners == "pass"
+    def __init__(self, mission: Mission, rules: Bouncing) -> None:
+        self.cell_m = rules.cell_m
+        self.moves = heading_moves(rules.headings)
+        self._pass_corners = rules.corners == "pass"
         x0, y0, x1, y1 = mission.area.bounds
-        origin = settings.cell_origin
+        origin = rules.cell_origin
         self.corner_m = np.array([x0, y0])
         if origin is not None:
             self.corner_m = np.array(origin) - np.ceil((np.array(origin) - [x0, y0]) / self.cell_m - 1e-9) * self.cell_m

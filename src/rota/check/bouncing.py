@@ -19,7 +19,7 @@ from rota.check.bounce_contacts import Around
 from rota.check.bounce_floor import TOUCH_M, Floor
 from rota.check.bounce_lines import Walls, line_violations
 from rota.check.report import Violation
-from rota.mission import BounceSettings
+from rota.mission import Bouncing
 from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
@@ -44,31 +44,31 @@ class Bounced:
 
 def bounce_violations(plan: Plan) -> Bounced:
     """Judge a plan of the bounce planner by its mission alone; nothing is found of other missions."""
-    settings = plan.mission.planning
-    if not isinstance(settings, BounceSettings):
+    rules = plan.mission.planning.bouncing
+    if rules is None:
         return Bounced()
-    if settings.cells == "none":
-        return Bounced(violations=tuple(_without_cells(plan, settings)))
-    floor = Floor(plan.mission, settings)
+    if rules.cell_m == 0:
+        return Bounced(violations=tuple(_without_cells(plan, rules)))
+    floor = Floor(plan.mission, rules)
     if not floor.judgeable:
-        wrong = _violation("too many cells to judge", "area", None, None, settings.cell_m, settings.cell_m, "m wide")
+        wrong = _violation("too many cells to judge", "area", None, None, rules.cell_m, rules.cell_m, "m wide")
         return Bounced(violations=(wrong,))
     violations: list[Violation] = []
     entered = [np.empty((0, 2), np.int64)]
     by_clock = 0
     for k, trajectory in enumerate(plan):
-        angles = settings.bouncing_angles_deg
+        angles = rules.bouncing_angles_deg
         index = _index_in_fleet(plan, trajectory, k) if len(angles) > 1 else 0
         if index >= len(angles):
             violations.append(
                 _violation("no bouncing angle", trajectory.robot, None, None, index, len(angles), "angles")
             )
             continue
-        judge = _Robot(plan, floor, settings, trajectory, round(angles[index] * settings.headings / 360))
+        judge = _Robot(plan, floor, rules, trajectory, round(angles[index] * rules.headings / 360))
         violations += judge.violations()[:MOST_PER_ROBOT]
         entered.append(judge.entered())
         by_clock += judge.by_clock
-    if settings.task != "cover":
+    if not rules.covers:
         return Bounced(violations=tuple(violations))
     wanted = floor.every_free_cell()
     held = np.zeros(floor.shape, np.bool_)
@@ -84,10 +84,10 @@ def bounce_violations(plan: Plan) -> Bounced:
     return Bounced(violations=tuple(violations), cells=(len(wanted) - len(missed), len(wanted)), not_judged=told)
 
 
-def _without_cells(plan: Plan, settings: BounceSettings) -> list[Violation]:
+def _without_cells(plan: Plan, rules: Bouncing) -> list[Violation]:
     """The same for robots on no grid, which touch walls exactly and come near no other robot."""
     walls, found = Walls(plan.mission), []
-    angles = settings.bouncing_angles_deg
+    angles = rules.bouncing_angles_deg
     for k, trajectory in enumerate(plan):
         index = _index_in_fleet(plan, trajectory, k) if len(angles) > 1 else 0
         if index >= len(angles):
@@ -106,10 +106,10 @@ def _index_in_fleet(plan: Plan, trajectory: Trajectory, otherwise: int) -> int:
 class _Robot:
     """One robot's way as moves from cell to cell and what it does between them."""
 
-    def __init__(self, plan: Plan, floor: Floor, settings: BounceSettings, trajectory: Trajectory, bounce: int) -> None:
-        self._plan, self._floor, self._settings, self._trajectory = plan, floor, settings, trajectory
+    def __init__(self, plan: Plan, floor: Floor, rules: Bouncing, trajectory: Trajectory, bounce: int) -> None:
+        self._plan, self._floor, self._rules, self._trajectory = plan, floor, rules, trajectory
         self._bounce = bounce
-        self._covers = settings.task == "cover"
+        self._covers = rules.covers
         self._places = trajectory.positions_m[:, :2]
         self._cells, self._centred = floor.cells_at(self._places)
         self.by_clock = 0
@@ -258,7 +258,7 @@ class _Robot:
             self._walls[key] = bool(self._floor.blocked(cell[None], np.array([heading]))[0])
         if self._walls[key]:
             return True
-        if self._covers or time_s >= self._trajectory.loop_start_s or self._settings.contact_free == "trajectory":
+        if self._covers or time_s >= self._trajectory.loop_start_s or self._rules.contact_free == "trajectory":
             return False
         return Around(self._plan, self._floor).meets(self._trajectory, cell, heading, time_s)
 

@@ -16,7 +16,6 @@ from rota.check.motion import segment_distances
 from rota.check.near_legs import near_ways
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, Routes, routes_of
-from rota.mission import BounceSettings
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
@@ -34,7 +33,7 @@ def clock_margin_s(plan: Plan) -> float | None:
     None for plans of robots that do not bounce, and for fewer than two. A robot whose clock is late does everything so
     much later. Robots whose loops have no common period meet in every phase: 0 where their ways come near.
     """
-    if not isinstance(plan.mission.planning, BounceSettings) or len(plan.trajectories) < 2:
+    if plan.mission.planning.bouncing is None or len(plan.trajectories) < 2:
         return None
     routes = routes_of(plan)
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
@@ -48,10 +47,10 @@ def clock_margin_s(plan: Plan) -> float | None:
 
 def clock_violations(plan: Plan, margin_s: float | None) -> list[Violation]:
     """What is wrong where clocks may drift farther apart, from one common signal to the next, than bodies allow."""
-    settings = plan.mission.planning
-    if margin_s is None or not isinstance(settings, BounceSettings):
+    rules = plan.mission.planning.bouncing
+    if margin_s is None or rules is None:
         return []
-    if margin_s >= settings.clock_margin_s * (1 - SAME_S):
+    if margin_s >= rules.clock_margin_s * (1 - SAME_S):
         return []
     return [
         Violation(
@@ -59,7 +58,7 @@ def clock_violations(plan: Plan, margin_s: float | None) -> list[Violation]:
             who=", ".join(trajectory.robot for trajectory in plan),
             place_m=None,
             time_s=None,
-            value=settings.clock_margin_s,
+            value=rules.clock_margin_s,
             limit=margin_s,
             unit="s",
         )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rota.check.report import Violation
 from rota.check.routes import lines_of, segments_of
-from rota.mission import Mission, Robot, SwarmSettings
+from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
@@ -46,7 +46,7 @@ def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) 
 
     Straight legs between points in the band stay in it.
     """
-    if not isinstance(mission.planning, SwarmSettings) or mission.planning.altitudes_m is None:
+    if mission.planning.altitudes_m is None:
         return []
     low, high = mission.planning.altitudes_m
     places = trajectory.positions_m

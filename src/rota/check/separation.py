@@ -16,7 +16,6 @@ from rota.check.motion import segment_distances
 from rota.check.near_legs import near_legs
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, routes_of
-from rota.mission import BounceSettings
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
@@ -45,9 +44,10 @@ def separation_violations(plan: Plan) -> list[Violation]:
     """
     routes = routes_of(plan)
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
-    if isinstance(plan.mission.planning, BounceSettings):
+    rules = plan.mission.planning.bouncing
+    if rules is not None:
         # no two of them are in one cell: even points would have bumped into each other (without cells: 0 m)
-        bodies = np.maximum(bodies, BOUNCING_CELLS * plan.mission.planning.cell_m)
+        bodies = np.maximum(bodies, BOUNCING_CELLS * rules.cell_m)
     if len(bodies) < 2 or np.sort(bodies)[-2:].sum() <= TOUCH_M:
         return []
     closest: dict[tuple[int, int], _Closest] = {}

@@ -18,7 +18,7 @@ from rota.command.export import ExportFormat, write_export
 from rota.command.interrupt import Terminated, clean_end_on_terminate, stop_on_interrupt
 from rota.command.plan import plan_and_write
 from rota.command.study import app as study_app
-from rota.command.terminal import STANDARD_STREAM, mention_compiling, progress_bar, say
+from rota.command.terminal import STANDARD_STREAM, mention_compiling, progress_bar, reading_ahead, say
 from rota.errors import NoPlanFound, RotaError
 
 if TYPE_CHECKING:
@@ -109,11 +109,11 @@ def plan(
     ] = None,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
-    from rota.command.compiled_cache import compiled_by_two, is_compiled
-    from rota.command.work_ahead import planning_ahead, reading_ahead
+    from rota.command.compiled_cache import is_compiled
     from rota.files.atomic_write import require_suffix
+    from rota.files.checkpoint_file import read_checkpoint
     from rota.files.mission_file import read_mission
-    from rota.files.run_file import read_run
+    from rota.planner import planner_of
 
     target = output if output is not None else f"{mission.stem}.rota.json"
     _require_target(target, source=mission)
@@ -128,16 +128,15 @@ def plan(
     for warning in read.warnings:
         say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
-    for long in planning_ahead(asked):
+    planner = planner_of(asked)
+    for long in planner.long_work(asked):
         say(f"this takes long: {long}")
-    patrol = asked.planning.planner == "patrol"
-    kernels = ("planners/patrol/annealing", "geometry") if patrol else (f"planners/{asked.planning.planner}",)
-    mention_compiling(*kernels, *_compiled_for_check(asked))
-    by_two = patrol and not is_compiled("planners/patrol/annealing", "check")
-    run = None if resume is None else read_run(resume)
-    seed = seed if seed is not None else run.seed if run is not None else 0
-    with compiled_by_two() if by_two else nullcontext():
-        code = plan_and_write(asked, target, seed, time_limit, best, (resume, run), metrics)
+    packages = (*planner.compiled_packages(asked), *_compiled_for_check(asked))
+    mention_compiling(*packages)
+    checkpoint = None if resume is None else read_checkpoint(resume)
+    seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
+    with nullcontext() if is_compiled(*packages) else planner.compiling():
+        code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics)
     raise typer.Exit(code)
 
 
@@ -154,15 +153,17 @@ def compare(
     from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
     from rota.files.atomic_write import require_suffix
     from rota.files.mission_file import read_mission
+    from rota.planner import planner_of
 
     if output is not None:
         require_suffix(output, PICTURES, "a picture")
         _require_target(output, source=mission)
-    names, read = named_methods(methods), read_mission(mission)
+    read = read_mission(mission)
     for warning in read.warnings:
         say(f"warning: {warning}")
     asked = read.mission if effort is None else read.mission.with_effort(effort)
-    mention_compiling("planners/patrol/annealing", "geometry", "check")
+    names = named_methods(asked, methods)
+    mention_compiling(*planner_of(asked).compiled_packages(asked), "check")
     with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
         outcomes = compare_methods(asked, names, seed=seed, progress=bar.show, should_stop=stop)
     told = comparison_to_json(asked, outcomes, seed) if as_json else None

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from rota.command.checkpoint import keep_checkpoint
 from rota.command.exit_codes import DONE, NO_PLAN
-from rota.command.stopped_run import keep_run
 from rota.command.terminal import STANDARD_STREAM, progress_bar, say
 from rota.errors import NoPlanFound
 
 if TYPE_CHECKING:
     from rota.check import Report
-    from rota.checkpoint import SwarmState
+    from rota.checkpoint import Checkpoint
     from rota.command.interrupt import StopFlag
     from rota.mission import Mission
     from rota.plan import Plan
-    from rota.planners.swarm.metrics import History
+    from rota.planner import Answer
 
 
 def plan_and_write(
@@ -27,7 +27,7 @@ def plan_and_write(
     seed: int,
     time_limit_s: float | None,
     best: bool,
-    resume: tuple[str | None, SwarmState | None],
+    resume: tuple[str | None, Checkpoint | None],
     metrics: str | None = None,
 ) -> int:
     """Plan, check, write and tell the outcome; returns the exit code. resume: a run file's path and what it holds.
@@ -37,31 +37,32 @@ def plan_and_write(
     from rota.check import check_plan
     from rota.command.interrupt import stop_on_interrupt
     from rota.make_plan import search_plan
+    from rota.planner import Answer
 
     reason = None
-    histories: list[History] = []
+    histories: list[Any] = []  # the measures of every step
     with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
         try:
-            found = search_plan(
+            search = search_plan(
                 mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1],
                 observe=None if metrics is None else histories.append,
             )  # fmt: skip
-            answer, report, early, run = found.plan, found.report, found.stopped_early, found.run
-            told = found.told
+            answer, report, early = search.answer, search.report, search.stopped_early
         except NoPlanFound as failure:
-            reason, early, run, told = failure, False, failure.run, failure.told  # type: ignore[assignment]
+            reason, early = failure, False
+            checkpoint: Checkpoint | None = failure.checkpoint  # type: ignore[assignment]
             if not best or failure.best is None:
-                _write_metrics(histories, mission, resume[1], metrics)
-                if run is not None:
-                    keep_run(run, target, resume[0])
-                return _say_no_plan(failure, stop, "no plan" if run is not None else "nothing")
-            answer = failure.best  # type: ignore[assignment]
-            report = check_plan(answer)
-    _write_plan(answer, target, meets_demand=reason is None)
-    _write_metrics(histories, mission, resume[1], metrics)
-    _show_outcome(answer, report, target, told)
-    if run is not None:
-        keep_run(run, target, resume[0])
+                _write_metrics(histories, metrics)
+                if checkpoint is not None:
+                    keep_checkpoint(checkpoint, target, resume[0])
+                return _say_no_plan(failure, stop, "no plan" if checkpoint is not None else "nothing")
+            answer = Answer(plan=failure.best, facts=failure.facts, checkpoint=checkpoint)  # type: ignore[arg-type]
+            report = check_plan(answer.plan)
+    _write_plan(answer.plan, target, meets_demand=reason is None)
+    _write_metrics(histories, metrics)
+    _show_outcome(answer, report, target)
+    if answer.checkpoint is not None:
+        keep_checkpoint(answer.checkpoint, target, resume[0])
     if stop.raised:
         say("interrupted: this is the best plan so far")
     elif early:
@@ -91,25 +92,21 @@ def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
         write_plan(answer, target, meets_demand=meets_demand)
 
 
-def _write_metrics(histories: list[History], mission: Mission, resumed: SwarmState | None, path: str | None) -> None:
+def _write_metrics(histories: list[Any], path: str | None) -> None:
     from rota.files.atomic_write import write_atomically
 
     for history in histories:
-        first = 0 if resumed is None else resumed.steps
-        write_atomically(str(path), history.csv(time_step_s=mission.swarm.time_step_s, first_step=first))
+        write_atomically(str(path), history.csv())
 
 
-def _show_outcome(answer: Plan, report: Report, target: str, told: tuple[str, ...]) -> None:
+def _show_outcome(answer: Answer, report: Report, target: str) -> None:
     from rota.check import report_table
-    from rota.plan_summary import robots_table, sentences_of
+    from rota.planner import planner_of
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
-    if report.demands and answer.mission.planning.planner != "swarm":
-        console.print(robots_table(answer), markup=False, soft_wrap=True)
-    sentences = (*told, *sentences_of(answer, report))
-    for sentence in sentences:
-        if sentence is not None:
-            console.print(sentence, markup=False, soft_wrap=True)
+    for paragraph in planner_of(answer.plan.mission).sentences(answer, report):
+        if paragraph is not None:
+            console.print(paragraph, markup=False, soft_wrap=True)
     if report.verdict == "met":
         console.print("Check: met, every demand, for ever." if report.demands else "Check: no violations.")
     else:

@@ -27,7 +27,6 @@ from rota.draw.two_maps import DPI
 from rota.draw.zone_labels import draw_zone_labels
 from rota.errors import PlanError
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.mission import BounceSettings
 from rota.plan import Plan
 from rota.polygons import polygons_of
 
@@ -51,7 +50,7 @@ def draw_headings(plan: Plan, ax: Axes) -> None:
     outside = polygons_of(rim)
     if not outside.is_empty:
         ax.add_patch(PathPatch(outline(outside), facecolor=OUTSIDE, edgecolor="none", zorder=1.5))
-    cell_m, corner = mission.bounce.cell_m, np.array(mission.grid_corner_m)
+    cell_m, corner = mission.bouncing.cell_m, np.array(mission.grid_corner_m)
     # where cells are small, one state in so many is drawn, so much longer, on the robots' ways
     every = max(1, math.ceil(LEAST_ARROW_PT / (ARROW * cell_m * points_per_metre(ax))))
     apart_m = every * cell_m * min(APART, ARROW / max(len(plan.trajectories) - 1, 1))
@@ -106,9 +105,10 @@ def draw_cells(plan: Plan, path: str | Path) -> None:
     """
     path = Path(path)
     suffix = require_suffix(path, FORMATS, "a picture")
-    if not isinstance(plan.mission.planning, BounceSettings):
+    rules = plan.mission.planning.bouncing
+    if rules is None:
         raise PlanError(f"a plan of {plan.mission.planning.planner} has no cells to draw; one of bounce is needed")
-    if plan.mission.bounce.cell_m == 0:
+    if rules.cell_m == 0:
         raise PlanError("a plan of robots that bounce without a grid (bounce.cells: none) has no cells to draw")
     with house_style():
         fig = cells_figure(plan)

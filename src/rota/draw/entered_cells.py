@@ -44,7 +44,7 @@ class FacedCells(NamedTuple):
 
 def faced_cells(mission: Mission, trajectory: Trajectory) -> FacedCells:
     """The cells and headings of a bouncing robot, step by step; a longer wait counts as one step."""
-    corner, cell_m = np.array(mission.grid_corner_m), mission.bounce.cell_m
+    corner, cell_m = np.array(mission.grid_corner_m), mission.bouncing.cell_m
     at = np.floor((trajectory.positions_m[:, :2] - corner) / cell_m).astype(np.int64)
     assert trajectory.headings_rad is not None
     cells, headings, entered = [at[0]], [float(trajectory.headings_rad[0])], [True]
@@ -59,7 +59,7 @@ def faced_cells(mission: Mission, trajectory: Trajectory) -> FacedCells:
 def entries_of_cells(plan: Plan) -> Ints:
     """(rows, columns) how often robots enter each cell on their trajectories, starts included, loops once."""
     (x0, y0), (_, _, x1, y1) = plan.mission.grid_corner_m, plan.mission.area.bounds
-    cell_m = plan.mission.bounce.cell_m
+    cell_m = plan.mission.bouncing.cell_m
     columns, rows = (max(1, math.ceil(size / cell_m - 1e-9)) for size in (x1 - x0, y1 - y0))
     found = np.zeros((rows, columns), np.int64)
     for trajectory in plan:
@@ -74,7 +74,7 @@ def draw_entries(plan: Plan, ax: Axes) -> AxesImage:
     entries = entries_of_cells(plan)
     x0, y0 = plan.mission.grid_corner_m
     rows, columns = entries.shape
-    cell_m = plan.mission.bounce.cell_m
+    cell_m = plan.mission.bouncing.cell_m
     extent = (x0, x0 + columns * cell_m, y0, y0 + rows * cell_m)
     shown, most = np.ma.masked_equal(entries, 0), int(entries.max())
     norm = Normalize(0, most) if most <= MOST_LINEAR else LogNorm(1, most)

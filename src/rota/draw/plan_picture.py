@@ -19,7 +19,6 @@ from rota.draw.routes import routes_of
 from rota.draw.two_maps import DPI, Half, two_maps
 from rota.draw.zone_labels import draw_zone_labels
 from rota.files.atomic_write import replaced_file, require_suffix
-from rota.mission import BounceSettings
 from rota.plan import Plan
 
 FORMATS = (".png", ".svg", ".pdf")
@@ -35,10 +34,9 @@ def _header(plan: Plan) -> str:
     if plan.lower_bound_robots is not None:
         words.append(f"lower bound {plan.lower_bound_robots}")
     mission = plan.mission
-    settings = mission.planning
-    if isinstance(settings, BounceSettings):
-        asked = "cover the area once" if settings.task == "cover" else "visit every zone for ever"
-        return " · ".join([*words, asked, f"cells of {settings.cell_m:.6g} m" if settings.cell_m else "without a grid"])
+    if (rules := mission.planning.bouncing) is not None:
+        asked = "cover the area once" if rules.covers else "visit every zone for ever"
+        return " · ".join([*words, asked, f"cells of {rules.cell_m:.6g} m" if rules.cell_m else "without a grid"])
     if holds(plan):
         return " · ".join([*words, "nothing asked of the ground"])
     where = "outside zones" if mission.zones else "whole area"
@@ -77,7 +75,8 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     Of robots that hold, with nothing asked of the ground, it shows their ways and what they have in range in the end;
     of bouncing ones on cells their ways or loops and how often they enter each cell.
     """
-    bounced = isinstance(plan.mission.planning, BounceSettings) and plan.mission.planning.cell_m > 0
+    rules = plan.mission.planning.bouncing
+    bounced = rules is not None and rules.cell_m > 0
     if bounced and holds(plan):
         return two_maps(plan.mission, _header(plan), ways_half(plan), entries_half(plan))
     if holds(plan):

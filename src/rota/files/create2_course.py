@@ -97,7 +97,7 @@ class Surroundings:
     """What discs of ``body_radius_m`` can bump into on their plan's grid: walls, and each other."""
 
     def __init__(self, plan: Plan, courses: tuple[tuple[Stretch, ...], ...], body_radius_m: float) -> None:
-        self._cell_m = plan.mission.bounce.cell_m
+        self._cell_m = plan.mission.bouncing.cell_m
         self._loops = [(t.loop_start_s, t.loop_duration_s) for t in plan.trajectories]
         self._courses = courses
         self._ends_s = [np.array([stretch.end_s for stretch in course]) for course in courses]

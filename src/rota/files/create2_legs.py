@@ -125,7 +125,7 @@ class _Ways:
 
 def _require_bouncing(plan: Plan) -> None:
     mission = plan.mission
-    if mission.planning.planner != "bounce":
+    if mission.planning.bouncing is None:
         raise PlanError(
             f"mission {mission.name} is planned by {mission.planning.planner}: its robots must know where they are, and"
             " a Create 2 with a bump sensor and a clock does not; a plan of the planner bounce is needed"

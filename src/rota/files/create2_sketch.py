@@ -76,7 +76,7 @@ def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
         "LOOP_FROM": str(drive.loop_from or 0),
         "LOOP_MS": str(round(drive.loop_s * 1e3)),
         "FIRST_MS": str(round(drive.first_s * 1e3)),
-        "SIGNAL_EVERY_MS": str(round((plan.mission.bounce.clock_signal_s or 0.0) * 1e3)),
+        "SIGNAL_EVERY_MS": str(round((plan.mission.bouncing.clock_signal_s or 0.0) * 1e3)),
     }
     text = _FRAME.read_text(encoding="utf-8")
     return re.sub(r"@([A-Z_]+)@", lambda mark: marks[mark[1]], text)

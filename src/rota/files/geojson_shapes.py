@@ -16,9 +16,8 @@ from rota.errors import MissionError
 from rota.files.geodesy import require_degrees
 from rota.files.local_file import read_text
 from rota.files.rings import open_ring, polygon_fault, ring_fault
-from rota.files.schema_faults import shown
-from rota.files.yaml_text import shortened
 from rota.polygons import polygons_of
+from rota.refusals import shortened, shown
 
 _MOST_DIGITS = 300
 _WGS84_NAMES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")

@@ -15,26 +15,23 @@ from shapely import MultiPolygon, unary_union
 from rota.errors import MissionError
 from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
-from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock
+from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock, mission_file_type
 from rota.files.mission_starts import fleet_at_its_starts, moving_obstacles
-from rota.files.schema_block import SMALLEST_M
 from rota.files.schema_faults import Fault, positioned, schema_faults
-from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
 from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.mission import (
-    BounceSettings,
+    NO_PERIOD,
     DiscSensor,
     Fleet,
     Mission,
-    PatrolSettings,
+    PlannerSettings,
     Robot,
     Sensor,
     SquareSensor,
-    Sun2019,
-    SwarmSettings,
     inner_reach_m,
 )
+from rota.planner import planner_named
 
 MOST_CELLS = 50e6
 CELLS_PER_REACH = 4  # a lattice coarser than a quarter of the sensor's reach plans badly
@@ -63,7 +60,7 @@ def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None
     faults: list[Fault] = []
     file: MissionFile | None = None
     try:
-        file = MissionFile.model_validate(document.value)
+        file = mission_file_type(document.value).model_validate(document.value)
     except ValidationError as error:
         faults += schema_faults(document, error)
     ground, ground_faults, warnings = read_ground(document.value, path.parent, confine=confine)
@@ -72,7 +69,6 @@ def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None
         faults += _period_faults(file, ground)
         name_faults = _robot_faults(file.fleet)
         faults += name_faults
-        faults += _margin_faults(file)
         if ground is not None:
             faults += _sensor_faults(file, ground)
             if not name_faults:
@@ -101,7 +97,7 @@ def _blind(mission: Mission) -> list[Fault]:
 
 def mission_schema() -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of a mission file."""
-    schema = MissionFile.model_json_schema()
+    schema = mission_file_type().model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Rota mission"}
 
 
@@ -124,20 +120,11 @@ def _overridden(document: Document, overrides: Mapping[str, Any]) -> Document:
 
 def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
     zones = ground.zones if ground is not None else ()
-    if (
-        file.planner == "swarm"
-        or _covers(file)
-        or file.period_s is not None
-        or any(zone.period_s is not None for zone in zones)
-    ):
+    periods_s = [file.period_s, *(zone.period_s for zone in zones), *(zone.period_s for zone in file.zones)]
+    asked = any(period_s is not None for period_s in periods_s)
+    if asked or ground is None or not _planning(file).asks_periods:
         return []
-    if ground is None or any(zone.period_s is not None for zone in file.zones):
-        return []
-    return [Fault(("period_s",), "is missing; give seconds for the area, or a zone with a period_s")]
-
-
-def _covers(file: MissionFile) -> bool:
-    return file.planner == "bounce" and file.bounce is not None and file.bounce.task == "cover"
+    return [Fault(("period_s",), NO_PERIOD)]
 
 
 def _robot_faults(fleet: FleetBlock) -> list[Fault]:
@@ -148,18 +135,6 @@ def _robot_faults(fleet: FleetBlock) -> list[Fault]:
         for k, name in enumerate(names)
         if first[name] < k
     ]
-
-
-def _margin_faults(file: MissionFile) -> list[Fault]:
-    """A reserve of range that leaves a sensor nothing to see with."""
-    listed = file.fleet.robots if isinstance(file.fleet.robots, list) else []
-    blocks = [file.fleet.sensor, *(robot.sensor for robot in listed if robot.sensor is not None)]
-    reach_m = min(inner_reach_m(_sensor(block)) for block in blocks)
-    margin_m = file.patrol.range_margin_m if file.patrol is not None else 0.0
-    if margin_m == 0 or margin_m <= reach_m - SMALLEST_M:
-        return []
-    message = f"{margin_m:.6g} is not allowed; it must be less than the sensor's reach, {reach_m:.6g} m"
-    return [Fault(("patrol", "range_margin_m"), message)]
 
 
 def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
@@ -219,33 +194,10 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
     )
 
 
-def _planning(file: MissionFile) -> PatrolSettings | SwarmSettings | BounceSettings:
-    if file.planner == "swarm":
-        return _swarm(file.swarm)
-    if file.planner == "bounce":
-        return _bounce(file.bounce or BounceBlock.model_validate({}), file.area)
-    return _patrol(file.patrol)
-
-
-def _patrol(block: PatrolBlock | None) -> PatrolSettings:
-    if block is None:
-        return PatrolSettings()
-    values = block.model_dump(exclude={"sun2019"})
-    stages = block.sun2019
-    return PatrolSettings(**values, sun2019=Sun2019(**stages.model_dump()) if stages else Sun2019())
-
-
-def _swarm(block: SwarmBlock | None) -> SwarmSettings:
-    return SwarmSettings() if block is None else SwarmSettings(**block.model_dump())
-
-
-def _bounce(block: BounceBlock, area: Any) -> BounceSettings:
-    if block.cells == "none":
-        return BounceSettings(**block.model_dump(exclude={"cell_m"}))
-    typed_m = area.cell_m if isinstance(area, AreaBlock) else None
-    cell_m = block.cell_m or typed_m
-    assert cell_m is not None
-    return BounceSettings(cell_m=cell_m, **block.model_dump(exclude={"cell_m"}))
+def _planning(file: MissionFile) -> PlannerSettings:
+    """The settings of the mission's planner."""
+    typed_cell_m = file.area.cell_m if isinstance(file.area, AreaBlock) else None
+    return planner_named(file.planner).settings.written(file.settings, typed_cell_m)
 
 
 def _fleet(block: FleetBlock) -> Fleet:

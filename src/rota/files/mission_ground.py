@@ -17,12 +17,13 @@ from rota.files.mission_schema import OriginBlock
 from rota.files.mission_shapes import Frame, Stop, features_of, shape_as_written, shape_in_metres, to_metres
 from rota.files.occupancy_map import InsideError, read_map
 from rota.files.schema_block import FARTHEST_M, LONGEST_S, SHORTEST_S, SMALLEST_M, Duration
-from rota.files.schema_faults import Fault, shown
+from rota.files.schema_faults import Fault
 from rota.files.shape_schema import Area, AreaBlock, ObstacleBlock, ObstacleEntry, ZoneBlock
 from rota.files.text_map import text_map
 from rota.files.yaml_text import Place
 from rota.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
 from rota.polygons import polygons_of
+from rota.refusals import shown
 
 _SMALLEST_CUT = 1e-9  # relative: borders drawn along each other differ by rounding
 

@@ -19,23 +19,21 @@ from rota.files.plan_schema import (
     StartFields,
 )
 from rota.mission import (
-    BounceSettings,
     DiscSensor,
     Fleet,
     GeoPoint,
     Mission,
     MovingObstacle,
     Obstacle,
-    PatrolSettings,
+    PlannerSettings,
     Robot,
     Sensor,
     SquareSensor,
     StartBox,
     StartPoints,
-    Sun2019,
-    SwarmSettings,
     Zone,
 )
+from rota.planner import planner_named
 
 Json = dict[str, Any]
 
@@ -73,7 +71,7 @@ def _planner_to_json(mission: Mission) -> Json:
         key: list(value) if isinstance(value, tuple) else value for key, value in asdict(mission.planning).items()
     }
     settings = {"planner": mission.planning.planner, mission.planning.planner: values}
-    if not isinstance(mission.planning, SwarmSettings):
+    if not mission.planning.heeds_moving_obstacles:
         return settings
     moving = [
         {"radius_m": float(m.radius_m), "times_s": list(m.times_s), "positions_m": [list(at) for at in m.positions_m]}
@@ -170,18 +168,10 @@ def mission_from_fields(fields: MissionFields) -> Mission:
         )
 
 
-def _planning(fields: MissionFields) -> PatrolSettings | SwarmSettings | BounceSettings:
+def _planning(fields: MissionFields) -> PlannerSettings:
     """The chosen planner's settings."""
-    if fields.bounce is not None:
-        with named_field("mission"):
-            return BounceSettings(**fields.bounce.model_dump())
-    if fields.swarm is not None:
-        with named_field("mission"):
-            return SwarmSettings(**fields.swarm.model_dump())
-    if fields.patrol is None:
-        return PatrolSettings()
-    values = fields.patrol.model_dump(exclude={"sun2019"})
-    return PatrolSettings(**values, sun2019=Sun2019(**fields.patrol.sun2019.model_dump()))
+    with named_field("mission"):
+        return planner_named(fields.planner).settings(**fields.settings)
 
 
 def _moving_obstacle(fields: MovingObstacleFields) -> MovingObstacle:

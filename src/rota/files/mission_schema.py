@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Discriminator, Field, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag, create_model
 
-from rota.files.planner_faults import (
-    MOST_ROBOTS,
-    growing_footprints,
-    unused_by_bounce,
-    unused_by_patrol,
-    unused_by_swarm,
-)
 from rota.files.schema_block import (
     Block,
     Duration,
@@ -26,10 +20,14 @@ from rota.files.schema_block import (
     Where,
     given_of,
 )
-from rota.files.settings_schema import BounceBlock, PatrolBlock, SwarmBlock
+from rota.files.settings_schema import settings_field
 from rota.files.shape_schema import Area, ObstacleEntry, Point, ZoneBlock, one_of
+from rota.mission import growing_footprints
+from rota.planner import planner_named
+from rota.planner_registry import DEFAULT, PLANNERS, planner_names
+from rota.refusals import inner
 
-PLANNERS = ("patrol", "swarm", "bounce")
+MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check takes minutes
 
 
 class MovingObstacleBlock(Block):
@@ -174,26 +172,40 @@ class MissionFile(Block):
     unseeable: Literal["exclude", "refuse"] = "exclude"
     zones: list[ZoneBlock] = Field(default=[])
     fleet: FleetBlock
-    planner: Literal["patrol", "swarm", "bounce"] = "patrol"
-    patrol: PatrolBlock | None = None
-    swarm: SwarmBlock | None = None
-    bounce: BounceBlock | None = None
+    planner: str = DEFAULT
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The values that the block of the mission's planner gives."""
+        return getattr(self, self.planner) or {}
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
         """What the planner cannot use, settings of another planner, and an origin that is given twice."""
-        planner = data.get("planner", "patrol")
-        for other in PLANNERS:
-            if planner in PLANNERS and other != planner and data.get(other) is not None:
-                yield (other,), f"settings of another planner; planner is {planner}: remove this block"
-        if planner == "patrol":
-            yield from unused_by_patrol(data)
-        if planner == "swarm":
-            yield from unused_by_swarm(data)
-        swarm = data.get("swarm")
-        if planner != "swarm" or not isinstance(swarm, dict) or swarm.get("altitudes_m") is None:
+        planner = data.get("planner", DEFAULT)
+        if planner in planner_names():
+            for other in planner_names():
+                if other != planner and data.get(other) is not None:
+                    yield (other,), f"settings of another planner; planner is {planner}: remove this block"
+            yield from planner_named(planner).settings.refused(data)
+        if not isinstance(planner, str) or inner(data, planner, "altitudes_m") is None:
             yield from growing_footprints(data)
-        if planner == "bounce":
-            yield from unused_by_bounce(data)
         if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
             yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
+
+
+def mission_file_type(data: object = None) -> type[MissionFile]:
+    """The model of a mission file, with a block for each planner of this package and each that ``data`` names.
+
+    data: a file as it was read; None: all planners have their blocks.
+    """
+    named = (data.get("planner"), *data) if isinstance(data, dict) else planner_names() if data is None else ()
+    return _mission_file_type(tuple(name for name in planner_names() if name in PLANNERS or name in named))
+
+
+@cache
+def _mission_file_type(names: tuple[str, ...]) -> type[MissionFile]:
+    blocks = {name: settings_field(planner_named(name).settings, in_mission_file=True) for name in names}
+    fields: dict[str, Any] = {name: (block, None) for name, block in blocks.items()}
+    chosen: Any = Literal[planner_names()]
+    return create_model("MissionFile", __base__=MissionFile, planner=(chosen, DEFAULT), **fields)

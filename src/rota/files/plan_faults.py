@@ -31,7 +31,7 @@ def plan_faults(error: ValidationError) -> Iterator[str]:
         if fault["type"] == "extra_forbidden":
             known = get_close_matches(str(fault["loc"][-1]), _all_keys(), n=1)
             message = f"{_path(fault['loc'])}: unknown key" + (f"; did you mean {known[0]}?" if known else "")
-        elif isinstance(fault["input"], str | int | float) and fault["type"] != "missing":
+        elif isinstance(fault["input"], str | int | float) and fault["type"] not in ("missing", "fault"):
             message += f", not {reprlib.repr(fault['input'])}"
         yield message
     if len(found) > MOST_FAULTS:

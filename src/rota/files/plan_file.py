@@ -15,7 +15,7 @@ from rota.files.atomic_write import write_atomically
 from rota.files.local_file import read_bytes
 from rota.files.mission_json import mission_from_fields, mission_to_json
 from rota.files.plan_faults import named_field, plan_faults
-from rota.files.plan_schema import PLAN_VERSION, PlanFields, TrajectoryFields
+from rota.files.plan_schema import PLAN_VERSION, TrajectoryFields, plan_fields_type
 from rota.plan import Plan, RunEnd, Trajectory
 
 Json = dict[str, Any]
@@ -127,7 +127,7 @@ def plan_from_json(document: object) -> Plan:
     if version != PLAN_VERSION or isinstance(version, bool):
         raise PlanError(f"rota_plan: version {version!r} is not known; this Rota reads version {PLAN_VERSION}")
     try:
-        fields = PlanFields.model_validate(document)
+        fields = plan_fields_type(document).model_validate(document)
     except ValidationError as error:
         raise PlanError("\n".join(plan_faults(error))) from error
     mission = mission_from_fields(fields.mission)

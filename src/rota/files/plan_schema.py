@@ -2,34 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, create_model, model_validator
 
+from rota.files.settings_schema import settings_field
 from rota.limits import LARGEST_M, LONGEST_S
-from rota.mission import (
-    Blocks,
-    BounceCells,
-    BounceMethod,
-    BounceTask,
-    Contact,
-    ContactFree,
-    Controller,
-    Corners,
-    Demand,
-    DeploymentMethod,
-    Device,
-    Effort,
-    FramePartition,
-    FrameTour,
-    Method,
-    Purpose,
-    SegmentRoutes,
-    SetBoundary,
-    Unseeable,
-    VelocityChoice,
-)
+from rota.mission import Blocks, Demand, Unseeable
 from rota.plan import EndReason
+from rota.planner import planner_named
+from rota.planner_registry import PLANNERS, planner_names
+from rota.refusals import inner
 
 PLAN_VERSION = 1
 
@@ -142,69 +126,6 @@ class OriginFields(_Strict):
     lon: Annotated[float, Field(ge=-180, le=180)]
 
 
-class Sun2019Fields(_Strict):
-    """The stages of the method sun2019."""
-
-    deployment: DeploymentMethod = "best"
-    tour: FrameTour = "local_search"
-    partition: FramePartition = "exact"
-    routes: SegmentRoutes = "shortened"
-
-
-class PatrolFields(_Strict):
-    """Settings of the patrol planner."""
-
-    effort: Effort
-    method: Method
-    period_margin: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    range_margin_m: NotNegative = 0.0
-    sun2019: Sun2019Fields = Sun2019Fields()
-
-
-class SwarmFields(_Strict):
-    """Settings of the swarm planner."""
-
-    controller: Controller
-    velocity: VelocityChoice
-    samples: Annotated[int, Field(ge=1)]
-    boundary: SetBoundary
-    horizon_s: Positive
-    neighbours: Annotated[int, Field(ge=0)]
-    neighbour_range_m: Positive | None
-    wall_range_m: Positive | None
-    alpha: Annotated[float, Field(ge=1)]
-    filter: bool
-    time_step_s: Positive
-    stop_m: Positive
-    most_steps: Annotated[int, Field(ge=1)]
-    thinning_m: NotNegative
-    delay_steps: Annotated[int, Field(ge=0, le=20)] = 0
-    messages_lost: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    device: Device = "cpu"
-    altitudes_m: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
-
-
-class BounceFields(_Strict):
-    """Settings of the bounce planner."""
-
-    cell_m: Annotated[float, Field(ge=0, le=LARGEST_M)]
-    task: BounceTask
-    method: BounceMethod
-    headings: int
-    bouncing_angles_deg: Annotated[list[float], Field(min_length=1)]
-    start_headings_deg: Annotated[list[float], Field(min_length=1)] | None
-    corners: Corners
-    contact: Contact
-    contact_free: ContactFree
-    purpose: Purpose
-    most_steps: Annotated[int, Field(ge=1)]
-    cells: BounceCells = "grid"
-    turning_error_deg: Annotated[float, Field(ge=0)] = 0.0
-    clock_drift: Annotated[float, Field(ge=0)] = 0.0
-    clock_signal_s: Positive | None = None
-    cell_origin: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
-
-
 class MovingObstacleFields(_Strict):
     """A disc that moves along timed points."""
 
@@ -225,15 +146,17 @@ class MissionFields(_Strict):
     origin: OriginFields | None
     fleet: FleetFields
     moving_obstacles: list[MovingObstacleFields] = []
-    planner: Literal["patrol", "swarm", "bounce"]
-    patrol: PatrolFields | None = None
-    swarm: SwarmFields | None = None
-    bounce: BounceFields | None = None
+    planner: str
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The values of the planner's settings."""
+        return getattr(self, self.planner) or {}
 
     @model_validator(mode="after")
     def _settings_of_its_planner(self) -> Self:
-        blocks = {"patrol": self.patrol, "swarm": self.swarm, "bounce": self.bounce}
-        if any((block is not None) != (name == self.planner) for name, block in blocks.items()):
+        given = [name for name in planner_names() if getattr(self, name, None) is not None]
+        if given != [self.planner]:
             raise ValueError(f"planner is {self.planner}; its settings and no others are needed")
         return self
 
@@ -275,7 +198,25 @@ class PlanFields(_Strict):
     robots: list[TrajectoryFields]
 
 
+def plan_fields_type(document: object = None) -> type[PlanFields]:
+    """The model of a plan file, with settings for each planner of this package and for the one that it names.
+
+    document: a file as it was read; None: all planners have theirs.
+    """
+    named = (inner(document, "mission", "planner"),) if document is not None else planner_names()
+    return _plan_fields_type(tuple(name for name in planner_names() if name in PLANNERS or name in named))
+
+
+@cache
+def _plan_fields_type(names: tuple[str, ...]) -> type[PlanFields]:
+    blocks = {name: settings_field(planner_named(name).settings, in_mission_file=False) for name in names}
+    fields: dict[str, Any] = {name: (block, None) for name, block in blocks.items()}
+    chosen: Any = Literal[planner_names()]
+    mission = create_model("MissionFields", __base__=MissionFields, planner=(chosen, ...), **fields)
+    return create_model("PlanFields", __base__=PlanFields, mission=(mission, ...))
+
+
 def plan_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of the plan file."""
-    schema = PlanFields.model_json_schema()
+    schema = plan_fields_type().model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Rota plan, version 1"}

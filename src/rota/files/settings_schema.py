@@ -1,167 +1,133 @@
-"""The settings of the planners in a mission file."""
+"""Settings of planners in mission and plan files: the reader of a block and its JSON Schema, both made from it.
+
+``Setting`` of ``rota.planner_settings`` is where a setting is declared.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from dataclasses import asdict
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import PlainValidator, ValidationError, WithJsonSchema
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from rota.files.planner_faults import MOST_ROBOTS
-from rota.files.schema_block import Block, Duration, Length, LengthOrZero, NotNegative, Where
-from rota.mission import (
-    HEADINGS,
-    METHODS,
-    BounceCells,
-    BounceMethod,
-    BounceTask,
-    Contact,
-    ContactFree,
-    Controller,
-    Corners,
-    DeploymentMethod,
-    Device,
-    FramePartition,
-    FrameTour,
-    Method,
-    Purpose,
-    SegmentRoutes,
-    SetBoundary,
-    VelocityChoice,
-)
-from rota.planner_settings import MOST_BOUNCE_STEPS, altitude_faults, angle_faults, physical_faults
+from rota.files.schema_block import nearest_key
+from rota.planner_settings import Setting, Settings, settings_of
+from rota.refusals import Where, refusal
 
-MOST_SAMPLES, MOST_SWARM_STEPS = 1_000_000, 100_000_000  # more would take a year
+JsonSchema = dict[str, Any]
+_BOUNDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
 
 
-class Sun2019Block(Block):
-    """How the stages of the method sun2019 are done: ours by default, or the paper's."""
+def settings_field(block: type[Settings], *, in_mission_file: bool) -> Any:
+    """The type of a field that holds a block: its values by name, those that are given; None where there is none."""
 
-    deployment: DeploymentMethod = Field("best", description="of virtual sensors; ccpso2 is the paper's")
-    tour: FrameTour = Field("local_search", description="past all sensors; genetic is the paper's")
-    partition: FramePartition = Field("exact", description="of the tour among the robots; pso is the paper's")
-    routes: SegmentRoutes = Field("shortened", description="printed, or repaired until all is seen, or shortened too")
+    def read(data: Any) -> dict[str, Any] | None:
+        return None if data is None else _values(block, data, in_mission_file)
 
-
-class PatrolBlock(Block):
-    """Settings of the patrol planner."""
-
-    effort: Literal["quick", "normal", "high"] = "normal"
-    method: Method = Field("tours", description="tours, or to compare with: a traditional method or Sun 2019's stages")
-    period_margin: Annotated[NotNegative, Field(lt=1)] = Field(
-        0.0, description="reserve: plan with periods shorter by this share"
-    )
-    range_margin_m: LengthOrZero = Field(0.0, description="reserve: plan with sensors that reach so much less far")
-    sun2019: Sun2019Block | None = None
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Settings of another method."""
-        method = data.get("method", "tours")
-        if data.get("sun2019") is not None and method in METHODS and method != "sun2019":
-            yield ("sun2019",), f"settings of another method; method is {method}: remove this block"
+    schema = settings_json_schema(block, in_mission_file=in_mission_file)
+    return Annotated[Any, PlainValidator(read), WithJsonSchema({"anyOf": [schema, {"type": "null"}]})]
 
 
-class SwarmBlock(Block):
-    """Settings of the swarm planner; defaults as in Chen et al. 2018."""
+# ---------------------------------------------------------------- reading
 
-    controller: Controller = Field("settle", description="reciprocal is the paper's own")
-    velocity: VelocityChoice = Field("centroid", description="of the set: exact, or the mean of random samples")
-    samples: Annotated[int, Field(strict=True, ge=1, le=MOST_SAMPLES)] = 1000
-    boundary: SetBoundary = Field("tangent", description="of the set: the circle at horizon_s, or its tangent")
-    horizon_s: Duration = 1.0
-    neighbours: Annotated[int, Field(strict=True, ge=0, le=MOST_ROBOTS)] = Field(
-        4, description="the nearest that count"
-    )
-    neighbour_range_m: Length | None = Field(None, description="null: 2.04 times the largest sensor radius")
-    wall_range_m: Length | None = Field(None, description="null: the robot's sensor radius")
-    alpha: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1)] = Field(
-        1.0, description="how much to make way for moving obstacles (Eq. 15)"
-    )
-    filter: Annotated[bool, Field(strict=True)] = Field(True, description="no step may make bodies touch")
-    time_step_s: Duration = 0.25
-    stop_m: Annotated[LengthOrZero, Field(gt=0)] = Field(1e-5, description="stop when no robot moves farther in a step")
-    most_steps: Annotated[int, Field(strict=True, ge=1, le=MOST_SWARM_STEPS)] = 4000
-    thinning_m: LengthOrZero = Field(0.05, description="by which trajectories may be simplified")
-    delay_steps: Annotated[int, Field(strict=True, ge=0, le=20)] = Field(0, description="age of what robots hear")
-    messages_lost: Annotated[NotNegative, Field(lt=1)] = Field(0.0, description="share of messages that never arrive")
-    device: Device = Field("cpu", description="cuda: decisions on an NVIDIA GPU, with the package numba-cuda")
-    altitudes_m: tuple[Length, Length] | None = Field(
-        None, description="of reciprocal: robots move in space, between the lowest and the highest altitude"
-    )
 
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Altitudes with what is for the plane only."""
-        heights = data.get("altitudes_m")
-        if heights is None or len(_numbers(heights)) != 2:
+def _values(block: type[Settings], data: Any, in_mission_file: bool) -> dict[str, Any]:
+    """The values that a block gives, by name. Raises ValidationError with every fault at its place."""
+    if not isinstance(data, dict):
+        raise _refused(block, [_line((), refusal("model_type", data, {}), data)])
+    items = {item.name: item for item in settings_of(block)}
+    lines = [
+        _line((key,), f"unknown key; {nearest_key(str(key), list(items))}", data[key], "unknown_key")
+        for key in data
+        if key not in items
+    ]
+    values: dict[str, Any] = {}
+    unclear = False
+    for name, item in items.items():
+        if name not in data:
+            if not in_mission_file and not item.newer:
+                lines.append(_line((name,), refusal("missing", None, {}), None))
+            continue
+        faults = list(_faults(item, data[name], in_mission_file))
+        lines += faults
+        unclear |= bool(faults) and item.kind == "option"
+        if not faults and (data[name] is not None or item.optional):
+            values[name] = _value(item, data[name], in_mission_file)
+    if in_mission_file and not unclear:
+        for find in (block.contradictions, block.unused):
+            lines += [_line(where, message, data) for where, message in find(values)]
+    if lines:
+        raise _refused(block, lines)
+    return values
+
+
+def _faults(item: Setting, value: Any, in_mission_file: bool) -> Iterator[InitErrorDetails]:
+    if item.block is not None:
+        if value is None and in_mission_file:
             return
-        for where, value, allowed in altitude_faults(data):
-            yield (where,), f"{value} is not allowed; {allowed}"
+        try:
+            _values(item.block, value, in_mission_file)
+        except ValidationError as error:
+            for line in error.errors(include_url=False):
+                yield _line((item.name, *line["loc"]), line["msg"], line["input"], line["type"])
+        return
+    for where, part, fault in item.faults(value, in_mission_file):
+        message = refusal(fault.kind, part, fault.given, fault.given.get("message", ""))
+        yield _line((item.name, *where), message, part)
 
 
-Angle = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+def _value(item: Setting, value: Any, in_mission_file: bool) -> Any:
+    if item.block is not None:
+        return item.block(**_values(item.block, value, in_mission_file))
+    return float(value) if item.kind == "number" and value is not None else value
 
 
-class BounceBlock(Block):
-    """Settings of the bounce planner (Alam & Bobadilla 2020)."""
-
-    task: BounceTask = Field("monitor", description="the zones for ever, or cover the area once")
-    method: BounceMethod = Field("improved", description="as_printed is the paper's own")
-    cell_m: Length | None = Field(None, description="side of a cell; null: that of the area's text map")
-    headings: Annotated[int, Field(strict=True)] = Field(
-        8, description=f"one of {', '.join(map(str, HEADINGS))}; beyond 8 angles vary a little"
-    )
-    bouncing_angles_deg: Annotated[list[Angle], Field(min_length=1)] = Field(
-        [135.0], description="counterclockwise, one for all robots or one for each; multiples of 360 / headings"
-    )
-    start_headings_deg: Annotated[list[Angle], Field(min_length=1)] | None = Field(
-        None, description="counterclockwise from x, one for all robots or one for each; null: as the planner likes"
-    )
-    corners: Corners = Field("blocked", description="a diagonal move beside an obstacle's corner: blocked, or pass")
-    contact: Contact = Field("swept", description="swept distance of bodies, or the published definition on the grid")
-    contact_free: ContactFree = Field("cycle", description="of robots that monitor: the cycle, or all the trajectory")
-    purpose: Purpose = Field("periods", description="of robots that monitor: what the plan is best for")
-    most_steps: Annotated[int, Field(strict=True, ge=1, le=MOST_BOUNCE_STEPS)] = Field(
-        100_000, description="to cover the area"
-    )
-    cells: BounceCells = Field("grid", description="none: straight lines and exact contacts, without cell_m")
-    turning_error_deg: Angle = Field(0.0, description="each turn is off by up to so much; simulated and told")
-    clock_drift: Angle = Field(0.0, description="share by which each robot's clock may run fast or slow")
-    clock_signal_s: Angle | None = Field(None, description="a common signal sets all clocks so often; null: once")
-    cell_origin: tuple[Angle, Angle] | None = Field(
-        None, description="a corner [x, y] of a cell in metres; null: the lower left one of the area's bounds"
-    )
-
-    @classmethod
-    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A number of headings that the grid has no moves for, angles between two headings, what needs a grid."""
-        for name, told, allowed in physical_faults(_numbers_only(data)):
-            yield (name,), f"{told} is not allowed; {allowed}"
-        headings = data.get("headings", 8)
-        if not isinstance(headings, int) or isinstance(headings, bool):
-            return
-        if headings not in HEADINGS:
-            yield ("headings",), f"{headings} is not allowed; one of {', '.join(map(str, HEADINGS))} is needed"
-            return
-        bouncing, starts = data.get("bouncing_angles_deg"), data.get("start_headings_deg")
-        numbers = [_numbers(angles) for angles in ([135.0] if bouncing is None else bouncing, starts)]
-        cells = "none" if data.get("cells") == "none" else "grid"
-        for where, value, allowed in angle_faults(headings, *numbers, cells=cells):
-            name, _, k = where.rstrip("]").partition("[")
-            place: Where = (name,) if data.get(name) is None else (name, int(k))
-            yield place, f"{value:.9g} is not allowed; it {allowed}"
+def _line(where: Where, message: str, value: Any, kind: str = "fault") -> InitErrorDetails:
+    return InitErrorDetails(type=PydanticCustomError(kind, "{message}", {"message": message}), loc=where, input=value)
 
 
-PHYSICAL = ("turning_error_deg", "clock_drift", "clock_signal_s", "cell_m")
+def _refused(block: type[Settings], lines: list[InitErrorDetails]) -> ValidationError:
+    return ValidationError.from_exception_data(block.__name__, lines)
 
 
-def _numbers_only(data: dict[str, Any]) -> dict[str, Any]:
-    """The settings without those that should be numbers and are none, which the schema refuses."""
-    return {name: value for name, value in data.items() if name not in PHYSICAL or _numbers([value])}
+# ---------------------------------------------------------------- JSON Schema
 
 
-def _numbers(values: Any) -> list[float]:
-    """A list of numbers as it is; empty for what the schema refuses."""
-    ok = isinstance(values, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
-    return values if ok else []
+def settings_json_schema(block: type[Settings], *, in_mission_file: bool) -> JsonSchema:
+    """The JSON Schema of a block: of what people may write, or of what plan files hold."""
+    items = settings_of(block)
+    schema: JsonSchema = {
+        "type": "object",
+        "description": (block.__doc__ or "").partition("\n")[0],
+        "properties": {item.name: _property(item, in_mission_file) for item in items},
+        "additionalProperties": False,
+    }
+    required = [] if in_mission_file else [item.name for item in items if not item.newer]
+    return schema | ({"required": required} if required else {})
+
+
+def _property(item: Setting, in_mission_file: bool) -> JsonSchema:
+    schema = _type(item, in_mission_file)
+    default = list(item.default) if isinstance(item.default, tuple) else item.default
+    may_be_null = item.optional or (in_mission_file and (item.empty or item.block is not None))
+    if may_be_null:
+        schema = {"anyOf": [schema, {"type": "null"}]}
+    if in_mission_file or item.newer:
+        schema["default"] = None if may_be_null else asdict(item.block()) if item.block else default
+    return schema | ({"description": item.meaning} if item.meaning else {})
+
+
+def _type(item: Setting, in_mission_file: bool) -> JsonSchema:
+    if item.block is not None:
+        return settings_json_schema(item.block, in_mission_file=in_mission_file)
+    if item.kind == "option":
+        return {"type": "string", "enum": list(item.options)}
+    if item.kind == "truth":
+        return {"type": "boolean"}
+    bounds = {_BOUNDS[name]: bound for name, bound in item.bounds(in_mission_file).items()}
+    number = {"type": "integer" if item.kind == "whole" else "number", **bounds}
+    if item.kind == "pair":
+        return {"type": "array", "items": number, "minItems": 2, "maxItems": 2}
+    return {"type": "array", "items": number, "minItems": 1} if item.kind == "list" else number

@@ -15,6 +15,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.scanner import Scanner
 
 from rota.errors import MissionError
+from rota.refusals import shortened
 
 Place = tuple[str | int, ...]
 
@@ -174,11 +175,6 @@ def _unreadable(text: str, error: Exception) -> tuple[int, str]:
     if (beyond := _BEYOND_UNICODE.search(text)) is not None:
         return beyond.start(), f"{beyond[0]} is no character; \\U0010FFFF is the last one"
     return 0, shortened(" ".join(str(error).split()) or type(error).__name__)
-
-
-def shortened(text: str) -> str:
-    """The text, or its beginning where it is long."""
-    return text if len(text) <= 60 else text[:56] + " ..."
 
 
 def _checked_json(text: str, name: str) -> str:

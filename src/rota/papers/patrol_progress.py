@@ -17,6 +17,7 @@ from rota.files.atomic_write import require_suffix, write_atomically
 from rota.make_plan import search_plan
 from rota.mission import Mission
 from rota.plan import Plan
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.progress import ProgressPoint, SearchState, progress_curve
 
 PICTURES, NUMBERS = (".png", ".svg", ".pdf"), (".csv", ".json")
@@ -128,7 +129,7 @@ def progress_to_json(found: PatrolProgress) -> dict[str, Any]:
     return {
         "rota_patrol_progress": 1,
         "mission": found.mission.name,
-        "effort": found.mission.patrol.effort,
+        "effort": PatrolSettings.of(found.mission).effort,
         "seed": found.seed,
         "lower_bound_robots": found.lower_bound_robots,
         "met": found.reason is None,
@@ -170,5 +171,5 @@ def write_progress(found: PatrolProgress, path: str | Path) -> None:
     else:
         from rota.draw import draw_progress
 
-        title = f"{found.mission.name}, effort {found.mission.patrol.effort}, seed {found.seed}"
+        title = f"{found.mission.name}, effort {PatrolSettings.of(found.mission).effort}, seed {found.seed}"
         draw_progress(found.points, path, title=title, bound=found.lower_bound_robots, search_s=found.search_s)

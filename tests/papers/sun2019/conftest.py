@@ -18,6 +18,7 @@ from rota.planners.patrol.methods.sun2019.route_lengths import segment_lengths_m
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.methods.sun2019.tour import Frame
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 SMALL = MethodSettings(
     deployments=(DeploySettings(iterations=3, swarms=4, particles=4, cell_m=4.0),),
@@ -65,7 +66,11 @@ def without_search(printed_by_name: dict[str, Printed], monkeypatch: pytest.Monk
         asked.append(mission)
         known = printed_by_name[mission.name]
         return MethodOutcome(
-            method=mission.patrol.method, plan=known.plan, report=known.report, planning_s=0.0, reason="late"
+            method=PatrolSettings.of(mission).method,
+            plan=known.plan,
+            report=known.report,
+            planning_s=0.0,
+            reason="late",
         )
 
     def mended(runs: Runs, mission: Mission, settings: MethodSettings) -> MethodOutcome:

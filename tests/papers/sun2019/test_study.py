@@ -24,6 +24,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_7
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 STAGES = (6, 8, 12, 15)
 
@@ -157,7 +158,7 @@ def test_methods_are_asked_once(make_runs: Callable[..., Runs], without_search: 
         runs.by_method(runs.map_13, "tours")
         runs.by_method(runs.map_13, "sun2019")
         runs.by_method(runs.map_13, "tours", effort="normal")
-    asked = [(mission.patrol.method, mission.patrol.effort) for mission in without_search]
+    asked = [(PatrolSettings.of(mission).method, PatrolSettings.of(mission).effort) for mission in without_search]
     assert asked == [("tours", "quick"), ("sun2019", "quick"), ("tours", "normal")]
 
 
@@ -168,7 +169,7 @@ def test_mending_is_done_once_with_the_figure_s_own_tables(
     asked: list[tuple[str, MethodSettings]] = []
 
     def searched(context: Context, settings: MethodSettings) -> SimpleNamespace:
-        asked.append((context.problem.mission.patrol.effort, settings))
+        asked.append((PatrolSettings.of(context.problem.mission).effort, settings))
         plan = runs.printed(runs.map_15, runs.settings.figure_16).plan
         return SimpleNamespace(plan=plan, met=True, fits=True)
 

@@ -16,15 +16,16 @@ from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.files.text_map import text_map
 from rota.make_plan import make_plan, search_plan
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan
-from rota.plan_summary import rattling_sentence, swept_sentence
 from rota.planners.bounce import chosen_group, sentences
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
 from rota.planners.bounce.enumeration import printed
 from rota.planners.bounce.limit_cycles import zone_cells
 from rota.planners.bounce.planner import bouncing_robots, covered_by, monitoring_plan, watch_of
+from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.bounce.sentences import rattling_sentence, swept_sentence
 from rota.planners.bounce.trajectories import loops_in_step, pace_of, step_duration_s
 
 ROOM = """
@@ -78,7 +79,7 @@ def require_drivable(plan: Plan, *, jumps: bool) -> None:
     pace = pace_of(mission, cells, len(plan.trajectories))
     # every duration is the longest step's, or that of a move of one of the robots
     allowed_s = np.unique([pace.longest_s, *pace.move_s.ravel()])
-    angles = mission.bounce.bouncing_angles_deg
+    angles = BounceSettings.of(mission).bouncing_angles_deg
     for k, trajectory in enumerate(plan):
         bounce = math.radians(angles[k if len(angles) > 1 else 0])
         assert trajectory.headings_rad is not None
@@ -93,7 +94,7 @@ def require_drivable(plan: Plan, *, jumps: bool) -> None:
                 assert np.abs(each_s - allowed_s).min() < 1e-9
             elif turn != 0:
                 assert trajectory.times_s[leg + 1] - trajectory.times_s[leg] == pytest.approx(pace.longest_s)
-                by_clock = jumps and abs(turn) == pytest.approx(math.tau / mission.bounce.headings)
+                by_clock = jumps and abs(turn) == pytest.approx(math.tau / BounceSettings.of(mission).headings)
                 assert by_clock or turn == pytest.approx(bounce)
             else:
                 assert jumps
@@ -132,10 +133,10 @@ def test_robots_that_turn_slowly_have_time_for_turns_to_headings_that_are_a_litt
 def test_groups_are_counted_in_words_that_fit_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
     zones = (visit("west", 34, 0, 0, 1, 1), visit("east", 34, 5, 0, 6, 1))
     found = search_plan(mission_on("......", 1, zones, bouncing_angles_deg=(180,)))
-    assert found.told[0] == "1 robot has 1 periodic group in which every zone is visited."
+    assert found.facts[0] == "1 robot has 1 periodic group in which every zone is visited."
     monkeypatch.setattr(sentences, "MOST_COUNTING", 1)
     found = search_plan(mission_on(ROOM, 2, ZONES))
-    assert found.told[0] == "Their periodic groups are not counted: that would take long."
+    assert found.facts[0] == "Their periodic groups are not counted: that would take long."
 
 
 def test_as_few_robots_as_possible_are_enough() -> None:
@@ -161,7 +162,7 @@ def test_robots_with_starts_come_to_their_cycles(contact_free: str) -> None:
     require_drivable(plan, jumps=False)
     assert [tuple(t.positions_m[0]) for t in plan] == [(0.5, 0.5), (5.5, 5.5)]
     assert plan.trajectories[0].loop_start_s == plan.trajectories[1].loop_start_s > 0
-    facing = replace(mission, planning=replace(mission.bounce, start_headings_deg=(90, 45)))
+    facing = replace(mission, planning=replace(BounceSettings.of(mission), start_headings_deg=(90, 45)))
     try:
         turned = make_plan(facing)
     except NoPlanFound:
@@ -178,7 +179,9 @@ def test_every_purpose_by_every_method_gives_a_plan(purpose: str, method: str) -
     plan = make_plan(mission)
     require_drivable(plan, jumps=False)
     worst = check_plan(plan).worst_ratio
-    best = check_plan(make_plan(replace(mission, planning=replace(mission.bounce, purpose="worst_gap")))).worst_ratio
+    best = check_plan(
+        make_plan(replace(mission, planning=replace(BounceSettings.of(mission), purpose="worst_gap")))
+    ).worst_ratio
     assert best <= worst + 1e-9
 
 
@@ -201,7 +204,7 @@ def test_robots_cover_the_room_and_then_stay(robots: int, method: str) -> None:
     entered = shapely.union_all([shapely.LineString(t.positions_m).buffer(0.3) for t in plan])
     cells = make_cells(mission)
     assert all(entered.covers(Point(centre)) for centre in cells.centres_m)
-    told = searched.told[0]
+    told = searched.facts[0]
     assert f"enter{'s' * (robots == 1)} 88 of 88 cells (100.0%) in " in told
     swept = shapely.union_all([shapely.LineString(t.positions_m).buffer(0.3) for t in plan]).area / 88
     assert f"Bodies pass over {swept:.1%} of the floor, discs of the sensors over " in swept_sentence(plan)
@@ -280,7 +283,7 @@ def test_covering_takes_as_many_steps_as_it_is_allowed(robots: int) -> None:
     mission = mission_on(ROOM, robots, task="cover")
 
     def steps_of(most: int) -> tuple[int, bool]:
-        allowed = replace(mission, planning=replace(mission.bounce, most_steps=most))
+        allowed = replace(mission, planning=replace(BounceSettings.of(mission), most_steps=most))
         bouncing = bouncing_robots(allowed, make_cells(allowed))
         found = covered_by(bouncing, seed=1)
         return found.steps, found.complete
@@ -290,7 +293,7 @@ def test_covering_takes_as_many_steps_as_it_is_allowed(robots: int) -> None:
     assert steps_of(needed) == (needed, True)
     assert steps_of(needed - 1) == (needed - 1, False)
     assert steps_of(5) == (5, False)
-    short = replace(mission, planning=replace(mission.bounce, most_steps=5))
+    short = replace(mission, planning=replace(BounceSettings.of(mission), most_steps=5))
     with pytest.raises(NoPlanFound, match=r"cells were not entered after bounce\.most_steps: 5"):
         make_plan(short, seed=1)
 
@@ -318,14 +321,14 @@ def test_straight_ways_are_driven_at_full_speed_when_no_robot_needs_longer() -> 
         ways_m = np.hypot(*np.diff(trajectory.positions_m, axis=0).T)
         assert (ways_m <= 0.5 * np.diff(trajectory.times_s) + 1e-9).all()
         assert trajectory.loop_duration_s <= longest_s * 2000
-    assert "Robots keep in step: steps last " in " ".join(found.told)
+    assert "Robots keep in step: steps last " in " ".join(found.facts)
 
 
 def test_the_printed_algorithm_tells_its_own_groups() -> None:
     text = "......\n.#....\n....#.\n......"
     zones = (visit("door", 200, 0, 3, 1, 4), visit("window", 200, 5, 0, 6, 1))
     mission = mission_on(text, 2, zones, method="as_printed", purpose="worst_gap")
-    told = search_plan(mission).told
+    told = search_plan(mission).facts
     bouncing = bouncing_robots(mission, make_cells(mission))
     kept, listed = printed(bouncing.team, zone_cells(bouncing.cells, list(zones)), 8)
     p, q = int(listed.length.sum()), int((listed.basin - listed.length).sum())
@@ -334,14 +337,14 @@ def test_the_printed_algorithm_tells_its_own_groups() -> None:
     )
     assert told[0].startswith(groups)
     assert told[1] == "The worst gap, in steps, is the shortest of those that Algorithm 2 as printed keeps, proved."
-    improved = replace(mission, planning=replace(mission.bounce, method="improved"))
-    assert search_plan(improved).told[1] == "The worst gap, in steps, is the shortest of all groups, proved."
+    improved = replace(mission, planning=replace(BounceSettings.of(mission), method="improved"))
+    assert search_plan(improved).facts[1] == "The worst gap, in steps, is the shortest of all groups, proved."
 
 
 def test_what_was_not_searched_to_the_end_is_not_said_to_be_impossible(monkeypatch: pytest.MonkeyPatch) -> None:
     mission = mission_on(ROOM, 2, ZONES, purpose="worst_gap")
     found = search_plan(mission, should_stop=lambda: True)
-    assert any("not proved to be the shortest of all groups: the search was stopped" in told for told in found.told)
+    assert any("not proved to be the shortest of all groups: the search was stopped" in told for told in found.facts)
     monkeypatch.setattr(chosen_group, "best_group", partial(chosen_group.best_group, most_nodes=1))
     with pytest.raises(NoPlanFound, match=r"was found that .* is not proved: the search ended after 1 partial team$"):
         make_plan(mission)

@@ -11,13 +11,14 @@ from shapely import MultiPolygon
 
 from rota.check.clocks import clock_margin_s
 from rota.files.text_map import text_map
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
 from rota.planners.bounce.clock_margin import apart_in_time
 from rota.planners.bounce.limit_cycles import limit_cycles
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.planner import bouncing_robots, monitoring_plan
+from rota.planners.bounce.planner_settings import BounceSettings
 
 
 def random_room(seed: int, angle_deg: float) -> Mission:

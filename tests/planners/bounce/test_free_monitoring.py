@@ -15,11 +15,12 @@ from rota.draw import draw_cells
 from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.files.create2_legs import drives_of
 from rota.make_plan import search_plan
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.plan import Plan
-from rota.plan_physics import cycles_sentence, errors_sentence
-from rota.plan_summary import sentences_of
+from rota.planner import Answer, planner_of
 from rota.planners.bounce.free_tracks import tracks_of
+from rota.planners.bounce.physics_sentences import errors_sentence
+from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.polygon import BounceRule, bounce_path, make_rim
 
 SPEED_M_S, BODY_M = 0.4, 0.17
@@ -43,8 +44,13 @@ def hall(robots: int | None, period_s: float = 120.0, angle_deg: float = 135.0, 
 
 
 @pytest.fixture(scope="module")
-def pair() -> Plan:
-    return search_plan(hall(2)).plan
+def answer() -> Answer:
+    return search_plan(hall(2)).answer
+
+
+@pytest.fixture(scope="module")
+def pair(answer: Answer) -> Plan:
+    return answer.plan
 
 
 def test_two_robots_go_round_evenly_spaced(pair: Plan) -> None:
@@ -68,7 +74,7 @@ def test_ways_are_those_of_exact_bounces(pair: Plan) -> None:
     np.testing.assert_allclose(path.positions_m[1:], contacts, atol=1e-6)
     drives = np.linalg.norm(np.diff(one.positions_m, axis=0), axis=1)
     np.testing.assert_allclose(drives[drives > 0] / np.diff(one.times_s)[drives > 0], SPEED_M_S)
-    assert mission.bounce.cells == "none"
+    assert BounceSettings.of(mission).cells == "none"
 
 
 def test_gaps_of_evenly_spaced_robots_are_the_checks(pair: Plan) -> None:
@@ -105,18 +111,23 @@ def test_zones_that_no_attracting_cycle_enters_are_named() -> None:
         search_plan(hall(2, angle_deg=90.0))
 
 
-def test_what_is_told_of_it(pair: Plan) -> None:
-    told = cycles_sentence(pair)
-    assert told is not None
-    assert "2 on a cycle of 16 contacts" in told
+def test_what_is_told_of_it(pair: Plan, answer: Answer) -> None:
+    (fact,) = answer.facts
+    assert "2 on a cycle of 16 contacts" in fact
     assert errors_sentence(pair) is None
-    off = replace(pair, mission=replace(pair.mission, planning=replace(pair.mission.bounce, turning_error_deg=2.0)))
+    off = replace(
+        pair, mission=replace(pair.mission, planning=replace(BounceSettings.of(pair.mission), turning_error_deg=2.0))
+    )
     text = errors_sentence(off)
     assert text is not None
     assert text.count("with exact turns 100.0 %") == 2
     shares = [float(part.split()[0]) for part in text.split("within its period ")[1:]]
     assert all(20 < share < 95 for share in shares)
-    assert len([one for one in sentences_of(off, check_plan(off)) if one]) == 4
+    told = planner_of(off.mission).sentences(replace(answer, plan=off), check_plan(off))
+    table, first, *others = [sentence for sentence in told if sentence]
+    assert table.startswith("robot")
+    assert first == fact
+    assert len(others) == 3
 
 
 def test_it_can_be_driven_and_has_no_cells_to_draw(pair: Plan, tmp_path: object) -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 YARD = Mission(
     name="yard", area=MultiPolygon([box(0, 0, 30, 20)]), obstacles=(Obstacle(shape=MultiPolygon([box(8, 5, 12, 9)])),),

@@ -9,13 +9,14 @@ from shapely import MultiPolygon, box
 import rota
 from rota.check import Report, check_plan
 from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, SquareSensor, StartBox, Zone
+from rota.mission import DiscSensor, Fleet, Mission, SquareSensor, StartBox, Zone
 from rota.plan import Plan
 from rota.plan_summary import approach_sentence
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import shorter_sensor, with_reserve
 from rota.planners.patrol.planner import plan_patrol
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 
 def court(turn: float | None = None, **settings: Any) -> Mission:
@@ -90,7 +91,7 @@ def test_traditional_methods_keep_the_reserve_and_begin_at_the_starts(method: st
         planning=PatrolSettings(effort="quick"),
     )
     assert check_plan(replace(found.plan, mission=tight)).verdict == "met"
-    assert found.plan.mission.patrol.method == method
+    assert PatrolSettings.of(found.plan.mission).method == method
     assert all(max(trajectory.positions_m[0]) <= 2 for trajectory in found.plan)
     begins_s = found.plan.trajectories[0].loop_start_s
     assert approach_sentence(found.plan) == f"All robots are on their loops {begins_s:.1f} s after they set out."

@@ -10,9 +10,10 @@ import pytest
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot, SwarmSettings
+from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Robot
 from rota.planners.swarm.dodge_kernels import out_of_way
 from rota.planners.swarm.planner import DECIDE, run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 AHEAD_S, STEP_S = 5.0, 0.25
 
@@ -63,6 +64,6 @@ def test_robots_at_rest_make_way_whatever_moves_them(controller: Any) -> None:
         planning=SwarmSettings(controller=controller, most_steps=1300),
     )
     assert check_plan(run_mission(asked, seed=0).plan).violations == ()
-    free = dataclasses.replace(asked, planning=dataclasses.replace(asked.swarm, filter=False))
+    free = dataclasses.replace(asked, planning=dataclasses.replace(SwarmSettings.of(asked), filter=False))
     if controller == "virtual_force":  # whose robots stand where the obstacle comes
         assert {v.kind for v in check_plan(run_mission(free, seed=0).plan).violations} == {"moving obstacle 1"}

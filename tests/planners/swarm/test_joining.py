@@ -16,10 +16,12 @@ from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Robot, StartBox, SwarmSettings
+from rota.mission import DiscSensor, Fleet, Mission, Robot, StartBox
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.kernels import Hearing
 from rota.planners.swarm.metrics import Observer
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE, run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
 

@@ -15,9 +15,9 @@ from tests.planners.swarm.test_last_filter import wishing
 
 from rota.files.mission_file import read_mission
 from rota.geometry.free_space import free_ground
-from rota.mission import SwarmSettings
 from rota.planners.swarm.metrics import Observer, covered_share
 from rota.planners.swarm.planner import run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 SQUARE = MultiPolygon([box(0, 0, 250, 250)])
 

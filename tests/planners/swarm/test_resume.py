@@ -10,12 +10,14 @@ from typing import Any
 import pytest
 from shapely import MultiPolygon, box
 
-from rota.errors import MissionError, RunError
+from rota.errors import CheckpointError, MissionError
+from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
 from rota.files.plan_file import plan_text
-from rota.files.run_file import read_run, write_run
 from rota.make_plan import search_plan
-from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, PatrolSettings, StartBox, SwarmSettings
+from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, StartBox
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.planner import SwarmRun, run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.trajectory_log import LONGEST_BLOCK
 
 
@@ -54,8 +56,8 @@ def test_a_resumed_run_ends_as_one_without_a_stop(controller: Any, steps: list[i
         begun = 0 if state is None else state.steps
         state = run_mission(asked, seed=4, should_stop=stopped_after(stop - begun), resume=state).state
         assert state.steps == stop
-        write_run(state, tmp_path / "half.rota-run")
-        state = read_run(tmp_path / "half.rota-run")
+        write_checkpoint(state, tmp_path / "half.rota-run")
+        state = read_checkpoint(tmp_path / "half.rota-run")
     rest = run_mission(asked, seed=4, resume=state)
     assert plan_text(rest.plan) == plan_text(whole.plan)
     assert (rest.steps, rest.at_rest) == (whole.steps, whole.at_rest)
@@ -77,31 +79,31 @@ def test_messages_that_are_under_way_arrive_after_a_stop(controller: Any, tmp_pa
     whole = run_mission(asked, seed=2)
     exact = run_mission(mission(robots=30, most_steps=40, controller=controller), seed=2)
     assert whole.plan.trajectories != exact.plan.trajectories
-    write_run(run_mission(asked, seed=2, should_stop=stopped_after(17)).state, tmp_path / "half.rota-run")
-    state = read_run(tmp_path / "half.rota-run")
+    write_checkpoint(run_mission(asked, seed=2, should_stop=stopped_after(17)).state, tmp_path / "half.rota-run")
+    state = read_checkpoint(tmp_path / "half.rota-run")
     assert plan_text(run_mission(asked, seed=2, resume=state, threads=2).plan) == plan_text(whole.plan)
-    with pytest.raises(RunError, match="past: messages of 3 steps; 11 are needed"):
+    with pytest.raises(CheckpointError, match="past: messages of 3 steps; 11 are needed"):
         run_mission(asked, seed=2, resume=dataclasses.replace(state, past=state.past[:3]))
 
 
 def test_a_run_that_its_most_steps_ended_goes_on_with_more_of_them() -> None:
     few, many = (dataclasses.replace(mission(most_steps=most), moving_obstacles=()) for most in (50, 2000))
     found = search_plan(few, seed=1)
-    assert found.run is not None
-    rest, whole = search_plan(many, seed=1, resume=found.run), search_plan(many, seed=1)
+    assert found.checkpoint is not None
+    rest, whole = search_plan(many, seed=1, resume=found.checkpoint), search_plan(many, seed=1)
     assert rest.plan == whole.plan
-    assert rest.run is None  # it came to rest
-    with pytest.raises(RunError, match=r"swarm\.most_steps: 49 is not allowed; the run has made 50 steps"):
-        search_plan(dataclasses.replace(few, planning=SwarmSettings(most_steps=49)), seed=1, resume=found.run)
+    assert rest.checkpoint is None  # it came to rest
+    with pytest.raises(CheckpointError, match=r"swarm\.most_steps: 49 is not allowed; the run has made 50 steps"):
+        search_plan(dataclasses.replace(few, planning=SwarmSettings(most_steps=49)), seed=1, resume=found.checkpoint)
 
 
 def test_a_run_goes_on_with_its_own_mission_and_seed_only() -> None:
     run = run_mission(mission(), seed=1, should_stop=stopped_after(3)).state
-    with pytest.raises(RunError, match="seed: 2 is not allowed; the run has the seed 1"):
+    with pytest.raises(CheckpointError, match="seed: 2 is not allowed; the run has the seed 1"):
         run_mission(mission(), seed=2, resume=run)
-    with pytest.raises(RunError, match=r"another mission: swarm.time_step_s, swarm.thinning_m differ"):
+    with pytest.raises(CheckpointError, match=r"another mission: swarm.time_step_s, swarm.thinning_m differ"):
         run_mission(mission(time_step_s=0.2, thinning_m=0.01), seed=1, resume=run)
-    with pytest.raises(RunError, match="another mission: area, fleet differ"):
+    with pytest.raises(CheckpointError, match="another mission: area, fleet differ"):
         run_mission(mission(side_m=171), seed=1, resume=run)
     fleet = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=25))
     patrol = Mission(name="p", area=mission().area, fleet=fleet, period_s=90, planning=PatrolSettings())

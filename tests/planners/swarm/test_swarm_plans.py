@@ -15,23 +15,13 @@ from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.geometry.free_space import free_ground
 from rota.make_plan import search_plan
-from rota.mission import (
-    DiscSensor,
-    Fleet,
-    Mission,
-    MovingObstacle,
-    Obstacle,
-    PatrolSettings,
-    Robot,
-    SquareSensor,
-    StartBox,
-    SwarmSettings,
-    Zone,
-)
+from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, StartBox, Zone
 from rota.plan import RunEnd
-from rota.plan_summary import covered_sentence, holding_sentence
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import make_swarm, run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.sentences import covered_sentence, holding_sentence
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
 

@@ -20,6 +20,7 @@ from rota.planners.bounce.bounce_map import joint_states
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.inexact_plan import kept_with_errors
 from rota.planners.bounce.inexact_turns import Estimate
+from rota.planners.bounce.planner_settings import BounceSettings
 
 WATCH_ERROR_DEG = 1.0
 
@@ -93,7 +94,7 @@ def apart_verdict(plan: Plan, figure: int) -> Verdict:
     report = check_plan(plan)
     margin_s = report.clock_margin_s
     assert margin_s is not None
-    asked = replace(plan.mission.bounce, turning_error_deg=WATCH_ERROR_DEG)
+    asked = replace(BounceSettings.of(plan.mission), turning_error_deg=WATCH_ERROR_DEG)
     kept = kept_with_errors(replace(plan, mission=replace(plan.mission, planning=asked)))
     watched = joined([f"{one.name} {_percent(one.inexact)} (exact turns in the plane {100 * one.exact.value:.0f}%)"
                       for one in kept])  # fmt: skip

@@ -24,7 +24,7 @@ from rota.papers.pictures.map_panel import MapPanel
 from rota.papers.pictures.study_picture import Panel, study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, counted, joined
-from rota.planner_settings import BounceMethod
+from rota.planners.bounce.planner_settings import BounceMethod
 
 COLOURS = dict(zip(METHODS, (ROUTE_COLOURS[0], ROUTE_COLOURS[3]), strict=True))
 TOLD = dict(zip(METHODS, ("as printed", "improved"), strict=True))

@@ -11,7 +11,8 @@ from scipy.ndimage import label
 from shapely import MultiPolygon, Polygon, box
 
 from rota.files.text_map import text_map
-from rota.mission import BounceSettings, DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.planners.bounce.planner_settings import BounceSettings
 
 ROOM_10 = """
 ..........
@@ -168,7 +169,7 @@ def watching(mission: Mission, regions: Regions) -> Mission:
         Zone(name=name, shape=MultiPolygon([box(*at)]), period_s=PERIOD_S, demand="visit")
         for name, at in regions.items()
     )
-    return replace(mission, zones=zones, planning=replace(mission.bounce, task="monitor"))
+    return replace(mission, zones=zones, planning=replace(BounceSettings.of(mission), task="monitor"))
 
 
 def _mission(

@@ -20,7 +20,6 @@ from rota.papers.pictures.study_picture import Panel, study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, counted
 from rota.plan import Plan
-from rota.planner_settings import Purpose
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
 from rota.planners.bounce.enumeration import enumerate_groups, printed
@@ -28,6 +27,7 @@ from rota.planners.bounce.group_count import count_groups
 from rota.planners.bounce.limit_cycles import seen_by_cycles, zone_cells
 from rota.planners.bounce.monitoring import Watch, groups
 from rota.planners.bounce.planner import Bouncing, bouncing_robots, monitoring_plan, watch_of
+from rota.planners.bounce.planner_settings import BounceSettings, Purpose
 
 ROBOTS = 2
 OTHER_ANGLE_DEG = 135.0
@@ -246,7 +246,7 @@ def _plans(runs: Runs, mission_by_angle: Callable[[float], Mission]) -> dict[tup
         mission = mission_by_angle(angle)
         for purpose, told in PURPOSES.items():
             runs.now(f"plans that watch by {angle:g}°: {told}")
-            asked = replace(mission, planning=replace(mission.bounce, purpose=purpose))
+            asked = replace(mission, planning=replace(BounceSettings.of(mission), purpose=purpose))
             try:
                 found[angle, told] = search_plan(asked, seed=runs.seed)
             except NoPlanFound:

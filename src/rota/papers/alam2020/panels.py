@@ -12,6 +12,7 @@ from rota.papers.pictures.cells_panel import HeadingsPanel, HeatPanel
 from rota.papers.pictures.map_panel import Dots, MapPanel, Strokes
 from rota.plan import Plan
 from rota.planners.bounce.cells import Cells
+from rota.planners.bounce.planner_settings import BounceSettings
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ def headings_panel(title: str, plan: Plan, note: str = "") -> HeadingsPanel:
 
 def ways_panel(title: str, plan: Plan, note: str = "", *, named_zones: bool = False) -> MapPanel:
     """The ways of a plan's robots, a little beside each other, and their starts."""
-    apart_m = 0.06 * plan.mission.bounce.cell_m
+    apart_m = 0.06 * BounceSettings.of(plan.mission).cell_m
     shifts = (np.arange(len(plan.trajectories)) - (len(plan.trajectories) - 1) / 2) * apart_m
     strokes, dots = [], []
     for k, one in enumerate(plan):
@@ -44,7 +45,7 @@ def starts_panel(title: str, plan: Plan, note: str = "") -> MapPanel:
     """Where the robots of a plan begin and how they face."""
     places = np.array([one.positions_m[0, :2] for one in plan])
     facing = np.array([0.0 if one.headings_rad is None else one.headings_rad[0] for one in plan])
-    ahead = HEADING * plan.mission.bounce.cell_m * np.column_stack([np.cos(facing), np.sin(facing)])
+    ahead = HEADING * BounceSettings.of(plan.mission).cell_m * np.column_stack([np.cos(facing), np.sin(facing)])
     strokes = Strokes("heading", tuple(np.array([a, a + way]) for a, way in zip(places, ahead, strict=True)), "#222222")
     dots = Dots("start", places, route_style(0)[0], size_pt=START_PT)
     return MapPanel(title=title, note=note, mission=plan.mission, strokes=(strokes,), dots=(dots,))
@@ -55,7 +56,7 @@ def entries_panel(title: str, plan: Plan, note: str = "") -> HeatPanel:
     entries = entries_of_cells(plan).astype(np.float64)
     entries[entries == 0] = np.nan
     return HeatPanel(
-        title=title, note=note, mission=plan.mission, values=entries, cell_m=plan.mission.bounce.cell_m,
+        title=title, note=note, mission=plan.mission, values=entries, cell_m=BounceSettings.of(plan.mission).cell_m,
         top=float(np.nanmax(entries)), numbered=True,
     )  # fmt: skip
 

@@ -13,10 +13,10 @@ from rota.mission import Mission
 from rota.papers.alam2020 import paper
 from rota.papers.study import StudyStopped
 from rota.plan import Plan
-from rota.planner_settings import BounceMethod
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.coverage import Coverage
 from rota.planners.bounce.planner import Bouncing, bouncing_robots, coverage_plan, covered_by
+from rota.planners.bounce.planner_settings import BounceMethod, BounceSettings
 
 Longs = NDArray[np.int64]
 
@@ -102,7 +102,7 @@ class Runs:
 
     def cover(self, mission: Mission, method: BounceMethod) -> CoverRuns:
         """The mission's team from as many random starts as the settings have, the same for both methods."""
-        mission = replace(mission, planning=replace(mission.bounce, method=method))
+        mission = replace(mission, planning=replace(BounceSettings.of(mission), method=method))
         key = (b"".join(o.shape.wkb for o in mission.obstacles) + mission.area.wkb, mission.name, method)
         if key not in self._known:
             bouncing = bouncing_robots(mission, make_cells(mission))

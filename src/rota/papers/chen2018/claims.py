@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, Mission, MovingObstacle, Robot, SwarmSettings
+from rota.mission import DiscSensor, Mission, MovingObstacle, Robot
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.decision_times import decision_us
 from rota.papers.chen2018.runs import EXACT, FILTERED, Runs, covered_in
@@ -18,6 +18,7 @@ from rota.papers.chen2018.verdicts import holds_if
 from rota.papers.section import Section, Verdict
 from rota.papers.tables import Table, joined
 from rota.planners.swarm.planner import SwarmRun, run_mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 CHANGE_S = 50.0
 """When robots leave or join: in the middle of their way."""

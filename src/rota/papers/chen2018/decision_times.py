@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission, SwarmSettings
+from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.runs import COMPARED, EXACT, FORCES, SAMPLED, VORONOI, Runs
 from rota.papers.chen2018.verdicts import holds_if
 from rota.papers.section import Verdict
 from rota.papers.tables import NOTHING, Table, joined
 from rota.planners.swarm.planner import make_swarm
+from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.starts import place_starts
 
 TIMED = (SAMPLED, *COMPARED)

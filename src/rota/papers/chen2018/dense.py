@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import free_ground
-from rota.mission import SwarmSettings
 from rota.papers.chen2018 import maps, paper
 from rota.planners.swarm.planner import make_swarm
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 Floats = NDArray[np.float64]
 

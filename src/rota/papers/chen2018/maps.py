@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 from shapely import MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, SwarmSettings
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox
 from rota.papers.chen2018 import paper
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 LIKE: Any = {
     "speed_m_s": paper.SPEED_M_S,

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.geometry.free_space import free_ground
-from rota.mission import Mission, SwarmSettings
+from rota.mission import Mission
 from rota.papers.chen2018 import paper
 from rota.papers.study import StudyStopped
 from rota.planners.swarm.metrics import History, covered_share
 from rota.planners.swarm.planner import SwarmRun, run_mission, sensors_of, squares_of
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 Floats = NDArray[np.float64]
 
@@ -176,7 +177,7 @@ def outcome_of(mission: Mission, run: SwarmRun) -> Outcome:
         raise ValueError("history: None; the run must be observed")
     stride = -(-(run.steps + 1) * len(run.plan.trajectories) // KEPT_PLACES)
     kept = [*range(0, run.steps + 1, stride), run.steps]
-    times_s = np.array(kept) * mission.swarm.time_step_s
+    times_s = np.array(kept) * SwarmSettings.of(mission).time_step_s
     places = np.empty((len(kept), len(run.plan.trajectories), 2))
     for k, trajectory in enumerate(run.plan):
         for axis in (0, 1):

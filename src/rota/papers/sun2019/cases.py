@@ -12,7 +12,7 @@ from shapely import LineString, Point
 from rota.compare import MethodOutcome
 from rota.draw.gap_map import gap_map
 from rota.draw.routes import Route, routes_of
-from rota.mission import AREA, Method, Mission
+from rota.mission import AREA, Mission
 from rota.papers.sun2019.panels import zone_title
 from rota.papers.sun2019.paper import PaperCase, PaperRoute
 from rota.papers.sun2019.runs import Printed, Runs
@@ -20,6 +20,7 @@ from rota.papers.tables import NOTHING, Table, number
 from rota.plan import Plan
 from rota.plan_summary import zones_served
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.planner_settings import Method
 
 DEFAULTS: tuple[Method, ...] = ("sequential", "parallel", "decomposition", "sun2019", "tours")
 LATE_CELLS = 60_000  # half a metre each on Figure 13's map

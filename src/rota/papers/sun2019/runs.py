@@ -14,7 +14,7 @@ from rota.check import Report, check_plan
 from rota.compare import MethodOutcome, load_compiled_loops, outcome_of
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import Effort, Method, Mission, PatrolSettings, Sun2019
+from rota.mission import Mission
 from rota.papers.study import StudyStopped
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.maps import figure_8, figure_13, figure_15, with_periods
@@ -37,6 +37,7 @@ from rota.planners.patrol.methods.sun2019.stages import (
     radius_m,
 )
 from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
+from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings, Sun2019
 from rota.planners.patrol.verdict import unmet_reason
 
 AS_THE_PAPER = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="repaired")

@@ -14,6 +14,7 @@ from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
 from rota.mission import TOUCH_M, Mission
 from rota.planner_settings import Corners
+from rota.planners.bounce.planner_settings import BounceSettings
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -100,7 +101,7 @@ def make_cells(mission: Mission) -> Cells:
 
     Raises MissionError for more than MOST_CELLS cells and for a ground on which no body can stand at a cell's centre.
     """
-    settings = mission.bounce
+    settings = BounceSettings.of(mission)
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
     _, _, x1, y1 = mission.area.bounds
     x0, y0 = mission.grid_corner_m

@@ -21,6 +21,7 @@ from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import LimitCycles, zone_cells
 from rota.planners.bounce.monitoring import Watch, canonical
+from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.starts import start_cells, start_headings
 
 Ints = NDArray[np.int32]
@@ -70,7 +71,7 @@ def choose_group(
 
     Raises MissionError when only some robots have starts, and for joint maps that the method needs and memory lacks.
     """
-    settings = mission.bounce
+    settings = BounceSettings.of(mission)
     at = start_cells(cells, robots)
     if any(cell is not None for cell in at):
         given = [cell for cell in at if cell is not None]
@@ -96,7 +97,7 @@ def choose_group(
 
 def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Choice:
     """The best of the groups that Algorithm 2 keeps as it is printed, and how many these are."""
-    settings, zones = mission.bounce, [zone for zone in mission.zones if zone.period_s is not None]
+    settings, zones = BounceSettings.of(mission), [zone for zone in mission.zones if zone.period_s is not None]
     kept, listed = printed(team, zone_cells(cells, zones), cells.headings)
     order = np.argsort(-listed.basin, kind="stable") if settings.purpose == "basin" else range(len(listed.basin))
     chosen = _best_of(watch, (nodes_of(watch.cycles, listed.states[k]) for k in order), settings.purpose)
@@ -154,10 +155,10 @@ def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, see
     if joint_states(s, m) <= MOST_ENUMERATED:
         zones = [zone for zone in mission.zones if zone.period_s is not None]
         listed = enumerate_groups(
-            team, zone_cells(cells, zones), cells.headings, contact_free=mission.bounce.contact_free
+            team, zone_cells(cells, zones), cells.headings, contact_free=BounceSettings.of(mission).contact_free
         )
         return Choice(chosen=_best_of(watch, _by_basin(watch.cycles, listed), "basin"), proved=True)
-    hits = sampled_basins(watch, team, free=mission.bounce.contact_free == "trajectory", seed=seed)
+    hits = sampled_basins(watch, team, free=BounceSettings.of(mission).contact_free == "trajectory", seed=seed)
     chosen = _best_of(watch, iter([nodes for nodes, _ in hits]), "basin")
     return Choice(chosen=chosen, proved=False, unproved=f"only {SAMPLES:,} random starts were tried")
 
@@ -191,7 +192,7 @@ def sampled_basins(
 
 def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Choice:
     """The best way from the given cells (and headings, if these are given too) to cycles without contact."""
-    settings, best, given = mission.bounce, None, start_headings(mission, len(at))
+    settings, best, given = BounceSettings.of(mission), None, start_headings(mission, len(at))
     for facing in _headings(given, cells.headings, len(at), seed):
         states = [cell * cells.headings + h for cell, h in zip(at, facing, strict=True)]
         way = _settled(watch.cycles, team, states, settings.contact_free == "trajectory")

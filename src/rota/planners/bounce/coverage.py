@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from rota.planner_settings import BounceMethod
 from rota.planners.bounce.cells import BLOCKED, Cells
 from rota.planners.bounce.coverage_kernels import Log, Search, cover_as_printed, cover_by_rate
 from rota.planners.bounce.kernels import Team
+from rota.planners.bounce.planner_settings import BounceMethod
 
 Flags = NDArray[np.bool_]
 Ints = NDArray[np.int32]

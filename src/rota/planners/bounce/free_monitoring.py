@@ -19,6 +19,7 @@ from rota.errors import MissionError, NoPlanFound
 from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
 from rota.planners.bounce.free_tracks import Track, tracks_of
+from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.starts import robots_of
 
 MOST_FEWEST = 12  # robots that are tried when the mission asks for as few as possible
@@ -37,8 +38,8 @@ class FreeTeam:
 
 def plan_free_monitoring(
     mission: Mission, *, seed: int, progress: Callable[[float, str], None], should_stop: Callable[[], bool]
-) -> Plan:
-    """A plan by which robots visit all zones for ever along attracting limit cycles, without a grid.
+) -> tuple[Plan, FreeTeam]:
+    """A plan by which robots visit all zones for ever along attracting limit cycles, without a grid, and the team.
 
     For as few robots as possible teams of 1, 2, ... are tried. Raises NoPlanFound when no team visits all zones; one
     that does so too seldom is given all the same.
@@ -58,7 +59,7 @@ def plan_free_monitoring(
             f"no team of {most} on attracting limit cycles keeps apart so that each zone is visited; other bouncing"
             " angles, or cells (bounce.cells: grid), may do"
         )
-    return Plan(mission=mission, trajectories=tuple(_trajectories(best)), seed=seed)
+    return Plan(mission=mission, trajectories=tuple(_trajectories(best)), seed=seed), best
 
 
 def free_team(
@@ -78,7 +79,7 @@ def free_team(
 
 def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[list[Track], list[int]]:
     """All tracks, and for each the number of the first robot of the kind that has it."""
-    angles = mission.bounce.bouncing_angles_deg
+    angles = BounceSettings.of(mission).bouncing_angles_deg
     each = angles * len(robots) if len(angles) == 1 else angles
     zones = [zone for zone in mission.zones if zone.period_s is not None]
     tracks: list[Track] = []
@@ -99,7 +100,7 @@ def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[lis
 
 def _kinds(mission: Mission, robots: tuple[Robot, ...]) -> list[int]:
     """For each robot the first that is like it in its angle, speed, turns and body."""
-    angles = mission.bounce.bouncing_angles_deg
+    angles = BounceSettings.of(mission).bouncing_angles_deg
     each = angles * len(robots) if len(angles) == 1 else angles
     keys = [
         (angle, robot.speed_m_s, robot.turn_rate_rad_s, robot.body_radius_m)
@@ -122,7 +123,7 @@ class _Search:
         self.mission, self.robots, self.tracks, self.owners = mission, robots, tracks, owners
         self.kinds, self.should_stop = _kinds(mission, robots), should_stop
         self.periods_s = [zone.period_s for zone in mission.zones if zone.period_s is not None]
-        self.enough = 1.0 if mission.bounce.purpose == "periods" else 0.0
+        self.enough = 1.0 if BounceSettings.of(mission).purpose == "periods" else 0.0
         self.best: FreeTeam | None = None
         self.left = MOST_TEAMS
         self.apart = _apart(tracks, [robots[owner].body_radius_m for owner in owners])
@@ -152,7 +153,7 @@ class _Search:
         if key not in self.known:
             apart_m = 2 * self.robots[self.owners[t]].body_radius_m
             margin_s = self.tracks[t].margin_s(key[1], apart_m)
-            self.known[key] = margin_s > 0 and margin_s >= self.mission.bounce.clock_margin_s
+            self.known[key] = margin_s > 0 and margin_s >= BounceSettings.of(self.mission).clock_margin_s
         return self.known[key]
 
     def ratio(self, on: tuple[int, ...]) -> float:

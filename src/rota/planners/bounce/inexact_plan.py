@@ -12,6 +12,7 @@ from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.inexact_turns import Crew, Estimate, InexactRuns, TurningError, make_crew, run_crew
+from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.trajectories import step_duration_s
 
 RUNS = 1000
@@ -38,7 +39,7 @@ def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
     Robots drive at their slowest one's speed from the plan's first places and headings on, turn at every contact and
     never by a clock: they do what the paper's robots do, not what the plan's times say. On a grid a turn takes a step.
     """
-    mission, settings = plan.mission, plan.mission.bounce
+    mission, settings = plan.mission, BounceSettings.of(plan.mission)
     crew, starts = _crew(plan), _starts(plan)
     errors = (TurningError(), TurningError(angle_rad=math.radians(settings.turning_error_deg)))
     if settings.task == "cover":
@@ -62,7 +63,7 @@ def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
 def _crew(plan: Plan) -> Crew:
     mission = plan.mission
     robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
-    angles = mission.bounce.bouncing_angles_deg
+    angles = BounceSettings.of(mission).bouncing_angles_deg
     each = angles * len(robots) if len(angles) == 1 else angles
     return make_crew(
         free_ground(mission),
@@ -74,10 +75,10 @@ def _crew(plan: Plan) -> Crew:
 
 
 def _turn_s(mission: Mission, plan: Plan) -> float:
-    if mission.bounce.cells == "grid":
+    if BounceSettings.of(mission).cells == "grid":
         return step_duration_s(mission, make_cells(mission))
     rates = [mission.fleet.robot(trajectory.robot).turn_rate_rad_s for trajectory in plan]
-    longest_rad = math.radians(max(mission.bounce.bouncing_angles_deg))
+    longest_rad = math.radians(max(BounceSettings.of(mission).bouncing_angles_deg))
     return max([LEAST_TURN_S, *(longest_rad / rate for rate in rates if rate is not None)])
 
 

@@ -11,14 +11,18 @@ from numpy.typing import NDArray
 from rota.errors import NoPlanFound
 from rota.mission import Mission, Robot
 from rota.plan import Plan
+from rota.planner import Answer
 from rota.planners.bounce.bounce_map import make_team
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.chosen_group import Choice, Chosen, choose_group, out_of_reach
 from rota.planners.bounce.clock_margin import apart_in_time
 from rota.planners.bounce.coverage import Coverage, cover
+from rota.planners.bounce.free_monitoring import plan_free_monitoring
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles, zone_cells
 from rota.planners.bounce.monitoring import Watch
+from rota.planners.bounce.physics_sentences import cycles_sentence
+from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.sentences import entered_sentence, groups_sentence, pace_sentence, proof_sentence
 from rota.planners.bounce.starts import random_starts, robots_of, start_cells
 from rota.planners.bounce.timed_group import TimedGroup, timed_group
@@ -28,8 +32,6 @@ from rota.planners.bounce.unreached import places_of, unreached_parts
 Floats = NDArray[np.float64]
 
 MOST_FEWEST = 12  # robots that are tried when the mission asks for as few as possible
-
-Tell = Callable[[str], None]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,7 +53,7 @@ class Bouncing:
 
 def bouncing_robots(mission: Mission, cells: Cells, count: int | None = None) -> Bouncing:
     """The mission's robots on cells; ``count`` of them when it asks for as few as possible."""
-    robots, settings = robots_of(mission, count), mission.bounce
+    robots, settings = robots_of(mission, count), BounceSettings.of(mission)
     angles = settings.bouncing_angles_deg
     each = angles * len(robots) if len(angles) == 1 else angles
     radii = np.array([robot.body_radius_m for robot in robots])
@@ -62,21 +64,39 @@ def bouncing_robots(mission: Mission, cells: Cells, count: int | None = None) ->
     return Bouncing(mission=mission, cells=cells, robots=robots, team=team, apart_m=apart_m, pace=pace)
 
 
+def plan_bounce(
+    mission: Mission, *, seed: int, progress: Callable[[float, str], None], should_stop: Callable[[], bool]
+) -> Answer:
+    """A plan that monitors or covers, as the mission's task is, and what the search knows beside it.
+
+    Raises NoPlanFound, with the best there is, when cells stay uncovered or no team watches all zones.
+    """
+    settings = BounceSettings.of(mission)
+    if settings.cells == "none":
+        plan, team = plan_free_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop)
+        return Answer(plan=plan, facts=(cycles_sentence(team),))
+    if settings.task == "cover":
+        return plan_coverage(mission, seed=seed)
+    return plan_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop)
+
+
 # ---------------------------------------------------------------- covering
 
 
-def plan_coverage(mission: Mission, *, seed: int, tell: Tell) -> Plan:
+def plan_coverage(mission: Mission, *, seed: int) -> Answer:
     """A plan by which the robots cover the area once and then stay; raises NoPlanFound with it when it misses cells."""
     bouncing = bouncing_robots(mission, make_cells(mission))
     found = covered_by(bouncing, seed=seed)
     plan = coverage_plan(bouncing, found, seed)
     headings = bouncing.cells.headings
     times_s = bouncing.pace.times_s(found.states, headings)
-    tell(entered_sentence(found, len(bouncing.robots), float(times_s[-1])))
-    tell(pace_sentence(bouncing.pace.own_s(found.states, headings), np.diff(times_s)))
+    facts = (
+        entered_sentence(found, len(bouncing.robots), float(times_s[-1])),
+        pace_sentence(bouncing.pace.own_s(found.states, headings), np.diff(times_s)),
+    )
     if not found.complete:
-        raise NoPlanFound(uncovered_reason(bouncing, found), best=plan)
-    return plan
+        raise NoPlanFound(uncovered_reason(bouncing, found), best=plan, facts=facts)
+    return Answer(plan=plan, facts=facts)
 
 
 def coverage_plan(bouncing: Bouncing, found: Coverage, seed: int) -> Plan:
@@ -94,14 +114,14 @@ def coverage_plan(bouncing: Bouncing, found: Coverage, seed: int) -> Plan:
 
 def covered_by(bouncing: Bouncing, *, seed: int) -> Coverage:
     """The joint trajectory that covers, from the mission's starts or from random ones."""
-    settings = bouncing.mission.bounce
+    settings = BounceSettings.of(bouncing.mission)
     starts = random_starts(bouncing.mission, bouncing.cells, bouncing.robots, bouncing.apart_m, seed)
     return cover(bouncing.cells, bouncing.team, starts.tolist(), method=settings.method, most_steps=settings.most_steps)
 
 
 def uncovered_reason(bouncing: Bouncing, found: Coverage) -> str:
     """How much stays uncovered, where, and why."""
-    settings, cells, parts = bouncing.mission.bounce, bouncing.cells, []
+    settings, cells, parts = BounceSettings.of(bouncing.mission), bouncing.cells, []
     if found.walled_off.any():
         begins = found.states[0] // cells.headings
         parts += unreached_parts(bouncing.mission, cells, found.walled_off, begins)
@@ -124,8 +144,7 @@ def plan_monitoring(
     seed: int,
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
-    tell: Tell,
-) -> Plan:
+) -> Answer:
     """A plan by which the robots visit all zones with a period for ever, without contact on their cycles.
 
     For as few robots as possible, teams of 1, 2, ... are tried until one meets all periods. Raises NoPlanFound when no
@@ -151,17 +170,10 @@ def plan_monitoring(
         raise NoPlanFound(unwatched_reason(bouncing, unproved))
     bouncing, watch, choice, timed = best
     assert choice.chosen is not None
-    _tell_of_group(bouncing, watch, choice, timed, tell)
-    return monitoring_plan(bouncing, choice.chosen, seed, timed)
-
-
-def _tell_of_group(bouncing: Bouncing, watch: Watch, choice: Choice, timed: TimedGroup, tell: Tell) -> None:
-    mission = bouncing.mission
-    tell(groups_sentence(watch, len(bouncing.robots)) if choice.told is None else choice.told)
-    proof = proof_sentence(mission, choice)
-    if proof is not None:
-        tell(proof)
-    tell(pace_sentence(timed.own_s, timed.lasts_s))
+    groups = groups_sentence(watch, len(bouncing.robots)) if choice.told is None else choice.told
+    facts = (groups, proof_sentence(mission, choice), pace_sentence(timed.own_s, timed.lasts_s))
+    plan = monitoring_plan(bouncing, choice.chosen, seed, timed)
+    return Answer(plan=plan, facts=tuple(fact for fact in facts if fact is not None))
 
 
 def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:
@@ -171,11 +183,13 @@ def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:
     """
     robots, listed = bouncing.robots, bouncing.mission.fleet.robots
     most = "up to " * (listed is None) + f"{len(robots)} robot" + "s" * (len(robots) != 1)
-    margin_s = bouncing.mission.bounce.clock_margin_s
+    margin_s = BounceSettings.of(bouncing.mission).clock_margin_s
     most += f" whose clocks may differ by {margin_s:.3g} s" * (margin_s > 0)
     team = f"no team of {most}" + (" was found that" if unproved is not None else "")
     open_end = "" if unproved is None else f"; that there is none is not proved: {unproved}"
-    printed = " of those that Algorithm 2 keeps as printed" * (bouncing.mission.bounce.method == "as_printed")
+    printed = " of those that Algorithm 2 keeps as printed" * (
+        BounceSettings.of(bouncing.mission).method == "as_printed"
+    )
     if all(robot.start is None for robot in robots):
         return f"{team}{printed} goes its rounds without contact so that each zone is visited{open_end}"
     watch = watch_of(bouncing)
@@ -191,7 +205,7 @@ def watch_of(bouncing: Bouncing) -> Watch:
     """What the robots' limit cycles see of the mission's zones; raises MissionError for those that none enters."""
     zones = [zone for zone in bouncing.mission.zones if zone.period_s is not None]
     inside = zone_cells(bouncing.cells, zones)
-    margin_steps = bouncing.mission.bounce.clock_margin_s / bouncing.step_s
+    margin_steps = BounceSettings.of(bouncing.mission).clock_margin_s / bouncing.step_s
     radii = np.array([robot.body_radius_m for robot in bouncing.robots])
     cycles = apart_in_time(limit_cycles(bouncing.team), bouncing.cells, radii[:, None] + radii, margin_steps)
     sees = seen_by_cycles(cycles, inside, bouncing.cells.headings)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from shapely import LineString, union_all
 
-from rota.mission import Mission
+from rota.mission import DiscSensor, Mission
+from rota.plan import Plan
 from rota.planners.bounce.chosen_group import Choice
 from rota.planners.bounce.coverage import Coverage
 from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.monitoring import Watch
+from rota.planners.bounce.planner_settings import BounceSettings
 
 Floats = NDArray[np.float64]
 
@@ -30,9 +33,13 @@ def groups_sentence(watch: Watch, robots: int) -> str:
 
 def proof_sentence(mission: Mission, choice: Choice) -> str | None:
     """Whether the worst gap is the shortest there is; None where another purpose was asked for."""
-    if mission.bounce.purpose != "worst_gap" or choice.chosen is None:
+    if BounceSettings.of(mission).purpose != "worst_gap" or choice.chosen is None:
         return None
-    among = "of all groups" if mission.bounce.method == "improved" else "of those that Algorithm 2 as printed keeps"
+    among = (
+        "of all groups"
+        if BounceSettings.of(mission).method == "improved"
+        else "of those that Algorithm 2 as printed keeps"
+    )
     if len(choice.chosen.transient) or any(robot.start is not None for robot in mission.fleet.robots or ()):
         among = "of all groups that robots come to from their starts"
     if choice.proved:
@@ -59,3 +66,27 @@ def pace_sentence(own_s: Floats, lasts_s: Floats) -> str:
     low, high = f"{lasts_s.min():.3g}", f"{lasts_s.max():.3g}"
     lasting = f"{low} s each" if low == high else f"{low} to {high} s"
     return f"Robots keep in step: steps last {lasting}, of which a robot needs {share:.0%} in the mean."
+
+
+def swept_sentence(plan: Plan) -> str:
+    """How much of the floor bodies pass over, and sensors come over: a cell counts as covered when it is entered."""
+    mission = plan.mission
+    blocking = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
+    floor = mission.area.difference(blocking)
+    ways = [LineString(np.vstack([t.positions_m[:, :2], t.positions_m[-1:, :2]])) for t in plan]
+    robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
+    bodies = union_all([way.buffer(robot.body_radius_m) for way, robot in zip(ways, robots, strict=True)])
+    told = f"Bodies pass over {bodies.intersection(floor).area / floor.area:.1%} of the floor"
+    if all(isinstance(robot.sensor, DiscSensor) for robot in robots):
+        discs = union_all([way.buffer(robot.sensor.reach_m) for way, robot in zip(ways, robots, strict=True)])
+        told += f", discs of the sensors over {discs.intersection(floor).area / floor.area:.1%} (walls aside)"
+    return f"{told}: a cell counts as covered when a robot comes to its centre."
+
+
+def rattling_sentence(plan: Plan) -> str | None:
+    """Which robots never leave their places on their loops but turn there for ever; None: none does."""
+    names = [t.robot for t in plan if t.loop_duration_s > 0 and t.loop_length_m == 0]
+    if not names:
+        return None
+    what = "stay in one cell and turn" if len(names) > 1 else "stays in one cell and turns"
+    return f"{', '.join(names)} {what} there for ever: a limit cycle, too."

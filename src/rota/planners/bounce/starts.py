@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rota.errors import MissionError
 from rota.mission import TOUCH_M, Mission, Robot
 from rota.planners.bounce.cells import Cells
+from rota.planners.bounce.planner_settings import BounceSettings
 
 Ints = NDArray[np.int32]
 
@@ -50,7 +51,7 @@ def start_cells(cells: Cells, robots: tuple[Robot, ...]) -> list[int | None]:
 
 def start_headings(mission: Mission, robots: int) -> list[int] | None:
     """The heading of each robot at its start, in heading steps; None: the mission does not say."""
-    settings = mission.bounce
+    settings = BounceSettings.of(mission)
     if settings.start_headings_deg is None:
         return None
     angles = settings.start_headings_deg

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rota.mission import Mission
 from rota.plan import Trajectory
 from rota.planners.bounce.cells import Cells
+from rota.planners.bounce.planner_settings import BounceSettings
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -59,7 +60,7 @@ def pace_of(mission: Mission, cells: Cells, count: int) -> Pace:
     moves_m = np.hypot(*cells.moves.T) * cells.cell_m
     move_s = np.array([moves_m / robot.speed_m_s for robot in robots])
     longest_s = step_duration_s(mission, cells)
-    if mission.bounce.clock_margin_s > 0:
+    if BounceSettings.of(mission).clock_margin_s > 0:
         move_s = np.full_like(move_s, longest_s)
     return Pace(longest_s=longest_s, move_s=move_s)
 
@@ -70,7 +71,7 @@ def step_duration_s(mission: Mission, cells: Cells) -> float:
     Moves with more than 8 headings are a little off these, and so is what a robot turns by.
     """
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
-    steps = {1, *(round(angle * cells.headings / 360) for angle in mission.bounce.bouncing_angles_deg)}
+    steps = {1, *(round(angle * cells.headings / 360) for angle in BounceSettings.of(mission).bouncing_angles_deg)}
     true_rad = cells.headings_rad
     turns_rad = [float(((np.roll(true_rad, -count) - true_rad) % math.tau).max()) for count in steps]
     turning_s = [max(turns_rad) / robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]

@@ -14,6 +14,7 @@ from rota.geometry.free_space import free_ground
 from rota.mission import TOUCH_M, Mission
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.coverage import reachable_cells
+from rota.planners.bounce.planner_settings import BounceSettings
 from rota.polygons import polygons_of
 
 Flags = NDArray[np.bool_]
@@ -79,7 +80,7 @@ def joined_grid(mission: Mission, cells: Cells, room: MultiPolygon) -> tuple[flo
 
     The same cells are shifted first, then smaller ones are tried, in steps of a twentieth. None: none was found.
     """
-    settings, (x0, y0) = mission.bounce, cells.corner_m
+    settings, (x0, y0) = BounceSettings.of(mission), cells.corner_m
     shifts = [(a, b) for a in (0.0, *SHIFTS) for b in (0.0, *SHIFTS) if a or b]
     tried: list[tuple[float, tuple[float, float] | None]] = [
         (cells.cell_m, (round(x0 + a * cells.cell_m, 6), round(y0 + b * cells.cell_m, 6))) for a, b in shifts

@@ -2,26 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING
+
+from rota.planner import Answer, Planner, Request
+from rota.planners.patrol.planner_settings import METHODS, PatrolSettings
 
 if TYPE_CHECKING:
     from rota.mission import Mission
-    from rota.plan import Plan
-    from rota.planners.patrol.verdict import Judge
-    from rota.progress import Watch
+    from rota.planner import Report
 
 
-def plan_patrol(
-    mission: Mission,
-    *,
-    seed: int,
-    judge: Judge,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-    watch: Watch | None = None,
-) -> Plan:
-    """A plan that the judge passes, by the method of the mission's settings; see ``planner.plan_patrol``."""
-    from rota.planners.patrol.planner import plan_patrol as plan  # loads the compiled loops only when they are needed
+class PatrolPlanner(Planner):
+    """The door of the planner patrol; the compiled loops are loaded only when they are needed."""
 
-    return plan(mission, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch)
+    methods = METHODS
+    settings = PatrolSettings
+
+    def plan(self, request: Request) -> Answer:
+        """A plan that the judge passes, by the method of the mission's settings; see ``planner.plan_patrol``."""
+        from rota.planners.patrol.planner import plan_patrol
+
+        plan = plan_patrol(
+            request.mission, seed=request.seed, judge=request.judge, progress=request.progress,
+            should_stop=request.should_stop, watch=request.watch,
+        )  # fmt: skip
+        return Answer(plan=plan)
+
+    def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
+        """The table of robots and loops, then robots against the bound, its reason, the worst gap and the way there."""
+        from rota.plan_summary import approach_sentence, bound_sentence, ratio_sentence, robots_sentence, robots_table
+
+        plan = answer.plan
+        if report.demands:
+            yield robots_table(plan)
+        yield from answer.facts
+        yield from (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
+
+    def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
+        """The annealing, and the geometry that it stands on."""
+        return "planners/patrol/annealing", "geometry"
+
+    def compiling(self) -> AbstractContextManager[object]:
+        """The annealing compiled here, all else by a second process."""
+        from rota.planners.patrol.compiled_by_two import compiled_by_two
+
+        return compiled_by_two()
+
+    def small_mission(self, methods: Sequence[str] = ()) -> Mission:
+        """A small yard; by sun2019 where it is among the methods, for most of its loops are its own."""
+        import shapely
+
+        from rota.mission import DiscSensor, Fleet, Mission
+
+        return Mission(
+            name="yard",
+            area=shapely.MultiPolygon([shapely.box(0, 0, 20, 20)]),
+            period_s=100,
+            fleet=Fleet(speed_m_s=5, sensor=DiscSensor(radius_m=5)),
+            planning=PatrolSettings(effort="quick", method="sun2019" if "sun2019" in methods else "sequential"),
+        )
+
+    def long_work(self, mission: Mission) -> Iterator[str]:
+        """Large ground, many robots, many corners and slow turning."""
+        from rota.planners.patrol.work_ahead import planning_ahead
+
+        return planning_ahead(mission)

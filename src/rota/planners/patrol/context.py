@@ -10,6 +10,7 @@ from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.verdict import Judge
 from rota.progress import Watch
@@ -40,7 +41,7 @@ class Context:
     @property
     def anneals(self) -> bool:
         """Whether the mission's method anneals tours, so that each team size can be searched by itself."""
-        return self.problem.mission.patrol.method == "tours"
+        return PatrolSettings.of(self.problem.mission).method == "tours"
 
 
 def begin_search(
@@ -59,7 +60,7 @@ def begin_search(
     """
     bound = prove_bound(problem)
     return Context(
-        problem=problem, settings=EFFORTS[problem.mission.patrol.effort],
+        problem=problem, settings=EFFORTS[PatrolSettings.of(problem.mission).effort],
         bound=bound if asks_alike(asked, problem.mission) else prove_bound(set_up_problem(asked)),
         enough_robots=robots_enough(problem, asked, bound), seed=seed, judge=judge, progress=progress,
         should_stop=should_stop, watch=watch,

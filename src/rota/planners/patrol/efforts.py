@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rota.mission import Effort
+from rota.planners.patrol.planner_settings import Effort
 from rota.planners.patrol.settings import (
     AllocationSettings,
     AlternationSettings,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rota.mission import DiscSensor, Mission, Robot, Sensor, SquareSensor
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 
 def without_starts(mission: Mission) -> Mission:
@@ -18,7 +19,7 @@ def without_starts(mission: Mission) -> Mission:
 
 def with_reserve(mission: Mission) -> Mission:
     """The mission with periods shorter by ``period_margin`` and sensors by ``range_margin_m``; itself without both."""
-    share, margin_m = 1 - mission.patrol.period_margin, mission.patrol.range_margin_m
+    share, margin_m = 1 - PatrolSettings.of(mission).period_margin, PatrolSettings.of(mission).range_margin_m
     if share == 1 and margin_m == 0:
         return mission
 
@@ -35,7 +36,7 @@ def with_reserve(mission: Mission) -> Mission:
         period_s=shorter(mission.period_s),
         zones=tuple(replace(zone, period_s=shorter(zone.period_s)) for zone in mission.zones),
         fleet=replace(fleet, robots=robots, sensor=shorter_sensor(fleet.sensor, margin_m)),
-        planning=replace(mission.patrol, period_margin=0.0, range_margin_m=0.0),
+        planning=replace(PatrolSettings.of(mission), period_margin=0.0, range_margin_m=0.0),
     )
 
 

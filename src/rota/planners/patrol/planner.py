@@ -14,6 +14,7 @@ from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.registry import load_method
 from rota.planners.patrol.methods.sweeping.search import swept_instead
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
 from rota.progress import Watch
@@ -50,9 +51,10 @@ def plan_patrol(
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=as_asked(failure.best, mission)) from failure
     final = plan if plan.mission is mission else replace(plan, mission=mission)  # the judge knows the plan judged last
-    if mission.patrol.range_margin_m > 0 and (verdict := judge(final)).verdict != "met":
+    margin_m = PatrolSettings.of(mission).range_margin_m
+    if margin_m > 0 and (verdict := judge(final)).verdict != "met":
         raise NoPlanFound(
-            f"patrol.range_margin_m: {mission.patrol.range_margin_m:.6g} hides ground that only sensors of full reach"
+            f"patrol.range_margin_m: {margin_m:.6g} hides ground that only sensors of full reach"
             f" see, and the plan misses it: {worst_reached(verdict)}; give less",
             best=final,
         )
@@ -81,7 +83,7 @@ def plan_tours(
         set_up_problem(mission), asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop,
         watch=watch,
     )  # fmt: skip
-    method = load_method(mission.patrol.method)
+    method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return plan_fixed_team(context, asked, method)
     best = method(context)

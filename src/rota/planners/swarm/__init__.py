@@ -3,48 +3,54 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from rota.errors import MissionError
+from rota.planner import Answer, Planner, Request
+from rota.planners.swarm.planner_settings import SwarmSettings
+
 if TYPE_CHECKING:
-    from rota.checkpoint import SwarmState
     from rota.mission import Mission
-    from rota.plan import Plan
-    from rota.planners.swarm.metrics import History
+    from rota.planner import Report
 
 
-def plan_swarm(
-    mission: Mission,
-    *,
-    seed: int,
-    judge: object,
-    progress: Callable[[float, str], None],
-    should_stop: Callable[[], bool],
-    watch: object = None,
-    resume: SwarmState | None = None,
-    keep: Callable[[SwarmState], None] = lambda _state: None,
-    observe: Callable[[History], None] | None = None,
-) -> Plan:
-    """A plan in which the mission's robots spread and then hold; see ``asked.run_mission``, which tells more.
+class SwarmPlanner(Planner):
+    """The door of the planner swarm; the compiled loops are loaded only when they are needed."""
 
-    The robots know nothing of demands, so ``judge`` is not asked here: whether what they cover meets one, the check
-    finds out afterwards. ``resume``: go on from there; ``keep`` is called with a run that ends before robots rest, and
-    ``observe``, where it is given, with what every step came to. All cores are used, and the plan is the same on any
-    number of them.
-    """
-    from rota.planners.swarm.planner import run_mission  # loads the compiled loops only when they are needed
+    settings = SwarmSettings
 
-    run = run_mission(
-        mission,
-        seed=seed,
-        progress=progress,
-        should_stop=should_stop,
-        threads=os.cpu_count() or 1,
-        observed=observe is not None,
-        resume=resume,
-    )
-    if observe is not None and run.history is not None:
-        observe(run.history)
-    if not run.at_rest:
-        keep(run.state)
-    return run.plan
+    def plan(self, request: Request) -> Answer:
+        """A plan in which the mission's robots spread and then hold; see ``planner.run_mission``.
+
+        The robots know nothing of demands, so the judge is not asked here: whether what they cover meets one, the check
+        finds out afterwards. All cores are used, and the plan is the same on any number of them.
+        """
+        from rota.planners.swarm.planner import run_mission
+
+        if request.observe is not None and request.mission.planning.altitudes_m is not None:
+            raise MissionError("swarm.altitudes_m: swarms in space are not measured step by step")
+        run = run_mission(
+            request.mission,
+            seed=request.seed,
+            progress=request.progress,
+            should_stop=request.should_stop,
+            threads=os.cpu_count() or 1,
+            observed=request.observe is not None,
+            resume=request.checkpoint,
+        )
+        if request.observe is not None and run.history is not None:
+            request.observe(run.history)
+        return Answer(plan=run.plan, checkpoint=None if run.at_rest else run.state)
+
+    def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
+        """When robots hold, how much they then have in range, and the worst gap."""
+        from rota.plan_summary import ratio_sentence
+        from rota.planners.swarm.sentences import covered_sentence, holding_sentence
+
+        yield from answer.facts
+        yield from (holding_sentence(answer.plan), covered_sentence(answer.plan), ratio_sentence(answer.plan, report))
+
+    def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
+        """The controllers."""
+        return ("planners/swarm",)

@@ -28,7 +28,7 @@ class History:
     that covers nothing new of the region, 1 - covered / sum of them. body_gap_m, wall_gap_m: least distance between
     the rims of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far.
     reversals: share of the robots that turned back by more than a right angle. outside: robots that have left the
-    region. decision_s: wall time for one robot.
+    region. decision_s: wall time for one robot. first_step, time_step_s: the first one's number, and what each takes.
     """
 
     coverage: Floats
@@ -39,18 +39,20 @@ class History:
     reversals: Floats
     outside: Floats
     decision_s: Floats
+    first_step: int
+    time_step_s: float
 
     @property
     def steps(self) -> int:
         """Steps of the run: the convergence step, where the stop rule ended it."""
         return len(self.coverage) - 1
 
-    def csv(self, *, time_step_s: float, first_step: int = 0) -> str:
+    def csv(self) -> str:
         """A table with a row for each step, the names of the columns first; inf where nothing is near."""
         lines = [",".join(("step", "time_s", *_NAMES))]
         for k, row in enumerate(zip(*(getattr(self, name).tolist() for name in _NAMES), strict=True)):
-            step = first_step + k
-            lines.append(",".join((str(step), repr(step * time_step_s), *map(repr, row))))
+            step = self.first_step + k
+            lines.append(",".join((str(step), repr(step * self.time_step_s), *map(repr, row))))
         return "\n".join(lines) + "\n"
 
     def settled_step(self, within: float = 0.005, *, at_rest: bool) -> float:
@@ -75,7 +77,7 @@ class Observer:
     def __init__(
         self, swarm: Swarm, region: MultiPolygon, rest_m: float, squares: NDArray[np.bool_] | None = None
     ) -> None:
-        self._swarm = swarm
+        self._swarm, self._first_step = swarm, swarm.steps
         self._squares = np.zeros(len(swarm), np.bool_) if squares is None else squares
         self._rest_m_s = rest_m / swarm.rule.time_step_s
         x0, y0, x1, y1 = region.bounds
@@ -113,7 +115,11 @@ class Observer:
 
     def history(self) -> History:
         """All that was measured."""
-        return History(**{name: values for name, values in zip(_NAMES, np.array(self._rows).T, strict=True)})
+        return History(
+            first_step=self._first_step,
+            time_step_s=self._swarm.rule.time_step_s,
+            **{name: values for name, values in zip(_NAMES, np.array(self._rows).T, strict=True)},
+        )
 
 
 _NAMES = ("coverage", "deadweight_loss", "body_gap_m", "wall_gap_m", "way_m", "reversals", "outside", "decision_s")

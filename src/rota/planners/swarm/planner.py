@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.checkpoint import SwarmState
-from rota.errors import MissionError, RunError
+from rota.checkpoint import Checkpoint
+from rota.errors import CheckpointError, MissionError
 from rota.geometry.free_space import free_ground
-from rota.mission import DiscSensor, Mission, SquareSensor, SwarmSettings, inner_reach_m
+from rota.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
 from rota.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.kernels import Hearing, Rule
 from rota.planners.swarm.messages import oldest_steps
 from rota.planners.swarm.metrics import History, Observer
+from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.presence import Presence, holding_from_joining, last_motion
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
@@ -56,7 +57,7 @@ class SwarmRun:
     steps: int
     at_rest: bool
     history: History | None
-    state: SwarmState
+    state: Checkpoint
 
 
 def run_mission(
@@ -67,7 +68,7 @@ def run_mission(
     should_stop: Callable[[], bool] = lambda: False,
     threads: int = 1,
     observed: bool = False,
-    resume: SwarmState | None = None,
+    resume: Checkpoint | None = None,
 ) -> SwarmRun:
     """Let the mission's robots spread until they rest, or for as many steps as it allows; then they hold.
 
@@ -77,10 +78,10 @@ def run_mission(
     ``thinning_m`` at any time, makes none touch: less where robots start closer than that. Without the filter nothing
     is promised. ``observed``: measure every step. ``resume``: go on from there, to the plan that the same run comes to
     without a stop, bit for bit; what is observed is then the rest. Raises MissionError for starts without room and for
-    a time step that jumps through walls, RunError for a run of another mission or seed. Swarms in space are not
+    a time step that jumps through walls, CheckpointError for a run of another mission or seed. Swarms in space are not
     observed, and run on one thread.
     """
-    settings = mission.swarm
+    settings = SwarmSettings.of(mission)
     ground = free_ground(mission)
     state = _beginning(mission, ground, seed) if resume is None else _resumed(resume, mission, seed)
     swarm = _swarm_from(state, mission, ground, threads)
@@ -119,9 +120,9 @@ def run_mission(
     )
 
 
-def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
+def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> Checkpoint:
     """The robots at their starts; raises MissionError where there is no room, or steps are too long."""
-    settings = mission.swarm
+    settings = SwarmSettings.of(mission)
     _require_short_steps(mission, settings)
     wish_m = settings.thinning_m if settings.filter else 0.0
     starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
@@ -131,7 +132,7 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
         heights = np.random.default_rng([seed, HEIGHTS]).uniform(*settings.altitudes_m, len(starts))
         starts = np.column_stack([starts, heights])
     none = np.empty(0, np.int64)
-    return SwarmState(
+    return Checkpoint(
         mission=mission,
         seed=seed,
         steps=0,
@@ -149,17 +150,17 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> SwarmState:
     )
 
 
-def _swarm_from(state: SwarmState, mission: Mission, ground: MultiPolygon, threads: int) -> Swarm | SpaceSwarm:
+def _swarm_from(state: Checkpoint, mission: Mission, ground: MultiPolygon, threads: int) -> Swarm | SpaceSwarm:
     """The swarm that goes on from a state, on the ground or at the mission's altitudes."""
-    reserve_m = state.thinned_m if mission.swarm.filter else 0.0
-    if mission.swarm.altitudes_m is not None:
+    reserve_m = state.thinned_m if SwarmSettings.of(mission).filter else 0.0
+    if SwarmSettings.of(mission).altitudes_m is not None:
         return make_space_swarm(mission, ground, state, reserve_m=reserve_m)
     return make_swarm(
         mission, ground, state.places_m, seed=state.seed, reserve_m=reserve_m, threads=threads, resume=state
     )
 
 
-def _log_from(state: SwarmState) -> TrajectoryLog:
+def _log_from(state: Checkpoint) -> TrajectoryLog:
     """The log that goes on from a state."""
     kept = (Kept(state.kept_steps, state.kept_robots, state.kept_places_m),)
     return TrajectoryLog(state.recent_m, state.thinned_m, begin=state.recent_from, kept=kept)
@@ -168,23 +169,23 @@ def _log_from(state: SwarmState) -> TrajectoryLog:
 def _plan_of(log: TrajectoryLog, mission: Mission, seed: int, end: RunEnd) -> Plan:
     """The plan of the way that was logged, robots holding where they came to."""
     names = [robot.name for robot in mission.fleet.robots or ()]
-    trajectories = holding_from_joining(log.trajectories(names, mission.swarm.time_step_s), mission)
+    trajectories = holding_from_joining(log.trajectories(names, SwarmSettings.of(mission).time_step_s), mission)
     return Plan(mission=mission, trajectories=trajectories, seed=seed, run_end=end)
 
 
-def _resumed(state: SwarmState, mission: Mission, seed: int) -> SwarmState:
-    """The state, once it is clear that it is one of a run of this mission with this seed; RunError otherwise."""
+def _resumed(state: Checkpoint, mission: Mission, seed: int) -> Checkpoint:
+    """The state, once it is clear that it is one of a run of this mission with this seed; CheckpointError otherwise."""
     state.require_same(mission, seed)
-    hearing = hearing_of(state.mission.swarm)
+    hearing = hearing_of(SwarmSettings.of(state.mission))
     needed = 0 if hearing is None else oldest_steps(hearing) + 1
     if len(state.past) not in (needed, 0 if state.steps == 0 else needed):
-        raise RunError(f"past: messages of {len(state.past)} steps; {needed} are needed")
+        raise CheckpointError(f"past: messages of {len(state.past)} steps; {needed} are needed")
     return state
 
 
 def _state_of(
-    before: SwarmState, mission: Mission, swarm: Swarm | SpaceSwarm, log: TrajectoryLog, still: int
-) -> SwarmState:
+    before: Checkpoint, mission: Mission, swarm: Swarm | SpaceSwarm, log: TrajectoryLog, still: int
+) -> Checkpoint:
     names, kept = swarm.robots.name.copy(), log.kept
     return replace(
         before,
@@ -212,14 +213,14 @@ def make_swarm(
     reserve_m: float = 0.0,
     threads: int = 1,
     velocities_m_s: Floats | None = None,
-    resume: SwarmState | None = None,
+    resume: Checkpoint | None = None,
     decide: Callable[..., None] | None = None,
 ) -> Swarm:
     """The mission's robots at their starts (n, 2), at rest without velocities, or as ``resume`` has them.
 
     Their bodies are wider by ``reserve_m``. decide: a kernel in place of the controller's own.
     """
-    settings = mission.swarm
+    settings = SwarmSettings.of(mission)
     robots = mission.fleet.robots or ()
     sensors = sensors_of(mission)
     reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
@@ -249,13 +250,13 @@ def make_swarm(
 
 
 def make_space_swarm(
-    mission: Mission, ground: MultiPolygon, state: SwarmState, *, reserve_m: float = 0.0
+    mission: Mission, ground: MultiPolygon, state: Checkpoint, *, reserve_m: float = 0.0
 ) -> SpaceSwarm:
     """The robots of a mission with altitudes as ``state`` has them; their bodies are wider by ``reserve_m``.
 
     Ranges that are not given follow from the footprints that robots have at the ceiling.
     """
-    settings, band = mission.swarm, mission.swarm.altitudes_m
+    settings, band = SwarmSettings.of(mission), SwarmSettings.of(mission).altitudes_m
     assert band is not None
     robots = mission.fleet.robots or ()
     widest = sensors_of(mission)
@@ -283,7 +284,7 @@ def make_space_swarm(
     )
 
 
-def _begun(state: SwarmState | None) -> dict[str, Any]:
+def _begun(state: Checkpoint | None) -> dict[str, Any]:
     """Where a swarm begins that is not at its starts any more."""
     if state is None:
         return {}
@@ -315,7 +316,7 @@ def hearing_of(settings: SwarmSettings) -> Hearing | None:
 
 def sensors_of(mission: Mission) -> Floats:
     """(n,): radius of each robot's footprint, at the ceiling where it grows with height; a square's half side."""
-    ceiling_m = (mission.swarm.altitudes_m or (0.0, 0.0))[1]
+    ceiling_m = (SwarmSettings.of(mission).altitudes_m or (0.0, 0.0))[1]
     sensors = [robot.sensor for robot in mission.fleet.robots or ()]
     return np.array([s.radius_at_m(ceiling_m) if isinstance(s, DiscSensor) else inner_reach_m(s) for s in sensors])
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rota.mission import Mission
 from rota.plan import Trajectory
+from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.rollout import Swarm
 
 Bools = NDArray[np.bool_]
@@ -20,7 +21,7 @@ class Presence:
     """When the mission's robots join and leave, in steps; ``last_change`` is the step before which all have."""
 
     def __init__(self, mission: Mission) -> None:
-        step_s = mission.swarm.time_step_s
+        step_s = SwarmSettings.of(mission).time_step_s
         robots = mission.fleet.robots or ()
         # a robot moves in whole steps only, none of which begins before it joins or ends after it leaves
         self._joins = np.array([math.ceil(robot.joins_s / step_s - TOLERANCE) for robot in robots])
@@ -55,7 +56,7 @@ class Presence:
 def last_motion(mission: Mission) -> int:
     """The step in which the last moving obstacle comes to a stand; 0 where none moves."""
     ends_s = [obstacle.times_s[-1] for obstacle in mission.moving_obstacles if len(obstacle.times_s) > 1]
-    return math.ceil(max([0.0, *ends_s]) / mission.swarm.time_step_s - TOLERANCE)
+    return math.ceil(max([0.0, *ends_s]) / SwarmSettings.of(mission).time_step_s - TOLERANCE)
 
 
 def holding_from_joining(trajectories: tuple[Trajectory, ...], mission: Mission) -> tuple[Trajectory, ...]:

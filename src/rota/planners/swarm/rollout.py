@@ -10,14 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rota.errors import MissionError, RunError
-from rota.mission import Device, MovingObstacle
+from rota.errors import CheckpointError, MissionError
+from rota.mission import MovingObstacle
 from rota.planners.swarm.cuda_step import CudaStep
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard, load_with_told
 from rota.planners.swarm.kernels import Grid, Hearing, Kinds, Near, Robots, Rule, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
 from rota.planners.swarm.news_kernels import load_with_all, pass_on_news
+from rota.planners.swarm.planner_settings import Device
 from rota.planners.swarm.roads import roads_of
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
@@ -276,7 +277,7 @@ class Swarm:
 
 def _require_places(news_m: Floats, places: int) -> Floats:
     if len(news_m) != places:
-        raise RunError(f"news_m: numbers of {len(news_m)} places; {places} are needed")
+        raise CheckpointError(f"news_m: numbers of {len(news_m)} places; {places} are needed")
     return news_m
 
 

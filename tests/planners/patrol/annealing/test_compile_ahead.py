@@ -9,7 +9,8 @@ import sys
 SEARCH = """
 import numpy as np
 from shapely import MultiPolygon, box
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.mission import (DiscSensor, Fleet, Mission, Obstacle)
 from rota.planners.patrol.annealing import kernels, move_kernels
 from rota.planners.patrol.annealing.compile_ahead import compile_exchanges, compile_moves
 from rota.planners.patrol.annealing.search import Annealing

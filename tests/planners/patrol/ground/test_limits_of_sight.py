@@ -12,7 +12,7 @@ from shapely import MultiPolygon, Point, Polygon, affinity, box
 import rota
 from rota.geometry.free_space import DemandedRegion, standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Robot, Sensor, SquareSensor
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
 from rota.planners.patrol.ground.limits_of_sight import (
     area_in_range,
     drawn_to_border,
@@ -24,6 +24,7 @@ from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.samples import points_of
 from rota.planners.patrol.ground.standing import fine_arc_corners
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import Tour
 
 DISC = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=2))

@@ -7,7 +7,8 @@ import pytest
 from shapely import MultiPolygon, Point, Polygon, box
 
 import rota
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 
 def mission(zone: Polygon, built: Polygon, *, body_radius_m: float = 0.0, blocks: str = "both") -> Mission:

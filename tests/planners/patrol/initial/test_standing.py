@@ -9,11 +9,12 @@ import pytest
 from shapely import MultiPolygon, box
 
 import rota
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.annealing.search import budget_penalties
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.standing import robots_stand, standing_tours
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 SQUARE = Mission(
     name="square", area=MultiPolygon([box(0, 0, 10, 10)]), period_s=0.01,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rota.mission import METHODS as NAMES
 from rota.planners.patrol.methods.registry import METHODS, load_method
+from rota.planners.patrol.planner_settings import METHODS as NAMES
 
 
 def test_the_registry_has_the_methods_that_a_mission_may_name() -> None:

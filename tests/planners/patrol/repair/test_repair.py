@@ -12,10 +12,11 @@ from tests.planners.patrol.searching import search_on
 
 from rota.check import check_plan
 from rota.check.report import Report
-from rota.mission import DiscSensor, Effort, Fleet, Mission, Obstacle, PatrolSettings
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.plan import Plan
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.detours import least_detour
 from rota.planners.patrol.repair.repair import repair_until_feasible, shorter_m, with_tight_margin
 from rota.planners.patrol.tours.tour import Tour, tour_length_m

@@ -11,15 +11,22 @@ from shapely import MultiPolygon
 
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
-from rota.mission import DiscSensor, Effort, Fleet, Mission, Robot, SquareSensor, inner_reach_m
-from rota.planners.patrol.ground.limits_of_sight import limit_points
+from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
+from rota.planners.patrol.ground.limits_of_sight import (
+    limit_points,
+)
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out, region_points
 from rota.planners.patrol.ground.sight import Sight
 from rota.planners.patrol.ground.standing import space_for
 from rota.planners.patrol.ground.unseeable import refuse_unseeable
-from rota.planners.patrol.ground.viewpoints import Viewpoints, places_that_see_all, what_places_see
+from rota.planners.patrol.ground.viewpoints import (
+    Viewpoints,
+    places_that_see_all,
+    what_places_see,
+)
+from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 
 Floats = NDArray[np.float64]
 
@@ -158,7 +165,7 @@ def points_of_regions(
     mission: Mission, regions: tuple[DemandedRegion, ...], space: MultiPolygon, robot: Robot
 ) -> tuple[SamplePoints, float]:
     """The points that stand for all regions, and the spacing of their lattices in metres: finer for more effort."""
-    effort, reach_m = mission.patrol.effort, inner_reach_m(robot.sensor)
+    effort, reach_m = PatrolSettings.of(mission).effort, inner_reach_m(robot.sensor)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
     spacing_m = min(float(np.sqrt(asked_m2 / MOST_SAMPLES)), COARSEST_SAMPLES * reach_m)
     spacing_m = max(reach_m / SAMPLES_PER_REACH[effort], spacing_m)

@@ -10,8 +10,9 @@ import shapely
 from shapely import MultiPolygon, box
 
 from rota.geometry.free_space import demanded_regions
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.methods.large.cells import ELSEWHERE, missions_of, weighed_boxes
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 TOWN = Mission(
     name="town",

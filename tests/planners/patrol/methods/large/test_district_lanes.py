@@ -8,10 +8,11 @@ import pytest
 import shapely
 from shapely import LineString, MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings
+from rota.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.large.lanes import MOST_SHARING, groups_for, in_districts, robots_shared, space_near
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, sweep_grounds
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import tour_length_m
 
 FIELD = Mission(

@@ -11,11 +11,12 @@ from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import search_on
 
 import rota
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.search import asked_m2, by_districts, fewest_on_large, is_large
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.settings import DistrictSettings
 

@@ -15,18 +15,7 @@ from rota.check import check_plan
 from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
-from rota.mission import (
-    DiscSensor,
-    Fleet,
-    Mission,
-    Obstacle,
-    PatrolSettings,
-    Robot,
-    SquareSensor,
-    StartBox,
-    Sun2019,
-    Zone,
-)
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
 from rota.papers.sun2019 import figure_13
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
@@ -36,6 +25,7 @@ from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measured, shared_out
+from rota.planners.patrol.planner_settings import PatrolSettings, Sun2019
 
 QUICK = PatrolSettings(effort="quick", method="sun2019")
 YARD = Mission(
@@ -151,8 +141,11 @@ patrol: {effort: quick, method: sun2019, sun2019: {deployment: exact, routes: re
 """
     (tmp_path / "yard.yaml").write_text(text)
     mission = rota.read_mission(tmp_path / "yard.yaml").mission
-    assert mission.patrol.sun2019 == Sun2019(deployment="exact", routes="repaired")
-    assert (mission.patrol.sun2019.tour, mission.patrol.sun2019.partition) == ("local_search", "exact")
+    assert PatrolSettings.of(mission).sun2019 == Sun2019(deployment="exact", routes="repaired")
+    assert (PatrolSettings.of(mission).sun2019.tour, PatrolSettings.of(mission).sun2019.partition) == (
+        "local_search",
+        "exact",
+    )
     plan = planned(mission)
     rota.write_plan(plan, tmp_path / "yard.rota.json")
     assert rota.read_plan(tmp_path / "yard.rota.json") == plan

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import LineString, MultiPolygon, box
 
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PatrolSettings, SquareSensor, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.methods.sweeping.routes import (
     SweepGround,
@@ -20,6 +20,7 @@ from rota.planners.patrol.methods.sweeping.routes import (
     missed_m2,
     sweep_grounds,
 )
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import tour_length_m
 
 

@@ -11,9 +11,10 @@ from shapely import LineString, MultiPolygon, box
 
 import rota
 from rota.compare import distinct_loops
-from rota.mission import DiscSensor, Fleet, Method, Mission, Obstacle, PatrolSettings, SquareSensor, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sweeping.methods import cut_in_two, divided_area, widest
+from rota.planners.patrol.planner_settings import Method, PatrolSettings
 
 TRADITIONAL: tuple[Method, ...] = ("parallel", "sequential", "decomposition")
 YARD = Mission(
@@ -37,7 +38,7 @@ def planned(mission: Mission, method: Method) -> rota.Plan:
     assert (report.verdict, report.violations) == ("met", ())
     assert plan.lower_bound_robots is not None
     assert plan.lower_bound_robots <= len(plan.trajectories)
-    assert plan.mission.patrol.method == method
+    assert PatrolSettings.of(plan.mission).method == method
     return plan
 
 

@@ -9,8 +9,9 @@ from tests.planners.patrol.traffic.bodies.driving import closest_m
 from rota.check import check_plan
 from rota.errors import NoPlanFound
 from rota.make_plan import make_plan
-from rota.mission import DiscSensor, Fleet, Mission, PatrolSettings, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Zone
 from rota.plan import Plan
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 BODY_M = 0.3
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from rota.mission import Effort
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.extra_points import no_points
@@ -13,6 +12,7 @@ from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings
 from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_size
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack, sure_team_size
+from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 
 
@@ -23,10 +23,10 @@ def fewest_robots(context: Context) -> Repaired:
     """
     asked = context.problem.mission
     names = list(EFFORTS)
-    efforts = names[: names.index(asked.patrol.effort) + 1]
+    efforts = names[: names.index(PatrolSettings.of(asked).effort) + 1]
     best = None
     for turn, effort in enumerate(efforts):
-        own = context if effort == asked.patrol.effort else with_less_effort(context, effort)
+        own = context if effort == PatrolSettings.of(asked).effort else with_less_effort(context, effort)
         best = reduce_team(replace(own, progress=share_of_progress(context.progress, turn, len(efforts))), best)
         if context.should_stop() or (best.met and best.robots <= context.enough_robots):
             break

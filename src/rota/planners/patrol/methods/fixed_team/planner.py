@@ -18,6 +18,7 @@ from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.team_tours import joined_for_team, starts_per_component, with_helpers
 from rota.planners.patrol.methods.fixed_team.whole_team import with_smaller_team, with_whole_team
 from rota.planners.patrol.methods.method import Method
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tours.tour import Tour, driven
 from rota.planners.patrol.verdict import counted, touching, worst_reached
@@ -40,7 +41,7 @@ def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     # who starts in a component stays in it: only helping others there is left to choose
     if len(components) > team.robots or len(team.starting) > 1:
         return plan_from_fewest(context, method(anyone), team)
-    reserve = asked.patrol.period_margin > 0 or asked.patrol.range_margin_m > 0
+    reserve = PatrolSettings.of(asked).period_margin > 0 or PatrolSettings.of(asked).range_margin_m > 0
     bound = 1.0 if context.bound.robots > team.robots else 0.0
     proved = 0.0 if reserve else max(proved_ratio(problem, team.robots), bound)
     best = least_ratio(anyone, team, proved)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import get_args
 
 from rota.errors import MissionError
-from rota.mission import SegmentRoutes
+from rota.planners.patrol.planner_settings import SegmentRoutes
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,7 @@ from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import Framed, Stages, cut_in_segments, framed_sensors, measured
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -38,7 +39,7 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
             f"fleet.sensor: a square of side {sensor.side_m:.6g} m cannot be used with patrol.method sun2019, which is"
             " made for discs; give shape: disc and a radius_m, or another method"
         )
-    settings = settings or settings_for(context.problem.mission.patrol)
+    settings = settings or settings_for(PatrolSettings.of(context.problem.mission))
     problem = context.problem
     best: Repaired | None = None
     first: Framed | None = None

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from rota.errors import MissionError
-from rota.mission import DeploymentMethod, Effort, PatrolSettings
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, TABLE_7, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
+from rota.planners.patrol.planner_settings import DeploymentMethod, Effort, PatrolSettings
 
 EVEN = PartitionSettings(too_few="even")
 """Our partition: exact; where robots are too few by Eq. 26, all routes are too long alike, for repair to shorten."""

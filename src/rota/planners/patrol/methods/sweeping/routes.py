@@ -18,6 +18,7 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import distances
 from rota.planners.patrol.initial.visiting_order import short_order
 from rota.planners.patrol.methods.sweeping.lanes import GRID_M, Swath, cells, ground_turned, lanes_in, polygons, turned
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
@@ -123,7 +124,7 @@ def promising_angles(problem: Problem, shape: MultiPolygon) -> list[float]:
     if shape.is_empty:
         return []
     tried = sorted(angles(problem, shape), key=lambda angle: guess_m(shape, sensing(problem, angle)))
-    return tried[: EFFORTS[problem.mission.patrol.effort].sweeping.angles]
+    return tried[: EFFORTS[PatrolSettings.of(problem.mission).effort].sweeping.angles]
 
 
 def lane_cost_m(lanes: list[Floats], swath: Swath) -> float:

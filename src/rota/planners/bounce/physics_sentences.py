@@ -6,14 +6,17 @@ import math
 from typing import TYPE_CHECKING
 
 from rota.plan import Plan
+from rota.planners.bounce.free_monitoring import FreeTeam
+from rota.planners.bounce.inexact_plan import RUNS, kept_with_errors
+from rota.planners.bounce.planner_settings import BounceSettings
 
 if TYPE_CHECKING:
-    from rota.check import Report
+    from rota.planner import Report
 
 
 def clocks_sentence(plan: Plan, report: Report) -> str | None:
     """How far the clocks of robots that bounce may differ, and how long drifting ones take to; None for one robot."""
-    margin_s, settings = report.clock_margin_s, plan.mission.bounce
+    margin_s, settings = report.clock_margin_s, BounceSettings.of(plan.mission)
     if margin_s is None:
         return None
     if math.isinf(margin_s):
@@ -31,19 +34,17 @@ def clocks_sentence(plan: Plan, report: Report) -> str | None:
 
 def errors_sentence(plan: Plan) -> str | None:
     """What simulation leaves of the plan when turns are off; None where the mission names no turning error."""
-    if plan.mission.bounce.turning_error_deg == 0 or not plan.trajectories:
+    if BounceSettings.of(plan.mission).turning_error_deg == 0 or not plan.trajectories:
         return None
-    from rota.planners.bounce.inexact_plan import RUNS, kept_with_errors
-
     parts = []
-    for one in kept_with_errors(plan):
-        share = f"{_percent(one.inexact.value)} \u00b1 {_percent(one.inexact.error)} %"
-        exact = f"with exact turns {_percent(one.exact.value)} %"
-        if one.name is None:
+    for kept in kept_with_errors(plan):
+        share = f"{_percent(kept.inexact.value)} \u00b1 {_percent(kept.inexact.error)} %"
+        exact = f"with exact turns {_percent(kept.exact.value)} %"
+        if kept.name is None:
             parts.append(f"enter {share} of the cells in the plan's time ({exact})")
         else:
-            parts.append(f"have visited {one.name} within its period {share} of the time ({exact})")
-    error = f"{plan.mission.bounce.turning_error_deg:g} degrees"
+            parts.append(f"have visited {kept.name} within its period {share} of the time ({exact})")
+    error = f"{BounceSettings.of(plan.mission).turning_error_deg:g} degrees"
     return (
         f"With turns off by up to {error}, robots that turn at every contact and by no clock "
         + ", ".join(parts)
@@ -55,16 +56,8 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f}"
 
 
-def cycles_sentence(plan: Plan) -> str | None:
-    """What limit cycles robots without a grid follow, and how these hold them; None for robots on a grid."""
-    if plan.mission.bounce.cells == "grid":
-        return None
-    from rota.planners.bounce.free_monitoring import free_team
-
-    count = None if plan.mission.fleet.robots is not None else len(plan.trajectories)
-    team = free_team(plan.mission, seed=plan.seed, count=count)
-    if team is None:
-        return None
+def cycles_sentence(team: FreeTeam) -> str:
+    """What limit cycles robots without a grid follow, and how these hold them."""
     parts = []
     for t in dict.fromkeys(team.on):
         track, robots = team.tracks[t], team.on.count(t)

@@ -12,21 +12,22 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
-from rota.checkpoint import SwarmState
-from rota.errors import RunError
-from rota.files.run_file import read_run, write_run
-from rota.mission import DiscSensor, Fleet, Mission, SwarmSettings
+from rota.checkpoint import Checkpoint
+from rota.errors import CheckpointError
+from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
+from rota.mission import DiscSensor, Fleet, Mission
+from rota.planners.swarm.planner_settings import SwarmSettings
 
 SEED = 2**70
 
 
 @pytest.fixture
-def run() -> SwarmState:
+def run() -> Checkpoint:
     fleet = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=25))
     fleet = dataclasses.replace(fleet, robots=tuple(fleet.equal_robot(name) for name in "abc"))
     area = MultiPolygon([box(0, 0, 100, 100)])
     rng = np.random.default_rng(0)
-    return SwarmState(
+    return Checkpoint(
         mission=Mission(name="three", area=area, fleet=fleet, planning=SwarmSettings()),
         seed=SEED,
         steps=9,
@@ -44,35 +45,35 @@ def run() -> SwarmState:
     )
 
 
-def test_a_run_comes_back_bit_for_bit(run: SwarmState, tmp_path: Path) -> None:
+def test_a_run_comes_back_bit_for_bit(run: Checkpoint, tmp_path: Path) -> None:
     path = tmp_path / "a.rota-run"
-    write_run(run, path)
+    write_checkpoint(run, path)
     assert [file.name for file in tmp_path.iterdir()] == ["a.rota-run"]
-    back = read_run(path)
+    back = read_checkpoint(path)
     for field in dataclasses.fields(run):
         mine, theirs = getattr(run, field.name), getattr(back, field.name)
         assert np.array_equal(mine, theirs) if isinstance(mine, np.ndarray) else mine == theirs, field.name
-    write_run(back, tmp_path / "b.rota-run")
+    write_checkpoint(back, tmp_path / "b.rota-run")
     assert (tmp_path / "b.rota-run").read_bytes() == path.read_bytes()
 
 
-def test_what_is_cut_off_or_flipped_is_refused_at_every_place(run: SwarmState, tmp_path: Path) -> None:
+def test_what_is_cut_off_or_flipped_is_refused_at_every_place(run: Checkpoint, tmp_path: Path) -> None:
     path, data = tmp_path / "a.rota-run", b""
-    write_run(run, path)
+    write_checkpoint(run, path)
     data = path.read_bytes()
     for length in range(0, len(data) - 1, 97):
         path.write_bytes(data[:length])
-        with pytest.raises(RunError, match="not a whole one"):
-            read_run(path)
+        with pytest.raises(CheckpointError, match="not a whole one"):
+            read_checkpoint(path)
     middle = data.index(run.places_m.tobytes())
     path.write_bytes(data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :])
-    with pytest.raises(RunError, match="not a whole one"):
-        read_run(path)
+    with pytest.raises(CheckpointError, match="not a whole one"):
+        read_checkpoint(path)
 
 
-def test_bytes_that_are_changed_anywhere_are_refused_or_do_no_harm(run: SwarmState, tmp_path: Path) -> None:
+def test_bytes_that_are_changed_anywhere_are_refused_or_do_no_harm(run: Checkpoint, tmp_path: Path) -> None:
     path = tmp_path / "a.rota-run"
-    write_run(run, path)
+    write_checkpoint(run, path)
     data, rng = path.read_bytes(), np.random.default_rng(1)
     # methods of compression, the flag of an encrypted entry, and unclosed brackets in numpy's headers among them
     places = [*range(60), *range(len(data) - 100, len(data)), *rng.integers(0, len(data), 60)]
@@ -80,8 +81,8 @@ def test_bytes_that_are_changed_anywhere_are_refused_or_do_no_harm(run: SwarmSta
     for place, value in itertools.product(places, (1, 14, ord("("))):
         path.write_bytes(data[:place] + bytes([value]) + data[place + 1 :])
         try:
-            read_run(path)
-        except RunError as error:
+            read_checkpoint(path)
+        except CheckpointError as error:
             refused.append(str(error))
     assert len(refused) > 100
     assert all(reason.startswith(str(path)) for reason in refused)
@@ -92,10 +93,10 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "other.npz", values=np.zeros(3))
     np.savez(tmp_path / "objects.npz", head=np.array([{}], object))
     (tmp_path / "plan.json").write_text('{"rota_plan": 1}')
+    needed = r"a run file \('rota plan' writes one when a swarm is stopped\) is needed|a run file is needed"
     for name in ("array.npy", "other.npz", "objects.npz", "plan.json", "nothing", "."):
-        with pytest.raises(RunError, match=r"a run file \('rota plan' writes one when a swarm is stopped\) is needed|"
-                                           r"a run file is needed"):  # fmt: skip
-            read_run(tmp_path / name)
+        with pytest.raises(CheckpointError, match=needed):
+            read_checkpoint(tmp_path / name)
 
 
 @pytest.mark.parametrize(
@@ -115,9 +116,9 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
         ("plan", {}, "not a plan file"),
     ],
 )
-def test_values_that_cannot_be_are_refused(run: SwarmState, tmp_path: Path, name: str, value: Any, words: str) -> None:
+def test_values_that_cannot_be_are_refused(run: Checkpoint, tmp_path: Path, name: str, value: Any, words: str) -> None:
     path = tmp_path / "a.rota-run"
-    write_run(run, path)
+    write_checkpoint(run, path)
     with np.load(path) as file:
         parts = dict(file)
     if name in parts:
@@ -128,6 +129,6 @@ def test_values_that_cannot_be_are_refused(run: SwarmState, tmp_path: Path, name
         parts["head"] = np.frombuffer(json.dumps(head | {name: value}).encode(), np.uint8)
     with path.open("wb") as out:
         np.savez(out, **{key: part for key, part in parts.items() if part is not None})
-    with pytest.raises(RunError, match=words) as refused:
-        read_run(path)
+    with pytest.raises(CheckpointError, match=words) as refused:
+        read_checkpoint(path)
     assert str(refused.value).startswith(str(path))

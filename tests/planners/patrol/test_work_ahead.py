@@ -10,9 +10,11 @@ import pytest
 from benchmarks.missions import EXAMPLES
 from shapely import MultiPolygon, Polygon, box
 
-from rota.command.work_ahead import planning_ahead, reading_ahead
+from rota.command.terminal import reading_ahead
 from rota.files.mission_file import read_mission
 from rota.mission import DiscSensor, Fleet, Mission
+from rota.planner import planner_of
+from rota.planners.patrol.work_ahead import planning_ahead
 
 
 def field(area: Polygon, *, period_s: float = 600, radius_m: float = 10, turn_rate: float | None = None) -> Mission:
@@ -23,7 +25,8 @@ def field(area: Polygon, *, period_s: float = 600, radius_m: float = 10, turn_ra
 def test_nothing_is_told_of_the_examples() -> None:
     for path in EXAMPLES.glob("*.yaml"):
         if not path.name.endswith("_map.yaml"):
-            assert list(planning_ahead(read_mission(path).mission)) == []
+            mission = read_mission(path).mission
+            assert list(planner_of(mission).long_work(mission)) == []
             assert reading_ahead(path) is None
 
 

@@ -16,18 +16,18 @@ from typing import Any
 
 import numpy as np
 
-from rota.checkpoint import SwarmState
-from rota.errors import MissionError, RotaError, RunError
+from rota.checkpoint import Checkpoint
+from rota.errors import CheckpointError, MissionError, RotaError
 from rota.files.atomic_write import replaced_file
 from rota.files.local_file import read_bytes
 from rota.files.plan_file import plan_from_json, plan_to_json
 from rota.plan import Plan
 
-RUN_VERSION = 1
+CHECKPOINT_VERSION = 1
 MADE_BY = "'rota plan' writes one when a swarm is stopped"
 NUMBERS = ("steps", "steps_at_rest", "thinned_m")
 WHOLE = ("names", "kept_steps", "kept_robots")
-ARRAYS = tuple(field.name for field in fields(SwarmState) if field.name not in ("mission", "seed", *NUMBERS))
+ARRAYS = tuple(field.name for field in fields(Checkpoint) if field.name not in ("mission", "seed", *NUMBERS))
 # what zipfile, its decompressors and numpy's reader of headers raise at damaged bytes
 UNREADABLE = (
     ValueError, EOFError, KeyError, MemoryError, OverflowError, OSError, RuntimeError, SyntaxError, TypeError,
@@ -35,9 +35,9 @@ UNREADABLE = (
 )  # fmt: skip
 
 
-def write_run(run: SwarmState, path: str | os.PathLike[str]) -> None:
+def write_checkpoint(run: Checkpoint, path: str | os.PathLike[str]) -> None:
     """Write a stopped run to ``path``: whole or not at all. Raises RotaError when it cannot be written."""
-    head = {"rota_run": RUN_VERSION, **{name: getattr(run, name) for name in NUMBERS}}
+    head = {"rota_run": CHECKPOINT_VERSION, **{name: getattr(run, name) for name in NUMBERS}}
     head["plan"] = plan_to_json(Plan(mission=run.mission, trajectories=(), seed=run.seed))  # as yet without routes
     text = np.frombuffer(json.dumps(head, allow_nan=False).encode(), np.uint8)
     arrays = {name: getattr(run, name) for name in ARRAYS}
@@ -45,43 +45,44 @@ def write_run(run: SwarmState, path: str | os.PathLike[str]) -> None:
         np.savez(file, head=text, **arrays)
 
 
-def read_run(path: str | os.PathLike[str]) -> SwarmState:
-    """Read a run file. Raises RunError naming the file and what is wrong with it."""
+def read_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
+    """Read a run file. Raises CheckpointError naming the file and what is wrong with it."""
     try:
         data = io.BytesIO(read_bytes(Path(path), f"a run file ({MADE_BY})"))
     except MissionError as error:
-        raise RunError(str(error)) from None
+        raise CheckpointError(str(error)) from None
     try:
         with zipfile.ZipFile(data):  # numpy would take other kinds of files, too
             pass
         with np.load(data, allow_pickle=False) as file:
             return _run(file)
     except RotaError as error:
-        raise RunError("\n".join(f"{path}: {line}" for line in str(error).splitlines())) from None
+        raise CheckpointError("\n".join(f"{path}: {line}" for line in str(error).splitlines())) from None
     except UNREADABLE as error:
-        raise RunError(f"{path}: no run file, or not a whole one; a run file is needed ({MADE_BY})") from error
+        raise CheckpointError(f"{path}: no run file, or not a whole one; a run file is needed ({MADE_BY})") from error
 
 
-def _run(file: Any) -> SwarmState:
+def _run(file: Any) -> Checkpoint:
     if "head" not in file.files:
-        raise RunError(f"no run file; a run file is needed ({MADE_BY})")
+        raise CheckpointError(f"no run file; a run file is needed ({MADE_BY})")
     head = json.loads(file["head"].tobytes().decode())
     version = head.get("rota_run") if isinstance(head, dict) else None
-    if version != RUN_VERSION or isinstance(version, bool):
-        raise RunError(f"rota_run: version {version!r} is not known; this Rota reads version {RUN_VERSION}")
+    if version != CHECKPOINT_VERSION or isinstance(version, bool):
+        known = f"this Rota reads version {CHECKPOINT_VERSION}"
+        raise CheckpointError(f"rota_run: version {version!r} is not known; {known}")
     for name in NUMBERS:
         number = head.get(name)
         if isinstance(number, bool) or not isinstance(number, float if name == "thinned_m" else int):
-            raise RunError(f"{name}: {number!r} is not allowed; a number is needed")
+            raise CheckpointError(f"{name}: {number!r} is not allowed; a number is needed")
     arrays = {}
     for name in ARRAYS:
         if name not in file.files:
-            raise RunError(f"{name}: is missing")
+            raise CheckpointError(f"{name}: is missing")
         kind = np.dtype(np.int64 if name in WHOLE else np.float64)
         if file[name].dtype != kind:
-            raise RunError(f"{name}: holds {file[name].dtype}; {kind} is needed")
+            raise CheckpointError(f"{name}: holds {file[name].dtype}; {kind} is needed")
         arrays[name] = file[name]
     plan = plan_from_json(head.get("plan"))
-    if plan.mission.planning.planner != "swarm":
-        raise RunError(f"plan.mission.planner: {plan.mission.planning.planner} makes no runs; swarm is needed")
-    return SwarmState(mission=plan.mission, seed=plan.seed, **{name: head[name] for name in NUMBERS}, **arrays)
+    if not plan.mission.planning.makes_runs:
+        raise CheckpointError(f"plan.mission.planner: {plan.mission.planning.planner} makes no runs; swarm is needed")
+    return Checkpoint(mission=plan.mission, seed=plan.seed, **{name: head[name] for name in NUMBERS}, **arrays)

@@ -1,0 +1,104 @@
+"""Settings of the planner patrol, and what it refuses of a mission."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, get_args
+
+from rota.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
+from rota.refusals import Where, every_change_of_presence, fleet_blocks, inner, robot_count, shown
+
+Effort = Literal["quick", "normal", "high"]
+Method = Literal["tours", "parallel", "sequential", "decomposition", "sun2019"]
+METHODS: tuple[Method, ...] = get_args(Method)
+DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
+FrameTour = Literal["local_search", "genetic"]
+FramePartition = Literal["exact", "pso"]
+SegmentRoutes = Literal["shortened", "repaired", "printed"]
+
+# a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
+MOST_PATROLLING = 10_000
+LEAST_REACH_M = 1e-3  # that a reserve must leave of a sensor's reach
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sun2019(Settings):
+    """How the stages of the method ``sun2019`` are done: by ours, which take fewest robots, unless others are named.
+
+    ``deployment`` of virtual sensors: "best" of set covers and swarms, as many as the effort allows; "greedy" or
+    "exact" set cover; "ccpso2", the paper's swarms. ``tour``, the frame past them: "local_search" or the paper's
+    "genetic" algorithm. ``partition`` of the frame: "exact", or the paper's particle swarms, "pso". ``routes`` round
+    the segments: "repaired" until all is seen, by robots as many as that takes; "shortened" besides where they are too
+    long; "printed": cut to the free space and no more, which mostly leaves ground unseen.
+    """
+
+    place: ClassVar[str] = "patrol.sun2019"
+    deployment: DeploymentMethod = setting("best", "of virtual sensors; ccpso2 is the paper's", newer=True)
+    tour: FrameTour = setting("local_search", "past all sensors; genetic is the paper's", newer=True)
+    partition: FramePartition = setting("exact", "of the tour among the robots; pso is the paper's", newer=True)
+    routes: SegmentRoutes = setting("shortened", "printed, or repaired until all is seen, or shortened too", newer=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PatrolSettings(PlannerSettings):
+    """Settings of the ``patrol`` planner; ``effort`` bounds the work by iterations, never by the clock.
+
+    ``method``: "tours", or one of the traditional methods of Sun et al. 2019, Figure 3, to compare with: "parallel" and
+    "sequential" scanning, area "decomposition"; or "sun2019", the paper's stages, by default each done by an algorithm
+    of ours; ``sun2019`` chooses the paper's. A reserve against wind and poor localisation: the plan keeps periods
+    shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
+    ``range_margin_m``.
+    """
+
+    planner: ClassVar[str] = "patrol"
+    effort: Effort = setting("normal")
+    method: Method = setting("tours", "tours, or to compare with: a traditional method or Sun 2019's stages")
+    period_margin: float = setting(
+        0.0, "reserve: plan with periods shorter by this share", least=0, below=1, newer=True
+    )
+    range_margin_m: float = setting(
+        0.0, "reserve: plan with sensors that reach so much less far", least=0, written=LENGTH_OR_ZERO, newer=True
+    )
+    sun2019: Sun2019 = setting(Sun2019, newer=True)
+
+    @classmethod
+    def unused(cls, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Settings of another method."""
+        method = values.get("method", "tours")
+        if values.get("sun2019") is not None and method != "sun2019":
+            yield ("sun2019",), f"settings of another method; method is {method}: remove this block"
+
+    @classmethod
+    def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Moving obstacles, robots that join or leave or are too many, and what sensors must have."""
+        if data.get("moving_obstacles"):
+            yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
+        yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
+        count = robot_count(data)
+        if count is not None and count > MOST_PATROLLING:
+            message = f"{count} is not allowed; the patrol planner plans for at most {MOST_PATROLLING}"
+            yield ("fleet", "robots"), message
+        if inner(data, "patrol", "method") == "sun2019" and inner(data, "fleet", "sensor", "shape") == "square":
+            message = "square is not allowed: patrol.method sun2019 is made for discs; give disc"
+            yield ("fleet", "sensor", "shape"), message
+        yield from _too_much_reserve(data)
+
+
+def _too_much_reserve(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """A reserve of range that leaves a sensor nothing to see with."""
+    margin_m = inner(data, "patrol", "range_margin_m")
+    reaches_m = [reach for _, block in fleet_blocks(data) if (reach := _reach_m(inner(block, "sensor"))) is not None]
+    if not isinstance(margin_m, int | float) or not margin_m > 0 or not reaches_m:
+        return
+    if margin_m > min(reaches_m) - LEAST_REACH_M:
+        message = f"{shown(margin_m)} is not allowed; it must be less than the sensor's reach, {min(reaches_m):.6g} m"
+        yield ("patrol", "range_margin_m"), message
+
+
+def _reach_m(sensor: Any) -> float | None:
+    """How far a sensor as written sees in every direction; None where it is none."""
+    size = inner(sensor, "radius_m") if inner(sensor, "shape") == "disc" else inner(sensor, "side_m")
+    if not isinstance(size, int | float):
+        return None
+    return size if inner(sensor, "shape") == "disc" else size / 2

@@ -1,0 +1,152 @@
+"""One wording for all that is refused: the place, the value and what is allowed there."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rota.errors import MissionError
+
+Where = tuple[str | int, ...]
+
+_NEEDED = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "string_type": "text",
+    "tuple_type": "a list of numbers",
+    "list_type": "a list",
+    "model_type": "a mapping of keys to values",
+    "model_attributes_type": "a mapping of keys to values",
+}
+_COMPARED = {
+    "greater_than": ("gt", "must be greater than {}"),
+    "greater_than_equal": ("ge", "must be at least {}"),
+    "less_than": ("lt", "must be less than {}"),
+    "less_than_equal": ("le", "must be at most {}"),
+}
+
+
+def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = "") -> str:
+    """What is said of a value. kind, given: the kind of fault and its numbers, by the names that pydantic has for them.
+
+    ``otherwise`` is said of kinds that have no words here.
+    """
+    if kind == "missing":
+        return "is missing; it is required"
+    if kind in _NEEDED:
+        needed = _NEEDED[kind]
+        quoted = isinstance(value, str) and needed.endswith("number") and _reads_as_number(value)
+        unquoted = needed == "text" and isinstance(value, int | float | None)
+        hint = "; remove the quotes" if quoted else "; put it in quotes" if unquoted else ""
+        return f"{shown(value)} is not allowed; {needed} is needed{hint}"
+    if kind in _COMPARED:
+        key, allowed = _COMPARED[kind]
+        return f"{shown(value)} is not allowed; it {allowed.format(f'{given[key]:.9g}')}"
+    if kind == "literal_error":
+        return f"{shown(value)} is not allowed; {str(given['expected']).replace(chr(39), '')} is needed"
+    if kind == "too_long" and given.get("field_type") == "Tuple":
+        return f"{shown(value)} is too long; {given['max_length']} numbers are needed"
+    if kind in ("too_short", "string_too_short"):
+        return f"{shown(value)} is not allowed; it must not be empty"
+    if kind == "too_long":
+        return f"has {given['actual_length']} entries; at most {given['max_length']} are allowed"
+    if kind == "bool_type":
+        return f"{shown(value)} is not allowed; true or false is needed"
+    if kind == "wrong_kind":
+        return f"{shown(value)} is not allowed; {otherwise}"
+    return otherwise
+
+
+def _reads_as_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def shown(value: Any) -> str:
+    """A value as a mission file writes it, shortened."""
+    if isinstance(value, float):
+        return f"{value:.12g}" if math.isfinite(value) else f"{value:.1f}".replace("inf", ".inf").replace("nan", ".nan")
+    text = json.dumps(value, ensure_ascii=False, default=str)
+    return shortened(text if text.isprintable() else json.dumps(value, default=str))
+
+
+def shortened(text: str) -> str:
+    """The text, or its beginning where it is long."""
+    return text if len(text) <= 60 else text[:56] + " ..."
+
+
+def path_of(place: Where) -> str:
+    """A place as people write it, as in ``zones[2].shape``."""
+    return "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in place).lstrip(".")
+
+
+def require(ok: bool, where: str, value: object, allowed: str) -> None:
+    """Raise MissionError that names the place, the value and what is allowed, unless all is well."""
+    if not ok:
+        raise MissionError(f"{where}: {value!r} is not allowed; {allowed}")
+
+
+def require_positive(where: str, value: float, most: float = sys.float_info.max) -> None:
+    """Raise MissionError for what is not a finite number greater than 0, and at most ``most``."""
+    allowed = f" and at most {most:g}" if most < sys.float_info.max else ""
+    require(0 < value <= most, where, value, "must be a finite number greater than 0" + allowed)
+
+
+def require_text(where: str, name: str) -> None:
+    """Raise MissionError for a name that is empty, or that no file can hold since half a character is in it."""
+    require(bool(name), where, name, "must not be empty")
+    halves = [letter for letter in name if 0xD800 <= ord(letter) <= 0xDFFF]
+    require(not halves, where, name, "must be text; lone surrogates are half a character each")
+
+
+# ---------------------------------------------------------------- what planners cannot use of a mission
+
+
+def inner(data: Any, *keys: str) -> Any:
+    """The value under keys inside each other; None where there is none."""
+    for key in keys:
+        data = data.get(key) if isinstance(data, dict) else None
+    return data
+
+
+def listed_robots(data: Mapping[str, Any]) -> list[Any]:
+    """The robots of a mission as written that are listed by name; none where a number of them is asked for."""
+    robots = inner(data, "fleet", "robots")
+    return robots if isinstance(robots, list) else []
+
+
+def robot_count(data: Mapping[str, Any]) -> int | None:
+    """How many robots a mission as written has; None: as few as possible."""
+    robots = inner(data, "fleet", "robots")
+    return len(robots) if isinstance(robots, list) else robots if isinstance(robots, int) else None
+
+
+def fleet_blocks(data: Mapping[str, Any]) -> list[tuple[Where, Any]]:
+    """The fleet's block and each listed robot's, with their places."""
+    robots: list[tuple[Where, Any]] = [(("fleet", "robots", k), robot) for k, robot in enumerate(listed_robots(data))]
+    return [(("fleet",), inner(data, "fleet")), *robots]
+
+
+def every_period(data: Mapping[str, Any], message: str) -> Iterator[tuple[Where, str]]:
+    """The message for each period that a mission as written asks for."""
+    if data.get("period_s") is not None:
+        yield ("period_s",), message
+    zones = data.get("zones")
+    for k, zone in enumerate(zones if isinstance(zones, list) else []):
+        if inner(zone, "period_s") is not None:
+            yield ("zones", k, "period_s"), message
+
+
+def every_change_of_presence(data: Mapping[str, Any], message: str) -> Iterator[tuple[Where, str]]:
+    """The message for each robot that joins or leaves."""
+    for k, robot in enumerate(listed_robots(data)):
+        for name in ("joins_s", "leaves_s"):
+            if inner(robot, name):
+                yield ("fleet", "robots", k, name), message

@@ -1,0 +1,83 @@
+"""Settings of planners in mission and plan files: their JSON Schemas say what they said before, and what is read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rota.errors import MissionError
+from rota.files.mission_file import mission_schema, read_mission
+from rota.files.plan_schema import plan_schema
+from rota.planner import planner_named
+from rota.planner_registry import PLANNERS
+from rota.planner_settings import settings_of
+
+# the blocks as they were written out by hand, with references resolved
+BEFORE = json.loads(Path(__file__).with_name("settings_of_version_1.json").read_text())
+# what used to be refused by the reader only
+ADDED = {"clock_drift": {"minimum", "maximum"}, "clock_signal_s": {"exclusiveMinimum"}, "most_steps": {"maximum"}}
+ADDED |= {"turning_error_deg": {"minimum", "maximum"}, "altitudes_m": {"exclusiveMinimum"}}
+
+
+def block_of(file: str, planner: str) -> dict[str, Any]:
+    properties = mission_schema()["properties"] if file == "mission" else plan_fields()["properties"]
+    return next(part for part in properties[planner]["anyOf"] if part["type"] == "object")
+
+
+def plan_fields() -> dict[str, Any]:
+    schema = plan_schema()
+    return schema["$defs"][schema["properties"]["mission"]["$ref"].rpartition("/")[2]]
+
+
+def require_same(now: Any, before: Any, added: set[str]) -> None:
+    """Every key of a schema has the value that it had, in whatever order; some may be new."""
+    if isinstance(before, dict):
+        keys = {key for key in now if key not in ("description", "title")}
+        assert keys - set(before) <= added
+        assert set(before) <= keys
+        for key, value in before.items():
+            require_same(now[key], value, ADDED.get(key, added))
+    elif isinstance(before, list) and all(isinstance(value, str) for value in before):
+        assert sorted(now) == sorted(before)
+    elif isinstance(before, list):
+        assert len(now) == len(before)
+        for mine, other in zip(now, before, strict=True):
+            require_same(mine, other, added)
+    else:
+        assert now == before
+
+
+@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize("file", ["mission", "plan"])
+def test_the_schema_of_settings_is_what_it_was(file: str, planner: str) -> None:
+    require_same(block_of(file, planner), BEFORE[file][planner], set())
+
+
+@pytest.mark.parametrize("planner", PLANNERS)
+def test_a_fault_has_one_wording_in_files_and_in_python(planner: str, tmp_path: Path) -> None:
+    block = planner_named(planner).settings
+    path = tmp_path / "mission.json"
+    wrong = {"number": -1e300, "whole": -5, "truth": "maybe", "option": "crawl", "pair": [1], "list": []}
+    tried = 0
+    for item in settings_of(block):
+        if item.kind == "block" or (item.kind in ("number", "whole") and not item.bounds(in_mission_file=False)):
+            continue
+        value = wrong[item.kind]
+        document = {
+            "rota": 1, "name": "m", "area": [[0, 0], [9, 0], [9, 9]], "planner": planner, planner: {item.name: value},
+            "fleet": {"speed_m_s": 1, "sensor": {"shape": "disc", "radius_m": 3}},
+        }  # fmt: skip
+        path.write_text(json.dumps(document))
+        with pytest.raises(MissionError) as read:
+            read_mission(path)
+        with pytest.raises(MissionError) as made:
+            block(**{item.name: value})
+        told = [fault.split(": ", 1)[1] for fault in read.value.faults if f"{planner}.{item.name}" in fault]
+        if item.written is None:
+            assert told[0] == str(made.value)
+        assert told[0].split(";")[0] == str(made.value).split(";")[0]
+        tried += 1
+    assert tried >= 4
