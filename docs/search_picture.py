@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from rota.check import check_plan
@@ -20,15 +19,17 @@ from rota.draw.mission_picture import draw_mission
 from rota.draw.palette import OVER_PERIOD, route_style
 from rota.files.mission_file import read_mission
 from rota.mission import Mission
-from rota.planners.patrol.annealing.schedule import annealed_all
+from rota.planners.patrol.annealing.schedule import anneal_all
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.initial.allocation import splits, starts
-from rota.planners.patrol.methods.anneal_and_repair import cool_and_settle
-from rota.planners.patrol.methods.fewest import in_full, promising, worth_of_seeing
-from rota.planners.patrol.repair.repair import Settled
+from rota.planners.patrol.initial.allocation import allocations, period_groupings
+from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair
+from rota.planners.patrol.methods.fewest.multistart import annealed_in_full
+from rota.planners.patrol.methods.fewest.screening import screened
+from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
+from rota.planners.patrol.repair.repair import Repaired, annealing_of
 from rota.planners.patrol.tours.tour import Tour, nests, over_budget_share
 
 MISSION = Path(__file__).parents[1] / "examples" / "harbour.yaml"
@@ -50,31 +51,33 @@ def stages(mission: Mission, robots: int) -> list[Stage]:
         set_up_problem(mission), asked=mission, seed=0, judge=check_plan, progress=lambda share, doing: None,
         should_stop=lambda: False,
     )  # fmt: skip
-    ways = starts(context.problem, context.work.groupings)
-    context = replace(context, dear=worth_of_seeing(ways))
+    settings = context.settings
+    groupings = period_groupings(context.problem, settings.allocation.groupings)
+    context = replace(context, coverage_weight=coverage_weight_for(groupings, settings.team_size))
     seed = context.seed + 1000 * robots
-    tried = splits(context.problem, ways, robots, 1.0, handings=context.work.handings)
-    searches = in_full(context, promising(context, tried, seed=seed), seed=seed)
-    k, found = next(
-        (k, found)
+    candidates = allocations(context.problem, groupings, robots, settings.allocation, least_slack=1.0)
+    searches = annealed_in_full(context, screened(context, candidates, seed=seed), seed=seed)
+    k, plan = next(
+        (k, plan)
         for k, search in enumerate(searches)
-        for found in [repaired(context, search, seed + 100 * k)]
-        if found
+        for plan in [repaired(context, search, seed + 100 * k)]
+        if plan is not None
     )
-    tours = next(split.tours for split in tried if shape_of(split.tours) == shape_of(searches[k].tours))
-    moves = context.work.screening_moves
-    (screened,) = annealed_all(context, [tours], moves=moves, seed=seed, coarse=False)
+    shape = shape_of(searches[k].tours)
+    tours = next(allocation.tours for allocation in candidates if shape_of(allocation.tours) == shape)
+    moves = settings.screening.moves
+    (little,) = anneal_all(context, [tours], moves=moves, seed=seed, coarse=False)
     return [
-        seen_by(context, f"1. First tours, one allocation of {len(tried)}", tours),
-        seen_by(context, f"2. After the {screened.moves_made:,} moves of the screening", screened.tours),
+        seen_by(context, f"1. First tours, one allocation of {len(candidates)}", tours),
+        seen_by(context, f"2. After the {little.moves_made:,} moves of the screening", little.tours),
         seen_by(context, f"3. After {searches[k].moves_made:,} moves more", searches[k].tours),
-        Stage(f"4. Bent and repaired: the check says {found.verdict.verdict}", found.tours, []),
+        Stage(f"4. Bent and repaired: the check says {plan.verdict.verdict}", plan.tours, []),
     ]
 
 
-def repaired(context: Context, search: Annealing, seed: int) -> Settled | None:
+def repaired(context: Context, search: Annealing, seed: int) -> Repaired | None:
     """What comes of a search after cooler annealing and repair; None when the check does not pass it."""
-    *_, last = [None, *cool_and_settle(context, search, seed=seed)]
+    *_, last = [None, *anneal_and_repair(context, search, seed=seed)]
     return last
 
 
@@ -86,10 +89,7 @@ def shape_of(tours: Sequence[Tour]) -> list[tuple[int, int, int]]:
 def seen_by(context: Context, title: str, tours: Sequence[Tour]) -> Stage:
     """A stage of the search, with its figures in the title."""
     _, samples = prepared_with(context.problem, no_points())
-    state = Annealing(
-        tours, samples, context.problem.paths.grid, price=np.zeros(len(tours)),
-        over_price=np.zeros(len(tours)), seed=0, range_margin_m=context.problem.range_margin_m,
-    )  # fmt: skip
+    state = annealing_of(context, list(tours), samples, length_weight=1.0, seed=0)
     unseen = state.unseen_samples
     told = f"{title}\n{state.unseen_share:.2%} unseen, over budget by {over_budget_share(tours):.1%}"
     return Stage(told, tours, [samples.x[unseen], samples.y[unseen]])
