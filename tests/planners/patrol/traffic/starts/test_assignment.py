@@ -7,9 +7,9 @@ import pytest
 from shapely import box
 
 from rota.mission import DiscSensor, Robot, StartBox
-from rota.planners.patrol.traffic.starts.approaches import Way, joined_trajectory, timed_way
+from rota.planners.patrol.traffic.starts.approaches import Approach, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
-from rota.planners.patrol.traffic.starts.departures import apart, departures_s, order_of_leaving, ways_that_meet
+from rota.planners.patrol.traffic.starts.departures import apart, approaches_that_meet, departures_s, order_of_leaving
 from rota.planners.patrol.traffic.starts.places import spread_in_box
 
 
@@ -33,8 +33,8 @@ def test_the_latest_arrival_is_as_early_as_any_assignment_has_it(seed: int) -> N
     assert len(set(found.tolist())) == loops
 
 
-def way(*places: tuple[float, float], speed: float = 1.0) -> Way:
-    return timed_way(
+def way(*places: tuple[float, float], speed: float = 1.0) -> Approach:
+    return timed_approach(
         np.array(places, dtype=np.float64), Robot(name="r", speed_m_s=speed, sensor=DiscSensor(radius_m=1))
     )
 
@@ -42,7 +42,7 @@ def way(*places: tuple[float, float], speed: float = 1.0) -> Way:
 def test_robots_in_a_row_leave_front_first() -> None:
     # all go east along one line: the front one must leave and go farthest
     ways = [way((k, 0), (10 + 2 * k, 0)) for k in range(3)]
-    assert order_of_leaving(ways, [0.4] * 3, ways_that_meet(ways, [0.4] * 3)) == [2, 1, 0]
+    assert order_of_leaving(ways, [0.4] * 3, approaches_that_meet(ways, [0.4] * 3)) == [2, 1, 0]
     leaves = departures_s(ways, [0.4] * 3)
     assert leaves is not None
     for i, j in itertools.combinations(range(3), 2):

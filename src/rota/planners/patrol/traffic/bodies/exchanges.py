@@ -66,10 +66,10 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
 def closed(tour: Tour, points_m: Floats, paths: ShortestPaths) -> Tour | None:
     """The tour along the points (n, 2) and back to the first by the shortest way; None when that is over its budget."""
     try:
-        way = paths.paths_along(np.vstack([points_m, points_m[:1]]))
+        route = paths.paths_along(np.vstack([points_m, points_m[:1]]))
     except PlanError:
         return None
-    found = replace(tour, vertices_m=thinned(way[:-1] if len(way) > 1 else way))
+    found = replace(tour, vertices_m=thinned(route[:-1] if len(route) > 1 else route))
     return found if tour_length_m(found) <= found.budget_m else None
 
 

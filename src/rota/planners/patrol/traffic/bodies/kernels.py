@@ -31,7 +31,7 @@ def latest_starts(blocked: Bytes, begins: Bytes, latest: ShortInts) -> None:
 
 
 @compiled
-def way_back(latest: ShortInts, arrival: int, place: Ints) -> None:
+def places_until(latest: ShortInts, arrival: int, place: Ints) -> None:
     """Fill ``place`` (times,): where a robot is, from its latest start until ``arrival`` at the last place.
 
     Seen from the end it goes on wherever it can, and waits only where it must.

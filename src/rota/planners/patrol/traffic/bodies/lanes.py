@@ -29,7 +29,7 @@ ON_THE_RIGHT = 0.5  # bodies: who is farther to the right of a route is passed o
 ROUNDS = 3  # of moving apart
 BEND = 12  # samples before and after a place of a line, beside which it may bend back
 SAMPLES, MOST_POINTS = 4, 20_000  # of a line to a body, and in all
-QUARTER = 3  # corners of a quarter of the way round a robot that stays
+QUARTER = 3  # corners of a quarter turn round a robot that stays
 STRAIGHT = 0.02  # bodies: points of a route that stand out less are left out again
 
 
@@ -105,14 +105,14 @@ def led_along(tour: Tour, points_m: Floats, space: MultiPolygon, paths: Shortest
     for i in np.flatnonzero(outside):
         points_m[i] = nearest_free_point(space, (points_m[i, 0], points_m[i, 1]))
     try:
-        way = paths.paths_along(np.vstack([points_m, points_m[:1]]))
+        route = paths.paths_along(np.vstack([points_m, points_m[:1]]))
     except PlanError:
         return tour
-    if len(way) > 3:
-        simple = shapely.get_coordinates(shapely.LineString(way).simplify(straight_m))
+    if len(route) > 3:
+        simple = shapely.get_coordinates(shapely.LineString(route).simplify(straight_m))
         if len(simple) > 3 and shapely.covers(space, shapely.LineString(simple)):
-            way = simple
-    return replace(tour, vertices_m=np.ascontiguousarray(way[:-1])) if len(way) > 1 else tour
+            route = simple
+    return replace(tour, vertices_m=np.ascontiguousarray(route[:-1])) if len(route) > 1 else tour
 
 
 def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon) -> list[Tour] | None:
@@ -140,8 +140,8 @@ def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: Mul
         if not sides:
             return None
         for side in sides:
-            way = thinned(paths.paths_along(np.vstack([side, side[:1]])))
-            one = replace(tour, vertices_m=way, robots=1)
+            route = thinned(paths.paths_along(np.vstack([side, side[:1]])))
+            one = replace(tour, vertices_m=route, robots=1)
             needed = math.ceil(tour_length_m(one) / one.budget_m)
             found.append(replace(one, robots=max(1, needed, tour.robots if len(sides) == 1 else 1)))
     return found

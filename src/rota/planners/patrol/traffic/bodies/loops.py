@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.tours.timetable import loop_timetable, paced_timetable
+from rota.planners.patrol.tours.timetable import line_of, loop_timetable, paced_timetable
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
@@ -93,14 +93,9 @@ def loop_of(tour: Tour) -> Loop:
     )
 
 
-def line_of(loop: Loop) -> shapely.LineString | shapely.Point:
-    """The loop as a line; as a point for a robot that stays."""
-    return shapely.Point(loop.places_m[0]) if loop.stays else shapely.LineString(loop.places_m)
-
-
 def crowds(loops: Sequence[Loop], apart_m: float) -> list[list[int]]:
     """Loops in groups, such that no two of different groups ever come nearer than ``apart_m``, whatever the time."""
-    lines = [line_of(loop) for loop in loops]
+    lines = [line_of(loop.places_m) for loop in loops]
     a, b = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=apart_m)
     n = len(loops)
     _, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)

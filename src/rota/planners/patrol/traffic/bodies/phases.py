@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.tours.timetable import stretched
+from rota.planners.patrol.tours.timetable import places_at, stretched
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
 
 Floats = NDArray[np.float64]
@@ -23,7 +23,7 @@ MOST_OFFSETS = 48  # of one loop in one direction that are tried with each choic
 
 
 class Choice(NamedTuple):
-    """How a loop is driven: its offset in samples, and its direction, 1 as it is given or -1 the other way round."""
+    """How a loop is driven: its offset in samples, and its direction, 1 as it is given or -1 reversed."""
 
     offset: int
     direction: int
@@ -32,7 +32,7 @@ class Choice(NamedTuple):
 def phases_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> list[Timed] | None:
     """Each loop stretched to its headway, at a phase and in a direction such that no two robots touch; None: not found.
 
-    To drive a loop the other way round changes nothing of what is seen how often, but all meetings with the others.
+    To reverse a loop changes nothing of what is seen how often, but all meetings with the others.
     """
     rounds, trees, grid = on_the_clock(loops, clock, body_radius_m)
     if not all(follows_itself(tree, loop.robots, grid.apart_m) for tree, loop in zip(trees, loops, strict=True)):
@@ -81,7 +81,7 @@ def sampled(one: tuple[Floats, Floats], samples: int) -> Floats:
     if len(times_s) == 1:
         return places_m
     moments = np.arange(samples) * (float(times_s[-1]) / samples)
-    return np.column_stack([np.interp(moments, times_s, places_m[:, axis]) for axis in (0, 1)])
+    return places_at(moments, times_s, places_m)
 
 
 def follows_itself(tree: cKDTree, robots: int, apart_m: float) -> bool:
@@ -142,7 +142,7 @@ def choices_apart(meets: Meetings, loops: int) -> list[Choice] | None:
         if k == loops:
             return taken
         if len(allowed) == k:
-            # the first loop may begin anywhere, and to drive all of them the other way round changes nothing
+            # the first loop may begin anywhere, and to reverse all of them changes nothing
             allowed.append(open_choices(meets, k, taken) if k else [Choice(0, 1)])
         if allowed[k]:
             taken.append(allowed[k].pop())
@@ -155,7 +155,7 @@ def choices_apart(meets: Meetings, loops: int) -> list[Choice] | None:
 
 
 def open_choices(meets: Meetings, k: int, taken: Sequence[Choice]) -> list[Choice]:
-    """What loop k can choose, the best last: as it is given before the other way round."""
+    """What loop k can choose, the best last: as it is given before reversed."""
     found: list[Choice] = []
     for direction in (-1, 1):
         found += [Choice(offset, direction) for offset in roomy_offsets(meets.free(k, direction, taken))]

@@ -1,4 +1,4 @@
-"""Tours led another way where no timing keeps bodies apart: in lanes, round who stays, cut, or changed over."""
+"""Tours led elsewhere where no timing keeps bodies apart: in lanes, round who stays, cut, or changed over."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from rota.planners.patrol.traffic.bodies.exchanges import exchanges, with_more_r
 from rota.planners.patrol.traffic.bodies.lanes import in_lanes, round_those_who_stay
 from rota.planners.patrol.traffic.bodies.timing import can_be_timed, crowds_that_touch
 
-MOST_TRIED = 12  # other ways for one crowd
+MOST_TRIED = 12  # other routes for one crowd
 NEAR = 4.0  # bodies: lines so near each other can be cut and joined across
 
 
 def rerouted(
     tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, may_add: bool = False
 ) -> list[Tour] | None:
-    """The tours led another way, so that all bodies can be kept apart by timing; None when no way was found.
+    """The tours led elsewhere, so that all bodies can be kept apart by timing; None when no routes were found.
 
     Crowd by crowd, within the budgets, with as many robots; with ``may_add``, with more where that is not enough. What
     is seen may change a little, at corners that are cut and beside lanes; it is left to the caller to mend that.
@@ -43,17 +43,17 @@ def rerouted(
 def crowd_led_apart(
     tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, more: bool
 ) -> list[Tour] | None:
-    """One crowd led another way, with as many robots as it has, or with more; None when no way was found."""
+    """One crowd led elsewhere, with as many robots as it has, or with more; None when no routes were found."""
     robots = sum(tour.robots for tour in tours)
     fitting = (
         anew
-        for anew in other_ways(tours, body_radius_m, space, paths, more=more)
+        for anew in other_routes(tours, body_radius_m, space, paths, more=more)
         if (sum(tour.robots for tour in anew) > robots) == more and over_budget_share(anew) == 0
     )
     return next((anew for anew in islice(fitting, MOST_TRIED) if can_be_timed(anew, body_radius_m)), None)
 
 
-def other_ways(
+def other_routes(
     tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, more: bool
 ) -> Iterator[list[Tour]]:
     """Other tours for as many robots, or also for more, those that change least first."""

@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.planners.patrol.tours.timetable import evenly_spaced
+from rota.planners.patrol.tours.timetable import evenly_spaced, line_of
 from rota.planners.patrol.tours.tour import Tour
-from rota.planners.patrol.traffic.bodies.loops import Loop, Timed, clocks, crowds, line_of, loop_of
+from rota.planners.patrol.traffic.bodies.loops import Loop, Timed, clocks, crowds, loop_of
 from rota.planners.patrol.traffic.bodies.phases import phases_apart, phases_hardly_touching
 from rota.planners.patrol.traffic.bodies.waits import waits_apart
 
@@ -73,7 +73,7 @@ def at_full_speed(loop: Loop) -> Timed:
 
 def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | None:
     """The loops so timed that no two robots ever touch: by phases and directions alone, else with waits; or None."""
-    if somebody_stays_in_the_way(loops, 2 * body_radius_m):
+    if somebody_stays_on_a_route(loops, 2 * body_radius_m):
         return None
     for how in (phases_apart, waits_apart):
         for clock in clocks(loops):
@@ -83,9 +83,9 @@ def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | No
     return None
 
 
-def somebody_stays_in_the_way(loops: Sequence[Loop], apart_m: float) -> bool:
+def somebody_stays_on_a_route(loops: Sequence[Loop], apart_m: float) -> bool:
     """Whether a robot stays, for ever, where another one comes by."""
     staying = [k for k, loop in enumerate(loops) if loop.stays]
-    lines = np.array([line_of(loop) for loop in loops])
+    lines = np.array([line_of(loop.places_m) for loop in loops])
     near = [(k, i) for k in staying for i in np.flatnonzero(shapely.dwithin(lines, lines[k], apart_m)) if i != k]
     return bool(near) or any(loops[k].robots > 1 for k in staying)

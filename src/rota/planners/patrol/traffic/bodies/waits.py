@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.tours.timetable import started_at, stretched
+from rota.planners.patrol.tours.timetable import places_at, started_at, stretched
 from rota.planners.patrol.traffic.bodies import kernels
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
 from rota.planners.patrol.traffic.bodies.phases import follows_itself, roomy_offsets, sampled
@@ -67,26 +67,26 @@ def waits_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> li
 
 
 def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Placed | None:
-    """The loop timed so that its robots touch neither the others nor each other; None when no way was found.
+    """The loop timed so that its robots touch neither the others nor each other; None when none was found.
 
-    At one speed if there is a phase for that, else with waits; the way it is given before the other way round.
+    At one speed if there is a phase for that, else with waits; in its own direction before the opposite one.
     """
-    # with nobody else about, one way is as good as the other
-    directed = (loop, the_other_way(loop)) if others else (loop,)
+    # with nobody else about, one direction is as good as the other
+    directed = (loop, reversed_loop(loop)) if others else (loop,)
     for one in directed:
         found = at_one_speed(one, headway, grid, others)
         if found is not None or loop.stays:
             return found
     for one in directed:
-        found_way = way_through(one, headway, grid, others)
-        if found_way is not None:
-            start, along_s = found_way
+        timetable = timetable_through(one, headway, grid, others)
+        if timetable is not None:
+            start, along_s = timetable
             timed = with_knots(one, along_s, start, grid.step_s, loop.robots * headway * grid.step_s)
             return placed_as(timed, loop.robots, headway, grid)
     return None
 
 
-def the_other_way(loop: Loop) -> Loop:
+def reversed_loop(loop: Loop) -> Loop:
     """The loop driven backwards."""
     return replace(loop, times_s=loop.times_s[-1] - loop.times_s[::-1], places_m=loop.places_m[::-1])
 
@@ -122,18 +122,19 @@ def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed])
     return placed_as(timed, loop.robots, headway, grid)
 
 
-def way_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> tuple[int, Floats] | None:
-    """A timetable that passes the others: at which sample it begins, and how far along (n,) the loop it then is.
+def timetable_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> tuple[int, Floats] | None:
+    """A timetable that passes the others: the sample at which it begins, and how far along the loop (n,) it is.
 
-    Along, in seconds at full speed from the loop's start; at every sample of one round, its end included. None: no way.
+    How far along is told at every sample of one round, its end included, in seconds at full speed from the loop's
+    start. None: there is no such timetable.
     """
     split = math.ceil(loop.natural_s / loop.robots / grid.step_s)
-    steps = min(split + 1, headway)  # of a headway's way: a hair slower than full speed, so that knots can be moved
+    steps = min(split + 1, headway)  # within a headway: a hair slower than full speed, so that knots can be moved
     if split > headway:
         return None
     whole = steps * loop.robots
     along_s = np.arange(whole) * (loop.natural_s / whole)
-    places = np.column_stack([np.interp(along_s, loop.times_s, loop.places_m[:, axis]) for axis in (0, 1)])
+    places = places_at(along_s, loop.times_s, loop.places_m)
     blocked = blocked_by(cKDTree(places), headway, grid.apart_m, others)
     if blocked.all(axis=1).any():
         return None  # somebody is always there
@@ -198,7 +199,7 @@ def one_robot(blocked: Bytes, headway: int) -> tuple[int, Ints] | None:
 def through(blocked: Bytes, headway: int) -> Ints | None:
     """The place (headway + 1,) at each sample of a robot that begins at once and arrives at the end of the headway.
 
-    blocked (places, columns): columns are times from its beginning on. None: there is no way.
+    blocked (places, columns): columns are times from its beginning on. None: it cannot.
     """
     if blocked[0, 0]:
         return None
@@ -211,14 +212,14 @@ def through(blocked: Bytes, headway: int) -> Ints | None:
     if latest[-1, headway] < 0:
         return None
     place = np.zeros(headway + 1, dtype=np.int64)
-    kernels.way_back(latest, headway, place)
+    kernels.places_until(latest, headway, place)
     return place
 
 
 def several_robots(
     places_m: Floats, blocked: Bytes, robots: int, headway: int, apart_m: float
 ) -> tuple[int, Ints] | None:
-    """The same for robots that share a loop: the way of each within a headway, one after the other.
+    """The same for robots that share a loop: each within a headway, one after the other.
 
     In every headway each goes on to where the next one was; so the loop is cut into as many equal stretches, which are
     timed like loops of their own. Returns when they begin, and the place at each sample of a whole round.
@@ -240,12 +241,12 @@ def several_robots(
                 if near is None:
                     return None
                 here[near] = 1
-            way = through(here, headway)
-            if way is None:
+            places = through(here, headway)
+            if places is None:
                 break
-            gone.append(way)
+            gone.append(places)
         else:
-            whole = [way[:-1] + i * steps for i, way in enumerate(gone)]
+            whole = [places[:-1] + i * steps for i, places in enumerate(gone)]
             return int(start), np.concatenate([*whole, [len(places_m)]])
     return None
 
@@ -269,7 +270,7 @@ def with_knots(loop: Loop, along_s: Floats, start: int, step_s: float, duration_
     order = np.argsort(np.concatenate([at_s, corners_at_s]), kind="stable")
     all_s = np.concatenate([at_s, corners_at_s])[order]
     along_s = np.concatenate([along_s, corners_s])[order]
-    places = np.column_stack([np.interp(along_s, times_s, places_m[:, axis]) for axis in (0, 1)])
+    places = places_at(along_s, times_s, places_m)
     places[-1] = places[0]
     all_s[-1] = duration_s
     return Timed(all_s, places, -start * step_s % duration_s)

@@ -1,4 +1,4 @@
-"""Who takes which loop: the latest arrival as early as it can be, or so that as few ways as possible cross."""
+"""Who takes which loop: the latest arrival as early as it can be, or so that as few approaches as possible cross."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def earliest_assignment(times_s: Floats) -> Ints | None:
 def least_squares(costs: Floats) -> Ints:
     """For each loop (n,) the start that serves it, with the least sum of squared costs (m, n); inf is not allowed.
 
-    Of lengths it gives ways that cross little: in a corridor nobody overtakes or meets anybody, and on open ground
+    Of lengths it gives approaches that cross little: in a corridor nobody overtakes or meets anybody, and on open ground
     bodies far enough apart never touch when all go at once (Turpin, Michael and Kumar, "CAPT: Concurrent assignment and
     planning of trajectories for multiple robots", 2014). Raises ValueError when no assignment serves all loops.
     """
@@ -53,6 +53,6 @@ def bottleneck_s(times_s: Floats) -> float | None:
 
 
 def served(times_s: Floats, limit_s: float) -> Ints:
-    """The loops of a largest matching that uses no way longer than the limit."""
+    """The loops of a largest matching that uses no distance longer than the limit."""
     graph = csr_array((np.isfinite(times_s) & (times_s <= limit_s)).astype(np.int8))
     return np.flatnonzero(maximum_bipartite_matching(graph, perm_type="row") >= 0)

@@ -1,4 +1,4 @@
-"""A plan of loops led out from the robots' starts: who takes which loop, by which way, and when they all begin."""
+"""A plan of loops led out from the robots' starts: who takes which loop, by which approach, and when all begin."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Mission, Robot, StartBox, StartPoints
 from rota.plan import Plan
 from rota.planners.patrol.tours.timetable import started_at
-from rota.planners.patrol.traffic.starts.approaches import Way, first_step_m, joined_trajectory, timed_way
+from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_squares, served
 from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
 from rota.planners.patrol.traffic.starts.places import in_turn
@@ -28,7 +28,7 @@ Round = tuple[Floats, Floats]
 MOST_ENTRIES = 4_000  # places on all loops that are looked at together
 MOST_SHIFTS = 64  # moments of the common timetable at which the loops may begin
 MOST_TRIED = 6  # of them that are worked out and judged
-MOST_TIMED_WAYS = 2_500  # that are drawn to know what their turns take
+MOST_TIMED_APPROACHES = 2_500  # that are timed to know what their turns take
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,7 @@ class Starts:
     places_m: list[Floats | None]
 
 
-class Grounds:
+class PathsByBody:
     """Shortest paths for bodies of every size in the fleet, made when they are needed."""
 
     def __init__(self, mission: Mission) -> None:
@@ -61,7 +61,7 @@ class Grounds:
         return np.array(nearest)
 
     def line(self, robot: Robot, start_m: Floats, end_m: Floats) -> Floats:
-        """The way (n, 2) from a start to a place of a loop."""
+        """The shortest path (n, 2) from a start to a place of a loop."""
         path = self.paths(robot.body_radius_m).path(self.standing(robot, start_m), end_m)
         return np.vstack([start_m, path])
 
@@ -69,20 +69,20 @@ class Grounds:
 def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     """The plan's loops, kept in their phases, reached from the mission's starts; its mission becomes ``mission``.
 
-    All loops begin at one moment, when the last robot has arrived; robots leave so as to arrive then. Where on the
-    loops that is: where the latest arrival is earliest, of some moments of the common timetable, as long as the judge
-    passes the plan (None: whatever becomes of it). Raises NoPlanFound when a loop cannot be reached or there are too
-    few starts, with the plan as it was; when bodies would touch on the way or the judge passes no plan, with the plan
-    that does so; MissionError when a fixed fleet does not fit into its box.
+    All loops begin at one moment, when the last robot has arrived; robots leave so as to arrive then. Some moments of
+    the common timetable are tried, the one with the earliest last arrival first, until the judge passes the plan (None:
+    whatever becomes of it). Raises NoPlanFound when a loop cannot be reached or there are too few starts, with the plan
+    as it was; the same when bodies would touch on an approach or the judge passes no plan, with the plan that does so;
+    MissionError when a fixed fleet does not fit into its box.
     """
     rounds = [(trajectory.times_s, trajectory.positions_m) for trajectory in plan]
     bare = replace(plan, mission=mission)
     if not rounds:
         return bare
-    grounds = Grounds(mission)
-    starts = starts_of(mission, rounds, grounds, bare)
+    paths_by_body = PathsByBody(mission)
+    starts = starts_of(mission, rounds, paths_by_body, bare)
     entries = entry_choices(rounds, starts)
-    times_s = ways_s(starts, entries, grounds)
+    times_s = travel_times_s(starts, entries, paths_by_body)
     require_reachable(starts, rounds, times_s[0], bare)
     found = [earliest_assignment(times) for times in times_s]
     latest_s = [
@@ -98,15 +98,15 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     while tried:
         shift, who, earliest = tried.pop(0)
         begun = [begun_at(one, entries.shifts_s[shift]) for one in rounds]
-        ways, who = exact_ways(starts, begun, who, grounds, anew=earliest)
-        leaves_s = departures_s(ways, [starts.robots[k].body_radius_m for k in who])
+        approaches, who = timed_approaches(starts, begun, who, paths_by_body, anew=earliest)
+        leaves_s = departures_s(approaches, [starts.robots[k].body_radius_m for k in who])
         if leaves_s is None:
             if touching is None:
-                touching = with_approaches(bare, starts, who, ways, together_s(ways), begun)
+                touching = with_approaches(bare, starts, who, approaches, together_s(approaches), begun)
             if earliest:
                 tried.append((shift, least_squares(times_s[shift] * speeds_m_s[:, None]), False))
             continue
-        led = with_approaches(bare, starts, who, ways, leaves_s, begun)
+        led = with_approaches(bare, starts, who, approaches, leaves_s, begun)
         if judge is None or judge(led).verdict == "met":
             return led
     if led is None or judge is None:
@@ -121,25 +121,27 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
 
 
 def with_approaches(
-    plan: Plan, starts: Starts, who: Ints, ways: Sequence[Way], leaves_s: Floats, begun: Sequence[Round]
+    plan: Plan, starts: Starts, who: Ints, approaches: Sequence[Approach], leaves_s: Floats, begun: Sequence[Round]
 ) -> Plan:
     """The plan whose robots leave their starts at these times and begin their loops at the same moment.
 
     Robots of a fleet of as few as possible keep the names of their loops; those of a named fleet keep their own.
     """
-    loops_s = max(float(leaves) + way.duration_s for leaves, way in zip(leaves_s, ways, strict=True))
+    loops_s = max(float(leaves) + approach.duration_s for leaves, approach in zip(leaves_s, approaches, strict=True))
     named = plan.mission.fleet.robots is not None
     joined = []
     for i, k in enumerate(who):
         name = starts.robots[k].name if named else plan.trajectories[i].robot
-        joined.append((k if named else i, joined_trajectory(name, ways[i], float(leaves_s[i]), loops_s, begun[i])))
+        joined.append(
+            (k if named else i, joined_trajectory(name, approaches[i], float(leaves_s[i]), loops_s, begun[i]))
+        )
     return replace(plan, trajectories=tuple(trajectory for _, trajectory in sorted(joined, key=lambda pair: pair[0])))
 
 
 # ---------------------------------------------------------------- starts
 
 
-def starts_of(mission: Mission, rounds: Sequence[Round], grounds: Grounds, plan: Plan) -> Starts:
+def starts_of(mission: Mission, rounds: Sequence[Round], paths_by_body: PathsByBody, plan: Plan) -> Starts:
     """The robots and their starts; those in a box are spread over the parts of the ground where loops are."""
     fleet = mission.fleet
     robots = list(fleet.robots or (fleet.equal_robot(trajectory.robot) for trajectory in plan))
@@ -158,7 +160,7 @@ def starts_of(mission: Mission, rounds: Sequence[Round], grounds: Grounds, plan:
     places: list[Floats | None] = [None if robot.start is None else np.array(robot.start) for robot in robots]
     if isinstance(fleet.start, StartBox):
         waiting = [k for k, place in enumerate(places) if place is None]
-        in_box = boxed(fleet.start, robots, places, rounds, grounds, plan)
+        in_box = boxed(fleet.start, robots, places, rounds, paths_by_body, plan)
         for k, place in zip(waiting, in_box, strict=True):
             places[k] = place
     return Starts(robots=robots, places_m=places)
@@ -169,12 +171,12 @@ def boxed(
     robots: list[Robot],
     places: list[Floats | None],
     rounds: Sequence[Round],
-    grounds: Grounds,
+    paths_by_body: PathsByBody,
     plan: Plan,
 ) -> Floats:
     """Places (n, 2) in the box for the robots that have none yet, as many in each part as loops there still need."""
     body_m = max(robot.body_radius_m for robot in robots)
-    paths = grounds.paths(body_m)
+    paths = paths_by_body.paths(body_m)
     needs = Counter(int(part) for part in paths.part_of(np.array([places_m[0] for _, places_m in rounds])))
     own = [place for place in places if place is not None]
     if own:
@@ -288,56 +290,60 @@ def begun_at(one: Round, shift_s: float) -> Round:
     return one if len(times_s) == 1 or shift_s == 0 else started_at(times_s, places_m, shift_s)
 
 
-def ways_s(starts: Starts, entries: Entries, grounds: Grounds) -> Floats:
-    """Travelling times (s, m, n) in seconds from the starts to the loops, turns aside; inf where no path leads."""
+def travel_times_s(starts: Starts, entries: Entries, paths_by_body: PathsByBody) -> Floats:
+    """Travelling times (s, m, n) in seconds from the m starts to the n loops at s moments, turns aside.
+
+    inf where no path leads, 0 for robots that are where they are needed.
+    """
     shifts, loops, _ = entries.places_m.shape
-    found = np.zeros((shifts, len(starts.robots), loops))
-    flat = entries.places_m.reshape(-1, 2)
+    times_s = np.zeros((shifts, len(starts.robots), loops))
+    entries_m = entries.places_m.reshape(-1, 2)
     for body_m in {robot.body_radius_m for robot in starts.robots}:
-        some = [
-            k
-            for k, robot in enumerate(starts.robots)
-            if robot.body_radius_m == body_m and starts.places_m[k] is not None
-        ]
-        if not some:
+        placed = {
+            k: place
+            for k, place in enumerate(starts.places_m)
+            if place is not None and starts.robots[k].body_radius_m == body_m
+        }
+        if not placed:
             continue
-        here = [place for k in some if (place := starts.places_m[k]) is not None]
-        standing = np.array([grounds.standing(starts.robots[k], p) for k, p in zip(some, here, strict=True)])
-        lengths = grounds.paths(body_m).distances(standing, flat) + np.hypot(*(standing - np.array(here)).T)[:, None]
-        speeds = np.array([starts.robots[k].speed_m_s for k in some])
-        found[:, some, :] = np.moveaxis((lengths / speeds[:, None]).reshape(len(some), shifts, loops), 1, 0)
-    return found
+        standing = np.array([paths_by_body.standing(starts.robots[k], place) for k, place in placed.items()])
+        first_m = np.hypot(*(standing - np.array(list(placed.values()))).T)
+        lengths = paths_by_body.paths(body_m).distances(standing, entries_m) + first_m[:, None]
+        speeds = np.array([starts.robots[k].speed_m_s for k in placed])
+        each = (lengths / speeds[:, None]).reshape(len(placed), shifts, loops)
+        times_s[:, list(placed), :] = np.moveaxis(each, 1, 0)
+    return times_s
 
 
-def exact_ways(
-    starts: Starts, begun: Sequence[Round], who: Ints, grounds: Grounds, *, anew: bool
-) -> tuple[list[Way], Ints]:
-    """The way to each loop with its turns, and who takes it.
+def timed_approaches(
+    starts: Starts, begun: Sequence[Round], who: Ints, paths_by_body: PathsByBody, *, anew: bool
+) -> tuple[list[Approach], Ints]:
+    """The approach to each loop with its turns, and who takes it.
 
-    anew: that is chosen anew where turning takes time, if there are not too many ways to draw.
+    anew: who takes which is chosen anew where turning takes time, unless there are too many approaches to time.
     """
 
-    def way(k: int, i: int) -> Way:
+    def approach_of(k: int, i: int) -> Approach:
         robot, start_m, entry_m = starts.robots[k], starts.places_m[k], begun[i][1][0]
         if start_m is None:
-            return Way(times_s=np.zeros(1), places_m=entry_m[None])
-        return timed_way(grounds.line(robot, start_m, entry_m), robot, first_step_m(begun[i][1]))
+            return Approach(times_s=np.zeros(1), places_m=entry_m[None])
+        return timed_approach(paths_by_body.line(robot, start_m, entry_m), robot, first_step_m(begun[i][1]))
 
     turning = any(robot.turn_rate_rad_s is not None for robot in starts.robots)
-    if not anew or not turning or len(starts.robots) * len(begun) > MOST_TIMED_WAYS:
-        return [way(int(k), i) for i, k in enumerate(who)], who
-    every: dict[tuple[int, int], Way] = {}
+    if not anew or not turning or len(starts.robots) * len(begun) > MOST_TIMED_APPROACHES:
+        return [approach_of(int(k), i) for i, k in enumerate(who)], who
+    every: dict[tuple[int, int], Approach] = {}
     times_s = np.full((len(starts.robots), len(begun)), np.inf)
-    parts = [grounds.paths(robot.body_radius_m) for robot in starts.robots]
+    parts = [paths_by_body.paths(robot.body_radius_m) for robot in starts.robots]
     entries_m = np.array([places_m[0] for _, places_m in begun])
     for k, paths in enumerate(parts):
         start_m = starts.places_m[k]
         reach = np.ones(len(begun), dtype=bool)
         if start_m is not None:
-            own = paths.part_of(grounds.standing(starts.robots[k], start_m)[None])[0]
+            own = paths.part_of(paths_by_body.standing(starts.robots[k], start_m)[None])[0]
             reach = paths.part_of(entries_m) == own
         for i in np.flatnonzero(reach):
-            every[k, int(i)] = way(k, int(i))
+            every[k, int(i)] = approach_of(k, int(i))
             times_s[k, i] = every[k, int(i)].duration_s
     best = earliest_assignment(times_s)
     assert best is not None  # the given one is one
