@@ -27,7 +27,7 @@ def earliest_assignment(times_s: Floats) -> Ints | None:
 def least_squares(costs: Floats) -> Ints:
     """For each loop (n,) the start that serves it, with the least sum of squared costs (m, n); inf is not allowed.
 
-    Of lengths it gives approaches that cross little: in a corridor nobody overtakes or meets anybody, and on open ground
+    Of lengths it gives approaches that cross little. In a corridor nobody overtakes or meets anybody; on open ground
     bodies far enough apart never touch when all go at once (Turpin, Michael and Kumar, "CAPT: Concurrent assignment and
     planning of trajectories for multiple robots", 2014). Raises ValueError when no assignment serves all loops.
     """
