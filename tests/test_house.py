@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterable, Mapping
 
 import pytest
@@ -93,6 +94,40 @@ def test_nothing_is_imported_upwards(package: str, stages: list[list[str]]) -> N
     assert set(arrows) == set(stage), "every room has its stage"
     upwards = [(room, other) for room, others in arrows.items() for other in others if stage[other] > stage[room]]
     assert upwards == []
+
+
+PLANNERS = ("patrol", "swarm", "bounce")
+
+
+def planner_branches(text: str) -> list[int]:
+    """The lines of a source that ask for a planner by its name or by the type of its settings."""
+    lines = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Compare | ast.MatchValue):
+            values = [part.value for part in ast.walk(node) if isinstance(part, ast.Constant)]
+            asks = any(value in PLANNERS for value in values)
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("isinstance", "issubclass"):
+            named = [getattr(part, "id", getattr(part, "attr", "")) for part in ast.walk(node.args[1])]
+            asks = any(name.endswith("Settings") and name != "Settings" for name in named)
+        else:
+            asks = isinstance(node, ast.Attribute) and node.attr in PLANNERS
+        if asks:
+            lines.append(node.lineno)
+    return lines
+
+
+def test_planner_branches_are_seen() -> None:
+    for asks in ("x.planner == 'swarm'", "name in ('patrol', 'swarm')", "isinstance(x, a.BounceSettings)", "m.swarm.a"):
+        assert planner_branches(asks) == [1], asks
+    assert planner_branches("isinstance(x, Settings); {'patrol': 'a'}; x.planner == name; y.method == 'tours'") == []
+
+
+def test_no_planner_is_asked_for_outside_its_house() -> None:
+    others = [module for module in MODULES if not within(module, "rota.planners") and not within(module, "rota.papers")]
+    branches = {module: lines for module in others if (lines := planner_branches(MODULES[module].read_text()))}
+    assert branches == {}
+    importing = [m for m in others if any(within(name, "rota.planners") for name in imported_modules(m))]
+    assert importing == ["rota"]  # the public names of the settings
 
 
 def test_papers_are_imported_by_the_command_only() -> None:

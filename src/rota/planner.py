@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rota.errors import MissionError
-from rota.planner_registry import door_of
+from rota.planner_registry import door_of, planner_names
 
 if TYPE_CHECKING:
     from rota.check.report import Report as Report
@@ -108,6 +108,19 @@ def planner_named(name: str) -> Planner:
             f"planner: {type(planner).__name__} is no planner; a subclass of rota.planner.Planner is needed"
         )
     return planner
+
+
+def loadable_planners() -> tuple[str, ...]:
+    """The names of all planners whose doors can be loaded; one that another distribution breaks is left out."""
+
+    def loads(name: str) -> bool:
+        try:
+            planner_named(name)
+        except MissionError:
+            return False
+        return True
+
+    return tuple(name for name in planner_names() if loads(name))
 
 
 def planner_of(mission: Mission) -> Planner:

@@ -23,7 +23,7 @@ from rota.files.schema_block import (
 from rota.files.settings_schema import settings_field
 from rota.files.shape_schema import Area, ObstacleEntry, Point, ZoneBlock, one_of
 from rota.mission import growing_footprints
-from rota.planner import planner_named
+from rota.planner import loadable_planners, planner_named
 from rota.planner_registry import DEFAULT, PLANNERS, planner_names
 from rota.refusals import inner
 
@@ -199,7 +199,7 @@ def mission_file_type(data: object = None) -> type[MissionFile]:
 
     data: a file as it was read; None: all planners have their blocks.
     """
-    named = (data.get("planner"), *data) if isinstance(data, dict) else planner_names() if data is None else ()
+    named = (data.get("planner"), *data) if isinstance(data, dict) else loadable_planners() if data is None else ()
     return _mission_file_type(tuple(name for name in planner_names() if name in PLANNERS or name in named))
 
 

@@ -11,7 +11,7 @@ from rota.files.settings_schema import settings_field
 from rota.limits import LARGEST_M, LONGEST_S
 from rota.mission import Blocks, Demand, Unseeable
 from rota.plan import EndReason
-from rota.planner import planner_named
+from rota.planner import loadable_planners, planner_named
 from rota.planner_registry import PLANNERS, planner_names
 from rota.refusals import inner
 
@@ -203,7 +203,7 @@ def plan_fields_type(document: object = None) -> type[PlanFields]:
 
     document: a file as it was read; None: all planners have theirs.
     """
-    named = (inner(document, "mission", "planner"),) if document is not None else planner_names()
+    named = (inner(document, "mission", "planner"),) if document is not None else loadable_planners()
     return _plan_fields_type(tuple(name for name in planner_names() if name in PLANNERS or name in named))
 
 
