@@ -32,7 +32,7 @@ WALK = {"times_s": [0, 10], "positions_m": [[-10, 0], [10, 0]], "loop_start_s": 
 def test_two_that_cross_at_right_angles_are_closest_between() -> None:
     # relative motion (-2, 2) from (10, -12): the line's distance from the origin is 2 / sqrt(2), at time 5.5
     (violation,) = found(WALK, (0, 10), ((0, -12), (0, 8)))
-    assert violation.kind == "moving obstacle 1"
+    assert (violation.kind, violation.who) == ("moving obstacle", "a, moving obstacle 1")
     assert (violation.value, violation.limit) == pytest.approx((math.sqrt(2), 1.5))
     assert violation.time_s == pytest.approx(5.5)
     assert violation.place_m == pytest.approx((1, 0))

@@ -14,6 +14,7 @@ from rota.check.report import Violation
 from rota.check.routes import lines_of, segments_of
 from rota.mission import Mission
 from rota.plan import Trajectory
+from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> l
     moving = [int(k) for k in np.flatnonzero(lengths > STILL_M)]
     looping = [k for k in moving if k >= trajectory.loop_index]
 
-    def wrong(kind: str, k: int, value: float, limit: float, unit: str) -> Violation:
+    def wrong(kind: ViolationKind, k: int, value: float, limit: float, unit: str) -> Violation:
         """A violation at the robot's position k."""
         x, y = places[k]
         return Violation(

@@ -21,6 +21,7 @@ from rota.check.bounce_lines import Walls, line_violations
 from rota.check.report import Violation
 from rota.mission import Bouncing
 from rota.plan import Plan, Trajectory
+from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -272,18 +273,18 @@ class _Robot:
                 return
         self._note_turn("rests where nothing is in the way", len(self._cells) - 1, 0.0)
 
-    def _note_turn(self, kind: str, leg: int, angle_deg: float) -> None:
+    def _note_turn(self, kind: ViolationKind, leg: int, angle_deg: float) -> None:
         allowed = self._bounce * 360 / len(self._floor.moves)
         self._found.append(self._wrong(kind, leg, angle_deg, allowed, "degrees"))
 
-    def _wrong(self, kind: str, leg: int, value: float, limit: float, unit: str) -> Violation:
+    def _wrong(self, kind: ViolationKind, leg: int, value: float, limit: float, unit: str) -> Violation:
         x, y = self._places[leg]
         time_s = float(self._trajectory.times_s[leg])
         return _violation(kind, self._trajectory.robot, (float(x), float(y)), time_s, value, limit, unit)
 
 
 def _violation(
-    kind: str,
+    kind: ViolationKind,
     who: str,
     place_m: tuple[float, float] | None,
     time_s: float | None,

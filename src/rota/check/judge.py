@@ -25,6 +25,7 @@ from rota.check.seeable import grounds_of, has_many_sides, seeable
 from rota.check.separation import separation_violations
 from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan
+from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -311,7 +312,7 @@ def _common_start_violations(plan: Plan) -> list[Violation]:
 
 
 def _violation(
-    kind: str, who: str, place_m: tuple[float, float] | None, value: float, limit: float, unit: str
+    kind: ViolationKind, who: str, place_m: tuple[float, float] | None, value: float, limit: float, unit: str
 ) -> Violation:
     return Violation(kind=kind, who=who, place_m=place_m, time_s=0.0, value=value, limit=limit, unit=unit)
 

@@ -13,6 +13,7 @@ from rota.check.report import Violation
 from rota.check.routes import lines_of, segments_of
 from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
+from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -52,7 +53,10 @@ def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) 
     places = trajectory.positions_m
     z = places[:, 2] if places.shape[1] == 3 else np.zeros(len(places))
     found = []
-    wrong = (("below altitudes", z < low - TOUCH_M, low), ("above altitudes", z > high + TOUCH_M, high))
+    wrong: tuple[tuple[ViolationKind, NDArray[np.bool_], float], ...] = (
+        ("below altitudes", z < low - TOUCH_M, low),
+        ("above altitudes", z > high + TOUCH_M, high),
+    )
     for kind, out, limit in wrong:
         for m in np.flatnonzero(out)[:MOST_PER_ROBOT]:
             x, y = places[m, :2]
@@ -60,7 +64,7 @@ def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) 
     return found
 
 
-def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: str) -> list[Violation]:
+def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: ViolationKind) -> list[Violation]:
     """Legs on which the body reaches more than 1e-6 m out of the area (kind "outside area") or into an obstacle.
 
     ``shape`` is the area or what blocks motion. One violation for each leg: its deepest place, when and how deep. Where
@@ -235,7 +239,13 @@ def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float)
 
 
 def _violation(
-    kind: str, robot: Robot, place_m: tuple[float, float], time_s: float, value: float, limit: float, unit: str
+    kind: ViolationKind,
+    robot: Robot,
+    place_m: tuple[float, float],
+    time_s: float,
+    value: float,
+    limit: float,
+    unit: str,
 ) -> Violation:
     return Violation(
         kind=kind,

@@ -35,8 +35,8 @@ def moving_violations(plan: Plan) -> list[Violation]:
             if distance < body_m + obstacle.radius_m - TOUCH_M:
                 found.append(
                     Violation(
-                        kind=f"moving obstacle {k + 1}",
-                        who=trajectory.robot,
+                        kind="moving obstacle",
+                        who=f"{trajectory.robot}, moving obstacle {k + 1}",
                         place_m=place,
                         time_s=time_s,
                         value=distance,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rota.check.report import Violation
 from rota.check.routes import TRANSIENT, Routes
 from rota.plan import Plan
+from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 
@@ -74,7 +75,9 @@ def _slack_s(times_s: Floats | float) -> Floats:
     return np.asarray(1e-9 * np.maximum(1.0, np.where(np.isfinite(times_s), times_s, 0.0)))
 
 
-def _violation(kind: str, who: str, place: Floats, time_s: float, value: float, limit: float, unit: str) -> Violation:
+def _violation(
+    kind: ViolationKind, who: str, place: Floats, time_s: float, value: float, limit: float, unit: str
+) -> Violation:
     return Violation(
         kind=kind,
         who=who,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.plan import EndReason, RunEnd
+from rota.violation_kinds import ViolationKind
 
 Outcome = Literal["met", "violated", "not proven"]
 LISTED_POINTS = 100
@@ -29,7 +30,7 @@ class Violation:
     particular time (or for ever).
     """
 
-    kind: str
+    kind: ViolationKind
     who: str
     place_m: tuple[float, float] | None
     time_s: float | None
@@ -236,7 +237,7 @@ def _demand_schema() -> dict[str, Any]:
 def _violation_schema() -> dict[str, Any]:
     """What a report says of one violation."""
     return _object(
-        kind=TEXT,
+        kind={"type": "string", "enum": list(get_args(ViolationKind))},
         who=TEXT,
         place_m={"type": ["array", "null"], "items": NUMBER, "minItems": 2, "maxItems": 2},
         time_s=SECONDS_OR_NEVER,

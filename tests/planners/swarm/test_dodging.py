@@ -66,4 +66,4 @@ def test_robots_at_rest_make_way_whatever_moves_them(controller: Any) -> None:
     assert check_plan(run_mission(asked, seed=0).plan).violations == ()
     free = dataclasses.replace(asked, planning=dataclasses.replace(SwarmSettings.of(asked), filter=False))
     if controller == "virtual_force":  # whose robots stand where the obstacle comes
-        assert {v.kind for v in check_plan(run_mission(free, seed=0).plan).violations} == {"moving obstacle 1"}
+        assert {v.kind for v in check_plan(run_mission(free, seed=0).plan).violations} == {"moving obstacle"}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rota.mission import AREA
 from rota.plan import Plan
+from rota.violation_kinds import ViolationKind
 
 
 class DemandOutcome(Protocol):
@@ -41,7 +42,7 @@ class Fault(Protocol):
     """What the search reads of something that is wrong with the routes themselves."""
 
     @property
-    def kind(self) -> str:
+    def kind(self) -> ViolationKind:
         """What it is: "bodies touch", say."""
         ...
 

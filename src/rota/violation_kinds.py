@@ -1,0 +1,21 @@
+"""What can be wrong with a plan, by name: the check says it, planners and people read it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+ViolationKind = Literal[
+    # what is asked
+    "gap", "unseeable", "claims that fewer robots cannot do",
+    # the fleet
+    "no trajectory", "no start left", "start", "moves while away", "sees before it joins",
+    # motion
+    "outside area", "obstacle", "moving obstacle", "below altitudes", "above altitudes", "speed", "turn",
+    # robots together
+    "bodies touch", "clocks may differ",
+    # robots that bounce
+    "too many cells to judge", "too many moves to judge", "no bouncing angle", "cells never entered", "off its cells",
+    "along no heading", "drives through what blocks it", "faces another way than it drives",
+    "turns by another angle", "turns where nothing is in the way", "waits where nothing is in the way",
+    "rests where nothing is in the way",
+]  # fmt: skip
