@@ -27,10 +27,12 @@ def written(frames: np.ndarray, palette: np.ndarray, path: Path) -> list[np.ndar
 
 
 def nearest(frame: np.ndarray, palette: np.ndarray) -> np.ndarray:
-    """The frame in colours of the palette, pixel by pixel."""
-    pixels = frame[..., :3].reshape(-1, 3).astype(int)
-    apart = np.stack([((pixels - colour) ** 2).sum(axis=1) for colour in palette.astype(int)])
-    return palette[apart.argmin(axis=0)].reshape(*frame.shape[:2], 3)
+    """The frame in colours of the palette."""
+    red, green, blue = np.moveaxis(frame[..., :3].astype(int), 2, 0)
+    codes, places = np.unique((red * 256 + green) * 256 + blue, return_inverse=True)
+    colours = np.column_stack([codes // 65536, codes // 256 % 256, codes % 256])
+    apart = np.stack([((colours - colour) ** 2).sum(axis=1) for colour in palette.astype(int)])
+    return palette[apart.argmin(axis=0)][places.reshape(frame.shape[:2])]
 
 
 def test_every_frame_is_shown_in_the_nearest_colours(tmp_path: Path):

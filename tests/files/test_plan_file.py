@@ -171,6 +171,9 @@ def plans(draw: st.DrawFn) -> Plan:
     return Plan(mission=mission, trajectories=paths, seed=draw(st.integers()), lower_bound_robots=bound)
 
 
+SCHEMA = jsonschema.Draft202012Validator(fields.plan_schema())
+
+
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(plans())
 def test_any_plan_survives_bit_for_bit_and_fits_the_schema(plan: Plan) -> None:
@@ -179,7 +182,7 @@ def test_any_plan_survives_bit_for_bit_and_fits_the_schema(plan: Plan) -> None:
     assert again == plan
     assert plan_bits(again) == plan_bits(plan)
     assert json.loads(text) == plan_to_json(plan)
-    jsonschema.validate(json.loads(text), fields.plan_schema())
+    SCHEMA.validate(json.loads(text))
 
 
 def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
