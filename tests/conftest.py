@@ -15,6 +15,30 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ["NUMBA_CACHE_LOCATOR_CLASSES"] = "tests.shared_cache.SharedCache"
     os.environ["PYTHONPATH"] = os.pathsep.join([str(PROJECT), *filter(None, [os.environ.get("PYTHONPATH")])])
 
+# two workers begin with one half of the tests each: patrol's kernels, a minute's work, are compiled by the first one
+# while the other has swarms, the check and bounces to do
+ORDER = (
+    "planners/patrol",
+    "files",
+    "geometry",
+    "planners/swarm",
+    "check",
+    "planners/bounce",
+    "draw",
+    "papers",
+    "command",
+)
+
+
+def place_in_order(item: pytest.Item) -> int:
+    path = item.path.relative_to(PROJECT / "tests").as_posix()
+    return next((k for k, folder in enumerate(ORDER) if path.startswith(folder + "/")), len(ORDER))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        items.sort(key=place_in_order)
+
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     for report in terminalreporter.getreports("passed"):
