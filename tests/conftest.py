@@ -1,4 +1,4 @@
-"""One cache of compiled kernels for all processes of the tests, and what tests tell people, printed at the end."""
+"""One cache of compiled kernels for all processes of the tests, and the order in which two workers share the tests."""
 
 from __future__ import annotations
 
@@ -38,10 +38,3 @@ def place_in_order(item: pytest.Item) -> int:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     if "PYTEST_XDIST_WORKER" in os.environ:
         items.sort(key=place_in_order)
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    for report in terminalreporter.getreports("passed"):
-        for name, value in report.user_properties:
-            if name == "told":
-                terminalreporter.write_line(str(value))
