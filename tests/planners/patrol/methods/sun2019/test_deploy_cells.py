@@ -14,8 +14,8 @@ from rota.planners.patrol.methods.sun2019.cells import (
     cells_seen_from,
     ground_for,
     lattice_over,
-    polygons,
 )
+from rota.polygons import polygons_of
 
 NOTHING = MultiPolygon()
 
@@ -82,12 +82,12 @@ def test_an_open_view_sees_the_cells_with_all_corners_in_range() -> None:
 
 def test_obstacles_hide_cells_as_plain_geometry_says() -> None:
     rng = np.random.default_rng(3)
-    hidden = polygons(
+    hidden = polygons_of(
         shapely.union_all(
             [box(10, 12, 18, 15), Point(24, 22).buffer(3), Polygon([(5, 25), (12, 22), (9, 31)]), box(27, 3, 27.2, 9)]
         )
     )
-    region = polygons(box(0, 0, 34, 34).difference(hidden))
+    region = polygons_of(box(0, 0, 34, 34).difference(hidden))
     cells = cells_of(region, lattice_over(box(0, 0, 34, 34), 1.7), hidden=hidden, border="clipped")
     ground = ground_for(region, hidden, 7.0)
     places = rng.uniform(0, 34, size=(60, 2))
@@ -100,7 +100,7 @@ def test_obstacles_hide_cells_as_plain_geometry_says() -> None:
 
 def test_nothing_is_seen_from_inside_an_obstacle_and_all_from_its_edge() -> None:
     hidden = MultiPolygon([box(4, 4, 8, 8)])
-    region = polygons(box(0, 0, 12, 12).difference(hidden))
+    region = polygons_of(box(0, 0, 12, 12).difference(hidden))
     cells = cells_of(region, lattice_over(box(0, 0, 12, 12), 2.0), hidden=hidden, border="clipped")
     ground = ground_for(region, hidden, 6.0)
     start, items = cells_seen_from(np.array([[6.0, 6.0], [6.0, 4.0]]), cells, ground)
