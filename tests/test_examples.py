@@ -227,8 +227,11 @@ def test_the_bouncing_robots_cover_and_monitor(tmp_path: Path, capsys: pytest.Ca
     assert run(["draw", str(plan_file), "-o", str(tmp_path / "plan.svg")]) == 0
 
 
-# open ground with zones, and a building whose walls cut sight, with bodies that must not touch
-@pytest.mark.parametrize(("name", "least_robots"), [("harbour", 4), ("building", 1)])
+# open ground with zones; a building whose walls cut sight, with bodies that must not touch: a search of half a minute,
+# of the kind that the random missions among blocks are planned by
+@pytest.mark.parametrize(
+    ("name", "least_robots"), [("harbour", 4), pytest.param("building", 1, marks=pytest.mark.slow)]
+)
 def test_an_example_is_planned_and_the_plan_passes(
     name: str, least_robots: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -294,6 +297,7 @@ def test_the_port_s_robots_spread_round_its_buildings(tmp_path: Path, capsys: py
 
 
 # bounds: A / (2 r V T + pi r^2) is 35,955 / (15,360 + 201) = 2.3 and 966 / (720 + 13) = 1.3
+@pytest.mark.slow  # the largest searches of all tests, where the inputs are there
 @needs_real_inputs
 @pytest.mark.parametrize(("text", "least_robots"), [(PARCEL_NL, 3), (CUMBERLAND, 2)], ids=["parcel-nl", "cumberland"])
 def test_a_real_input_is_planned_and_the_plan_passes(
