@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +13,9 @@ import shapely
 from shapely import MultiPolygon, Point, box
 
 from rota.errors import MissionError
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone, start_faults
+from rota.files.mission_file import read_mission
+from rota.mission import DiscSensor, Fleet, Mission, MovingObstacle, Obstacle, Robot, SquareSensor, Zone, start_faults
+from rota.planner import planner_named
 from rota.planners.bounce.planner_settings import BounceSettings
 
 
@@ -98,6 +103,50 @@ def test_what_bouncing_robots_cannot_do_is_refused(changes, words):
     assert BounceSettings.of(Mission(**good)).cell_m == 1
     with pytest.raises(MissionError, match=words):
         Mission(**{**good, **changes})
+
+
+SENSORS = {"disc": DiscSensor(radius_m=1), "square": SquareSensor(side_m=2)}
+MOVING = {"radius_m": 1, "times_s": [0, 1], "positions_m": [[1, 1], [2, 2]]}
+
+
+@pytest.mark.parametrize(
+    ("planner", "settings", "fleet", "more", "told"),
+    [
+        ("patrol", {}, {}, {"moving_obstacles": [MOVING]}, "moving_obstacles: the patrol planner has no use for"),
+        ("patrol", {"range_margin_m": 1.0}, {}, {}, r"patrol\.range_margin_m: 1 is not allowed; it must be less"),
+        ("patrol", {"period_margin": 1.0}, {}, {}, r"patrol\.period_margin: 1 is not allowed; it must be less than 1"),
+        ("patrol", {"method": "sun2019"}, {"shape": "square"}, {}, r"fleet\.sensor\.shape: square is not allowed"),
+        ("patrol", {}, {}, {"period_s": None}, "period_s: is missing; give seconds for the area, or a zone"),
+        ("swarm", {}, {"robots": "fewest"}, {}, r"fleet\.robots: fewest is not allowed: a swarm needs"),
+        ("swarm", {}, {"robots": 2, "turn_rate_rad_s": 1}, {}, r"fleet\.turn_rate_rad_s: robots of a swarm turn"),
+        ("swarm", {"controller": "settle", "altitudes_m": [1.0, 2.0]}, {"robots": 2}, {"period_s": None},
+         r"swarm\.controller: settle is not allowed; robots with altitudes_m are moved by reciprocal only"),
+        ("bounce", {"cell_m": 1.0}, {}, {}, "period_s: bouncing robots monitor zones, not the area: remove it"),
+        ("bounce", {"cell_m": 1.0, "clock_drift": 0.2}, {}, {}, r"bounce\.clock_drift: 0\.2 is not allowed; it must"),
+    ],
+)  # fmt: skip
+def test_a_mission_is_refused_in_the_same_words_in_python_and_in_a_file(planner, settings, fleet, more, told, tmp_path):
+    shape, robots, turns = fleet.get("shape", "disc"), fleet.get("robots", "fewest"), fleet.get("turn_rate_rad_s")
+    sensor = {"shape": shape, "radius_m" if shape == "disc" else "side_m": 1 if shape == "disc" else 2}
+    document = {
+        "rota": 1, "name": "m", "area": [[0, 0], [9, 0], [9, 9], [0, 9]], "period_s": 60, "planner": planner, **more,
+        planner: settings, "fleet": {"speed_m_s": 1, "sensor": sensor, "robots": robots, "turn_rate_rad_s": turns},
+    }  # fmt: skip
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(document))
+    with pytest.raises(MissionError) as read:
+        read_mission(path)
+    by_name = Robot(name="a", speed_m_s=1, sensor=SENSORS[shape], turn_rate_rad_s=turns)
+    team = None if robots == "fewest" else (by_name, replace(by_name, name="b"))
+    moving = [MovingObstacle(**MOVING)] if "moving_obstacles" in more else []
+    with pytest.raises(MissionError) as made:
+        Mission(
+            name="m", area=box(0, 0, 9, 9), period_s=document["period_s"], moving_obstacles=tuple(moving),
+            fleet=Fleet(speed_m_s=1, sensor=SENSORS[shape], robots=team, turn_rate_rad_s=turns),
+            planning=planner_named(planner).settings(**settings),
+        )  # fmt: skip
+    assert re.match(told, made.value.faults[0])
+    assert made.value.faults[0] in [fault.split(": ", 1)[1] for fault in read.value.faults]
 
 
 def crowd(points: list[tuple[float, float]], *bodies_m: float) -> Fleet:

@@ -133,6 +133,11 @@ class MovingObstacle:
         return x, y
 
 
+def _default_settings() -> PlannerSettings:
+    settings: PlannerSettings = door_of(DEFAULT).settings()
+    return settings
+
+
 @dataclass(frozen=True, kw_only=True)
 class Mission:
     """All that a planner needs to know. Shapes in local metres; ``origin`` places them on the globe, if known.
@@ -151,7 +156,7 @@ class Mission:
     period_s: float | None = None
     origin: GeoPoint | None = None
     unseeable: Unseeable = "exclude"
-    planning: PlannerSettings = field(default_factory=lambda: _default_settings())
+    planning: PlannerSettings = field(default_factory=_default_settings)
     moving_obstacles: tuple[MovingObstacle, ...] = ()
 
     def __post_init__(self) -> None:
@@ -171,17 +176,18 @@ class Mission:
         )
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
-        refused = [*self.planning.refused(_as_written(self)), *self._refused_by_any()]
+        data = _as_written(self)
+        refused = [*self.planning.refused(data), *self._refused_by_most(data)]
         if refused:
             raise MissionError(*(f"{path_of(place)}: {message}" for place, message in refused))
 
-    def _refused_by_any(self) -> Iterator[tuple[Where, str]]:
-        """What no planner but one whose settings say so can use."""
+    def _refused_by_most(self, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+        """What only planners can use whose settings say so."""
         asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
         if self.planning.asks_periods and not asked:
             yield ("period_s",), NO_PERIOD
         if self.planning.altitudes_m is None:
-            yield from growing_footprints(_as_written(self))
+            yield from growing_footprints(data)
 
     @property
     def bouncing(self) -> Bouncing:
@@ -212,11 +218,6 @@ class Mission:
         known = any(item.name == name for item in settings_of(type(self.planning)))
         require(known, name, value, f"the {self.planning.planner} planner has no {name}: leave it out")
         return replace(self, planning=replace(self.planning, **{name: value}))
-
-
-def _default_settings() -> PlannerSettings:
-    settings: PlannerSettings = door_of(DEFAULT).settings()
-    return settings
 
 
 def growing_footprints(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:

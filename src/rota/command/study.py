@@ -49,12 +49,12 @@ def patrol_progress(
     asked = asked if effort is None else asked.with_effort(effort)
     mention_compiling("planners/patrol/annealing", "geometry", "check")
     with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
-        found = patrol_progress(asked, seed=seed, progress=bar.show, should_stop=stop)
-    typer.echo(progress_table(found))
+        search = patrol_progress(asked, seed=seed, progress=bar.show, should_stop=stop)
+    typer.echo(progress_table(search))
     for path in output or []:
-        write_progress(found, path)
+        write_progress(search, path)
         typer.echo(path)
-    raise typer.Exit(stop.exit_code or (DONE if found.reason is None else NO_PLAN))
+    raise typer.Exit(stop.exit_code or (DONE if search.reason is None else NO_PLAN))
 
 
 def _folder(page_file: str) -> Any:

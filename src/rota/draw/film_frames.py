@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from rota.draw.deployment_maps import filled
 from rota.draw.gif_file import Frame
 from rota.draw.ground import ground_of, neighbours
-from rota.draw.held_maps import filled
 from rota.draw.mission_picture import draw_mission, plain
 from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
 from rota.draw.route_lines import robot_colours

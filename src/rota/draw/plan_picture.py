@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
+from rota.draw.deployment_maps import holds, range_half, ways_half
 from rota.draw.entered_cells import entries_half
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
-from rota.draw.held_maps import holds, range_half, ways_half
 from rota.draw.house_style import house_style
 from rota.draw.legends import LEGEND_PT, axes_at
 from rota.draw.mission_picture import draw_mission, mission_legend, period_text

@@ -65,18 +65,18 @@ def stretches_of(trajectory: Trajectory) -> tuple[Stretch, ...]:
     rounds = 2 if loop_s > 0 else 0
     times = np.concatenate([times, *(times[k + 1 :] + (n + 1) * loop_s for n in range(rounds))])
     places = np.concatenate([places, *([places[k + 1 :]] * rounds)])
-    found: list[Stretch] = []
+    stretches: list[Stretch] = []
     for n in range(len(times) - 1):
         stretch = Stretch(begin_s=float(times[n]), end_s=float(times[n + 1]), begin_m=places[n], end_m=places[n + 1])
-        if found and found[-1].goes_on_as(stretch):
-            found[-1] = replace(found[-1], end_s=stretch.end_s, end_m=stretch.end_m)
+        if stretches and stretches[-1].goes_on_as(stretch):
+            stretches[-1] = replace(stretches[-1], end_s=stretch.end_s, end_m=stretch.end_m)
         else:
-            found.append(stretch)
-    if found and found[-1].stays:
-        found.pop()
-    if not found:
+            stretches.append(stretch)
+    if stretches and stretches[-1].stays:
+        stretches.pop()
+    if not stretches:
         raise PlanError(f"robot {trajectory.robot}: it never moves; there is nothing for a Create 2 to drive")
-    return tuple(found)
+    return tuple(stretches)
 
 
 def turned(angle_rad: float) -> float:

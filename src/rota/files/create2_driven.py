@@ -51,10 +51,10 @@ def touching_legs(robots: Sequence[Driven], apart_m: float) -> set[tuple[int, in
 
     Exact: between two times at which either changes its motion, two centres are nearest where a quadratic is least.
     """
-    found: set[tuple[int, int]] = set()
-    for (i, one), (j, other) in itertools.combinations(enumerate(robots), 2):
-        end_s = _together_s(one, other)
-        (times_a, places_a, legs_a), (times_b, places_b, legs_b) = one.until(end_s), other.until(end_s)
+    touching: set[tuple[int, int]] = set()
+    for (i, first), (j, second) in itertools.combinations(enumerate(robots), 2):
+        end_s = _together_s(first, second)
+        (times_a, places_a, legs_a), (times_b, places_b, legs_b) = first.until(end_s), second.until(end_s)
         times = np.union1d(times_a, times_b)
         times = times[times <= end_s + 1e-9]
         gap = _at(times, times_b, places_b) - _at(times, times_a, places_a)
@@ -65,18 +65,18 @@ def touching_legs(robots: Sequence[Driven], apart_m: float) -> set[tuple[int, in
         middle = (times[:-1] + times[1:])[nearest_m < apart_m - TOUCH_M] / 2
         for number, at, legs in ((i, times_a, legs_a), (j, times_b, legs_b)):
             on = legs[np.minimum(np.searchsorted(at, middle), len(legs) - 1)]
-            found |= {(number, int(leg)) for leg in np.unique(on)}
-    return found
+            touching |= {(number, int(leg)) for leg in np.unique(on)}
+    return touching
 
 
 def _at(times: Floats, known: Floats, places: Floats) -> Floats:
     return np.column_stack([np.interp(times, known, places[:, k]) for k in (0, 1)])
 
 
-def _together_s(one: Driven, other: Driven) -> float:
+def _together_s(first: Driven, second: Driven) -> float:
     """A time after which two robots do nothing that they have not done together before."""
-    longest = max(one.times_s[-1], other.times_s[-1])
-    if one.loop_s == 0 or other.loop_s == 0:
-        return longest + max(one.loop_s, other.loop_s)
-    ratio = Fraction(one.loop_s / other.loop_s).limit_denominator(MOST_TOGETHER)
-    return longest + one.loop_s * min(ratio.denominator, MOST_TOGETHER)
+    longest = max(first.times_s[-1], second.times_s[-1])
+    if first.loop_s == 0 or second.loop_s == 0:
+        return longest + max(first.loop_s, second.loop_s)
+    ratio = Fraction(first.loop_s / second.loop_s).limit_denominator(MOST_TOGETHER)
+    return longest + first.loop_s * min(ratio.denominator, MOST_TOGETHER)

@@ -177,9 +177,9 @@ def _ways(
     loop_s = trajectory.loop_duration_s
     if loop_s == 0:
         return _Ways(ways=tuple(ways), loop_from=None)
-    for k, one in enumerate(ways):
-        again = [n for n, later in enumerate(ways) if abs(later.begin_s - one.begin_s - loop_s) <= 1e-6]
-        if one.begin_s >= trajectory.loop_start_s - 1e-9 and again:
+    for k, earlier in enumerate(ways):
+        again = [n for n, later in enumerate(ways) if abs(later.begin_s - earlier.begin_s - loop_s) <= 1e-6]
+        if earlier.begin_s >= trajectory.loop_start_s - 1e-9 and again:
             return _Ways(ways=tuple(ways[: again[0]]), loop_from=k)
     raise PlanError(f"robot {trajectory.robot}: its loop never turns; a bouncing robot would leave the area")
 
@@ -246,23 +246,23 @@ def _slowed(plan: Plan, ways: tuple[_Ways, ...], wheels_m_s: list[float], most_s
     ]
     by_clock = {
         (number, k)
-        for number, one in enumerate(ways)
-        for k, way in enumerate(one.ways)
+        for number, own in enumerate(ways)
+        for k, way in enumerate(own.ways)
         if way.contact is None or way.contact.of_robots
     }
     for _ in range(ROUNDS):
         slowing = _slowing_needed(plan, ways, by_clock, fastest_mm_s, wheels_m_s, most_slowing)
         drives = tuple(
             _drive(
-                trajectory, one,
+                trajectory, own,
                 [
                     _leg_in_time(way, None if (number, k) in by_clock else way.contact, fastest_mm_s[number],
                                  wheels_m_s[number], slowing)
-                    for k, way in enumerate(one.ways)
+                    for k, way in enumerate(own.ways)
                 ],
                 wheels_m_s[number], slowing,
             )
-            for number, (trajectory, one) in enumerate(zip(plan.trajectories, ways, strict=True))
+            for number, (trajectory, own) in enumerate(zip(plan.trajectories, ways, strict=True))
         )  # fmt: skip
         touching = touching_legs([driven(drive) for drive in drives], 2 * BODY_RADIUS_M)
         if not touching:
@@ -289,8 +289,8 @@ def _slowing_needed(
 ) -> float:
     """The smallest factor of the clock, 1 at least, with which every leg has time; PlanError above ``most_slowing``."""
     worst, tightest = 1.0, (0, 0)
-    for number, one in enumerate(ways):
-        for k, way in enumerate(one.ways):
+    for number, own in enumerate(ways):
+        for k, way in enumerate(own.ways):
             contact = None if (number, k) in by_clock else way.contact
             way_m = way.way.length_m + (0.0 if contact is None else contact.ahead_m)
             needed_s = way_m / (fastest_mm_s[number] / 1e3) + _beside_driving_s(way, contact, wheels_m_s[number])

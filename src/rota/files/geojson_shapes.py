@@ -91,11 +91,11 @@ def feature_name(properties: dict[str, Any]) -> str | None:
 def pick_feature(features: tuple[Feature, ...], name: str, path: Path) -> Feature:
     """The one feature with this name, Name or id. Raises MissionError when there is none, or more than one."""
     keys = ("name", "Name", "id")
-    found = [f for f in features if name in [str(f.properties[key]) for key in keys if key in f.properties]]
-    if len(found) == 1:
-        return found[0]
+    matching = [f for f in features if name in [str(f.properties[key]) for key in keys if key in f.properties]]
+    if len(matching) == 1:
+        return matching[0]
     names = ", ".join(repr(f.name) for f in features if f.name) or "no names at all"
-    count = f"{len(found)} features are" if found else "no feature is"
+    count = f"{len(matching)} features are" if matching else "no feature is"
     raise MissionError(f"{count} called {name!r} in {path}; it has {names}")
 
 

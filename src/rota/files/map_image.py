@@ -42,11 +42,11 @@ def read_brightness(path: Path, *, alpha_counts: bool) -> NDArray[np.float64]:
 def _read_pgm(path: Path, data: bytes) -> NDArray[np.float64]:
     at, header = 2, []
     for field in ("width", "height", "maxval"):
-        found = _PGM_NUMBER.match(data, at)
-        if found is None or len(found[1]) > _MOST_DIGITS:
+        number = _PGM_NUMBER.match(data, at)
+        if number is None or len(number[1]) > _MOST_DIGITS:
             raise MissionError(f"{path}: damaged PGM: no {field} in the header")
-        header.append(int(found[1]))
-        at = found.end()
+        header.append(int(number[1]))
+        at = number.end()
     columns, rows, brightest = header
     if not 0 < brightest < 65536 or not columns * rows:
         raise MissionError(f"{path}: damaged PGM: {columns} x {rows} pixels up to {brightest}; 1..65535 are allowed")

@@ -38,24 +38,26 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
             placed, where = _placed_robots(fleet, block, to_metres)
     except _Misplaced as error:
         return fleet, error.faults
-    found = start_faults(ground.area, [one.shape for one in ground.obstacles if one.blocks_motion], placed)
-    if found:
-        return fleet, [Fault(where[field], message) for field, message in found]
+    faults = start_faults(
+        ground.area, [obstacle.shape for obstacle in ground.obstacles if obstacle.blocks_motion], placed
+    )
+    if faults:
+        return fleet, [Fault(where[field], message) for field, message in faults]
     return placed, []
 
 
 def moving_obstacles(file: MissionFile, ground: Ground) -> tuple[MovingObstacle, ...]:
     """The mission's moving obstacles in local metres. Raises MissionError for a place that no projection holds."""
     to_metres = _Metres(ground, in_degrees=file.coordinates == "wgs84")
-    found = []
+    moving = []
     for k, block in enumerate(file.moving_obstacles):
         written = [_Written(("moving_obstacles", k, "positions_m", j), at) for j, at in enumerate(block.positions_m)]
         try:
             positions = tuple(map(to_metres, written))
         except _Misplaced as error:
             raise MissionError(*(f"moving_obstacles[{k}]: {fault.message}" for fault in error.faults)) from None
-        found.append(MovingObstacle(radius_m=block.radius_m, times_s=tuple(block.times_s), positions_m=positions))
-    return tuple(found)
+        moving.append(MovingObstacle(radius_m=block.radius_m, times_s=tuple(block.times_s), positions_m=positions))
+    return tuple(moving)
 
 
 class _Misplaced(Exception):  # noqa: N818 (the reader of the starts catches it)

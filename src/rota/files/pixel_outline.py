@@ -68,13 +68,13 @@ class _Ring:
 
     def pieces(self) -> list[Floats]:
         """Each piece of the new border as its points, from one turn to the next, the latter included."""
-        found = []
+        pieces = []
         for k, turn in enumerate(self.turns):
             after = self.turns[k + 1] if k + 1 < len(self.turns) else self.turns[0] + len(self.stops)
             ends = self.point(turn)[None], self.point(after)[None]
             inner = self.between(turn, after) if turn in self.restored else np.empty((0, 2))
-            found.append(np.concatenate([ends[0], inner, ends[1]]))
-        return found
+            pieces.append(np.concatenate([ends[0], inner, ends[1]]))
+        return pieces
 
 
 def _straightened(polygon: Polygon) -> Polygon:

@@ -25,8 +25,8 @@ MOST_FAULTS = 20
 
 def plan_faults(error: ValidationError) -> Iterator[str]:
     """One line per fault that pydantic found: the field's path, what is wrong and what is allowed."""
-    found = error.errors(include_url=False)
-    for fault in found[:MOST_FAULTS]:
+    faults = error.errors(include_url=False)
+    for fault in faults[:MOST_FAULTS]:
         message = f"{_path(fault['loc'])}: {fault['msg']}"
         if fault["type"] == "extra_forbidden":
             known = get_close_matches(str(fault["loc"][-1]), _all_keys(), n=1)
@@ -34,8 +34,8 @@ def plan_faults(error: ValidationError) -> Iterator[str]:
         elif isinstance(fault["input"], str | int | float) and fault["type"] not in ("missing", "fault"):
             message += f", not {reprlib.repr(fault['input'])}"
         yield message
-    if len(found) > MOST_FAULTS:
-        yield f"and {len(found) - MOST_FAULTS} more faults"
+    if len(faults) > MOST_FAULTS:
+        yield f"and {len(faults) - MOST_FAULTS} more faults"
 
 
 def _path(location: tuple[int | str, ...]) -> str:

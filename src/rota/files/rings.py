@@ -58,8 +58,8 @@ def polygon_fault(outer: Points, holes: Sequence[Points]) -> str | None:
 
 def fault_point(shape: BaseGeometry) -> str:
     """Where GEOS finds an invalid shape invalid, as ``(x, y)``."""
-    found = re.search(r"\[(\S+) (\S+?)\]", is_valid_reason(shape))
-    return f"({float(found[1]):.9g}, {float(found[2]):.9g})" if found else "an unknown point"
+    place = re.search(r"\[(\S+) (\S+?)\]", is_valid_reason(shape))
+    return f"({float(place[1]):.9g}, {float(place[2]):.9g})" if place else "an unknown point"
 
 
 def circle_ring(centre: tuple[float, float], radius: float) -> NDArray[np.float64]:

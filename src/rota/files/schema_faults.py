@@ -21,20 +21,20 @@ class Fault(NamedTuple):
 
 def schema_faults(document: Document, error: ValidationError) -> list[Fault]:
     """Every fault pydantic found: its place in the document, and what is wrong and what is allowed there."""
-    found: list[Fault] = []
+    faults: list[Fault] = []
     for line in error.errors(include_url=False):
         place = tuple(step for step in line["loc"] if not str(step).startswith("<"))
         kind, value = line["type"], line["input"]
         if kind == "missing" and place and isinstance(place[-1], int):
             # a tuple that is too short: pydantic tells each missing number by itself
-            if found and found[-1].place == place[:-1]:
-                found.pop()
+            if faults and faults[-1].place == place[:-1]:
+                faults.pop()
             message = f"{shown(value)} is too short; {int(place[-1]) + 1} numbers are needed"
             place = place[:-1]
         else:
             message = refusal(kind, value, dict(line.get("ctx", {})), line["msg"])
-        found.append(Fault(place, message, at_key=kind == "unknown_key"))
-    return found
+        faults.append(Fault(place, message, at_key=kind == "unknown_key"))
+    return faults
 
 
 def positioned(document: Document, faults: Iterable[Fault]) -> list[str]:

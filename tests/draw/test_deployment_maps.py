@@ -12,8 +12,8 @@ from PIL import Image
 from shapely import box
 
 from rota.draw import animate_plan, draw_plan
-from rota.draw.held_frames import HeldFrames
-from rota.draw.held_maps import covered_colour, holds
+from rota.draw.deployment_frames import DeploymentFrames
+from rota.draw.deployment_maps import covered_colour, holds
 from rota.draw.plan_picture import plan_figure
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.plan import Plan, Trajectory
@@ -80,7 +80,7 @@ def test_what_is_asked_or_driven_for_ever_is_drawn_as_before(spread: Plan, yard:
 
 
 def test_the_film_tells_the_share_in_range_at_every_time(spread: Plan, tmp_path: Path):
-    film = HeldFrames(spread, 1.0)
+    film = DeploymentFrames(spread, 1.0)
     told = []
     for _ in film.frames(np.array([0.0, 13.0, 20.0])):
         told.append(film._clock.get_text().split(" in range")[0])

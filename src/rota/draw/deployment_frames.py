@@ -8,9 +8,9 @@ from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from rota.draw.deployment_maps import COVERED_ALPHA, covered_colour, filled
 from rota.draw.film_frames import BOTTOM, LEGEND, NUMBERED_ROBOTS, FilmFrames
 from rota.draw.gif_file import Frame
-from rota.draw.held_maps import COVERED_ALPHA, covered_colour, filled
 from rota.draw.palette import COVERED, COVERED_EDGE, GROUND
 from rota.draw.routes import places_at
 from rota.plan_summary import range_from
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 MANY_MARK, FEW_MARK = 5.0, 85.0  # square points
 
 
-class HeldFrames(FilmFrames):
+class DeploymentFrames(FilmFrames):
     """Draws a plan that asks nothing at one time after another: discs now in range, with the share that they cover."""
 
     def _draw_robots(self) -> None:
