@@ -11,7 +11,7 @@ import pytest
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
-from rota.draw.ground import ground_of
+from rota.draw.cell_map import cell_map_of
 from rota.draw.sightings import Sightings
 from rota.errors import MissionError
 from rota.files.checkpoint_file import read_checkpoint, write_checkpoint
@@ -140,6 +140,6 @@ def test_a_film_s_footprints_grow_with_height() -> None:
     plan = Plan(
         mission=good, trajectories=(Trajectory(robot="r0", times_s=[0, 20], positions_m=places, loop_start_s=20),)
     )
-    sightings = Sightings(plan, ground_of(good, 100))
+    sightings = Sightings(plan, cell_map_of(good, 100))
     areas = [sightings.footprints(time_s)[0].area for time_s in (0, 10, 20)]
     assert areas == pytest.approx([math.pi * height**2 / 3 for height in (20, 30, 40)], rel=2e-3)

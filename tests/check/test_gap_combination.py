@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rota.check import gap_kernels
+from rota.check.arrays import Loops, SeenTimes
 from rota.check.routes import commensurable_classes
 
 Floats = NDArray[np.float64]
@@ -41,10 +42,8 @@ def team_gap(sights: list[Floats], periods: list[float], limit_s: float = 0.0) -
     flat = np.vstack(sights)
     bounds = np.concatenate([[0], np.cumsum([len(s) for s in sights])]).astype(np.int64)
     robots = np.arange(len(sights), dtype=np.int64)
-    gap, when, exact = gap_kernels.team_gap(
-        np.ascontiguousarray(flat[:, 0]), np.ascontiguousarray(flat[:, 1]), bounds, robots, len(sights),
-        classes, parts, units, limit_s, 0.0,
-    )  # fmt: skip
+    times = SeenTimes(np.ascontiguousarray(flat[:, 0]), np.ascontiguousarray(flat[:, 1]), bounds, robots)
+    gap, when, exact = gap_kernels.team_gap(times, len(sights), Loops(classes, parts, units, 0.0), limit_s)
     return float(gap), float(when), bool(exact)
 
 
@@ -69,10 +68,9 @@ def test_pairs_by_gcd_match_the_explicit_hyperperiod(seed: int) -> None:
     sights = [random_sights(rng, p) for p in periods]
     flat = np.vstack(sights)
     n = len(sights[0])
-    gap = gap_kernels.pair_gap(
-        np.ascontiguousarray(flat[:, 0]), np.ascontiguousarray(flat[:, 1]),
-        0, n, float(periods[0]), n, len(flat), float(periods[1]), float(math.gcd(*periods)),
-    )  # fmt: skip
+    bounds = np.array([0, n, len(flat)])
+    times = SeenTimes(np.ascontiguousarray(flat[:, 0]), np.ascontiguousarray(flat[:, 1]), bounds, np.arange(2))
+    gap = gap_kernels.pair_gap(times, 0, 1, float(periods[0]), float(periods[1]), float(math.gcd(*periods)))
     assert gap == pytest.approx(explicit_gap(sights, periods), abs=1e-9)
 
 

@@ -50,7 +50,7 @@ def test_pairs_are_those_of_comparing_all_with_all(seed: int, monkeypatch: pytes
     monkeypatch.setattr(near, "MOST_AT_ONCE", 64)
     routes = routes_of(random_plan(rng))
     bodies = rng.uniform(0, 0.7, len(routes.durations_s))
-    found = [pair for a, b in near.near_legs(routes, bodies, 1e-6) for pair in zip(a.tolist(), b.tolist(), strict=True)]
+    found = [pair for a, b in near.near_legs(routes, bodies) for pair in zip(a.tolist(), b.tolist(), strict=True)]
     assert len(found) == len(set(found))
     assert set(found) == all_with_all(routes, bodies)
 
@@ -97,7 +97,7 @@ def test_a_robot_that_trembles_is_not_compared_with_itself(monkeypatch: pytest.M
         mission = Mission(
             name="m", area=box(0, 0, 6, 6), period_s=9, fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1))
         )
-        pairs = near.near_legs(routes_of(Plan(mission=mission, trajectories=tracks)), np.array([0.6, 0.6]), 1e-6)
+        pairs = near.near_legs(routes_of(Plan(mission=mission, trajectories=tracks)), np.array([0.6, 0.6]))
         assert sum(len(a) for a, _ in pairs) >= n - 1
         work[n] = sum(asked)
     assert work[2000] < 4.5 * work[500]

@@ -10,7 +10,7 @@ import shapely
 from shapely import MultiPolygon, Polygon, box
 
 from rota.check.revisits import worst_gaps_s
-from rota.check.seeable import grounds_of, seeable, standing
+from rota.check.seeable import seeable, standing, standing_areas
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
 from rota.plan import Plan, Trajectory
 
@@ -25,7 +25,7 @@ def obstacle(shape: Polygon, blocks: str = "both") -> Obstacle:
 
 
 def seen(m: Mission, *points: tuple[float, float], spread: float = 0.0) -> list[bool]:
-    return seeable(m, grounds_of(m), np.array(points, dtype=float), spread).tolist()
+    return seeable(m, standing_areas(m), np.array(points, dtype=float), spread).tolist()
 
 
 def test_standing_ground_of_a_body_in_a_square_with_a_block() -> None:
@@ -94,7 +94,7 @@ def test_matches_sight_from_many_standing_places(seed: int) -> None:
     places = places[shapely.contains_xy(ground, *places.T)]
     core = shapely.buffer(hidden, -1e-7)
     shapely.prepare(core)
-    found = seeable(m, grounds_of(m), points)
+    found = seeable(m, standing_areas(m), points)
     robust = 0
     for point, known in zip(points[:150], found[:150], strict=True):
         away = np.abs(places - point)
@@ -104,11 +104,11 @@ def test_matches_sight_from_many_standing_places(seed: int) -> None:
         assert known or not sampled
         robust += known == sampled
     assert robust >= 0.97 * min(len(points), 150)
-    proofs = ~seeable(m, grounds_of(m), points, 0.05)
+    proofs = ~seeable(m, standing_areas(m), points, 0.05)
     for angle in np.linspace(0, 2 * math.pi, 12, endpoint=False):
         beside = points + 0.049 * np.array([math.cos(angle), math.sin(angle)])
         beside_ok = ~shapely.contains_xy(hidden, *beside.T)
-        assert not (seeable(m, grounds_of(m), beside) & proofs & beside_ok).any()
+        assert not (seeable(m, standing_areas(m), beside) & proofs & beside_ok).any()
 
 
 def test_fleet_of_different_robots_sees_what_any_of_them_can() -> None:
@@ -135,9 +135,9 @@ def test_what_is_near_a_box_of_points_decides_as_all_of_it_does(
     points = rng.uniform(0, 16, (600, 2))
     points = points[~shapely.contains_xy(blocks, points)]
     for spread_m in (0.0, 0.05, 0.3):
-        whole = seeable(m, grounds_of(m), points, spread_m)
+        whole = seeable(m, standing_areas(m), points, spread_m)
         monkeypatch.setattr("rota.check.seeable.MANY_SIDES", 50)
-        assert (seeable(m, grounds_of(m), points, spread_m) == whole).all()
+        assert (seeable(m, standing_areas(m), points, spread_m) == whole).all()
         monkeypatch.undo()
         assert (~whole).sum() > 0 or spread_m > 0
 

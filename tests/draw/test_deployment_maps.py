@@ -13,7 +13,7 @@ from shapely import box
 
 from rota.draw import animate_plan, draw_plan
 from rota.draw.deployment_frames import DeploymentFrames
-from rota.draw.deployment_maps import covered_colour, holds
+from rota.draw.deployment_maps import covered_colour, is_deployment
 from rota.draw.plan_picture import plan_figure
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.plan import Plan, Trajectory
@@ -71,12 +71,12 @@ def test_ground_is_coloured_by_how_many_have_it_in_range(spread: Plan, tmp_path:
 
 
 def test_what_is_asked_or_driven_for_ever_is_drawn_as_before(spread: Plan, yard: Plan):
-    assert holds(spread)
-    assert not holds(yard)
-    assert not holds(replace(spread, mission=replace(spread.mission, period_s=100.0)))
-    assert not holds(Plan(mission=spread.mission, trajectories=()))
+    assert is_deployment(spread)
+    assert not is_deployment(yard)
+    assert not is_deployment(replace(spread, mission=replace(spread.mission, period_s=100.0)))
+    assert not is_deployment(Plan(mission=spread.mission, trajectories=()))
     goes = Trajectory(robot="robot-1", times_s=[0, 5, 10], positions_m=[(20, 20), (25, 20), (20, 20)])
-    assert not holds(replace(spread, trajectories=(goes,)))
+    assert not is_deployment(replace(spread, trajectories=(goes,)))
 
 
 def test_the_film_tells_the_share_in_range_at_every_time(spread: Plan, tmp_path: Path):

@@ -11,8 +11,8 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from shapely import Polygon, box
 
+from rota.draw.cell_map import neighbours
 from rota.draw.gap_map import gap_legend, gap_map
-from rota.draw.ground import neighbours
 from rota.draw.palette import AREA_EDGE
 from rota.draw.plan_picture import draw_gaps
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle
@@ -27,7 +27,7 @@ def axes():
 
 def test_a_robot_to_and_fro_leaves_gaps_of_twice_the_way_to_the_farther_end(strip: Plan):
     gaps = gap_map(strip, cells=500)
-    x = np.broadcast_to(gaps.ground.x_m, gaps.ratio.shape)
+    x = np.broadcast_to(gaps.cell_map.x_m, gaps.ratio.shape)
     expected_s = np.maximum(2 * (85 - x), 2 * (x - 15))
     seen = (x > 5) & (x < 95)
     assert gaps.ratio.shape == (5, 100)
@@ -66,7 +66,7 @@ def test_what_no_robot_can_see_is_excluded_not_missed():
     mission = Mission(name="shaft", area=box(0, 0, 10, 11), obstacles=walls, period_s=10, fleet=fleet)
     plan = Plan(mission=mission, trajectories=(Trajectory(robot="robot-1", times_s=[0], positions_m=[(3, 5)]),))
     gaps = gap_map(plan, cells=110)
-    x, y = np.meshgrid(gaps.ground.x_m, gaps.ground.y_m)
+    x, y = np.meshgrid(gaps.cell_map.x_m, gaps.cell_map.y_m)
     np.testing.assert_array_equal(gaps.excluded, (x > 8) & (y < 10))
     assert not gaps.never.any()
     refused = gap_map(replace(plan, mission=replace(mission, unseeable="refuse")), cells=110)
@@ -79,13 +79,13 @@ def test_a_slanted_border_is_coloured_up_to_its_line_which_is_on_top(strip: Plan
     plan = replace(strip, mission=replace(strip.mission, area=wedge))
     ax = axes()
     image = draw_gaps(plan, ax, gaps := gap_map(plan, cells=600))
-    coloured = ~np.ma.getmaskarray(image.get_array()) | gaps.never.ravel()[neighbours(gaps.ground)]
+    coloured = ~np.ma.getmaskarray(image.get_array()) | gaps.never.ravel()[neighbours(gaps.cell_map)]
     left, _, bottom, _ = image.get_extent()
     inside = np.random.default_rng(1).uniform((0, 0), (100, 60), (20_000, 2))
     inside = inside[shapely.contains_xy(wedge, inside)]
-    column, row = ((inside - (left, bottom)) // gaps.ground.cell_m).astype(int).T
+    column, row = ((inside - (left, bottom)) // gaps.cell_map.cell_m).astype(int).T
     assert coloured[row, column].all()
-    assert not gaps.ground.inside[row, column].all(), "some of it lies in cells whose middle is outside"
+    assert not gaps.cell_map.inside[row, column].all(), "some of it lies in cells whose middle is outside"
     border = [patch for patch in ax.patches if patch.get_edgecolor() == to_rgba(AREA_EDGE)]
     assert [patch.get_zorder() > image.get_zorder() for patch in border] == [True]
     assert image.get_clip_path() is not None
@@ -94,7 +94,7 @@ def test_a_slanted_border_is_coloured_up_to_its_line_which_is_on_top(strip: Plan
 def test_nothing_asked_and_visits_are_not_mapped(yard: Plan):
     ax = axes()
     drawn = draw_gaps(yard, ax, gaps := gap_map(yard, cells=2500)).get_array()
-    x, y = np.meshgrid(gaps.ground.x_m, gaps.ground.y_m)
+    x, y = np.meshgrid(gaps.cell_map.x_m, gaps.cell_map.y_m)
     assert drawn.mask[np.hypot(x - 25, y - 25) < 11].all()
     assert drawn.mask[(x > 90) & (y < 10)].all()
     assert np.isnan(gaps.ratio[(x > 40) & (x < 60) & (y > 40) & (y < 55)]).all()

@@ -9,8 +9,8 @@ import pytest
 import shapely
 from shapely import MultiPolygon, Point, box
 
+from rota.draw.cell_map import cell_map_of
 from rota.draw.footprint import cut_footprint, open_footprint, walls_of
-from rota.draw.ground import ground_of
 from rota.draw.sightings import Sightings, in_range
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor
 from rota.plan import Plan
@@ -101,12 +101,12 @@ def test_range_along_a_leg_is_the_union_of_footprints(sensor: DiscSensor | Squar
 
 
 def test_last_seen_on_a_strip(strip: Plan):
-    sightings = Sightings(strip, ground_of(strip.mission, cells=500))
+    sightings = Sightings(strip, cell_map_of(strip.mission, cells=500))
     before_s = 0.0
     for time_s in np.arange(0, 120.5, 0.5):
         sightings.advance(before_s, float(time_s))
         before_s = float(time_s)
-    x = sightings.ground.x_m
+    x = sightings.cell_map.x_m
     # at 120 s the robot is at x = 50 on its way back: behind it a point was left when the robot was 5 m farther left
     left_s = np.where(x >= 45, np.minimum(120, 175 - x), x - 5)
     left_s[(x < 5) | (x > 95)] = -np.inf
@@ -121,14 +121,14 @@ def test_last_seen_on_a_strip(strip: Plan):
 
 def test_ground_behind_a_wall_stays_unseen(strip: Plan):
     tall = replace(strip.mission, area=box(0, 0, 100, 8), obstacles=(Obstacle(shape=box(0, 5, 100, 5.5)),))
-    sightings = Sightings(replace(strip, mission=tall), ground_of(tall, cells=800))
+    sightings = Sightings(replace(strip, mission=tall), cell_map_of(tall, cells=800))
     sightings.advance(0, 160)
     seen_rows = np.isfinite(sightings.last_seen_s).any(axis=1)
-    np.testing.assert_array_equal(seen_rows, sightings.ground.y_m < 5)
+    np.testing.assert_array_equal(seen_rows, sightings.cell_map.y_m < 5)
 
 
 def test_the_later_of_two_looks_counts_whatever_the_robots_order(yard: Plan):
-    both = [Sightings(replace(yard, trajectories=order), ground_of(yard.mission, cells=900)) for order in
+    both = [Sightings(replace(yard, trajectories=order), cell_map_of(yard.mission, cells=900)) for order in
             (yard.trajectories, yard.trajectories[::-1])]  # fmt: skip
     for sightings in both:
         sightings.advance(0, 23)

@@ -7,13 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.check.bounce_floor import TOUCH_M, Floor
+from rota.check.bounce_floor import Floor
+from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-SAME_TIME = 1e-9
 
 
 class Around:

@@ -13,13 +13,13 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check.routes import lines_of, segments_of
+from rota.check.tolerances import EDGE_RAD, FLOAT_EPS, SAME_CELL, TOUCH_M
 from rota.mission import Bouncing, Mission
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-TOUCH_M = 1e-6
 MOST_CELLS = 4_000_000
 
 
@@ -34,8 +34,10 @@ class Floor:
         origin = rules.cell_origin
         self.corner_m = np.array([x0, y0])
         if origin is not None:
-            self.corner_m = np.array(origin) - np.ceil((np.array(origin) - [x0, y0]) / self.cell_m - 1e-9) * self.cell_m
-        count = np.maximum(1, np.ceil((np.array([x1, y1]) - self.corner_m) / self.cell_m - 1e-9))
+            self.corner_m = (
+                np.array(origin) - np.ceil((np.array(origin) - [x0, y0]) / self.cell_m - SAME_CELL) * self.cell_m
+            )
+        count = np.maximum(1, np.ceil((np.array([x1, y1]) - self.corner_m) / self.cell_m - SAME_CELL))
         self.judgeable = bool(count.prod() <= MOST_CELLS)  # there are no more cells than can be looked at
         self.shape = count.astype(np.int64) if self.judgeable else np.zeros(2, np.int64)
         blocked = shapely.union_all([o.shape for o in mission.obstacles if o.blocks_motion])
@@ -55,7 +57,7 @@ class Floor:
         """The cells (n, 2) that hold places, and whether each place is its cell's centre within 1e-6 m."""
         with np.errstate(invalid="ignore"):  # places too far off to have a cell are at no centre
             cells = np.floor((places_m - self.corner_m) / self.cell_m).astype(np.int64)
-        noise_m = TOUCH_M + 8 * float(np.finfo(np.float64).eps) * np.abs(places_m).max(initial=0.0)
+        noise_m = TOUCH_M + 8 * FLOAT_EPS * np.abs(places_m).max(initial=0.0)
         return cells, np.hypot(*(places_m - self.centres_m(cells)).T) <= noise_m
 
     def free(self, cells: Ints) -> Flags:
@@ -114,7 +116,7 @@ def heading_moves(headings: int) -> Ints:
         vectors = np.array([(x, y) for x in span for y in span if math.gcd(x, y) == 1])
         off = np.arctan2(vectors[:, 1], vectors[:, 0])[None, :] - wanted[:, None]
         off = np.abs(np.arctan2(np.sin(off), np.cos(off)))
-        if off.min(axis=1).max() <= step / 4 + 1e-9:
+        if off.min(axis=1).max() <= step / 4 + EDGE_RAD:
             return np.asarray(vectors[off.argmin(axis=1)])
         reach += 1
 

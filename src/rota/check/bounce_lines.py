@@ -10,19 +10,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.check.report import Violation
+from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
+from rota.check.tolerances import AHEAD_M, ALONG_WALL, BOUNCE_TOLERANCE_RAD, STILL_M, TOUCH_M
 from rota.mission import Mission
 from rota.plan import Trajectory
 from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
-
-TOUCH_M = 1e-6
-STILL_M = 1e-9
-SAME_RAD = 1e-6
-AHEAD_M = 1e-4  # so far on, a body that is stopped would be in the wall
-NEARER = 1e-5  # of the way ahead: what comes nearer by less goes along the wall
 
 
 class Walls:
@@ -46,7 +41,7 @@ class Walls:
         """Whether the body touches a wall within 1e-6 m and would go into it."""
         here_m = self.clear_m(place_m)
         ahead = np.array([math.cos(heading_rad), math.sin(heading_rad)]) * AHEAD_M
-        return here_m <= 2 * TOUCH_M and self.clear_m(place_m + ahead) < here_m - NEARER * AHEAD_M
+        return here_m <= 2 * TOUCH_M and self.clear_m(place_m + ahead) < here_m - ALONG_WALL * AHEAD_M
 
 
 def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> list[Violation]:
@@ -59,23 +54,14 @@ def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> l
 
     def wrong(kind: ViolationKind, k: int, value: float, limit: float, unit: str) -> Violation:
         """A violation at the robot's position k."""
-        x, y = places[k]
-        return Violation(
-            kind=kind,
-            who=trajectory.robot,
-            place_m=(float(x), float(y)),
-            time_s=float(times[k]),
-            value=value,
-            limit=limit,
-            unit=unit,
-        )
+        return violation(kind, trajectory.robot, places[k], times[k], value, limit, unit)
 
     if not looping:
         return [wrong("rests where nothing is in the way", len(places) - 1, 0.0, math.degrees(angle_rad), "degrees")]
     found = []
     directions = np.arctan2(ways[:, 1], ways[:, 0])
     for before, after in [*itertools.pairwise(moving), (looping[-1], looping[0])]:
-        noise = SAME_RAD + 8 * STILL_M * (1 / lengths[before] + 1 / lengths[after])
+        noise = BOUNCE_TOLERANCE_RAD + 8 * STILL_M * (1 / lengths[before] + 1 / lengths[after])
         turned = float((directions[after] - directions[before]) % math.tau)
         seam_s = times[-1] - times[before + 1] + times[after] - trajectory.loop_start_s
         pause_s = seam_s if after <= before else times[after] - times[before + 1]
@@ -97,6 +83,6 @@ def _bounces(turned_rad: float, angle_rad: float, noise_rad: float) -> int | Non
         off = (count * angle_rad - turned_rad + math.pi) % math.tau - math.pi
         if abs(off) <= noise_rad:
             return count
-        if count * angle_rad % math.tau < SAME_RAD:
+        if count * angle_rad % math.tau < BOUNCE_TOLERANCE_RAD:
             return None  # round and round again from here on
     return None

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.bounce_contacts import Around
-from rota.check.bounce_floor import TOUCH_M, Floor
+from rota.check.bounce_floor import Floor
 from rota.check.bounce_lines import Walls, line_violations
-from rota.check.report import Violation
+from rota.check.report import Violation, violation
+from rota.check.tolerances import BOUNCE_TOLERANCE_RAD, TOUCH_M
 from rota.mission import Bouncing
 from rota.plan import Plan, Trajectory
 from rota.violation_kinds import ViolationKind
@@ -28,7 +29,6 @@ Ints = NDArray[np.int64]
 
 MOST_PER_ROBOT = 20
 MOST_MOVES = 5_000_000  # of one robot
-SAME_RAD = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,8 @@ def bounce_violations(plan: Plan) -> Bounced:
         return Bounced(violations=tuple(_without_cells(plan, rules)))
     floor = Floor(plan.mission, rules)
     if not floor.judgeable:
-        wrong = _violation("too many cells to judge", "area", None, None, rules.cell_m, rules.cell_m, "m wide")
+        wide_m = float(rules.cell_m)
+        wrong = violation("too many cells to judge", "area", None, None, wide_m, wide_m, "m wide")
         return Bounced(violations=(wrong,))
     violations: list[Violation] = []
     entered = [np.empty((0, 2), np.int64)]
@@ -61,9 +62,7 @@ def bounce_violations(plan: Plan) -> Bounced:
         angles = rules.bouncing_angles_deg
         index = _index_in_fleet(plan, trajectory, k) if len(angles) > 1 else 0
         if index >= len(angles):
-            violations.append(
-                _violation("no bouncing angle", trajectory.robot, None, None, index, len(angles), "angles")
-            )
+            violations.append(_no_angle(trajectory, index, len(angles)))
             continue
         judge = _Robot(plan, floor, rules, trajectory, round(angles[index] * rules.headings / 360))
         violations += judge.violations()[:MOST_PER_ROBOT]
@@ -80,7 +79,7 @@ def bounce_violations(plan: Plan) -> Bounced:
     if len(missed) or not len(wanted):
         x, y = floor.centres_m(missed[:1])[0] if len(missed) else floor.corner_m
         place = (float(x), float(y))
-        violations.append(_violation("cells never entered", "area", place, None, len(missed), 0, "cells"))
+        violations.append(violation("cells never entered", "area", place, None, float(len(missed)), 0.0, "cells"))
     told = (f"{by_clock} turns are taken to be by the clock, since no wall explains them",) if by_clock else ()
     return Bounced(violations=tuple(violations), cells=(len(wanted) - len(missed), len(wanted)), not_judged=told)
 
@@ -92,10 +91,14 @@ def _without_cells(plan: Plan, rules: Bouncing) -> list[Violation]:
     for k, trajectory in enumerate(plan):
         index = _index_in_fleet(plan, trajectory, k) if len(angles) > 1 else 0
         if index >= len(angles):
-            found.append(_violation("no bouncing angle", trajectory.robot, None, None, index, len(angles), "angles"))
+            found.append(_no_angle(trajectory, index, len(angles)))
         else:
             found += line_violations(trajectory, walls, math.radians(angles[index]))[:MOST_PER_ROBOT]
     return found
+
+
+def _no_angle(trajectory: Trajectory, index: int, angles: int) -> Violation:
+    return violation("no bouncing angle", trajectory.robot, None, None, float(index), float(angles), "angles")
 
 
 def _index_in_fleet(plan: Plan, trajectory: Trajectory, otherwise: int) -> int:
@@ -174,8 +177,10 @@ class _Robot:
         true = np.arctan2(way[:, 1], way[:, 0])
         for end in (0, 1):
             off = np.abs(np.remainder(faced[moving + end] - true + math.pi, math.tau) - math.pi)
-            for k in np.flatnonzero(off > SAME_RAD)[:MOST_PER_ROBOT]:
-                wrong = self._wrong("faces another way than it drives", int(moving[k]), float(off[k]), SAME_RAD, "rad")
+            for k in np.flatnonzero(off > BOUNCE_TOLERANCE_RAD)[:MOST_PER_ROBOT]:
+                wrong = self._wrong(
+                    "faces another way than it drives", int(moving[k]), float(off[k]), BOUNCE_TOLERANCE_RAD, "rad"
+                )
                 self._found.append(wrong)
 
     # ------------------------------------------------------------ turns
@@ -280,18 +285,4 @@ class _Robot:
     def _wrong(self, kind: ViolationKind, leg: int, value: float, limit: float, unit: str) -> Violation:
         x, y = self._places[leg]
         time_s = float(self._trajectory.times_s[leg])
-        return _violation(kind, self._trajectory.robot, (float(x), float(y)), time_s, value, limit, unit)
-
-
-def _violation(
-    kind: ViolationKind,
-    who: str,
-    place_m: tuple[float, float] | None,
-    time_s: float | None,
-    value: float,
-    limit: float,
-    unit: str,
-) -> Violation:
-    return Violation(
-        kind=kind, who=who, place_m=place_m, time_s=time_s, value=float(value), limit=float(limit), unit=unit
-    )
+        return violation(kind, self._trajectory.robot, (x, y), time_s, float(value), float(limit), unit)

@@ -16,14 +16,13 @@ from rota.check.motion import segment_distances
 from rota.check.near_legs import near_ways
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, Routes, routes_of
+from rota.check.tolerances import CLOCK_TOLERANCE, PARALLEL, STILL_M2_S2, TOUCH_M
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TOUCH_M = 1e-6
 FOR_EVER_S = 1e12
-SAME_S = 1e-9
 CHUNK = 500_000
 
 
@@ -50,7 +49,7 @@ def clock_violations(plan: Plan, margin_s: float | None) -> list[Violation]:
     rules = plan.mission.planning.bouncing
     if margin_s is None or rules is None:
         return []
-    if margin_s >= rules.clock_margin_s * (1 - SAME_S):
+    if margin_s >= rules.clock_margin_s * (1 - CLOCK_TOLERANCE):
         return []
     return [
         Violation(
@@ -129,7 +128,7 @@ def touching_shifts(routes: Routes, a: Ints, b: Ints, apart_m: Floats) -> tuple[
             note(s, t)
     turn = v - w
     size, cross = np.hypot(*turn.T), v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]
-    ok = (size > 0) & (np.abs(cross) > 1e-12)
+    ok = (size > 0) & (np.abs(cross) > PARALLEL)
     with np.errstate(divide="ignore", invalid="ignore"):
         normal = np.column_stack([-turn[:, 1], turn[:, 0]]) / size[:, None]
         for sign in (1.0, -1.0):
@@ -155,7 +154,7 @@ def _motion(routes: Routes, legs: Ints) -> tuple[Floats, Floats, Floats]:
 def _roots(gap: Floats, speed: Floats, apart_m: Floats, length: Floats) -> tuple[Floats, Floats]:
     """The first and last time in 0..length at which ``gap + speed * time`` is no longer than apart_m; nan: never."""
     a, b, c = (speed**2).sum(axis=1), (gap * speed).sum(axis=1), (gap**2).sum(axis=1) - apart_m**2
-    still = a <= 1e-24
+    still = a <= STILL_M2_S2
     below = b**2 - a * c
     with np.errstate(divide="ignore", invalid="ignore"):
         root = np.sqrt(np.maximum(below, 0.0))

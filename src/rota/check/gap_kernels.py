@@ -1,8 +1,8 @@
 # mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
 """Compiled loops that turn the times at which each robot sees a piece into the worst gap between any two sights.
 
-``starts`` and ``ends`` hold the sights of all robots, robot by robot (``bounds``), ascending and disjoint, in the first
-turn of each loop. A class of commensurable loops counts its periods in ``parts`` of one unit of time.
+``SeenTimes`` hold the sights of all robots, robot by robot; a robot's number is its place there, from 0 to n - 1. A
+class of commensurable loops counts its periods in ``parts`` of one unit of time.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ EXPAND_AT_ONCE, EXPAND_AT_MOST = 512, 100_000
 
 
 @njit(cache=True)
-def _lone_gap(starts, ends, lo, hi, period_s):
-    """Worst gap of one robot's ascending, disjoint sights lo..hi, and the time at which it begins."""
+def _lone_gap(times, m, period_s):
+    """Worst gap of the m-th robot alone, whose loop takes ``period_s``, and the time at which it begins."""
+    starts, ends, lo, hi = times.starts_s, times.ends_s, times.bounds[m], times.bounds[m + 1]
     worst, when = starts[lo] + period_s - ends[hi - 1], ends[hi - 1]
     for i in range(lo + 1, hi):
         if starts[i] - ends[i - 1] > worst:
@@ -26,8 +27,9 @@ def _lone_gap(starts, ends, lo, hi, period_s):
 
 
 @njit(cache=True)
-def _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common):
+def _shared_gap(times, members, parts, unit_s, common):
     """Worst gap of several robots over their common period of ``common`` units, and the time at which it begins."""
+    starts, ends, bounds, robots = times
     count = 0  # of what the loops below write, at most EXPAND_AT_MOST
     for m in members:
         count += (bounds[m + 1] - bounds[m]) * (common // parts[robots[m]])
@@ -52,11 +54,13 @@ def _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common):
 
 
 @njit(cache=True)
-def pair_gap(starts, ends, lo_a, hi_a, period_a, lo_b, hi_b, period_b, shared_s):
-    """Worst gap of two robots whose phases differ by any multiple of ``shared_s`` (their periods' common measure).
+def pair_gap(times, a, b, period_a, period_b, shared_s):
+    """Worst gap of robots a and b whose phases differ by any multiple of ``shared_s`` (their periods' common measure).
 
     A gap of the two is the overlap of a gap of each; the overlap is largest when their middles are nearest.
     """
+    starts, ends = times.starts_s, times.ends_s
+    lo_a, hi_a, lo_b, hi_b = times.bounds[a], times.bounds[a + 1], times.bounds[b], times.bounds[b + 1]
     worst = 0.0
     for i in range(lo_a, hi_a):
         a0, a1 = ends[i], (starts[i + 1] if i + 1 < hi_a else starts[lo_a] + period_a)
@@ -80,12 +84,17 @@ def _divisor(a, b):
 
 
 @njit(cache=True)
-def _class_gap(starts, ends, bounds, robots, members, parts, unit_s, limit_s):
-    """Worst gap of commensurable loops, the time at which it begins, its period, and whether it is exact."""
+def _class_gap(times, members, parts, unit_s, limit_s):
+    """Worst gap of commensurable loops, the time at which it begins, its period, and whether it is exact.
+
+    members: (n,) robots whose loops these are; parts: (k,) of the whole team. A gap of at most ``limit_s`` need not be
+    exact.
+    """
+    bounds, robots = times.bounds, times.robots
     if len(members) == 1:
         m = members[0]
         period = parts[robots[m]] * unit_s
-        gap, when = _lone_gap(starts, ends, bounds[m], bounds[m + 1], period)
+        gap, when = _lone_gap(times, m, period)
         return gap, when, period, True
     common, count = parts[robots[members[0]]], 0
     for m in members:
@@ -94,7 +103,7 @@ def _class_gap(starts, ends, bounds, robots, members, parts, unit_s, limit_s):
     for m in members:
         count += min((bounds[m + 1] - bounds[m]) * (common // parts[robots[m]]), 1 << 40)
     if common < 1 << 40 and count <= EXPAND_AT_ONCE:
-        gap, when = _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common)
+        gap, when = _shared_gap(times, members, parts, unit_s, common)
         return gap, when, common * unit_s, True
     best = math.inf
     for i in range(len(members)):
@@ -104,38 +113,36 @@ def _class_gap(starts, ends, bounds, robots, members, parts, unit_s, limit_s):
             b = members[j]
             period_b = parts[robots[b]] * unit_s
             shared = _divisor(parts[robots[a]], parts[robots[b]]) * unit_s
-            bound = pair_gap(
-                starts, ends, bounds[a], bounds[a + 1], period_a, bounds[b], bounds[b + 1], period_b, shared
-            )
-            best = min(best, bound)
+            best = min(best, pair_gap(times, a, b, period_a, period_b, shared))
     if len(members) == 2 or best <= limit_s:
         return best, math.nan, 1.0, len(members) == 2
     if common < 1 << 40 and count <= EXPAND_AT_MOST:
-        gap, when = _shared_gap(starts, ends, bounds, robots, members, parts, unit_s, common)
+        gap, when = _shared_gap(times, members, parts, unit_s, common)
         return gap, when, common * unit_s, True
     return best, math.nan, 1.0, False
 
 
 @njit(cache=True)
-def team_gap(starts, ends, bounds, robots, n, classes, parts, units_s, limit_s, from_s):
-    """Worst gap of all robots, the time at which it begins (nan: not known) and whether it is exact.
+def team_gap(times, n, loops, limit_s):
+    """Worst gap of the n robots in ``times``, the time at which it begins (nan: not known) and whether it is exact.
 
-    Classes of loops without a common period meet in every phase, so together they are as bad as the best of them.
+    Classes of loops without a common period meet in every phase, so together they are as bad as the best of them. A gap
+    of at most ``limit_s`` seconds need not be exact.
     """
     best, when, exact = math.inf, math.nan, True
     heads = 0
     for i in range(n):
-        kind = classes[robots[i]]
+        kind = loops.classes[times.robots[i]]
         first = True
         for j in range(i):
-            if classes[robots[j]] == kind:
+            if loops.classes[times.robots[j]] == kind:
                 first = False
         if not first:
             continue
-        members = np.array([j for j in range(i, n) if classes[robots[j]] == kind])
-        gap, start, period, sure = _class_gap(starts, ends, bounds, robots, members, parts, units_s[kind], limit_s)
+        members = np.array([j for j in range(i, n) if loops.classes[times.robots[j]] == kind])
+        gap, start, period, sure = _class_gap(times, members, loops.parts, loops.units_s[kind], limit_s)
         heads += 1
         exact = exact and sure
         if gap < best:
-            best, when = gap, start + np.ceil((from_s - start) / period) * period
+            best, when = gap, start + np.ceil((loops.from_s - start) / period) * period
     return best, (when if heads == 1 else math.nan), exact

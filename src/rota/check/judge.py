@@ -19,20 +19,17 @@ from rota.check.moving import moving_violations
 from rota.check.pieces import Pieces, convex_pieces, joined
 from rota.check.presence import presence_violations
 from rota.check.refine import Found, refine
-from rota.check.report import DemandVerdict, Outcome, Report, Violation
-from rota.check.revisits import Sights, loop_gap, sights_of, slack_of
-from rota.check.seeable import grounds_of, has_many_sides, seeable
+from rota.check.report import DemandVerdict, Outcome, Report, Violation, violation
+from rota.check.revisits import Sights, loop_gap, sights_of
+from rota.check.seeable import has_many_sides, seeable, standing_areas
 from rota.check.separation import separation_violations
+from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, SLIVER_SHARE, TOUCH_M, slack_of
 from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan
-from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-PERIOD_TOLERANCE = 1e-9
-TOUCH_M = 1e-6
-MOST_EXCLUDED = 0.05
 FEW_PIECES = 2_000  # still open on ragged ground: all that is unmet among them is told
 MOST_CELLS = 4_000_000
 MOST_UNMET_POINTS = 200_000
@@ -82,7 +79,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     if verdict == "met" and bound is not None and bound > robots:
         # the plan itself is the proof
         violations.append(
-            _violation("claims that fewer robots cannot do", "lower bound", None, bound, robots, "robots")
+            violation("claims that fewer robots cannot do", "lower bound", None, 0.0, bound, robots, "robots")
         )
         verdict = "violated"
     first = max(verdicts.firsts_s, default=0.0)
@@ -107,7 +104,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
 
 
 def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights, finest_m: float) -> list[Found]:
-    reach = float(sights.reaches_m.min(initial=math.inf))
+    reach = float(sights.team.reaches_m.min(initial=math.inf))
     size = max(reach / 4 if math.isfinite(reach) else mission.fleet.sensor.reach_m / 4, finest_m)
     pieces, owners, size = _tiles(mission, size)
     limits = np.array([demand.period_s for demand in asked]) * (1 + PERIOD_TOLERANCE)
@@ -123,7 +120,7 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
             for k in np.unique(demands):
                 mine = np.flatnonzero(demands == k)
                 mine = mine[shapely.contains_xy(regions[k], *points_m[mine].T)]
-                found[mine] = seeable(mission, grounds_of(mission), points_m[mine], spread_m)
+                found[mine] = seeable(mission, standing_areas(mission), points_m[mine], spread_m)
         return found
 
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed
@@ -145,7 +142,7 @@ def _left_out(mission: Mission, asked: tuple[Asked, ...], pieces: Pieces, owners
     tiled_m2 = np.bincount(owners, pieces.areas_m2(), len(asked))
     if not tiled_m2.any():
         return points
-    slivers_m2 = [1e-9 * asked[k].region.area + 8 * slack_of(mission) * asked[k].region.length for k in points]
+    slivers_m2 = [SLIVER_SHARE * asked[k].region.area + 8 * slack_of(mission) * asked[k].region.length for k in points]
     return [k for k, most in zip(points, slivers_m2, strict=True) if asked[k].region.area - tiled_m2[k] > most]
 
 
@@ -238,7 +235,7 @@ def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mi
     gap, begin = loop_gap(routes, inside)
     met = gap <= demand.period_s * (1 + PERIOD_TOLERANCE)
     if not met:
-        reachable = shapely.intersection(demand.region, shapely.union_all([g.shape for g in grounds_of(mission)]))
+        reachable = shapely.intersection(demand.region, shapely.union_all([g.shape for g in standing_areas(mission)]))
         place = shapely.point_on_surface(demand.region if reachable.is_empty else reachable)
         verdicts.violations.append(
             Violation(
@@ -279,11 +276,11 @@ def _fleet_violations(plan: Plan) -> list[Violation]:
     for robot in plan.mission.fleet.robots or ():
         trajectory = trajectories.get(robot.name)
         if trajectory is None:
-            found.append(_violation("no trajectory", robot.name, robot.start, 0.0, 1.0, "trajectories"))
+            found.append(violation("no trajectory", robot.name, robot.start, 0.0, 0.0, 1.0, "trajectories"))
         elif robot.start is not None:
             away = math.dist(robot.start, trajectory.positions_m[0, :2])
             if away > TOUCH_M:
-                found.append(_violation("start", robot.name, robot.start, away, TOUCH_M, "m"))
+                found.append(violation("start", robot.name, robot.start, 0.0, away, TOUCH_M, "m"))
     return found
 
 
@@ -301,20 +298,14 @@ def _common_start_violations(plan: Plan) -> list[Violation]:
         elif free:
             place = min(free, key=lambda point: math.dist(point, (x, y)))
         else:
-            found.append(_violation("no start left", trajectory.robot, (x, y), 0.0, 1.0, "starts"))
+            found.append(violation("no start left", trajectory.robot, (x, y), 0.0, 0.0, 1.0, "starts"))
             continue
         away = math.dist(place, (x, y))
         if away > TOUCH_M:
-            found.append(_violation("start", trajectory.robot, place, away, TOUCH_M, "m"))
+            found.append(violation("start", trajectory.robot, place, 0.0, away, TOUCH_M, "m"))
         elif place in free:
             free.remove(place)
     return found
-
-
-def _violation(
-    kind: ViolationKind, who: str, place_m: tuple[float, float] | None, value: float, limit: float, unit: str
-) -> Violation:
-    return Violation(kind=kind, who=who, place_m=place_m, time_s=0.0, value=value, limit=limit, unit=unit)
 
 
 def _capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:

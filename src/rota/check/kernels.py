@@ -12,10 +12,13 @@ import math
 import numpy as np
 from numba import njit
 
+from rota.check.arrays import Parts, SeenTimes, Shadows
 from rota.check.gap_kernels import team_gap
-from rota.check.tiling_kernels import cell_along, half_width
+from rota.check.tiling_kernels import cell_of, half_width, in_cell
+from rota.check.tolerances import CONE_M, NO_LENGTH
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
+FIRST_ROOM = 64  # parts and times that there is room for at first
 
 
 @njit(cache=True)
@@ -42,13 +45,13 @@ def part_in_range(piece, leg, reach_m, square):
         rx, ry = piece[i, 0] - leg[0], piece[i, 1] - leg[1]
         if square:
             for r, d in ((rx, dx), (ry, dy)):
-                if abs(d) < 1e-300:
+                if abs(d) < NO_LENGTH:
                     if abs(r) > reach_m:
                         return 1.0, 0.0
                 else:
                     ua, ub = (r - reach_m) / d, (r + reach_m) / d
                     lo, hi = max(lo, min(ua, ub)), min(hi, max(ua, ub))
-        elif length2 < 1e-300:
+        elif length2 < NO_LENGTH:
             if rx * rx + ry * ry > reach_m * reach_m:
                 return 1.0, 0.0
         else:
@@ -96,8 +99,8 @@ def _shadow(piece, wall, slack_m, shadow):
             if facing != 0:
                 # a piece that touches the wall's line must not turn the cone into more than a half-plane
                 away = vx * nx + vy * ny
-                if away < 1e-12:
-                    vx, vy = vx + (1e-12 - away) * nx, vy + (1e-12 - away) * ny
+                if away < CONE_M:
+                    vx, vy = vx + (CONE_M - away) * nx, vy + (CONE_M - away) * ny
             if i == 0 and end == 0:
                 e1x, e1y, e2x, e2y = vx, vy, vx, vy
             if e1x * vy - e1y * vx < 0:
@@ -123,25 +126,23 @@ def _shadow(piece, wall, slack_m, shadow):
 
 
 @njit(cache=True)
-def shadows_of(piece, walls, near, slack_m, reach_m):
-    """Shadows (n, 9), boxes (n, 4) and indices (n,) of walls that may hide part of the piece, nearest first.
-
-    n < 0: one of them cuts the piece.
-    """
+def shadows_of(piece, walls, cell, slack_m, reach_m):
+    """The ``Shadows`` of the walls near a cell that may hide part of the piece (c, 2) within a reach, nearest first."""
     x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
-    shadows, boxes, distances = np.empty((len(near), 9)), np.empty((len(near), 4)), np.empty(len(near))
+    near = in_cell(walls, cell)
+    sides, boxes, distances = np.empty((len(near), 9)), np.empty((len(near), 4)), np.empty(len(near))
     index = np.empty(len(near), np.int64)
     n = 0
     for k in near:
-        wall = walls[k]
+        wall = walls.segments_m[k]
         wx0, wx1 = min(wall[0], wall[2]), max(wall[0], wall[2])
         wy0, wy1 = min(wall[1], wall[3]), max(wall[1], wall[3])
         gap = max(max(wx0 - x1, x0 - wx1), max(wy0 - y1, y0 - wy1))
         if gap > reach_m:
             continue
-        outcome = _shadow(piece, wall, slack_m, shadows[n])
+        outcome = _shadow(piece, wall, slack_m, sides[n])
         if outcome == 2:
-            return shadows, boxes, index, -1
+            return Shadows(sides, boxes, index, -1)
         if outcome == 1:
             boxes[n, 0], boxes[n, 1], boxes[n, 2], boxes[n, 3] = wx0, wy0, wx1, wy1
             distances[n] = gap
@@ -149,8 +150,8 @@ def shadows_of(piece, walls, near, slack_m, reach_m):
             n += 1
     if n > 4:
         order = np.argsort(distances[:n])
-        shadows, boxes, index = shadows[order], boxes[order], index[order]
-    return shadows, boxes, index, n
+        sides, boxes, index = sides[order], boxes[order], index[order]
+    return Shadows(sides, boxes, index, n)
 
 
 @njit(cache=True)
@@ -158,135 +159,155 @@ def blocked_part(shadow, leg, lo, hi):
     """The open part of lo..hi of a leg inside a shadow; empty when the first is not below the second."""
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
     for k in range(0, 9, 3):
-        here = shadow[k] * leg[0] + shadow[k + 1] * leg[1] - shadow[k + 2]
+        inside = shadow[k] * leg[0] + shadow[k + 1] * leg[1] - shadow[k + 2]
         slope = shadow[k] * dx + shadow[k + 1] * dy
         if slope > 0:
-            lo = max(lo, -here / slope)
+            lo = max(lo, -inside / slope)
         elif slope < 0:
-            hi = min(hi, -here / slope)
-        elif not here > 0:
+            hi = min(hi, -inside / slope)
+        elif not inside > 0:
             return 1.0, 0.0
     return lo, hi
 
 
 @njit(cache=True)
-def leg_sights(piece, leg, reach_m, square, shadows, boxes, n_shadows, slack_m, starts, ends):
-    """Number of parts of a leg from which the whole piece is seen; starts and ends take them, in 0..1, ascending."""
-    lo, hi = part_in_range(piece, leg, reach_m, square)
-    if lo > hi:
-        return 0
-    starts[0], ends[0] = lo, hi
+def _cut_out(parts, n, a, b):
+    """Take the open part a..b out of the n parts of a leg; returns how many parts there are then."""
+    kept = 0
+    # room is made from the back: at most one more part than before
+    for i in range(n - 1, -1, -1):
+        parts.starts[i + 1], parts.ends[i + 1] = parts.starts[i], parts.ends[i]
+    for i in range(1, n + 1):
+        start, end = parts.starts[i], parts.ends[i]
+        if b <= start or a >= end:
+            parts.starts[kept], parts.ends[kept] = start, end
+            kept += 1
+            continue
+        if a > start:
+            parts.starts[kept], parts.ends[kept] = start, a
+            kept += 1
+        if b < end:
+            parts.starts[kept], parts.ends[kept] = b, end
+            kept += 1
+    return kept
+
+
+@njit(cache=True)
+def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
+    """Number of parts of a leg (4,) from which the whole piece (c, 2) is seen; ``parts`` takes them, ascending.
+
+    lo..hi: the part of the leg in 0..1 from which the piece is in range. ``parts`` has room for ``shadows.number`` + 2
+    parts.
+    """
+    parts.starts[0], parts.ends[0] = lo, hi
     n = 1
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
-    still = dx * dx + dy * dy < 1e-300
+    still = dx * dx + dy * dy < NO_LENGTH
     qx0, qx1, qy0, qy1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
     x0 = min(qx0, leg[0] + lo * dx, leg[0] + hi * dx)
     x1 = max(qx1, leg[0] + lo * dx, leg[0] + hi * dx)
     y0 = min(qy0, leg[1] + lo * dy, leg[1] + hi * dy)
     y1 = max(qy1, leg[1] + lo * dy, leg[1] + hi * dy)
-    for w in range(n_shadows):
+    boxes = shadows.boxes
+    for w in range(shadows.number):
         if boxes[w, 0] > x1 or boxes[w, 2] < x0 or boxes[w, 1] > y1 or boxes[w, 3] < y0:
             continue
-        a, b = blocked_part(shadows[w], leg, lo, hi)
+        a, b = blocked_part(shadows.sides[w], leg, lo, hi)
         if a <= b and (still or lo == hi):
             return 0
         if not a < b:
             continue
-        kept = 0
-        # room is made from the back: at most one more part than before
-        for i in range(n - 1, -1, -1):
-            starts[i + 1], ends[i + 1] = starts[i], ends[i]
-        for i in range(1, n + 1):
-            s, e = starts[i], ends[i]
-            if b <= s or a >= e:
-                starts[kept], ends[kept] = s, e
-                kept += 1
-                continue
-            if a > s:
-                starts[kept], ends[kept] = s, a
-                kept += 1
-            if b < e:
-                starts[kept], ends[kept] = b, e
-                kept += 1
-        n = kept
+        n = _cut_out(parts, n, a, b)
         if n == 0:
             return 0
     # between two neighbouring walls the tolerance leaves a slit through which nothing is seen
-    slit = 8 * slack_m / max(1e-300, math.sqrt(dx * dx + dy * dy))
+    slit = 8 * slack_m / max(NO_LENGTH, math.sqrt(dx * dx + dy * dy))
     kept = 0
     for i in range(n):
-        if starts[i] > lo and ends[i] < hi and ends[i] - starts[i] < slit:
+        if parts.starts[i] > lo and parts.ends[i] < hi and parts.ends[i] - parts.starts[i] < slit:
             continue
-        starts[kept], ends[kept] = starts[i], ends[i]
+        parts.starts[kept], parts.ends[kept] = parts.starts[i], parts.ends[i]
         kept += 1
     return kept
 
 
+@njit(cache=True)
+def room_for_parts(parts, shadows):
+    """``parts``, or larger ones: a leg is one part, each shadow makes one more at most, one is free while it cuts."""
+    if shadows.number + 4 > len(parts.starts):
+        return Parts(np.empty(2 * shadows.number + 4), np.empty(2 * shadows.number + 4))
+    return parts
+
+
+@njit(cache=True)
+def _times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
+    """When robots see the whole piece (c, 2) from the legs near a cell.
+
+    Returns the ``SeenTimes``, which are ``times`` or larger ones; the number of robots in them; the time in seconds of
+    the first sight (inf: none); and whether a robot that stays for ever sees the piece.
+    """
+    starts, ends, bounds, robots = times
+    farther_m = slack_m if len(piece) == 1 else 0.0
+    n_robots, n, always, first_s = 0, 0, False, np.inf
+    for m in in_cell(legs.near, cell):
+        robot = legs.robots[m]
+        leg = legs.near.segments_m[m]
+        lo, hi = part_in_range(piece, leg, team.reaches_m[robot] + farther_m, team.squares[robot])
+        if lo > hi:
+            continue
+        kept = leg_sights(piece, leg, lo, hi, shadows, slack_m, parts)
+        if kept == 0:
+            continue
+        t0, t1 = legs.times_s[m, 0], legs.times_s[m, 1]
+        first_s = min(first_s, t0 + parts.starts[0] * (t1 - t0))
+        if legs.kinds[m] == TRANSIENT:
+            continue
+        if legs.kinds[m] == HOLD:
+            always = True
+            continue
+        # legs come robot by robot, so that each robot is noted once at most
+        if n_robots == 0 or robots[n_robots - 1] != robot:
+            robots[n_robots], bounds[n_robots] = robot, n
+            n_robots += 1
+        if n + kept > len(starts):
+            starts, ends = np.append(starts, np.empty(n + kept)), np.append(ends, np.empty(n + kept))
+        for p in range(kept):
+            start = t0 if parts.starts[p] == 0 else t0 + parts.starts[p] * (t1 - t0)
+            end = t1 if parts.ends[p] == 1 else t0 + parts.ends[p] * (t1 - t0)
+            if n > bounds[n_robots - 1] and start <= ends[n - 1]:
+                ends[n - 1] = max(end, ends[n - 1])
+            else:
+                starts[n], ends[n] = start, end
+                n += 1
+    bounds[n_robots] = n
+    return SeenTimes(starts, ends, bounds, robots), n_robots, first_s, always
+
+
 @njit(cache=True, nogil=True)
-def worst_gaps(
-    offsets, corners, limits_s, slack_m, grid, shape,
-    legs, leg_times_s, leg_robots, leg_kinds, leg_offsets, leg_index,
-    reaches_m, squares, classes, parts, units_s, from_s,
-    walls, wall_offsets, wall_index,
-):  # fmt: skip
+def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     """Worst gap of each piece (upper bound for its points, exact for a single point), where it begins, first sight.
 
-    Returns (n,) gaps_s (inf: never seen whole), begin_s (nan: not known), first_s (inf), and exact (combined exactly).
+    offsets (n + 1,), corners (c, 2): the pieces. limits_s (n,): gaps above it are worth more effort. grid, legs, team,
+    walls: ``Grid``, ``Legs``, ``Team`` and ``Binned``. Returns (n,) gaps_s (inf: never seen whole), begin_s (nan: not
+    known), first_s (inf: never), and exact (combined exactly).
     """
-    n_pieces = len(offsets) - 1
+    n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
     gaps, begins, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.nan), np.full(n_pieces, np.inf)
     exact = np.ones(n_pieces, np.bool_)
-    starts, ends = np.empty(64), np.empty(64)
-    part_starts, part_ends = np.empty(64), np.empty(64)
-    bounds, robots = np.zeros(len(reaches_m) + 1, np.int64), np.empty(len(reaches_m), np.int64)
-    widest = reaches_m.max() if len(reaches_m) else 0.0
+    bounds, robots = np.zeros(n_team + 1, np.int64), np.empty(n_team, np.int64)
+    times = SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
+    parts = Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
+    widest = team.reaches_m.max() if n_team else 0.0
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
-        column = cell_along(piece[:, 0].mean() - grid[0], grid[2], shape[0])
-        row = cell_along(piece[:, 1].mean() - grid[1], grid[2], shape[1])
-        cell = column * shape[1] + row
-        near = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
-        shadows, boxes, _, n_shadows = shadows_of(piece, walls, near, slack_m, widest)
-        if n_shadows < 0:
+        cell = cell_of(piece[:, 0].mean(), piece[:, 1].mean(), grid)
+        shadows = shadows_of(piece, walls, cell, slack_m, widest)
+        if shadows.number < 0:
             continue
-        # a leg is one part, each shadow makes one more at most, and one is kept free while a shadow is cut out
-        if n_shadows + 4 > len(part_starts):
-            part_starts, part_ends = np.empty(2 * n_shadows + 4), np.empty(2 * n_shadows + 4)
-        n_robots, n, always = 0, 0, False
-        for m in leg_index[leg_offsets[cell] : leg_offsets[cell + 1]]:
-            robot = leg_robots[m]
-            kept = leg_sights(
-                piece, legs[m], reaches_m[robot] + (slack_m if len(piece) == 1 else 0.0), squares[robot],
-                shadows, boxes, n_shadows, slack_m, part_starts, part_ends,
-            )  # fmt: skip
-            if kept == 0:
-                continue
-            t0, t1 = leg_times_s[m, 0], leg_times_s[m, 1]
-            firsts[k] = min(firsts[k], t0 + part_starts[0] * (t1 - t0))
-            if leg_kinds[m] == TRANSIENT:
-                continue
-            if leg_kinds[m] == HOLD:
-                always = True
-                continue
-            # legs come robot by robot, so that each robot is noted once at most
-            if n_robots == 0 or robots[n_robots - 1] != robot:
-                robots[n_robots], bounds[n_robots] = robot, n
-                n_robots += 1
-            if n + kept > len(starts):
-                starts, ends = np.append(starts, np.empty(n + kept)), np.append(ends, np.empty(n + kept))
-            for p in range(kept):
-                s = t0 if part_starts[p] == 0 else t0 + part_starts[p] * (t1 - t0)
-                e = t1 if part_ends[p] == 1 else t0 + part_ends[p] * (t1 - t0)
-                if n > bounds[n_robots - 1] and s <= ends[n - 1]:
-                    ends[n - 1] = max(e, ends[n - 1])
-                else:
-                    starts[n], ends[n] = s, e
-                    n += 1
-        bounds[n_robots] = n
+        parts = room_for_parts(parts, shadows)
+        times, n, firsts[k], always = _times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times)
         if always:
-            gaps[k], begins[k] = 0.0, from_s
-        elif n_robots:
-            gaps[k], begins[k], exact[k] = team_gap(
-                starts, ends, bounds, robots, np.int64(n_robots), classes, parts, units_s, limits_s[k], from_s
-            )
+            gaps[k], begins[k] = 0.0, team.loops.from_s
+        elif n:
+            gaps[k], begins[k], exact[k] = team_gap(times, np.int64(n), team.loops, limits_s[k])
     return gaps, begins, firsts, exact

@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.check.report import Violation
+from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
+from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, STILL_M, TOUCH_M, TURN_TOLERANCE_RAD
 from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
 from rota.violation_kinds import ViolationKind
@@ -18,11 +19,6 @@ from rota.violation_kinds import ViolationKind
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TOUCH_M = 1e-6
-SPEED_TOLERANCE = 1e-9
-TURN_TOLERANCE_RAD = 1e-9
-STILL_M = 1e-9
-EPS = float(np.finfo(np.float64).eps)
 MOST_PER_ROBOT = 20
 MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together
 
@@ -53,14 +49,11 @@ def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) 
     places = trajectory.positions_m
     z = places[:, 2] if places.shape[1] == 3 else np.zeros(len(places))
     found = []
-    wrong: tuple[tuple[ViolationKind, NDArray[np.bool_], float], ...] = (
-        ("below altitudes", z < low - TOUCH_M, low),
-        ("above altitudes", z > high + TOUCH_M, high),
-    )
-    for kind, out, limit in wrong:
+    kinds: tuple[ViolationKind, ViolationKind] = ("below altitudes", "above altitudes")
+    for kind, out, limit in zip(kinds, (z < low - TOUCH_M, z > high + TOUCH_M), (low, high), strict=True):
         for m in np.flatnonzero(out)[:MOST_PER_ROBOT]:
             x, y = places[m, :2]
-            found.append(_violation(kind, robot, (x, y), float(trajectory.times_s[m]), float(z[m]), limit, "m"))
+            found.append(violation(kind, robot.name, (x, y), float(trajectory.times_s[m]), float(z[m]), limit, "m"))
     return found
 
 
@@ -86,7 +79,7 @@ def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: Vio
         x, y = legs[m, :2] + place[m] * (legs[m, 2:] - legs[m, :2])
         times = trajectory.times_s
         time = times[m] + place[m] * (times[min(m + 1, len(times) - 1)] - times[m])
-        found.append(_violation(kind, robot, (x, y), time, float(depth[m]), TOUCH_M, "m"))
+        found.append(violation(kind, robot.name, (x, y), time, float(depth[m]), TOUCH_M, "m"))
     return found
 
 
@@ -173,8 +166,8 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     """Legs faster than the robot, by more than 1e-9 of its speed and what float64 times and places can express."""
     steps = np.diff(trajectory.positions_m, axis=0)
     length, time = np.sqrt((steps**2).sum(axis=1)), np.diff(trajectory.times_s)
-    noise_m = 4 * EPS * np.abs(trajectory.positions_m).max()
-    noise_s = 2 * EPS * trajectory.times_s[1:]
+    noise_m = 4 * FLOAT_EPS * np.abs(trajectory.positions_m).max()
+    noise_s = 2 * FLOAT_EPS * trajectory.times_s[1:]
     with np.errstate(over="ignore"):  # the fastest robots may go anywhere at once
         allowed = robot.speed_m_s * (time * (1 + SPEED_TOLERANCE) + noise_s) + noise_m
     found = []
@@ -182,7 +175,7 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
         x, y = trajectory.positions_m[m, :2]
         value = float(length[m] / time[m])
         when = float(trajectory.times_s[m])
-        found.append(_violation("speed", robot, (x, y), when, value, robot.speed_m_s, "m/s"))
+        found.append(violation("speed", robot.name, (x, y), when, value, robot.speed_m_s, "m/s"))
     return found
 
 
@@ -211,13 +204,13 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
         pause = np.append(pause, seam)
     a, b = steps[before], steps[after]
     angle = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
-    noise = TURN_TOLERANCE_RAD + 4 * EPS * np.abs(xy).max() * (1 / length[before] + 1 / length[after])
+    noise = TURN_TOLERANCE_RAD + 4 * FLOAT_EPS * np.abs(xy).max() * (1 / length[before] + 1 / length[after])
     need = angle / robot.turn_rate_rad_s
-    allowed = np.maximum(0.0, angle - noise) / robot.turn_rate_rad_s * (1 - 1e-9) - 4 * EPS * times[-1]
+    allowed = np.maximum(0.0, angle - noise) / robot.turn_rate_rad_s * (1 - SPEED_TOLERANCE) - 4 * FLOAT_EPS * times[-1]
     for k in np.flatnonzero(pause < allowed)[:MOST_PER_ROBOT]:
         m = before[k] + 1
         place = (xy[m, 0], xy[m, 1])
-        found.append(_violation("turn", robot, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
+        found.append(violation("turn", robot.name, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
     return found
 
 
@@ -229,30 +222,10 @@ def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float)
         change = np.append(change, trajectory.headings_rad[trajectory.loop_index] - trajectory.headings_rad[-1])
     turn = np.abs((change + math.pi) % (2 * math.pi) - math.pi)
     time = np.append(np.diff(trajectory.times_s), 0.0)[: len(turn)]
-    allowed = rate_rad_s * (time * (1 + 1e-9) + 4 * EPS * trajectory.times_s[-1]) + TURN_TOLERANCE_RAD
+    allowed = rate_rad_s * (time * (1 + SPEED_TOLERANCE) + 4 * FLOAT_EPS * trajectory.times_s[-1]) + TURN_TOLERANCE_RAD
     found = []
     for m in np.flatnonzero(turn > allowed)[:MOST_PER_ROBOT]:
         x, y = trajectory.positions_m[m, :2]
         value = float(turn[m] / time[m]) if time[m] > 0 else math.inf
-        found.append(_violation("turn", robot, (x, y), float(trajectory.times_s[m]), value, rate_rad_s, "rad/s"))
+        found.append(violation("turn", robot.name, (x, y), float(trajectory.times_s[m]), value, rate_rad_s, "rad/s"))
     return found
-
-
-def _violation(
-    kind: ViolationKind,
-    robot: Robot,
-    place_m: tuple[float, float],
-    time_s: float,
-    value: float,
-    limit: float,
-    unit: str,
-) -> Violation:
-    return Violation(
-        kind=kind,
-        who=robot.name,
-        place_m=(float(place_m[0]), float(place_m[1])),
-        time_s=float(time_s),
-        value=value,
-        limit=limit,
-        unit=unit,
-    )

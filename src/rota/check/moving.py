@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from rota.check.report import Violation
 from rota.check.routes import lines_of
+from rota.check.tolerances import TOUCH_M
 from rota.mission import MovingObstacle
 from rota.plan import Plan, Trajectory
 
 Floats = NDArray[np.float64]
 
-TOUCH_M = 1e-6
 MOST_POINTS = 1_000_000  # to which a loop is followed; of a longer way every phase is taken to occur, on the safe side
 
 

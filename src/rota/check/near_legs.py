@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from rota.check.motion import segment_distances
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, lines_of
+from rota.check.tolerances import TOUCH_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -23,8 +24,8 @@ FEWEST_IN_SLICE = 64
 MOST_AT_ONCE = 2_000_000  # pairs of legs that one question to a tree may give
 
 
-def near_legs(routes: Routes, bodies_m: Floats, touch_m: float) -> Iterator[tuple[Ints, Ints]]:
-    """Pairs of legs whose lines come nearer than the two bodies allow, less ``touch_m``; the lower robot's leg first.
+def near_legs(routes: Routes, bodies_m: Floats) -> Iterator[tuple[Ints, Ints]]:
+    """Pairs of legs whose lines come nearer than the two bodies allow, less the tolerance; the lower robot's leg first.
 
     bodies_m: (k,) radii. No pair is given twice. Pairs before the loops are only those that meet in time.
     """
@@ -35,7 +36,7 @@ def near_legs(routes: Routes, bodies_m: Floats, touch_m: float) -> Iterator[tupl
             swap = routes.robots[a] > routes.robots[b]
             a, b = np.where(swap, b, a), np.where(swap, a, b)
             distance, _ = segment_distances(routes.legs_m[a], routes.legs_m[b])
-            close = distance < bodies_m[routes.robots[a]] + bodies_m[routes.robots[b]] - touch_m
+            close = distance < bodies_m[routes.robots[a]] + bodies_m[routes.robots[b]] - TOUCH_M
             if close.any():
                 yield a[close], b[close]
 

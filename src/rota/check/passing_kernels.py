@@ -15,16 +15,50 @@ c and d the point q lies, so that all q of a convex piece do if its corners do.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from rota.check.arrays import Floats, Parts, SeenTimes
 from rota.check.gap_kernels import team_gap
-from rota.check.kernels import LOOP, blocked_part, leg_sights, part_in_range, shadows_of, shrunk
-from rota.check.tiling_kernels import cell_along
+from rota.check.kernels import (
+    FIRST_ROOM,
+    LOOP,
+    blocked_part,
+    leg_sights,
+    part_in_range,
+    room_for_parts,
+    shadows_of,
+    shrunk,
+)
+from rota.check.tiling_kernels import cell_of, in_cell
+from rota.check.tolerances import SAME_CORNER_M, SAME_TIME
 
-APART_M = 1e-7  # corners nearer than this are one corner, and no slit lies between them
-SAME_S = 1e-9  # legs of robots that follow each other take the same time, but for rounding
+
+class View(NamedTuple):
+    """One stretch of a leg as a piece sees it: from its middle (x, y) to a place (px, py) that the middle sees.
+
+    turn: 1 where the leg runs counterclockwise, -1 where clockwise. (ahead_x, ahead_y): across the leg, from the piece
+    towards it.
+    """
+
+    x: float
+    y: float
+    px: float
+    py: float
+    turn: float
+    ahead_x: float
+    ahead_y: float
+
+
+class Stretch(NamedTuple):
+    """A leg (4,) x0, y0, x1, y1, the part lo..hi of it in 0..1 from which a piece is in range, and a place in that."""
+
+    leg: Floats
+    lo: float
+    hi: float
+    place: float
 
 
 @njit(cache=True)
@@ -53,26 +87,26 @@ def _ends(wall, piece, slack_m, turn):
 
 
 @njit(cache=True)
-def _ahead(piece, ahead_x, ahead_y, x, y):
+def _ahead(piece, view, x, y):
     """Whether (x, y) lies ahead of all of the piece."""
     least = math.inf
     for q in range(len(piece)):
-        least = min(least, ahead_x * (x - piece[q, 0]) + ahead_y * (y - piece[q, 1]))
+        least = min(least, view.ahead_x * (x - piece[q, 0]) + view.ahead_y * (y - piece[q, 1]))
     return least > 0
 
 
 @njit(cache=True)
-def _end_of_hidden(wall, piece, middle, slack_m, turn, ahead_x, ahead_y, px, py):
+def _end_of_hidden(wall, piece, slack_m, view):
     """Which part of the leg a wall hides: 1 before (x, y) as each point of the piece sees it, -1 behind it, 0: unclear.
 
-    (px, py): a place on the leg that the middle of the piece sees.
+    Returns that and (x, y).
     """
-    first_x, first_y, last_x, last_y, sure = _ends(wall, piece, slack_m, turn)
-    x, y = px - middle[0], py - middle[1]
-    if sure and turn * _cross(last_x - middle[0], last_y - middle[1], x, y) >= 0:
-        return (1 if _ahead(piece, ahead_x, ahead_y, last_x, last_y) else 0), last_x, last_y
-    if sure and turn * _cross(first_x - middle[0], first_y - middle[1], x, y) <= 0:
-        return (-1 if _ahead(piece, ahead_x, ahead_y, first_x, first_y) else 0), first_x, first_y
+    first_x, first_y, last_x, last_y, sure = _ends(wall, piece, slack_m, view.turn)
+    x, y = view.px - view.x, view.py - view.y
+    if sure and view.turn * _cross(last_x - view.x, last_y - view.y, x, y) >= 0:
+        return (1 if _ahead(piece, view, last_x, last_y) else 0), last_x, last_y
+    if sure and view.turn * _cross(first_x - view.x, first_y - view.y, x, y) <= 0:
+        return (-1 if _ahead(piece, view, first_x, first_y) else 0), first_x, first_y
     return 0, 0.0, 0.0
 
 
@@ -81,7 +115,7 @@ def _in_order(piece, turn, before, behind):
     """Whether a(q) <= b(q) for all corners q of the piece and all ends (n, 2) of walls before and (m, 2) behind."""
     for i in range(len(before)):
         for j in range(len(behind)):
-            if math.hypot(before[i, 0] - behind[j, 0], before[i, 1] - behind[j, 1]) < APART_M:
+            if math.hypot(before[i, 0] - behind[j, 0], before[i, 1] - behind[j, 1]) < SAME_CORNER_M:
                 return False
             for q in range(len(piece)):
                 x, y = piece[q, 0], piece[q, 1]
@@ -91,21 +125,25 @@ def _in_order(piece, turn, before, behind):
 
 
 @njit(cache=True)
-def _seen_round(place, piece, middle, leg, lo, hi, walls, shadows, index, n_shadows, slack_m):
-    """Whether each point of the piece is seen from somewhere on the leg round a place of it, in 0..1."""
+def _seen_round(stretch, piece, middle, walls, shadows, slack_m):
+    """Whether each point of the piece is seen from somewhere on the ``Stretch`` round its place.
+
+    piece: (c, 2); middle: (2,) of it; shadows: those of the whole piece.
+    """
+    leg, lo, hi, place = stretch
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
     px, py = leg[0] + place * dx, leg[1] + place * dy
     turn = 1.0 if _cross(leg[0] - middle[0], leg[1] - middle[1], dx, dy) > 0 else -1.0
-    ahead_x, ahead_y = turn * dy, -turn * dx
-    if not _ahead(piece, ahead_x, ahead_y, px, py):
+    view = View(middle[0], middle[1], px, py, turn, turn * dy, -turn * dx)
+    if not _ahead(piece, view, px, py):
         return False
-    before, behind = np.empty((n_shadows + 1, 2)), np.empty((n_shadows + 1, 2))
+    before, behind = np.empty((shadows.number + 1, 2)), np.empty((shadows.number + 1, 2))
     n_before, n_behind = 1, 1
-    for w in range(n_shadows):
-        start, stop = blocked_part(shadows[w], leg, lo, hi)
+    for w in range(shadows.number):
+        start, stop = blocked_part(shadows.sides[w], leg, lo, hi)
         if not start < stop:
             continue
-        kind, x, y = _end_of_hidden(walls[index[w]], piece, middle, slack_m, turn, ahead_x, ahead_y, px, py)
+        kind, x, y = _end_of_hidden(walls.segments_m[shadows.walls[w]], piece, slack_m, view)
         if kind == 1:
             before[n_before] = (x, y)
             n_before += 1
@@ -123,86 +161,73 @@ def _seen_round(place, piece, middle, leg, lo, hi, walls, shadows, index, n_shad
 
 
 @njit(cache=True)
-def _gap_of_followers(
-    first, which, legs, leg_times_s, leg_robots, reaches_m, squares, classes, parts, units_s, limit_s, from_s
-):
+def _gap_of_followers(first, passing, legs, team, limit_s):
     """Worst gap between looks at one point by all robots that drive the same leg as the first, one after the other.
 
-    which: the legs from which each point of a piece is seen, robot by robot. Robots with another sensor may see the
-    point from another place of the leg, and do not count.
+    first: a leg. passing (n,): the legs from which each point of a piece is seen, robot by robot. Robots with another
+    sensor may see the point from another place of the leg, and do not count.
     """
-    leader = leg_robots[first]
-    lasts_s = leg_times_s[first, 1] - leg_times_s[first, 0]
-    ends, robots = np.empty(len(which)), np.empty(len(which), np.int64)
-    bounds = np.zeros(len(which) + 1, np.int64)
+    leader = legs.robots[first]
+    lasts_s = legs.times_s[first, 1] - legs.times_s[first, 0]
+    ends, robots = np.empty(len(passing)), np.empty(len(passing), np.int64)
+    bounds = np.zeros(len(passing) + 1, np.int64)
     n = np.int64(0)
-    for m in which:
-        same = (legs[m] == legs[first]).all() and abs(leg_times_s[m, 1] - leg_times_s[m, 0] - lasts_s) <= SAME_S
-        same = same and reaches_m[leg_robots[m]] == reaches_m[leader] and squares[leg_robots[m]] == squares[leader]
+    for m in passing:
+        robot = legs.robots[m]
+        same = (legs.near.segments_m[m] == legs.near.segments_m[first]).all()
+        same = same and abs(legs.times_s[m, 1] - legs.times_s[m, 0] - lasts_s) <= SAME_TIME
+        same = same and team.reaches_m[robot] == team.reaches_m[leader] and team.squares[robot] == team.squares[leader]
         # a robot that drives the leg twice in its loop counts once
-        if same and (n == 0 or robots[n - 1] != leg_robots[m]):
-            ends[n], robots[n] = leg_times_s[m, 1], leg_robots[m]
+        if same and (n == 0 or robots[n - 1] != robot):
+            ends[n], robots[n] = legs.times_s[m, 1], robot
             n += 1
             bounds[n] = n
-    gap, _, _ = team_gap(ends, ends, bounds, robots, n, classes, parts, units_s, limit_s, from_s)
-    return gap + 2 * SAME_S
+    gap, _, _ = team_gap(SeenTimes(ends, ends, bounds, robots), n, team.loops, limit_s)
+    return gap + 2 * SAME_TIME
 
 
 @njit(cache=True, nogil=True)
-def passing_gaps(
-    offsets, corners, limits_s, slack_m, grid, shape,
-    legs, leg_times_s, leg_robots, leg_kinds, leg_offsets, leg_index,
-    reaches_m, squares, classes, parts, units_s, from_s,
-    walls, wall_offsets, wall_index,
-):  # fmt: skip
+def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     """For each piece a time (n,) that none of its points waits longer for a look, and a first look (n,); inf: not told.
 
-    A point is seen at the same moment of each turn of a loop, though another point is seen at another: robots that
-    drive the same leg count together, all others by themselves.
+    What it is given is what ``kernels.worst_gaps`` is given. A point is seen at the same moment of each turn of a loop,
+    though another point is seen at another: robots that drive the same leg count together, all others by themselves.
     """
     n_pieces = len(offsets) - 1
     gaps, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.inf)
-    starts, ends = np.empty(64), np.empty(64)
-    widest = reaches_m.max() if len(reaches_m) else 0.0
+    parts = Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
+    widest = team.reaches_m.max() if len(team.reaches_m) else 0.0
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
         middle = np.empty((1, 2))
         middle[0, 0], middle[0, 1] = piece[:, 0].mean(), piece[:, 1].mean()
-        column = cell_along(middle[0, 0] - grid[0], grid[2], shape[0])
-        row = cell_along(middle[0, 1] - grid[1], grid[2], shape[1])
-        cell = column * shape[1] + row
-        near = wall_index[wall_offsets[cell] : wall_offsets[cell + 1]]
-        shadows, _, index, n_shadows = shadows_of(piece, walls, near, slack_m, widest)
-        seen_by, seen_boxes, _, n_seen_by = shadows_of(middle, walls, near, slack_m, widest)
-        if n_shadows < 0 or n_seen_by < 0:
+        cell = cell_of(middle[0, 0], middle[0, 1], grid)
+        of_piece = shadows_of(piece, walls, cell, slack_m, widest)
+        of_middle = shadows_of(middle, walls, cell, slack_m, widest)
+        if of_piece.number < 0 or of_middle.number < 0:
             continue
-        if n_seen_by + 4 > len(starts):
-            starts, ends = np.empty(2 * n_seen_by + 4), np.empty(2 * n_seen_by + 4)
-        near_legs = leg_index[leg_offsets[cell] : leg_offsets[cell + 1]]
+        parts = room_for_parts(parts, of_middle)
+        near_legs = in_cell(legs.near, cell)
         passed = np.zeros(len(near_legs), np.bool_)
         for i in range(len(near_legs)):
             m = near_legs[i]
-            if leg_kinds[m] != LOOP:
+            if legs.kinds[m] != LOOP:
                 continue
-            robot = leg_robots[m]
-            lo, hi = part_in_range(piece, legs[m], reaches_m[robot], squares[robot])
+            leg, reach_m, square = legs.near.segments_m[m], team.reaches_m[legs.robots[m]], team.squares[legs.robots[m]]
+            lo, hi = part_in_range(piece, leg, reach_m, square)
             if not lo < hi:
                 continue
-            kept = leg_sights(
-                middle, legs[m], reaches_m[robot], squares[robot], seen_by, seen_boxes, n_seen_by, slack_m, starts, ends
-            )
+            from_lo, to_hi = part_in_range(middle, leg, reach_m, square)
+            kept = 0 if from_lo > to_hi else leg_sights(middle, leg, from_lo, to_hi, of_middle, slack_m, parts)
             for p in range(kept):
-                place = 0.5 * (max(lo, starts[p]) + min(hi, ends[p]))
+                place = 0.5 * (max(lo, parts.starts[p]) + min(hi, parts.ends[p]))
                 if lo <= place <= hi and _seen_round(
-                    place, piece, middle[0], legs[m], lo, hi, walls, shadows, index, n_shadows, slack_m
+                    Stretch(leg, lo, hi, place), piece, middle[0], walls, of_piece, slack_m
                 ):
                     passed[i] = True
                     break
-        which = near_legs[passed]
-        for m in which:
-            gap = _gap_of_followers(
-                m, which, legs, leg_times_s, leg_robots, reaches_m, squares, classes, parts, units_s, limits_s[k],
-                from_s,
-            )  # fmt: skip
-            gaps[k], firsts[k] = min(gaps[k], gap), min(firsts[k], leg_times_s[m, 1])
+        passing = near_legs[passed]
+        for m in passing:
+            gaps[k] = min(gaps[k], _gap_of_followers(m, passing, legs, team, limits_s[k]))
+            firsts[k] = min(firsts[k], legs.times_s[m, 1])
     return gaps, firsts

@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check import tiling_kernels
+from rota.check.tolerances import CONVEX_SHARE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -131,7 +132,7 @@ def _convex_parts(shapes: NDArray[np.object_]) -> Pieces:
     """The polygons among the parts of the shapes, those that are not convex as triangles."""
     parts = _polygons(shapes)
     hulls = shapely.convex_hull(parts)
-    convex = shapely.area(hulls) <= shapely.area(parts) * (1 + 1e-12)
+    convex = shapely.area(hulls) <= shapely.area(parts) * (1 + CONVEX_SHARE)
     triangles = _polygons(shapely.constrained_delaunay_triangles(parts[~convex]))
     rings = shapely.get_exterior_ring(np.concatenate([hulls[convex], triangles]))
     corners, owner = shapely.get_coordinates(rings, return_index=True)

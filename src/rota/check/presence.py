@@ -8,14 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.check.report import Violation
+from rota.check.report import Violation, violation
 from rota.check.routes import TRANSIENT, Routes
+from rota.check.tolerances import SAME_TIME, TOUCH_M
 from rota.plan import Plan
-from rota.violation_kinds import ViolationKind
 
 Floats = NDArray[np.float64]
-
-TOUCH_M = 1e-6
 
 
 def away_times_s(plan: Plan) -> tuple[Floats, Floats]:
@@ -61,29 +59,13 @@ def presence_violations(plan: Plan) -> list[Violation]:
         moves = np.flatnonzero(away & (ways > TOUCH_M))
         if len(moves):
             k = int(moves[0])
-            found.append(_violation("moves while away", trajectory.robot, places[k], times[k], ways[k], 0.0, "m"))
+            found.append(violation("moves while away", trajectory.robot, places[k], times[k], ways[k], 0.0, "m"))
         start_s = trajectory.loop_start_s
         if start_s < early_s:
-            found.append(
-                _violation("sees before it joins", trajectory.robot, places[-1], start_s, start_s, join_s, "s")
-            )
+            found.append(violation("sees before it joins", trajectory.robot, places[-1], start_s, start_s, join_s, "s"))
     return found
 
 
 def _slack_s(times_s: Floats | float) -> Floats:
     """What float64 needs for times that are multiples of a step."""
-    return np.asarray(1e-9 * np.maximum(1.0, np.where(np.isfinite(times_s), times_s, 0.0)))
-
-
-def _violation(
-    kind: ViolationKind, who: str, place: Floats, time_s: float, value: float, limit: float, unit: str
-) -> Violation:
-    return Violation(
-        kind=kind,
-        who=who,
-        place_m=(float(place[0]), float(place[1])),
-        time_s=float(time_s),
-        value=float(value),
-        limit=float(limit),
-        unit=unit,
-    )
+    return np.asarray(SAME_TIME * np.maximum(1.0, np.where(np.isfinite(times_s), times_s, 0.0)))

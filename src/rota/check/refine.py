@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rota.check.pieces import Pieces, quartered
 from rota.check.revisits import Sights, passing_gaps, piece_gaps, point_pieces, swath_cuts
+from rota.check.tolerances import INSIDE, ROUNDING
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -24,7 +25,6 @@ MOST_TOGETHER = 250_000  # pieces at first; of more, so many at a time are refin
 MOST_PLACES = 8
 SAMPLED_MET = 200
 FINER, MOST_FINER = 8, 2_000  # pieces so few are cut so many times smaller than the finest where no sample is unmet
-INSIDE = 1 - 1e-6  # corners are asked a little inside of their piece, off walls and borders
 
 
 @dataclass
@@ -218,7 +218,7 @@ class _Level:
     def settle(self, found: list[Found], is_seeable: IsSeeable, finest_m: float, coarse_m: float, few: int) -> Ints:
         """Sum up the pieces that need no further cut; the indices of those that do."""
         violated = np.array([f.worst_place_m is not None for f in found])[self.owners]
-        finest = self.sizes_m <= finest_m * (1 + 1e-9)
+        finest = self.sizes_m <= finest_m * (1 + ROUNDING)
         out = np.zeros(len(self.pieces), bool)
         out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
         passed = self._passed(found, np.flatnonzero(finest & ~out & ~self.bad))
@@ -253,7 +253,7 @@ class _Level:
         corners, owner = self._inner_corners(index)
         radii = np.zeros(len(index))
         np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
-        return ~is_seeable(self.middles[index], float(radii.max()) * (1 + 1e-9), self.owners[index])
+        return ~is_seeable(self.middles[index], float(radii.max()) * (1 + ROUNDING), self.owners[index])
 
     def _passed(self, found: list[Found], index: Ints) -> Flags:
         """Which of all pieces are met since robots see each of their points as they pass: of those in ``index``."""

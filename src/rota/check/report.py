@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
@@ -44,6 +45,27 @@ class Violation:
         when = "" if self.time_s is None else f", t = {self.time_s:.3f} s"
         value = "never" if math.isinf(self.value) else f"{_number(self.value)} {self.unit}"
         return f"{self.who}: {self.kind}{where}{when}: {value}, allowed {_number(self.limit)} {self.unit}"
+
+
+def violation(
+    kind: ViolationKind,
+    who: str,
+    place_m: Sequence[float] | NDArray[np.float64] | None,
+    time_s: float | None,
+    value: float,
+    limit: float,
+    unit: str,
+) -> Violation:
+    """A violation, from numbers of numpy or Python; counts stay whole numbers."""
+    return Violation(
+        kind=kind,
+        who=who,
+        place_m=None if place_m is None else (float(place_m[0]), float(place_m[1])),
+        time_s=None if time_s is None else float(time_s),
+        value=value if isinstance(value, int) else float(value),
+        limit=limit if isinstance(limit, int) else float(limit),
+        unit=unit,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

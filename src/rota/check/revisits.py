@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 from shapely import contains_xy, prepare, union_all
 
 from rota.check import gap_kernels, kernels, passing_kernels, tiling_kernels
+from rota.check.arrays import Binned, Floats, Grid, Legs, Loops, SeenTimes, Team
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
-from rota.mission import Mission
+from rota.check.tolerances import GRID_MARGIN_M, ROUNDING, slack_of
 from rota.plan import Plan
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_GRID_CELLS = 1_000_000
 MOST_ALONE = 1_000  # pieces that one thread looks at by itself
@@ -33,18 +31,11 @@ class Sights:
     routes: Routes
     origin_m: Floats
     slack_m: float
-    grid: Floats
-    shape: Ints
-    reaches_m: Floats
-    squares: NDArray[np.bool_]
-    legs: tuple[Floats, Ints, Ints]
-    walls: tuple[Floats, Ints, Ints]
+    grid: Grid
+    legs: Legs
+    team: Team
+    walls: Binned
     hidden: Any
-
-    @property
-    def reach_m(self) -> float:
-        """Farthest distance at which any robot sees anything; 0 without robots."""
-        return float((self.reaches_m * np.where(self.squares, math.sqrt(2), 1.0)).max(initial=0.0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,12 +51,6 @@ class Gaps:
     exact: NDArray[np.bool_]
 
 
-def slack_of(mission: Mission) -> float:
-    """The tolerance in metres: pieces and walls are thinner by it. 1e-9, or what float64 needs far from the origin."""
-    far = float(np.abs(mission.area.bounds).max())
-    return max(1e-9, 64 * float(np.finfo(np.float64).eps) * far)
-
-
 def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights:
     """Legs and walls of a plan in a grid over ``bounds_m`` (x0, y0, x1, y1 of all places that will be asked)."""
     routes = seeing_routes(routes_of(plan), plan)
@@ -73,32 +58,31 @@ def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights
     reach = float((reaches * np.where(squares, math.sqrt(2), 1.0)).max(initial=0.0))
     x0, y0, x1, y1 = bounds_m
     origin = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
-    size = max(reach / 2, math.sqrt(max(x1 - x0, 1e-6) * max(y1 - y0, 1e-6) / MOST_GRID_CELLS))
+    size = max(reach / 2, math.sqrt(max(x1 - x0, GRID_MARGIN_M) * max(y1 - y0, GRID_MARGIN_M) / MOST_GRID_CELLS))
     size = max(size, (x1 - x0) / MOST_GRID_CELLS, (y1 - y0) / MOST_GRID_CELLS)
-    grid = np.array([x0 - origin[0], y0 - origin[1], size])
-    shape = np.array([math.floor((x1 - x0) / size) + 1, math.floor((y1 - y0) / size) + 1], np.int64)
+    columns, rows = math.floor((x1 - x0) / size) + 1, math.floor((y1 - y0) / size) + 1
+    grid = Grid(x0 - origin[0], y0 - origin[1], size, columns, rows)
     four = np.tile(origin, 2)
     legs = np.ascontiguousarray(routes.legs_m - four)
     blocking = union_all([obstacle.shape for obstacle in plan.mission.obstacles if obstacle.blocks_sight])
     walls = np.ascontiguousarray(segments_of(blocking) - four)
+    reach_m = reach * (1 + ROUNDING) + GRID_MARGIN_M
     return Sights(
         routes=routes,
         origin_m=origin,
         slack_m=slack_of(plan.mission),
         grid=grid,
-        shape=shape,
-        reaches_m=reaches,
-        squares=squares,
-        legs=(legs, *tiling_kernels.rasterise(legs, reach * (1 + 1e-9) + 1e-6, grid, shape)),
+        legs=Legs(tiling_kernels.rasterise(legs, reach_m, grid), routes.times_s, routes.robots, routes.kinds),
+        team=Team(reaches, squares, Loops(routes.classes, routes.parts, routes.units_s, routes.from_s)),
         # whatever hides part of a piece from a place in reach of all of it is not farther than twice the reach
-        walls=(walls, *tiling_kernels.rasterise(walls, 2 * reach + 1e-6, grid, shape)),
+        walls=tiling_kernels.rasterise(walls, 2 * reach + GRID_MARGIN_M, grid),
         hidden=blocking,
     )
 
 
 def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     """Worst gap of each piece: no point of it waits longer. limits_s: (n,) beyond which more effort is worth it."""
-    if not len(sights.reaches_m) or not len(pieces):
+    if not len(sights.team.reaches_m) or not len(pieces):
         return _never(len(pieces))
     threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
     cuts = np.array_split(np.arange(len(pieces)), threads)
@@ -114,7 +98,7 @@ def passing_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
 
     Told for robots that drive one leg again and again; inf where that does not show that all of a piece is seen.
     """
-    if not len(sights.reaches_m) or not len(pieces):
+    if not len(sights.team.reaches_m) or not len(pieces):
         return _never(len(pieces))
     gaps_s, firsts_s = passing_kernels.passing_gaps(*_arguments(sights, pieces, limits_s))
     n = len(pieces)
@@ -127,15 +111,10 @@ def _never(n: int) -> Gaps:
 
 
 def _arguments(sights: Sights, pieces: Pieces, limits_s: Floats) -> tuple[Any, ...]:
-    """What the kernels are given of a plan and of pieces."""
-    routes = sights.routes
-    return (
-        pieces.offsets, np.ascontiguousarray(pieces.corners_m - sights.origin_m),
-        np.ascontiguousarray(limits_s, np.float64), sights.slack_m, sights.grid, sights.shape,
-        sights.legs[0], routes.times_s, routes.robots, routes.kinds, sights.legs[1], sights.legs[2],
-        sights.reaches_m, sights.squares, routes.classes, routes.parts, routes.units_s, routes.from_s,
-        *sights.walls,
-    )  # fmt: skip
+    """What ``worst_gaps`` and ``passing_gaps`` are given."""
+    corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
+    limits = np.ascontiguousarray(limits_s, np.float64)
+    return pieces.offsets, corners, limits, sights.slack_m, sights.grid, sights.legs, sights.team, sights.walls
 
 
 def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
@@ -145,9 +124,8 @@ def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
     """
     corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
     found: Floats = tiling_kernels.swath_cuts(
-        pieces.offsets, corners, sights.grid, sights.shape, sights.legs[0], sights.routes.robots,
-        *sights.legs[1:], sights.reaches_m, sights.squares, 100 * sights.slack_m,
-    )  # fmt: skip
+        pieces.offsets, corners, sights.grid, sights.legs, sights.team, 100 * sights.slack_m
+    )
     found[:, 2] += found[:, :2] @ sights.origin_m
     return found
 
@@ -201,8 +179,7 @@ def loop_gap(routes: Routes, inside: list[tuple[int, float, float]]) -> tuple[fl
             bounds[-1] += 1
     if not robots:
         return math.inf, math.nan
-    gap, begin, _ = gap_kernels.team_gap(
-        np.array(starts), np.array(ends), np.array(bounds, np.int64), np.array(robots, np.int64), len(robots),
-        routes.classes, routes.parts, routes.units_s, 0.0, routes.from_s,
-    )  # fmt: skip
+    times = SeenTimes(np.array(starts), np.array(ends), np.array(bounds, np.int64), np.array(robots, np.int64))
+    loops = Loops(routes.classes, routes.parts, routes.units_s, routes.from_s)
+    gap, begin, _ = gap_kernels.team_gap(times, len(robots), loops, 0.0)
     return float(gap), float(begin)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import get_coordinates, get_parts, get_rings, linestrings, points
 
+from rota.check.tolerances import SAME_RATIO
 from rota.mission import DiscSensor
 from rota.plan import Plan
 
@@ -20,7 +21,6 @@ Ints = NDArray[np.int64]
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
 LARGEST_DENOMINATOR = 64
-RATIO_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -122,7 +122,7 @@ def _ratio(longer_s: float, shorter_s: float) -> Fraction | None:
         return None if inverse is None else 1 / inverse
     ratio = longer_s / shorter_s
     nearest = Fraction(ratio).limit_denominator(LARGEST_DENOMINATOR)
-    return nearest if abs(ratio - float(nearest)) <= RATIO_TOLERANCE * ratio else None
+    return nearest if abs(ratio - float(nearest)) <= SAME_RATIO * ratio else None
 
 
 def sensors_of(plan: Plan) -> tuple[Floats, NDArray[np.bool_]]:

@@ -14,14 +14,11 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.check import sight_kernels, tiling_kernels
-from rota.check.revisits import slack_of
+from rota.check.arrays import Flags, Floats, Grid
 from rota.check.routes import lines_of, segments_of
+from rota.check.tolerances import GRID_MARGIN_M, SLACK_M, TOUCH_M, slack_of
 from rota.mission import DiscSensor, Mission, Sensor
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-TOUCH_M = 1e-6
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
 MANY_SIDES, RAGGED_SIDES = 10_000, 5_000
 MOST_GRID_CELLS = 250_000
@@ -29,7 +26,7 @@ BOX, NEAR, MOST_SPREAD = 2.0, 2.0, 0.4  # of the reach: boxes of points, what is
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Ground:
+class StandingArea:
     """Where the bodies of one kind of robot can stand (a shapely geometry), and what their sensor reaches."""
 
     shape: Any
@@ -53,12 +50,12 @@ def standing(mission: Mission, body_radius_m: float) -> Any:
 
 
 @functools.lru_cache(maxsize=4)
-def grounds_of(mission: Mission) -> tuple[Ground, ...]:
-    """One ground for each kind of robot (body and sensor) that the fleet has."""
+def standing_areas(mission: Mission) -> tuple[StandingArea, ...]:
+    """One area for each kind of robot (body and sensor) that the fleet has."""
     fleet = mission.fleet
     robots = [fleet.equal_robot("any")] if fleet.robots is None else fleet.robots
     kinds = {(robot.body_radius_m, robot.sensor): None for robot in robots}
-    return tuple(Ground(shape=standing(mission, body), sensor=sensor) for body, sensor in kinds)
+    return tuple(StandingArea(shape=standing(mission, body), sensor=sensor) for body, sensor in kinds)
 
 
 def has_many_sides(mission: Mission) -> bool:
@@ -66,26 +63,26 @@ def has_many_sides(mission: Mission) -> bool:
     return int(shapely.get_num_coordinates(_hidden(mission))) > RAGGED_SIDES
 
 
-def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
+def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
     """Whether each of the points (n, 2) can be seen from anywhere some robot can stand: (n,) bool.
 
     With ``spread_m``: False proves that nothing within that distance of the point can be seen. (If q is seen from p,
     all of the segment from p to a point x near q is within |q - x| of points that are not in an obstacle, so it stays
     out of obstacles made thinner by that much.) Points must not lie inside what blocks sight.
     """
-    reach_m = max((ground.sensor.reach_m for ground in grounds), default=0.0)
+    reach_m = max((area.sensor.reach_m for area in areas), default=0.0)
     hidden, slack_m = _hidden(mission), slack_of(mission)
-    corners = shapely.get_num_coordinates([hidden, *(ground.shape for ground in grounds)]).sum()
+    corners = shapely.get_num_coordinates([hidden, *(area.shape for area in areas)]).sum()
     if corners <= MANY_SIDES or spread_m > MOST_SPREAD * reach_m:
-        return _seen_from_any(grounds, hidden, points_m, spread_m, slack_m)
-    known = _known(mission, grounds, spread_m)
+        return _seen_from_any(areas, hidden, points_m, spread_m, slack_m)
+    known = _known(mission, areas, spread_m)
     keys = list(map(tuple, points_m.tolist()))
     new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
     boxes, box_of = np.unique(np.floor(points_m[new] / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
 
     def in_box(k: int) -> tuple[NDArray[np.int64], Flags]:
         mine = new[box_of.ravel() == k]
-        near = _near_box(mission, grounds, reach_m, *boxes[k].tolist())
+        near = _near_box(mission, areas, reach_m, *boxes[k].tolist())
         return mine, _seen_from_any(*near, points_m[mine], spread_m, slack_m)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
@@ -95,7 +92,7 @@ def seeable(mission: Mission, grounds: tuple[Ground, ...], points_m: Floats, spr
 
 
 @functools.lru_cache(maxsize=16)
-def _known(mission: Mission, grounds: tuple[Ground, ...], spread_m: float) -> dict[tuple[float, float], bool]:
+def _known(mission: Mission, areas: tuple[StandingArea, ...], spread_m: float) -> dict[tuple[float, float], bool]:
     """What was found out about places on ragged ground: a search has hundreds of plans of one mission checked."""
     return {}
 
@@ -107,15 +104,15 @@ def _hidden(mission: Mission) -> Any:
 
 @functools.lru_cache(maxsize=4096)
 def _near_box(
-    mission: Mission, grounds: tuple[Ground, ...], reach_m: float, i: int, j: int
-) -> tuple[tuple[Ground, ...], Any]:
-    """What of the grounds, and of what blocks sight, can matter to points in one box of a lattice.
+    mission: Mission, areas: tuple[StandingArea, ...], reach_m: float, i: int, j: int
+) -> tuple[tuple[StandingArea, ...], Any]:
+    """What of the areas, and of what blocks sight, can matter to points in one box of a lattice.
 
     Where it is cut off, it is out of reach of them, even when it is made thinner by the largest spread from there on.
     """
     low, wide = BOX * reach_m, NEAR * reach_m
     frame = shapely.box(i * low - wide, j * low - wide, (i + 1) * low + wide, (j + 1) * low + wide)
-    near = tuple(Ground(shape=_cut_to(frame, ground.shape), sensor=ground.sensor) for ground in grounds)
+    near = tuple(StandingArea(shape=_cut_to(frame, area.shape), sensor=area.sensor) for area in areas)
     return near, _cut_to(frame, _hidden(mission))
 
 
@@ -125,57 +122,56 @@ def _cut_to(frame: Any, shape: Any) -> Any:
 
 
 def _seen_from_any(
-    grounds: tuple[Ground, ...], hidden: Any, points_m: Floats, spread_m: float, slack_m: float
+    areas: tuple[StandingArea, ...], hidden: Any, points_m: Floats, spread_m: float, slack_m: float
 ) -> Flags:
     found = np.zeros(len(points_m), np.bool_)
     thin = shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
-    for ground in grounds:
+    for area in areas:
         left = np.flatnonzero(~found)
-        if not len(left) or ground.shape.is_empty:
+        if not len(left) or area.shape.is_empty:
             continue
-        found[left] = _seen_from(ground, thin, points_m[left], spread_m, slack_m)
+        found[left] = _seen_from(area, thin, points_m[left], spread_m, slack_m)
     return found
 
 
-def _seen_from(ground: Ground, hidden: Any, points_m: Floats, spread_m: float, slack_m: float) -> Flags:
+def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: float, slack_m: float) -> Flags:
     points = shapely.points(points_m)
-    shapely.prepare(ground.shape)
-    found: Flags = shapely.dwithin(ground.shape, points, spread_m + 1e-9)
+    shapely.prepare(area.shape)
+    found: Flags = shapely.dwithin(area.shape, points, spread_m + SLACK_M)
     left = np.flatnonzero(~found)
-    square = not isinstance(ground.sensor, DiscSensor)
-    half = ground.sensor.radius_m if isinstance(ground.sensor, DiscSensor) else ground.sensor.side_m / 2
+    square = not isinstance(area.sensor, DiscSensor)
+    half = area.sensor.radius_m if isinstance(area.sensor, DiscSensor) else area.sensor.side_m / 2
     if len(left):
-        lines = shapely.shortest_line(points[left], ground.shape)
+        lines = shapely.shortest_line(points[left], area.shape)
         ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
         away = np.abs(ends[:, 1] - ends[:, 0])
         far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
         core = shapely.buffer(hidden, -slack_m, join_style="mitre")
         shapely.prepare(core)
         found[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
-        # out of range of the nearest ground, no other is in range (a square's corner is the farthest it reaches)
+        # where the nearest place to stand is out of range, all are (a square's corner is the farthest it reaches)
         corner = half * math.sqrt(2) if square else half
-        left = left[~found[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + 1e-9)]
+        left = left[~found[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + SLACK_M)]
     if len(left):
-        found[left] = _ray_test(ground.shape, hidden, points_m[left], half + spread_m, square)
+        found[left] = _ray_test(area.shape, hidden, points_m[left], half + spread_m, square)
     return found
 
 
 def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:
     low, high = points_m.min(axis=0), points_m.max(axis=0)
     origin = (low + high) / 2
-    margin = reach_m * (math.sqrt(2) if square else 1.0) + 1e-6
-    width, height = np.maximum(high - low, 1e-6)
+    margin = reach_m * (math.sqrt(2) if square else 1.0) + GRID_MARGIN_M
+    width, height = np.maximum(high - low, GRID_MARGIN_M)
     size = max(margin / 4, math.sqrt(width * height / MOST_GRID_CELLS), max(width, height) / MOST_GRID_CELLS)
-    grid = np.array([low[0] - origin[0], low[1] - origin[1], size])
-    shape = np.array([int(width / size) + 1, int(height / size) + 1], np.int64)
+    grid = Grid(low[0] - origin[0], low[1] - origin[1], size, int(width / size) + 1, int(height / size) + 1)
     sides, walls = segments_of(ground), segments_of(hidden)
     crossings = shapely.intersection(shapely.boundary(ground), shapely.boundary(hidden))
     crossed = shapely.get_coordinates(crossings)
     crossed = np.hstack([crossed, crossed])
-    layers = []
-    for segments in (walls, sides, crossed):
-        near = np.ascontiguousarray(segments - np.tile(origin, 2))
-        layers += [near, *tiling_kernels.rasterise(near, margin, grid, shape)]
+    layers = [
+        tiling_kernels.rasterise(np.ascontiguousarray(segments - np.tile(origin, 2)), margin, grid)
+        for segments in (walls, sides, crossed)
+    ]
     points = np.ascontiguousarray(points_m - origin)
-    found: Flags = sight_kernels.sees_ground(points, reach_m, square, grid, shape, *layers)
-    return found
+    seen: Flags = sight_kernels.sees_ground(points, reach_m, square, grid, *layers)
+    return seen

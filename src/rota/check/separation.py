@@ -16,12 +16,12 @@ from rota.check.motion import segment_distances
 from rota.check.near_legs import near_legs
 from rota.check.report import Violation
 from rota.check.routes import HOLD, LOOP, TRANSIENT, Routes, routes_of
+from rota.check.tolerances import SAME_TURN, TOUCH_M
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TOUCH_M = 1e-6
 BOUNCING_CELLS = 1e-3  # that a bouncing robot's body is wide at least, as a radius
 MOST_MEETINGS = 5_000_000  # of legs in one phase; of pairs with more every phase is taken to occur, on the safe side
 CHUNK = 1_000_000
@@ -51,7 +51,7 @@ def separation_violations(plan: Plan) -> list[Violation]:
     if len(bodies) < 2 or np.sort(bodies)[-2:].sum() <= TOUCH_M:
         return []
     closest: dict[tuple[int, int], _Closest] = {}
-    for a, b in near_legs(routes, bodies, TOUCH_M):
+    for a, b in near_legs(routes, bodies):
         for k in range(0, len(a), CHUNK):
             _note_pairs(closest, routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK])
     found = []
@@ -106,7 +106,7 @@ def _shift_range(routes: Routes, a: Ints, b: Ints, step: Floats, both: NDArray[n
     size = np.where(step == 0, 1.0, np.abs(step))
     with np.errstate(invalid="ignore"):
         one, two = (a0 - b1) / np.where(step < 0, -size, size), (a1 - b0) / np.where(step < 0, -size, size)
-    low, high = np.ceil(np.minimum(one, two) - 1e-9), np.floor(np.maximum(one, two) + 1e-9)
+    low, high = np.ceil(np.minimum(one, two) - SAME_TURN), np.floor(np.maximum(one, two) + SAME_TURN)
     low = np.where(both, low, np.maximum(low, 0.0))
     return np.where(step == 0, 0.0, low), np.where(step == 0, 0.0, high)
 

@@ -13,6 +13,9 @@ import math
 import numpy as np
 from numba import njit
 
+from rota.check.arrays import Binned
+from rota.check.tolerances import STILL_M
+
 
 @njit(cache=True)
 def cell_along(offset_m, size_m, count):
@@ -25,6 +28,19 @@ def cell_along(offset_m, size_m, count):
 
 
 @njit(cache=True)
+def cell_of(x, y, grid):
+    """Number of the cell of a ``Grid`` that holds a place; for places outside the nearest cell."""
+    column = cell_along(x - grid.x0_m, grid.cell_m, grid.columns)
+    return column * grid.rows + cell_along(y - grid.y0_m, grid.cell_m, grid.rows)
+
+
+@njit(cache=True)
+def in_cell(binned, cell):
+    """(n,) indices of the segments that matter to a cell."""
+    return binned.items[binned.offsets[cell] : binned.offsets[cell + 1]]
+
+
+@njit(cache=True)
 def _cells_between(low_m, high_m, size_m, count):
     """The first and the last cell of a grid that an interval along one axis meets; the last is before: none."""
     if not (high_m >= 0.0 and low_m < size_m * count):
@@ -33,82 +49,81 @@ def _cells_between(low_m, high_m, size_m, count):
 
 
 @njit(cache=True)
-def rasterise(segments, margin_m, grid, shape):
-    """Segments within ``margin_m`` of each grid cell (a superset): offsets (nx * ny + 1,) and ascending indices."""
-    nx, ny = shape[0], shape[1]
+def rasterise(segments, margin_m, grid):
+    """Segments (n, 4) sorted into the cells of a ``Grid`` that they come within ``margin_m`` of (or a little more)."""
+    nx, ny = grid.columns, grid.rows
     offsets = np.zeros(nx * ny + 1, np.int64)
-    found = np.empty(0, np.int64)
+    index = np.empty(0, np.int64)
     for fill in range(2):
         if fill == 1:
             for c in range(nx * ny):
                 offsets[c + 1] += offsets[c]
-            found = np.empty(offsets[nx * ny], np.int64)
+            index = np.empty(offsets[nx * ny], np.int64)
             cursor = offsets[:-1].copy()
         for k in range(len(segments)):
             x0, y0, x1, y1 = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
-            left, right = min(x0, x1) - margin_m - grid[0], max(x0, x1) + margin_m - grid[0]
-            first, last = _cells_between(left, right, grid[2], nx)
+            left, right = min(x0, x1) - margin_m - grid.x0_m, max(x0, x1) + margin_m - grid.x0_m
+            first, last = _cells_between(left, right, grid.cell_m, nx)
             for i in range(first, last + 1):
                 lo, hi = 0.0, 1.0
-                if abs(x1 - x0) > 1e-9:
-                    ua = (grid[0] + i * grid[2] - margin_m - x0) / (x1 - x0)
-                    ub = (grid[0] + (i + 1) * grid[2] + margin_m - x0) / (x1 - x0)
+                if abs(x1 - x0) > STILL_M:
+                    ua = (grid.x0_m + i * grid.cell_m - margin_m - x0) / (x1 - x0)
+                    ub = (grid.x0_m + (i + 1) * grid.cell_m + margin_m - x0) / (x1 - x0)
                     lo = min(1.0, max(0.0, min(ua, ub)))
                     hi = max(0.0, min(1.0, max(ua, ub)))
                 ya, yb = y0 + lo * (y1 - y0), y0 + hi * (y1 - y0)
-                bottom, top = min(ya, yb) - margin_m - grid[1], max(ya, yb) + margin_m - grid[1]
-                low, high = _cells_between(bottom, top, grid[2], ny)
+                bottom, top = min(ya, yb) - margin_m - grid.y0_m, max(ya, yb) + margin_m - grid.y0_m
+                low, high = _cells_between(bottom, top, grid.cell_m, ny)
                 for j in range(low, high + 1):
                     if fill == 0:
                         offsets[i * ny + j + 1] += 1
                     else:
-                        found[cursor[i * ny + j]] = k
+                        index[cursor[i * ny + j]] = k
                         cursor[i * ny + j] += 1
-    return offsets, found
+    return Binned(segments, offsets, index)
 
 
 @njit(cache=True, nogil=True)
-def swath_cuts(
-    offsets, corners, grid, shape, legs, leg_robots, leg_offsets, leg_index, reaches_m, squares, margin_m
-):  # fmt: skip
+def swath_cuts(offsets, corners, grid, legs, team, margin_m):
     """A line (n, 3) nx, ny, c: n.p = c through each piece along the edge of what a leg sees; nan where there is none.
 
-    Of several edges the one nearest to the middle; ``margin_m`` of the piece must lie on either side.
+    offsets (n + 1,), corners (c, 2): the pieces. Of several edges the one nearest to the middle counts; ``margin_m`` of
+    the piece must lie on either side.
     """
     cuts = np.full((len(offsets) - 1, 3), np.nan)
     for k in range(len(cuts)):
         piece = corners[offsets[k] : offsets[k + 1]]
         mx, my = piece[:, 0].mean(), piece[:, 1].mean()
-        cell = cell_along(mx - grid[0], grid[2], shape[0]) * shape[1] + cell_along(my - grid[1], grid[2], shape[1])
         best = math.inf
-        for m in leg_index[leg_offsets[cell] : leg_offsets[cell + 1]]:
-            dx, dy = legs[m, 2] - legs[m, 0], legs[m, 3] - legs[m, 1]
+        for m in in_cell(legs.near, cell_of(mx, my, grid)):
+            leg = legs.near.segments_m[m]
+            dx, dy = leg[2] - leg[0], leg[3] - leg[1]
             length = math.hypot(dx, dy)
-            if length < 1e-9:
+            if length < STILL_M:
                 continue
             nx, ny = -dy / length, dx / length
-            robot = leg_robots[m]
-            reach = reaches_m[robot] * (abs(nx) + abs(ny) if squares[robot] else 1.0)
-            along = ((mx - legs[m, 0]) * dx + (my - legs[m, 1]) * dy) / length
+            robot = legs.robots[m]
+            reach = team.reaches_m[robot] * (abs(nx) + abs(ny) if team.squares[robot] else 1.0)
+            along = ((mx - leg[0]) * dx + (my - leg[1]) * dy) / length
             if along < -reach or along > length + reach:
                 continue
-            side = nx * (mx - legs[m, 0]) + ny * (my - legs[m, 1])
+            side = nx * (mx - leg[0]) + ny * (my - leg[1])
             if abs(abs(side) - reach) > reach / 2:
                 continue
             low, high, front, back = math.inf, -math.inf, math.inf, -math.inf
             for p in range(len(piece)):
-                px, py = piece[p, 0] - legs[m, 0], piece[p, 1] - legs[m, 1]
+                px, py = piece[p, 0] - leg[0], piece[p, 1] - leg[1]
                 low, high = min(low, nx * px + ny * py), max(high, nx * px + ny * py)
                 front, back = min(front, ny * px - nx * py), max(back, ny * px - nx * py)
             # at its very edge a disc sees one point at a time: cut where its chord is twice as long as the piece
-            edge = reach if squares[robot] else math.sqrt(max(0.0, reach**2 - (back - front) ** 2))
+            edge = reach if team.squares[robot] else math.sqrt(max(0.0, reach**2 - (back - front) ** 2))
             edge = edge if side > 0 else -edge
             if abs(side - edge) >= best:
                 continue
             if low < edge - margin_m and high > edge + margin_m:
                 best = abs(side - edge)
                 cuts[k, 0], cuts[k, 1] = nx, ny
-                cuts[k, 2] = edge + nx * legs[m, 0] + ny * legs[m, 1]
+                cuts[k, 2] = edge + nx * leg[0] + ny * leg[1]
     return cuts
 
 
@@ -175,8 +190,8 @@ def half_width(corners, start, stop):
 
 @njit(cache=True)
 def half_widths(offsets, corners):
-    """Distance from the mean of the corners to the nearest side, for each piece."""
-    found = np.empty(len(offsets) - 1)
-    for k in range(len(found)):
-        found[k] = half_width(corners, offsets[k], offsets[k + 1])
-    return found
+    """``half_width`` (n,) of each piece; offsets (n + 1,), corners (c, 2)."""
+    widths_m = np.empty(len(offsets) - 1)
+    for k in range(len(widths_m)):
+        widths_m[k] = half_width(corners, offsets[k], offsets[k + 1])
+    return widths_m

@@ -31,7 +31,7 @@ NUMBERED_ROBOTS = 60  # with more, numbers would hide the map
 LEAST_BODY_PT = 2.2  # a body drawn smaller than that is not seen
 
 
-def holds(plan: Plan) -> bool:
+def is_deployment(plan: Plan) -> bool:
     """Whether nothing is asked of any ground and all robots stay in the end."""
     mission = plan.mission
     asked = mission.period_s is not None or any(zone.period_s is not None for zone in mission.zones)

@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from rota.draw.cell_map import cell_map_of, neighbours
 from rota.draw.deployment_maps import filled
 from rota.draw.gif_file import Frame
-from rota.draw.ground import ground_of, neighbours
 from rota.draw.mission_picture import draw_mission, plain
 from rota.draw.palette import NOT_SEEN_YET, OVER_PERIOD, gap_colours, ink_on
 from rota.draw.route_lines import robot_colours
@@ -59,8 +59,8 @@ class FilmFrames:
     def __init__(self, plan: Plan, speedup: float) -> None:
         self._plan = plan
         self._speedup = speedup
-        self._sightings = Sightings(plan, ground_of(plan.mission, CELLS))
-        self._shown = neighbours(self._sightings.ground)
+        self._sightings = Sightings(plan, cell_map_of(plan.mission, CELLS))
+        self._shown = neighbours(self._sightings.cell_map)
         self._colours = robot_colours(plan)
         self._fig = Figure(figsize=_figure_size(plan.mission), dpi=DPI, facecolor="white")
         self._canvas = FigureCanvasAgg(self._fig)
@@ -83,7 +83,7 @@ class FilmFrames:
         draw_zone_labels(self._plan.mission, self._ax, routes_of(self._plan))
         self._image = self._ax.imshow(
             np.zeros(self._sightings.last_seen_s.shape),
-            extent=self._sightings.ground.extent_m,
+            extent=self._sightings.cell_map.extent_m,
             origin="lower",
             interpolation="nearest",
             cmap=gap_colours(LEVELS).with_extremes(under=NOT_SEEN_YET, over=OVER_PERIOD, bad=(0, 0, 0, 0)),

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from rota.draw.ground import Bools, Ground, ground_of, neighbours
+from rota.draw.cell_map import Bools, CellMap, cell_map_of, neighbours
 from rota.draw.palette import EXCLUDED, NEVER_SEEN, NOTHING_ASKED, OVER_PERIOD, gap_colours
 from rota.plan import Plan
 
@@ -24,13 +24,13 @@ ON_TIME = 1 + 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class GapMap:
-    """Worst gap over period, (rows, columns) as in ``ground``; inf: never seen, nan: nothing asked.
+    """Worst gap over period, (rows, columns) as in ``cell_map``; inf: never seen, nan: nothing asked.
 
     excluded: (rows, columns), what nobody can see from anywhere a body can stand, where the mission excludes that;
     the ratio is nan there.
     """
 
-    ground: Ground
+    cell_map: CellMap
     ratio: Floats
     excluded: Bools
 
@@ -49,27 +49,27 @@ def gap_map(plan: Plan, cells: int = 200_000) -> GapMap:
     """The worst gap over period at the centre of each of about ``cells`` cells; samples, not the check's verdict."""
     from rota.check import revisits, seeable  # loads the compiled loops only when they are needed
 
-    ground = ground_of(plan.mission, cells)
-    ratio, excluded = np.full(ground.period_s.shape, np.nan), np.zeros_like(ground.inside)
-    points_m = np.ascontiguousarray(ground.points_m(ground.asked))
+    cell_map = cell_map_of(plan.mission, cells)
+    ratio, excluded = np.full(cell_map.period_s.shape, np.nan), np.zeros_like(cell_map.inside)
+    points_m = np.ascontiguousarray(cell_map.points_m(cell_map.asked))
     if len(points_m):
-        ratio[ground.asked] = revisits.worst_gaps_s(plan, points_m) / ground.period_s[ground.asked]
+        ratio[cell_map.asked] = revisits.worst_gaps_s(plan, points_m) / cell_map.period_s[cell_map.asked]
     never = np.isinf(ratio)
     if plan.mission.unseeable == "exclude" and never.any():
-        points_m = np.ascontiguousarray(ground.points_m(never))
-        excluded[never] = ~seeable.seeable(plan.mission, seeable.grounds_of(plan.mission), points_m)
+        points_m = np.ascontiguousarray(cell_map.points_m(never))
+        excluded[never] = ~seeable.seeable(plan.mission, seeable.standing_areas(plan.mission), points_m)
         ratio[excluded] = np.nan
-    return GapMap(ground=ground, ratio=ratio, excluded=excluded)
+    return GapMap(cell_map=cell_map, ratio=ratio, excluded=excluded)
 
 
-def _cells_path(ground: Ground, mask: Bools) -> Path:
+def _cells_path(cell_map: CellMap, mask: Bools) -> Path:
     """The cells in ``mask`` as one path of rectangles, one for each run of cells in a row."""
     padded = np.pad(mask, ((0, 0), (1, 1))).astype(np.int8)
     rows, starts = np.nonzero(np.diff(padded, axis=1) == 1)
     _, ends = np.nonzero(np.diff(padded, axis=1) == -1)
-    left, _, bottom, _ = ground.extent_m
-    x0, x1 = left + starts * ground.cell_m, left + ends * ground.cell_m
-    y0, y1 = bottom + rows * ground.cell_m, bottom + (rows + 1) * ground.cell_m
+    left, _, bottom, _ = cell_map.extent_m
+    x0, x1 = left + starts * cell_map.cell_m, left + ends * cell_map.cell_m
+    y0, y1 = bottom + rows * cell_map.cell_m, bottom + (rows + 1) * cell_map.cell_m
     vertices = np.stack([np.stack([x, y], -1) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))], 1)
     codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(rows))
     return Path(vertices.reshape(-1, 2), codes.astype(np.uint8))
@@ -90,13 +90,13 @@ def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
 
     ``area``: the area's patch, by which all is cut: cells on its border reach beyond it.
     """
-    ground = gaps.ground
-    shown = neighbours(ground)
+    cell_map = gaps.cell_map
+    shown = neighbours(cell_map)
     drawn = np.ma.masked_invalid(np.where(gaps.late, gaps.ratio, np.minimum(gaps.ratio, 1.0)))
     drawn[gaps.never] = np.ma.masked
     image = ax.imshow(
         drawn.ravel()[shown],
-        extent=ground.extent_m,
+        extent=cell_map.extent_m,
         origin="lower",
         interpolation="nearest",
         aspect="equal",
@@ -107,13 +107,13 @@ def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
     )
     # hatched, because in a grey print red is just another grey
     for mask, face, hatch, edge in (
-        (ground.inside & ~ground.asked, NOTHING_ASKED, "....", "#777777"),
+        (cell_map.inside & ~cell_map.asked, NOTHING_ASKED, "....", "#777777"),
         (_broad(gaps.late), "none", "\\\\\\\\", "white"),
         (gaps.never, NEVER_SEEN, "xxxx", OVER_PERIOD),
         (gaps.excluded, EXCLUDED, "", EXCLUDED),
     ):
         if mask.any():
-            path = _cells_path(ground, mask.ravel()[shown])
+            path = _cells_path(cell_map, mask.ravel()[shown])
             patch = PathPatch(path, facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0, zorder=1.3)
             ax.add_patch(patch).set_clip_path(area)
     return image
@@ -121,7 +121,7 @@ def draw_gap_map(gaps: GapMap, ax: Axes, area: Patch) -> AxesImage:
 
 def gap_legend(gaps: GapMap) -> list[Patch]:
     """Legend entries for what the colour bar does not say, with shares of the asked ground."""
-    asked = max(int(gaps.ground.asked.sum()), 1)
+    asked = max(int(gaps.cell_map.asked.sum()), 1)
     entries = []
     if gaps.late.any():
         worst = gaps.ratio[gaps.late].max()
@@ -133,9 +133,9 @@ def gap_legend(gaps: GapMap) -> list[Patch]:
     if gaps.excluded.any():
         label = f"cannot be seen by any robot: {_share(gaps.excluded.sum() / asked)}"
         entries.append(Patch(facecolor=EXCLUDED, label=label))
-    blank = gaps.ground.inside & ~gaps.ground.asked
+    blank = gaps.cell_map.inside & ~gaps.cell_map.asked
     if blank.any():
-        visits = bool((gaps.ground.visit == blank).all())
+        visits = bool((gaps.cell_map.visit == blank).all())
         label = "visits asked, not mapped" if visits else "nothing asked of every point"
         entries.append(Patch(facecolor=NOTHING_ASKED, edgecolor="#777777", hatch="....", linewidth=0.5, label=label))
     return entries

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.deployment_frames import DeploymentFrames
-from rota.draw.deployment_maps import holds
+from rota.draw.deployment_maps import is_deployment
 from rota.draw.film_frames import FilmFrames
 from rota.draw.gif_file import Frame, palette_of, write_gif
 from rota.draw.house_style import house_style
@@ -73,7 +73,7 @@ def animate_plan(
     fps = FORMATS[suffix] if fps is None else fps
     times_s, speedup = film_times_s(plan, seconds, fps, speedup)
     with house_style(), replaced_file(path) as partial:
-        film = DeploymentFrames(plan, speedup) if holds(plan) else FilmFrames(plan, speedup)
+        film = DeploymentFrames(plan, speedup) if is_deployment(plan) else FilmFrames(plan, speedup)
         if suffix == ".gif":
             write_gif(film.frames(times_s), len(times_s), palette_of(film.sample(), film.key_colours()), partial, fps)
         else:

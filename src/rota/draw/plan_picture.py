@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from rota.draw.deployment_maps import holds, range_half, ways_half
+from rota.draw.deployment_maps import is_deployment, range_half, ways_half
 from rota.draw.entered_cells import entries_half
 from rota.draw.gap_map import GapMap, draw_gap_map, gap_legend, gap_map
 from rota.draw.house_style import house_style
@@ -37,7 +37,7 @@ def _header(plan: Plan) -> str:
     if (rules := mission.planning.bouncing) is not None:
         asked = "cover the area once" if rules.covers else "visit every zone for ever"
         return " · ".join([*words, asked, f"cells of {rules.cell_m:.6g} m" if rules.cell_m else "without a grid"])
-    if holds(plan):
+    if is_deployment(plan):
         return " · ".join([*words, "nothing asked of the ground"])
     where = "outside zones" if mission.zones else "whole area"
     words.append(f"{where} {'nothing asked' if mission.period_s is None else 'every ' + period_text(mission.period_s)}")
@@ -77,9 +77,9 @@ def plan_figure(plan: Plan, cells: int = 200_000) -> Figure:
     """
     rules = plan.mission.planning.bouncing
     bounced = rules is not None and rules.cell_m > 0
-    if bounced and holds(plan):
+    if bounced and is_deployment(plan):
         return two_maps(plan.mission, _header(plan), ways_half(plan), entries_half(plan))
-    if holds(plan):
+    if is_deployment(plan):
         return two_maps(plan.mission, _header(plan), ways_half(plan), range_half(plan))
     routes = Half(
         title="Routes, numbered where each robot's loop starts",

@@ -1,4 +1,4 @@
-"""When each cell of the ground was last seen, kept up to date as the robots move."""
+"""When each cell of a cell map was last seen, kept up to date as the robots move."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
+from rota.draw.cell_map import CellMap
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
-from rota.draw.ground import Ground
 from rota.draw.routes import corner_times_s, places_at
 from rota.mission import DiscSensor, Sensor, inner_reach_m
 from rota.plan import Plan
@@ -44,12 +44,12 @@ def in_range(sensor: Sensor, leg_m: Floats, x_m: Floats, y_m: Floats) -> Bools:
 class Sightings:
     """The last time each cell was seen; -inf: not yet.
 
-    last_seen_s: (rows, columns) seconds, as in ``ground``. ``advance`` moves the clock on, never back.
+    last_seen_s: (rows, columns) seconds, as in ``cell_map``. ``advance`` moves the clock on, never back.
     """
 
-    def __init__(self, plan: Plan, ground: Ground) -> None:
-        self.ground = ground
-        self.last_seen_s = np.full(ground.period_s.shape, -np.inf)
+    def __init__(self, plan: Plan, cell_map: CellMap) -> None:
+        self.cell_map = cell_map
+        self.last_seen_s = np.full(cell_map.period_s.shape, -np.inf)
         self._plan = plan
         self._walls = walls_of(plan.mission)
         self._robots = [plan.mission.fleet.robot(trajectory.robot) for trajectory in plan]
@@ -85,7 +85,7 @@ class Sightings:
 
     def age_in_periods(self, time_s: float) -> Floats:
         """Time since last seen over the period, (rows, columns); inf: not yet seen, nan: nothing asked."""
-        return (time_s - self.last_seen_s) / self.ground.period_s
+        return (time_s - self.last_seen_s) / self.cell_map.period_s
 
     def _look(self, sensor: Sensor, leg_m: Floats, time_s: float) -> None:
         """What is seen along a short leg (2, 2); beside obstacles: from its end."""
@@ -94,9 +94,9 @@ class Sightings:
             leg_m = leg_m[[1, 1]]
         half_m = inner_reach_m(sensor)
         low_m, high_m = leg_m.min(axis=0) - half_m, leg_m.max(axis=0) + half_m
-        columns = slice(*np.searchsorted(self.ground.x_m, [low_m[0], high_m[0]]))
-        rows = slice(*np.searchsorted(self.ground.y_m, [low_m[1], high_m[1]]))
-        x_m, y_m = np.meshgrid(self.ground.x_m[columns], self.ground.y_m[rows])
+        columns = slice(*np.searchsorted(self.cell_map.x_m, [low_m[0], high_m[0]]))
+        rows = slice(*np.searchsorted(self.cell_map.y_m, [low_m[1], high_m[1]]))
+        x_m, y_m = np.meshgrid(self.cell_map.x_m[columns], self.cell_map.y_m[rows])
         seen = in_range(sensor, leg_m, x_m, y_m)
         if cut is not None:
             shapely.prepare(cut)

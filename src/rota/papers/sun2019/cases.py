@@ -62,7 +62,7 @@ class Case:
     def late_m2(self) -> float:
         """Ground that the routes as printed see, but too seldom; sampled at the middles of small cells."""
         gaps = gap_map(self.printed.plan, cells=LATE_CELLS)
-        return float(gaps.late.sum()) * gaps.ground.cell_m**2
+        return float(gaps.late.sum()) * gaps.cell_map.cell_m**2
 
     @property
     def late(self) -> int:

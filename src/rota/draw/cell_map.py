@@ -19,7 +19,7 @@ MAX_CELLS_ALONG = 1600
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ground:
+class CellMap:
     """Square cells over the area's bounding box, judged at their centres.
 
     x_m: (columns,), y_m: (rows,) centres in metres, both increasing; period_s: (rows, columns), nan where nothing is
@@ -51,14 +51,14 @@ class Ground:
         return np.column_stack([self.x_m[columns], self.y_m[rows]])
 
 
-def neighbours(ground: Ground) -> NDArray[np.int64]:
+def neighbours(cell_map: CellMap) -> NDArray[np.int64]:
     """For each cell (rows, columns) the flat index of the cell whose value to show there: its own, where it is inside.
 
     A cell whose centre lies in a wall or just outside may still reach inside; it shows what a neighbour shows.
     """
-    rows, columns = ground.inside.shape
+    rows, columns = cell_map.inside.shape
     own = np.arange(rows * columns).reshape(rows, columns)
-    shown = np.where(ground.inside, own, -1)
+    shown = np.where(cell_map.inside, own, -1)
     padded = np.pad(shown, 1, constant_values=-1)
     for down, right in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)):
         beside = padded[1 + down : 1 + down + rows, 1 + right : 1 + right + columns]
@@ -77,7 +77,7 @@ def _within(shape: MultiPolygon, x_m: Floats, y_m: Floats) -> Bools:
     return mask
 
 
-def ground_of(mission: Mission, cells: int = 200_000) -> Ground:
+def cell_map_of(mission: Mission, cells: int = 200_000) -> CellMap:
     """The ground of a mission in about ``cells`` cells over its bounding box, at most 1600 along one side.
 
     A zone's period replaces the area's, also by nothing; among overlapping zones the smallest rules.
@@ -103,7 +103,7 @@ def ground_of(mission: Mission, cells: int = 200_000) -> Ground:
             np.minimum(smallest_s, zone.period_s, out=smallest_s, where=here)
     rest_s = np.nan if mission.period_s is None else mission.period_s
     period_s = np.where(np.isfinite(smallest_s), smallest_s, np.where(zoned, np.nan, rest_s))
-    return Ground(
+    return CellMap(
         x_m=x_m,
         y_m=y_m,
         cell_m=cell_m,

@@ -1,0 +1,104 @@
+"""What the compiled loops of the check are given: plain arrays, joined as named tuples."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+class Grid(NamedTuple):
+    """Square cells over all places that are asked: (x0_m, y0_m) is the lower left corner, ``cell_m`` a cell's side.
+
+    The cell in column i and row j has the number i * rows + j.
+    """
+
+    x0_m: float
+    y0_m: float
+    cell_m: float
+    columns: int
+    rows: int
+
+
+class Binned(NamedTuple):
+    """Segments (n, 4) x0, y0, x1, y1 in metres, and which of them matter to the cells of a grid.
+
+    Those of cell c are items[offsets[c] : offsets[c + 1]], ascending; offsets: (columns * rows + 1,).
+    """
+
+    segments_m: Floats
+    offsets: Ints
+    items: Ints
+
+
+class Legs(NamedTuple):
+    """The legs (m,) of all robots, robot by robot and in the order of time; see ``Routes``.
+
+    times_s: (m, 2) when a leg begins and ends. robots: (m,) index of the robot. kinds: (m,) before the loop, in its
+    first turn, or a robot that stays for ever.
+    """
+
+    near: Binned
+    times_s: Floats
+    robots: Ints
+    kinds: Ints
+
+
+class Loops(NamedTuple):
+    """The loops of k robots; see ``commensurable_classes``.
+
+    classes: (k,) loops with one number share a period. parts: (k,) durations in units of the class. units_s: (classes,)
+    seconds. from_s: the time from which on gaps count.
+    """
+
+    classes: Ints
+    parts: Ints
+    units_s: Floats
+    from_s: float
+
+
+class Team(NamedTuple):
+    """What k robots see with, and their loops: reaches_m (k,) radii or half sides, squares (k,) whether it is these."""
+
+    reaches_m: Floats
+    squares: Flags
+    loops: Loops
+
+
+class SeenTimes(NamedTuple):
+    """When n robots see a place in the first turn of their loops: intervals, robot by robot, ascending and disjoint.
+
+    The i-th robot, which is robots[i] of the team, sees it from starts_s[p] to ends_s[p] for all p in
+    bounds[i] .. bounds[i + 1] - 1. Arrays may be longer than that.
+    """
+
+    starts_s: Floats
+    ends_s: Floats
+    bounds: Ints
+    robots: Ints
+
+
+class Parts(NamedTuple):
+    """Room for parts of a leg, from starts[p] to ends[p], as shares of it in 0..1."""
+
+    starts: Floats
+    ends: Floats
+
+
+class Shadows(NamedTuple):
+    """What walls hide of one convex piece: the positions from which a wall cuts it, one row for each wall.
+
+    sides: (n, 9) three half-planes nx, ny, c (n.p > c) whose intersection is the shadow. boxes: (n, 4) x0, y0, x1, y1
+    round the wall. walls: (n,) its index. Rows from ``number`` on say nothing. number -1: a wall cuts the piece itself,
+    so that it is never seen whole.
+    """
+
+    sides: Floats
+    boxes: Floats
+    walls: Ints
+    number: int
