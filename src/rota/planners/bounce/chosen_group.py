@@ -15,7 +15,7 @@ from rota.errors import MissionError
 from rota.mission import Mission, Robot
 from rota.planners.bounce.bounce_map import joint_states, single_map
 from rota.planners.bounce.cells import Cells
-from rota.planners.bounce.cycle_kernels import settle
+from rota.planners.bounce.cycle_kernels import SettlingRoom, steps_to_cycles
 from rota.planners.bounce.enumeration import JointGroups, enumerate_groups, nodes_of, printed
 from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.kernels import Team
@@ -240,7 +240,7 @@ def _settled(cycles: LimitCycles, team: Team, states: list[int], free: bool, mos
     """(steps + 1, m) states until all robots are on cycles without contact; None when they never are."""
     m = len(states)
     log = np.empty((most, m), np.int32)
-    scratch, kinds = np.empty(m, np.int32), np.array(cycles.kind_of_robot, np.int32)
-    at = np.array(states, np.int32)
-    steps = settle(team, kinds, cycles.node_of, cycles.compatible, at, scratch, np.empty(m, np.int8), log, free)
+    kinds, at = np.array(cycles.kind_of_robot, np.int32), np.array(states, np.int32)
+    room = SettlingRoom(np.empty(m, np.int32), np.empty(m, np.int8), log)
+    steps = steps_to_cycles(team, kinds, cycles.node_of, cycles.compatible, at, room, free)
     return log[: steps + 1].copy() if steps >= 0 else None

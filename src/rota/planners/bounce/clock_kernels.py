@@ -13,8 +13,9 @@ from math import ceil, floor, hypot, inf, sqrt
 from rota.planners.bounce.cycle_kernels import Flags
 from rota.planners.bounce.kernels import Floats, Longs, compiled
 
-TOUCH_M = 1e-6
-SAME = 1e-9
+TOUCH_M = 1e-6  # bodies overlap by less than this where they touch
+SAME = 1e-9  # of a step: differences of clocks this near are one
+Pair = tuple[float, float]
 
 
 @compiled
@@ -31,16 +32,17 @@ def _within(gx: float, gy: float, vx: float, vy: float, apart: float, until: flo
 
 
 @compiled
-def touching_differences(
-    gx: float, gy: float, vx: float, vy: float, wx: float, wy: float, apart: float, most_s: float, most_t: float
-) -> tuple[float, float]:
-    """Extent of s - t over s in 0..most_s, t in 0..most_t with ``g + v s - w t`` shorter than apart, if there are any.
+def touching_differences(gap: Pair, v: Pair, w: Pair, apart: float, most_s: float, most_t: float) -> Pair:
+    """Extent of s - t over s in 0..most_s, t in 0..most_t with ``gap + v s - w t`` shorter than apart, if there is any.
 
-    The least is larger than the most where there are none.
+    gap in metres, v and w in metres for each unit of time. The least is larger than the most where there are none.
 
     On each side of the rectangle of times, and where the ellipse's own extremes lie within: there the gap is square to
     the difference of velocities.
     """
+    gx, gy = gap
+    vx, vy = v
+    wx, wy = w
     low, high = inf, -inf
     for side in range(2):
         s, t = side * most_s, side * most_t
@@ -91,7 +93,7 @@ def forbid_near_phases(
                     wx, wy = places[other, 0] - qx, places[other, 1] - qy
                     if hypot(px - qx, py - qy) >= near + hypot(vx, vy) + hypot(wx, wy):
                         continue
-                    low, high = touching_differences(px - qx, py - qy, vx, vy, wx, wy, near, 1.0, 1.0)
+                    low, high = touching_differences((px - qx, py - qy), (vx, vy), (wx, wy), near, 1.0, 1.0)
                     if low >= high:
                         continue
                     first = floor(i - j + low - margin + SAME) + 1
@@ -123,7 +125,7 @@ def nearest_touch(times: Floats, places: Floats, apart: float, shifts: Floats) -
             gx, gy = places[i, 0] - places[j, 0], places[i, 1] - places[j, 1]
             if hypot(gx, gy) >= near + long_s * hypot(vx, vy) + long_t * hypot(wx, wy):
                 continue
-            low, high = touching_differences(gx, gy, vx, vy, wx, wy, near, long_s, long_t)
+            low, high = touching_differences((gx, gy), (vx, vy), (wx, wy), near, long_s, long_t)
             if low >= high:
                 continue
             low, high = low + times[i] - times[j], high + times[i] - times[j]

@@ -3,12 +3,26 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.bounce.kernels import Floats, Ints, Longs, Team, compiled, pair_touches, step_team
 
 Flags = NDArray[np.bool_]
+
+
+class SettlingRoom(NamedTuple):
+    """What is written to while robots come to their cycles.
+
+    after, stays: (m,) scratch of a step. log: (steps, m) states, from the start to the settled one; so many steps are
+    tried.
+    """
+
+    after: Ints
+    stays: NDArray[np.int8]
+    log: Ints
 
 
 @compiled
@@ -41,22 +55,16 @@ def compare_cycles(
 
 
 @compiled
-def settle(
-    team: Team,
-    kinds: Ints,
-    node_of: Ints,
-    compatible: Flags,
-    states: Ints,
-    after: Ints,
-    stays: NDArray[np.int8],
-    log: Ints,
-    free: bool,
+def steps_to_cycles(
+    team: Team, kinds: Ints, node_of: Ints, compatible: Flags, states: Ints, room: SettlingRoom, free: bool
 ) -> int:
     """Steps until m robots, from ``states``, are on limit cycles that they follow without contact; -1: never found.
 
-    log: (steps + 1, m), written from the start to the settled state; so many steps are tried. free: a contact on the
-    way ends the search.
+    kinds: (m,) of the robots; node_of: (kinds, s) number of each periodic state, -1 of others; compatible: (p, p)
+    whether robots in two periodic states never come in contact. states: (m,), overwritten. free: a contact on the way
+    ends the search.
     """
+    after, stays, log = room
     m = len(states)
     for t in range(len(log)):
         for i in range(m):

@@ -8,18 +8,94 @@ where a robot's centre has been.
 from __future__ import annotations
 
 from math import cos, floor, inf, log, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from rota.planners.bounce.polygon_kernels import APPROACH, TOUCH_M, first_contact, is_blocked, place_on
+from rota.planners.bounce.polygon_kernels import APPROACH, TOUCH_M, Floats, Ints, first_contact, is_blocked, place_on
 
 BOUNDED, GAUSSIAN = 0, 1
-CORNER = 1e-9  # of a straight way's length
+CORNER = 1e-9  # a way that passes a corner of cells by less than this share of its length goes through it
 MOST_VISITS = 256  # of a zone in one straight stretch, by all robots
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1, _MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _SHIFT_1, _SHIFT_2, _SHIFT_3, _SHIFT_DOUBLE = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
+
+
+class Crew(NamedTuple):
+    """How m robots drive and turn: touching distances of centres (m, m) metres, bouncing angles (m,) radians.
+
+    speed_m_s: of all. turn_s: what a turn takes, above 0. error_rad, shape: of each turn, BOUNDED or GAUSSIAN.
+    """
+
+    apart_m: Floats
+    angles_rad: Floats
+    speed_m_s: float
+    turn_s: float
+    error_rad: float
+    shape: int
+
+
+class Robots(NamedTuple):
+    """Where m robots are and what they do, (m,) each: places in metres, headings, unit directions of their ways.
+
+    moving: whether each drives; it turns else. until_s: when that ends. contact: (m, 2) the rim element at the end of
+    its way, and where on it.
+    """
+
+    x: Floats
+    y: Floats
+    heading: Floats
+    dx: Floats
+    dy: Floats
+    moving: NDArray[np.bool_]
+    until_s: Floats
+    contact: Floats
+
+
+class Lattice(NamedTuple):
+    """Cells whose first entry is noted: corner of the first in metres, their side, and (rows, columns) numbers.
+
+    The number is -1 where there is no cell.
+    """
+
+    corner_x: float
+    corner_y: float
+    cell_m: float
+    number: Ints
+
+
+class Zones(NamedTuple):
+    """Zones that are watched: (k, 4) sides of all, those of zone z from first[z] to first[z + 1], and (z,) periods."""
+
+    sides: Floats
+    first: Ints
+    periods_s: Floats
+
+
+class Watching(NamedTuple):
+    """What is written to while zones are watched.
+
+    cuts: room for crossings of one way. visits: (n, 2) room for from, to of visits in one stretch. known_until: (z,)
+    up to when it is told that a zone had been visited within its period.
+    """
+
+    cuts: Floats
+    visits: Floats
+    known_until: Floats
+
+
+class Stretch(NamedTuple):
+    """A straight way from (x, y) to (u, v) in metres, or a stay, between two times."""
+
+    x: float
+    y: float
+    u: float
+    v: float
+    begin_s: float
+    end_s: float
 
 
 @njit(cache=True, nogil=True)
@@ -42,8 +118,10 @@ def _error(random, size, shape):
 
 
 @njit(cache=True, nogil=True)
-def _mark(x, y, u, v, begin_s, end_s, corner_x, corner_y, cell_m, number, entered_s):
-    """Note when a straight way from (x, y) to (u, v) enters cells not entered before; returns how many."""
+def _mark(stretch, lattice, entered_s):
+    """Note in entered_s (n,) when a ``Stretch`` enters cells not entered before; returns how many."""
+    x, y, u, v, begin_s, end_s = stretch
+    corner_x, corner_y, cell_m, number = lattice
     rows, columns = number.shape
     px, py, qx, qy = (x - corner_x) / cell_m, (y - corner_y) / cell_m, (u - corner_x) / cell_m, (v - corner_y) / cell_m
     column, row = floor(px), floor(py)
@@ -91,21 +169,23 @@ def _is_inside(x, y, sides):
 
 
 @njit(cache=True, nogil=True)
-def _note_visits(x, y, u, v, begin_s, end_s, sides, cuts, visits, count):
-    """Append to visits (n, 2) when a straight way, or a stay, is within a zone's sides; returns how many there are."""
-    found = 0
+def _note_visits(stretch, sides, watching, count):
+    """Append to the ``count`` visits when a ``Stretch`` is within a zone's sides (k, 4); returns how many there are."""
+    x, y, u, v, begin_s, end_s = stretch
+    cuts, visits = watching.cuts, watching.visits
+    crossings = 0
     for k in range(len(sides)):
         ax, ay, bx, by = sides[k, 0], sides[k, 1], sides[k, 2] - sides[k, 0], sides[k, 3] - sides[k, 1]
         across = (u - x) * by - (v - y) * bx
-        if across == 0 or found >= len(cuts) - 2:
+        if across == 0 or crossings >= len(cuts) - 2:
             continue
         along = ((ax - x) * by - (ay - y) * bx) / across
         beside = ((ax - x) * (v - y) - (ay - y) * (u - x)) / across
         if 0 < along < 1 and 0 <= beside <= 1:
-            cuts[found] = along
-            found += 1
-    cuts[found] = 1.0
-    ends = np.sort(cuts[: found + 1])
+            cuts[crossings] = along
+            crossings += 1
+    cuts[crossings] = 1.0
+    ends = np.sort(cuts[: crossings + 1])
     before = 0.0
     for k in range(len(ends)):
         middle = (before + ends[k]) / 2
@@ -118,11 +198,12 @@ def _note_visits(x, y, u, v, begin_s, end_s, sides, cuts, visits, count):
 
 
 @njit(cache=True, nogil=True)
-def _watch(visits, count, period_s, end_s, known_until, watched_s, z):
-    """Add to the zone's time in which it had been visited within a period; known_until: (z,) up to when that is told.
+def _watch(watching, count, period_s, end_s, watched_s, z):
+    """Add to watched_s (z,) for how long zone z had been visited within a period, by ``count`` visits in one stretch.
 
     Only times from the first period on count, up to end_s.
     """
+    visits, known_until = watching.visits, watching.known_until
     for k in range(count):
         earliest = k
         for j in range(k + 1, count):
@@ -138,36 +219,35 @@ def _watch(visits, count, period_s, end_s, known_until, watched_s, z):
 
 
 @njit(cache=True, nogil=True)
-def _begin(i, now_s, rim, kind, radius, x, y, heading, moving, dx, dy, until_s, contact, speed, turning):
-    """Let robot i go on: straight, or with another turn where a wall that it touches is in the way.
-
-    turning: (angle, error, shape, seconds of a turn, random state).
-    """
-    angle, error, shape, turn_s, random = turning
-    dx[i], dy[i] = cos(heading[i]), sin(heading[i])
-    blocked = is_blocked(rim, kind, radius, x[i], y[i], dx[i], dy[i])
-    if blocked:
-        _turn(i, now_s, heading, moving, until_s, angle, error, shape, turn_s, random)
+def _begin(i, now_s, rim, robots, crew, random):
+    """Let robot i go on: straight, or with another turn where a wall that it touches is in the way."""
+    x, y, dx, dy = robots.x, robots.y, robots.dx, robots.dy
+    dx[i], dy[i] = cos(robots.heading[i]), sin(robots.heading[i])
+    if is_blocked(rim, x[i], y[i], dx[i], dy[i]):
+        _turn(i, now_s, robots, crew, random)
         return
-    e, s, way = first_contact(rim, kind, radius, x[i], y[i], dx[i], dy[i])
-    moving[i] = True
-    contact[i, 0], contact[i, 1] = e, s
-    until_s[i] = now_s + way / speed if e >= 0 else inf
+    e, s, way = first_contact(rim, x[i], y[i], dx[i], dy[i])
+    robots.moving[i] = True
+    robots.contact[i, 0], robots.contact[i, 1] = e, s
+    robots.until_s[i] = now_s + way / crew.speed_m_s if e >= 0 else inf
 
 
 @njit(cache=True, nogil=True)
-def _turn(i, now_s, heading, moving, until_s, angle, error, shape, turn_s, random):
+def _turn(i, now_s, robots, crew, random):
     """Let robot i turn."""
-    heading[i] = (heading[i] + angle[i] + _error(random, error, shape)) % (2 * pi)
-    moving[i] = False
-    until_s[i] = now_s + turn_s
+    error = _error(random, crew.error_rad, crew.shape)
+    robots.heading[i] = (robots.heading[i] + crew.angles_rad[i] + error) % (2 * pi)
+    robots.moving[i] = False
+    robots.until_s[i] = now_s + crew.turn_s
 
 
 @njit(cache=True, nogil=True)
-def _meeting(m, x, y, dx, dy, moving, speed, apart):
+def _meeting(robots, crew):
     """The soonest contact of two robots on their present ways: seconds until then, and both; inf: there is none."""
+    x, y, dx, dy, moving = robots.x, robots.y, robots.dx, robots.dy, robots.moving
+    speed, apart = crew.speed_m_s, crew.apart_m
     best, first, second = inf, -1, -1
-    for i in range(m):
+    for i in range(len(x)):
         for j in range(i):
             if not (moving[i] or moving[j]):
                 continue
@@ -187,80 +267,82 @@ def _meeting(m, x, y, dx, dy, moving, speed, apart):
 
 
 @njit(cache=True, nogil=True)
-def _watch_zones(
-    x, y, dx, dy, moving, speed, now_s, then_s, zone_sides, zone_first, periods_s, duration_s, cuts, visits,
-    known_until, watched_s,
-):  # fmt: skip
-    """Note from now_s to then_s who is in which zone; watched_s: (z,) of this run, see ``_watch``."""
-    for z in range(len(periods_s)):
-        count = 0
-        for i in range(len(x)):
-            way = speed * (then_s - now_s) if moving[i] else 0.0
-            count = _note_visits(
-                x[i], y[i], x[i] + way * dx[i], y[i] + way * dy[i], now_s, then_s,
-                zone_sides[zone_first[z] : zone_first[z + 1]], cuts, visits, count,
-            )  # fmt: skip
-        _watch(visits, count, periods_s[z], duration_s, known_until, watched_s, z)
+def _ahead(i, robots, speed, now_s, then_s):
+    """Where robot i is at then_s, (x, y) in metres, if it goes on until then as it does now."""
+    way = speed * (then_s - now_s) if robots.moving[i] else 0.0
+    return robots.x[i] + way * robots.dx[i], robots.y[i] + way * robots.dy[i]
 
 
 @njit(cache=True, nogil=True)
-def run_inexact(
-    rim, kind, radius, apart, angle, error, shape, speed, turn_s, duration_s,
-    starts, seeds, corner_x, corner_y, cell_m, number, zone_sides, zone_first, periods_s, entered_s, watched_s,
-):  # fmt: skip
-    """Let a team drive once for each row of ``starts`` (r, m, 3): x, y, heading.
+def _drive(robots, speed, now_s, then_s, lattice, entered_s):
+    """Move all robots that drive; returns how many cells they enter that were not entered before."""
+    new = 0
+    for i in range(len(robots.x)):
+        if robots.moving[i]:
+            u, v = _ahead(i, robots, speed, now_s, then_s)
+            new += _mark(Stretch(robots.x[i], robots.y[i], u, v, now_s, then_s), lattice, entered_s)
+            robots.x[i], robots.y[i] = u, v
+    return new
 
-    apart: (m, m) distance of centres at which two bodies touch; angle: (m,) bouncing angles; error, shape: of each
-    turn; turn_s: what a turn takes, above 0. number: (rows, columns) of cells, -1 where there is none; entered_s
-    (r, n), written: when any centre first entered each cell, inf: not in duration_s. zone_sides: (k, 4) of all zones,
-    those of zone z from zone_first[z] on; watched_s (r, z), written: see ``_watch``. A run without zones ends when all
-    cells were entered.
+
+@njit(cache=True, nogil=True)
+def _watch_zones(robots, speed, now_s, then_s, zones, duration_s, watching, watched_s):
+    """Note from now_s to then_s who is in which zone; watched_s: (z,) of this run, see ``_watch``."""
+    for z in range(len(zones.periods_s)):
+        sides, count = zones.sides[zones.first[z] : zones.first[z + 1]], 0
+        for i in range(len(robots.x)):
+            u, v = _ahead(i, robots, speed, now_s, then_s)
+            count = _note_visits(Stretch(robots.x[i], robots.y[i], u, v, now_s, then_s), sides, watching, count)
+        _watch(watching, count, zones.periods_s[z], duration_s, watched_s, z)
+
+
+@njit(cache=True, nogil=True)
+def _act(event, touching, now_s, rim, robots, crew, random):
+    """What happens at now_s: robot ``event`` ends its way or its turn; else, without one, both of ``touching`` turn."""
+    if event >= 0:
+        if robots.moving[event]:
+            e, s = int(robots.contact[event, 0]), robots.contact[event, 1]
+            robots.x[event], robots.y[event], _, _ = place_on(rim, e, s)
+            _turn(event, now_s, robots, crew, random)
+        else:
+            _begin(event, now_s, rim, robots, crew, random)
+        return
+    for i in touching:
+        if i >= 0 and robots.moving[i]:
+            _turn(i, now_s, robots, crew, random)
+
+
+@njit(cache=True, nogil=True)
+def run_inexact(rim, crew, duration_s, starts, seeds, lattice, zones, results):
+    """Let a team drive once for each row of ``starts`` (r, m, 3): x, y, heading; seeds: (r,).
+
+    rim: ``RimElements``; crew, lattice, zones: the named tuples above. results, written: entered_s (r, n), when any
+    centre first entered each cell, inf: not in duration_s; watched_s (r, z), see ``_watch``. A run without zones ends
+    when all cells were entered.
     """
-    runs, m = starts.shape[0], starts.shape[1]
-    zones = len(periods_s)
+    entered_s, watched_s = results
+    runs, m, n_zones, speed = starts.shape[0], starts.shape[1], len(zones.periods_s), crew.speed_m_s
     x, y, heading = np.empty(m), np.empty(m), np.empty(m)
-    dx, dy, until_s = np.empty(m), np.empty(m), np.empty(m)
-    moving, contact = np.empty(m, np.bool_), np.empty((m, 2))
+    robots = Robots(x, y, heading, np.empty(m), np.empty(m), np.empty(m, np.bool_), np.empty(m), np.empty((m, 2)))
     random = np.empty(1, np.uint64)
-    known_until, cuts, visits = np.empty(zones), np.empty(64), np.empty((MOST_VISITS, 2))
+    watching = Watching(np.empty(64), np.empty((MOST_VISITS, 2)), np.empty(n_zones))
     for r in range(runs):
         random[0] = seeds[r]
-        entered_s[r, :], watched_s[r, :], known_until[:] = inf, 0.0, 0.0
+        entered_s[r, :], watched_s[r, :], watching.known_until[:] = inf, 0.0, 0.0
         left, now_s = entered_s.shape[1], 0.0
-        turning = (angle, error, shape, turn_s, random)
         x[:], y[:], heading[:] = starts[r, :, 0], starts[r, :, 1], starts[r, :, 2]
         for i in range(m):
-            left -= _mark(x[i], y[i], x[i], y[i], 0.0, 0.0, corner_x, corner_y, cell_m, number, entered_s[r])
-            _begin(i, 0.0, rim, kind, radius, x, y, heading, moving, dx, dy, until_s, contact, speed, turning)
-        while now_s < duration_s and (zones > 0 or left > 0):
-            wait, one, other = _meeting(m, x, y, dx, dy, moving, speed, apart)
+            left -= _mark(Stretch(x[i], y[i], x[i], y[i], 0.0, 0.0), lattice, entered_s[r])
+            _begin(i, 0.0, rim, robots, crew, random)
+        while now_s < duration_s and (n_zones > 0 or left > 0):
+            wait, first, second = _meeting(robots, crew)
             then_s = min(now_s + wait, duration_s)
             event = -1
             for i in range(m):
-                if until_s[i] <= then_s:  # before robots that touch: turns that end together do so for both
-                    then_s, event = until_s[i], i
-            _watch_zones(
-                x, y, dx, dy, moving, speed, now_s, then_s, zone_sides, zone_first, periods_s, duration_s,
-                cuts, visits, known_until, watched_s[r],
-            )  # fmt: skip
-            for i in range(m):
-                if moving[i]:
-                    way = speed * (then_s - now_s)
-                    u, v = x[i] + way * dx[i], y[i] + way * dy[i]
-                    left -= _mark(x[i], y[i], u, v, now_s, then_s, corner_x, corner_y, cell_m, number, entered_s[r])
-                    x[i], y[i] = u, v
+                if robots.until_s[i] <= then_s:  # before robots that touch: turns that end together do so for both
+                    then_s, event = robots.until_s[i], i
+            _watch_zones(robots, speed, now_s, then_s, zones, duration_s, watching, watched_s[r])
+            left -= _drive(robots, speed, now_s, then_s, lattice, entered_s[r])
             now_s = then_s
-            if event >= 0:
-                if moving[event]:
-                    e, s = int(contact[event, 0]), contact[event, 1]
-                    x[event], y[event], _, _ = place_on(rim, kind, radius, e, s)
-                    _turn(event, now_s, heading, moving, until_s, angle, error, shape, turn_s, random)
-                else:
-                    _begin(
-                        event, now_s, rim, kind, radius, x, y, heading, moving, dx, dy, until_s, contact, speed,
-                        turning,
-                    )  # fmt: skip
-            elif one >= 0 and now_s < duration_s:
-                for i in (one, other):
-                    if moving[i]:
-                        _turn(i, now_s, heading, moving, until_s, angle, error, shape, turn_s, random)
+            if event >= 0 or now_s < duration_s:
+                _act(event, (first, second), now_s, rim, robots, crew, random)

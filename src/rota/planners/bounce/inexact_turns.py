@@ -20,7 +20,7 @@ from shapely import MultiPolygon
 
 from rota.errors import MissionError
 from rota.planners.bounce.cells import Cells
-from rota.planners.bounce.inexact_kernels import BOUNDED, GAUSSIAN, run_inexact
+from rota.planners.bounce.inexact_kernels import BOUNDED, GAUSSIAN, Crew as DrivingCrew, Lattice, Zones, run_inexact
 from rota.planners.bounce.polygon import Rim, make_rim
 
 Floats = NDArray[np.float64]
@@ -154,23 +154,32 @@ def run_crew(
     """
     runs = len(starts)
     seeds = np.random.default_rng(seed).integers(0, 2**64, runs, dtype=np.uint64)
-    number, corner, cell_m = _numbers(cells)
+    lattice = _lattice(cells)
     sides = [_sides(shape) for shape, _ in zones]
-    first = np.concatenate([[0], np.cumsum([len(one) for one in sides])]).astype(np.int64)
+    first = np.concatenate([[0], np.cumsum([len(own) for own in sides])]).astype(np.int64)
     all_sides = np.ascontiguousarray(np.concatenate([np.empty((0, 4)), *sides]))
     periods_s = np.array([period_s for _, period_s in zones], dtype=np.float64)
     entered_s = np.empty((runs, 0 if cells is None else cells.count))
     watched_s = np.empty((runs, len(zones)))
-    rim, starts = crew.rim, np.ascontiguousarray(starts, dtype=np.float64)
+    starts = np.ascontiguousarray(starts, dtype=np.float64)
+
+    shape = BOUNDED if error.shape == "bounded" else GAUSSIAN
+    driving = DrivingCrew(crew.apart_m, crew.bounces_rad, crew.speed_m_s, crew.turn_s, error.angle_rad, shape)
+    watched_zones = Zones(all_sides, first, periods_s)
 
     def part(k: int) -> None:
         chosen = slice(k, k + CHUNK)
+        results = entered_s[chosen], watched_s[chosen]
         run_inexact(
-            rim.elements, rim.kinds, rim.body_radius_m, crew.apart_m, crew.bounces_rad, error.angle_rad,
-            BOUNDED if error.shape == "bounded" else GAUSSIAN, crew.speed_m_s, crew.turn_s, float(duration_s),
-            starts[chosen], seeds[chosen], corner[0], corner[1], cell_m, number, all_sides, first, periods_s,
-            entered_s[chosen], watched_s[chosen],
-        )  # fmt: skip
+            crew.rim.compiled,
+            driving,
+            float(duration_s),
+            starts[chosen],
+            seeds[chosen],
+            lattice,
+            watched_zones,
+            results,
+        )
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(part, range(0, runs, CHUNK)))
@@ -178,13 +187,13 @@ def run_crew(
     return InexactRuns(duration_s=duration_s, entered_s=entered_s, watched=watched_s / lasting_s)
 
 
-def _numbers(cells: Cells | None) -> tuple[NDArray[np.int64], tuple[float, float], float]:
-    """The cells' numbers by row and column, -1 where there is none, their corner and their side."""
+def _lattice(cells: Cells | None) -> Lattice:
+    """The cells as compiled loops read them; without any where there are none."""
     if cells is None:
-        return np.full((1, 1), -1, np.int64), (0.0, 0.0), 1.0
+        return Lattice(0.0, 0.0, 1.0, np.full((1, 1), -1, np.int64))
     number = np.full((int(cells.row.max()) + 1, int(cells.column.max()) + 1), -1, np.int64)
     number[cells.row, cells.column] = np.arange(cells.count)
-    return number, (float(cells.corner_m[0]), float(cells.corner_m[1])), cells.cell_m
+    return Lattice(float(cells.corner_m[0]), float(cells.corner_m[1]), cells.cell_m, number)
 
 
 def _sides(shape: MultiPolygon) -> Floats:

@@ -57,12 +57,14 @@ def too_near(ax: int, ay: int, bx: int, by: int, apart2: float) -> bool:
 
 
 @inlined
-def touching(ax: int, ay: int, au: int, av: int, bx: int, by: int, bu: int, bv: int, apart2: float) -> bool:
-    """Whether robots that move from (ax, ay) to (au, av) and from (bx, by) to (bu, bv) in one step come in contact.
+def touching(a: tuple[int, int, int, int], b: tuple[int, int, int, int], apart2: float) -> bool:
+    """Whether two robots come in contact that move in one step as a and b say: from column, row to column, row.
 
     Published grid (Alam & Bobadilla 2020, Figure 2b, as read): same target cell, or moves with equal midpoints. With
     apart2 > 0 besides: centres come nearer to each other than that (squared, in cells).
     """
+    ax, ay, au, av = a
+    bx, by, bu, bv = b
     if au == bu and av == bv:
         return True
     if ax + au == bx + bu and ay + av == by + bv:
@@ -106,7 +108,8 @@ def step_team(team: Team, states: Ints, stays: NDArray[np.int8], after: Ints) ->
                     continue
                 b = states[j]
                 bu, bv = (team.x[b], team.y[b]) if stays[j] & 1 else (team.to_x[b], team.to_y[b])
-                if touching(team.x[a], team.y[a], au, av, team.x[b], team.y[b], bu, bv, team.apart2[i, j]):
+                move, other = (team.x[a], team.y[a], au, av), (team.x[b], team.y[b], bu, bv)
+                if touching(move, other, team.apart2[i, j]):
                     stays[i] |= 2
                     stays[j] |= 2
                     contacts += 1
@@ -125,6 +128,6 @@ def step_team(team: Team, states: Ints, stays: NDArray[np.int8], after: Ints) ->
 @inlined
 def pair_touches(team: Team, a: int, b: int, apart2: float) -> bool:
     """Whether robots in two states come in contact in the next step, with nothing but walls to stop them."""
-    return touching(
-        team.x[a], team.y[a], team.to_x[a], team.to_y[a], team.x[b], team.y[b], team.to_x[b], team.to_y[b], apart2
-    )
+    move = (team.x[a], team.y[a], team.to_x[a], team.to_y[a])
+    other = (team.x[b], team.y[b], team.to_x[b], team.to_y[b])
+    return touching(move, other, apart2)

@@ -67,7 +67,7 @@ def pair_successors(team: Team, successor: Words, free: bool) -> None:
             ax, ay = team.x[a], team.y[a]
             if too_near(ax, ay, bx, by, apart2):
                 successor[b * s + a] = NOWHERE
-            elif touching(ax, ay, team.to_x[a], team.to_y[a], bx, by, bu, bv, apart2):
+            elif touching((ax, ay, team.to_x[a], team.to_y[a]), (bx, by, bu, bv), apart2):
                 successor[b * s + a] = NOWHERE if free else np.uint32(turned * s + team.bumped[0, a])
             else:
                 successor[b * s + a] = alone * s + (team.moved[a] if team.moved[a] >= 0 else team.bumped[0, a])

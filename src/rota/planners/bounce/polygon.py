@@ -25,6 +25,8 @@ from rota.planners.bounce.polygon_kernels import (
     TOUCH_M,
     TURN,
     WALL,
+    RimElements,
+    Turning,
     first_contact,
     follow,
     is_blocked,
@@ -65,9 +67,9 @@ class BounceRule:
         return share.denominator if math.isclose(float(share) * 2 * math.pi, self.angle_rad, rel_tol=1e-14) else 0
 
     @property
-    def number(self) -> int:
-        """The rule as the compiled loops know it."""
-        return TURN if self.bounce == "turn" else FROM_WALL
+    def compiled(self) -> Turning:
+        """The rule as compiled loops read it."""
+        return Turning(TURN if self.bounce == "turn" else FROM_WALL, self.angle_rad, self.turns_to_whole)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,6 +84,11 @@ class Rim:
     body_radius_m: float
     elements: Floats
     kinds: Ints
+
+    @property
+    def compiled(self) -> RimElements:
+        """The rim as compiled loops read it."""
+        return RimElements(self.elements, self.kinds, self.body_radius_m)
 
     @property
     def length_m(self) -> float:
@@ -101,10 +108,7 @@ class Rim:
 
     def places_m(self, element: Ints, s_m: Floats) -> Floats:
         """Centres of the disc, (k, 2), at places given by element number and length from its beginning, (k,) each."""
-        places = [
-            place_on(self.elements, self.kinds, self.body_radius_m, int(e), float(s))[:2]
-            for e, s in zip(element, s_m, strict=True)
-        ]
+        places = [place_on(self.compiled, int(e), float(s))[:2] for e, s in zip(element, s_m, strict=True)]
         return np.array(places, dtype=np.float64).reshape(-1, 2)
 
 
@@ -187,7 +191,7 @@ def bounce_map(rim: Rim, rule: BounceRule, arcs_m: Floats, headings_in_rad: Floa
     element, s_m = rim.at(np.asarray(arcs_m, dtype=np.float64))
     out = np.empty((len(element), 5))
     headings = np.ascontiguousarray(headings_in_rad, dtype=np.float64)
-    map_states(rim.elements, rim.kinds, rim.body_radius_m, rule.number, rule.angle_rad, element, s_m, headings, out)
+    map_states(rim.compiled, rule.compiled._replace(whole=0), element, s_m, headings, out)
     stuck = out[:, 0] < 0
     arcs = rim.arcs_m(out[:, 0].astype(np.int64), out[:, 1])
     out[stuck, 2:], arcs[stuck] = np.nan, np.nan
@@ -207,17 +211,14 @@ def bounce_path(
     heading, blocked = heading_rad, True
     for k in range(max(rule.turns_to_whole, 1)):
         heading = heading_rad + k * rule.angle_rad
-        blocked = is_blocked(rim.elements, rim.kinds, rim.body_radius_m, x, y, math.cos(heading), math.sin(heading))
+        blocked = is_blocked(rim.compiled, x, y, math.cos(heading), math.sin(heading))
         if not blocked:
             break
     if blocked or bounces < 1:
         return BouncePath(positions_m=np.array([[x, y]]), headings_rad=np.empty(0), arcs_m=np.empty(0))
-    e, s, _ = first_contact(rim.elements, rim.kinds, rim.body_radius_m, x, y, math.cos(heading), math.sin(heading))
+    e, s, _ = first_contact(rim.compiled, x, y, math.cos(heading), math.sin(heading))
     out = np.empty((bounces, 6))
-    filled = follow(
-        rim.elements, rim.kinds, rim.body_radius_m, rule.number, rule.angle_rad, rule.turns_to_whole,
-        heading, e, s, 0, out,
-    )  # fmt: skip
+    filled = follow(rim.compiled, rule.compiled, heading, e, s, 0, out)
     if filled == 0:
         out, filled = np.array([[e, s, 0, 0, 0, 0]], dtype=np.float64), 1
     element, s_m = out[:filled, 0].astype(np.int64), out[:filled, 1]

@@ -12,7 +12,7 @@ import shapely
 
 from rota.errors import MissionError
 from rota.planners.bounce.polygon import BounceRule, Floats, Ints, Rim, bounce_path, require_room
-from rota.planners.bounce.polygon_kernels import SETTLED, STUCK, WALL, follow, settle
+from rota.planners.bounce.polygon_kernels import SETTLED, STUCK, WALL, CyclesReached, Discs, cycles_reached, follow
 
 Stability = Literal["attracting", "half-stable", "neutral", "repelling"]
 _SAME_SLOPE = 1e-7
@@ -113,10 +113,8 @@ def limit_cycles(
     floats, ints = np.zeros((n, 4)), np.zeros((n, 4), dtype=np.int64)
     marks = np.zeros(n, dtype=np.uint64)
     first, turned = _first_headings(rule, headings)
-    settle(
-        rim.elements, rim.kinds, rim.body_radius_m, rule.number, rule.angle_rad, rule.turns_to_whole,
-        places[:, 0].copy(), places[:, 1].copy(), first, turned, bounces, longest, floats, ints, marks,
-    )  # fmt: skip
+    discs = Discs(places[:, 0].copy(), places[:, 1].copy(), first, turned)
+    cycles_reached(rim.compiled, rule.compiled, discs, bounces, longest, CyclesReached(floats, ints, marks))
     settled = np.flatnonzero(ints[:, 0] == SETTLED)
     kinds = np.rint(first[settled] * 1e8).astype(np.int64) if rule.bounce == "turn" else np.zeros_like(settled)
     _, inverse, counts = np.unique(
@@ -162,10 +160,7 @@ def _cycle(
     rim: Rim, rule: BounceRule, first_heading: float, ints: Ints, floats: Floats, share: float, starts: int
 ) -> PolygonCycle:
     out = np.empty((int(ints[3]), 6))
-    follow(
-        rim.elements, rim.kinds, rim.body_radius_m, rule.number, rule.angle_rad, rule.turns_to_whole,
-        first_heading, int(ints[1]), float(floats[0]), int(ints[2]), out,
-    )  # fmt: skip
+    follow(rim.compiled, rule.compiled, first_heading, int(ints[1]), float(floats[0]), int(ints[2]), out)
     element, s_m = out[:, 0].astype(np.int64), out[:, 1]
     places_m, headings = rim.places_m(element, s_m), out[:, 3] % (2 * math.pi)
     in_corner = _touched(rim, places_m) > 1

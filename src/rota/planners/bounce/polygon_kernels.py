@@ -2,10 +2,11 @@
 """Compiled loops of a disc that bounces in a polygon: straight lines, exact contacts, one bounce after the other.
 
 The rim is where the disc's centre is when it touches: for each wall its parallel at a body's radius, for each corner
-that points into the free space an arc round it. A row of ``rim`` holds a wall (x, y, tx, ty, length, arc: its start,
-unit direction with the free space on the left, length and the arc length where it begins) or an arc (x, y, angle, 0,
-length, arc: its centre and the angle of its first normal; it runs clockwise), ``kind`` 0 or 1. Parts of the rim that
-lie within a radius of another wall are never reached, and nobody need know which: the nearest contact wins.
+that points into the free space an arc round it. A row of ``elements`` is a wall (x, y, tx, ty, length, arc: its start,
+its unit direction with the free space on the left, its length and the arc length where it begins) or an arc (x, y,
+angle, 0, length, arc: its centre and the angle of its first normal; it runs clockwise); its kind is WALL or ARC. Parts
+of the rim that lie within a radius of another wall are never reached, and nobody need know which: the nearest contact
+wins.
 
 A state is (element, s, j): the disc touches rim element number ``element`` at the length s from its beginning and has
 turned j times by the bouncing angle from its first heading. Counting turns instead of adding angles keeps headings
@@ -15,9 +16,14 @@ exact for ever: after ``whole`` turns (0: never) the heading is the first one ag
 from __future__ import annotations
 
 from math import atan2, cos, floor, hypot, inf, log, nan, pi, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 WALL, ARC = 0, 1
 TURN, FROM_WALL = 0, 1
@@ -30,26 +36,69 @@ LEAST_SLOPE = 1e-300  # stands for a slope of 0 in logarithms
 SETTLED, UNSETTLED, STUCK = 0, 1, 2
 
 
+class RimElements(NamedTuple):
+    """The rim as compiled loops read it: elements (n, 6), their kinds (n,) and the disc's radius in metres."""
+
+    elements: Floats
+    kinds: Ints
+    radius_m: float
+
+
+class Turning(NamedTuple):
+    """What a disc does at a contact: the rule TURN or FROM_WALL, and by which angle in radians.
+
+    whole: after so many turns the heading is the first one again; 0: never.
+    """
+
+    rule: int
+    angle_rad: float
+    whole: int
+
+
+class Discs(NamedTuple):
+    """n discs before their first contact, (n,) each: places in metres, first headings, and turns made since."""
+
+    x: Floats
+    y: Floats
+    first_headings_rad: Floats
+    turned: Ints
+
+
+class CyclesReached(NamedTuple):
+    """What n discs came to.
+
+    ints (n, 4): SETTLED, UNSETTLED or STUCK; element, turns and period of a state on the cycle. floats (n, 4): its s,
+    the cycle's length, the return map's slope; mean logarithm of the slope per bounce over the first bounces. marks
+    (n,): of the cycle, see ``once_round``.
+    """
+
+    floats: Floats
+    ints: Ints
+    marks: NDArray[np.uint64]
+
+
 @njit(cache=True, nogil=True)
-def place_on(rim, kind, radius, e, s):
+def place_on(rim, e, s):
     """Centre of the disc and unit tangent of the rim there."""
-    if kind[e] == WALL:
-        tx, ty = rim[e, 2], rim[e, 3]
-        return rim[e, 0] - radius * ty + s * tx, rim[e, 1] + radius * tx + s * ty, tx, ty
-    angle = rim[e, 2] - s / radius
+    elements, kinds, radius = rim
+    if kinds[e] == WALL:
+        tx, ty = elements[e, 2], elements[e, 3]
+        return elements[e, 0] - radius * ty + s * tx, elements[e, 1] + radius * tx + s * ty, tx, ty
+    angle = elements[e, 2] - s / radius
     nx, ny = cos(angle), sin(angle)
-    return rim[e, 0] + radius * nx, rim[e, 1] + radius * ny, ny, -nx
+    return elements[e, 0] + radius * nx, elements[e, 1] + radius * ny, ny, -nx
 
 
 @njit(cache=True, nogil=True)
-def is_blocked(rim, kind, radius, x, y, dx, dy):
+def is_blocked(rim, x, y, dx, dy):
     """Whether something that the disc touches stops it from moving along (dx, dy)."""
-    for e in range(len(rim)):
-        qx, qy = x - rim[e, 0], y - rim[e, 1]
-        if kind[e] == WALL:
-            tx, ty = rim[e, 2], rim[e, 3]
+    elements, kinds, radius = rim
+    for e in range(len(elements)):
+        qx, qy = x - elements[e, 0], y - elements[e, 1]
+        if kinds[e] == WALL:
+            tx, ty = elements[e, 2], elements[e, 3]
             along, away = qx * tx + qy * ty, ty * dx - tx * dy
-            near = abs(qy * tx - qx * ty - radius) <= TOUCH_M and -TOUCH_M <= along <= rim[e, 4] + TOUCH_M
+            near = abs(qy * tx - qx * ty - radius) <= TOUCH_M and -TOUCH_M <= along <= elements[e, 4] + TOUCH_M
             if near and away > APPROACH:
                 return True
         elif abs(hypot(qx, qy) - radius) <= TOUCH_M and -(qx * dx + qy * dy) > APPROACH * radius:
@@ -58,24 +107,25 @@ def is_blocked(rim, kind, radius, x, y, dx, dy):
 
 
 @njit(cache=True, nogil=True)
-def first_contact(rim, kind, radius, x, y, dx, dy):
+def first_contact(rim, x, y, dx, dy):
     """Rim element that the disc touches first on its way along the unit vector (dx, dy), where, and after how far.
 
     The element is -1 where there is none: the disc is outside.
     """
+    elements, kinds, radius = rim
     best, element, where = inf, -1, 0.0
-    for e in range(len(rim)):
-        qx, qy = x - rim[e, 0], y - rim[e, 1]
-        if kind[e] == WALL:
-            tx, ty = rim[e, 2], rim[e, 3]
+    for e in range(len(elements)):
+        qx, qy = x - elements[e, 0], y - elements[e, 1]
+        if kinds[e] == WALL:
+            tx, ty = elements[e, 2], elements[e, 3]
             approach = ty * dx - tx * dy
             gap = qy * tx - qx * ty - radius
             if approach <= APPROACH or gap <= TOUCH_M:
                 continue
             way = gap / approach
             along = qx * tx + qy * ty + way * (dx * tx + dy * ty)
-            if way < best - TOUCH_M and -TOUCH_M <= along <= rim[e, 4] + TOUCH_M:
-                best, element, where = way, e, min(max(along, 0.0), rim[e, 4])
+            if way < best - TOUCH_M and -TOUCH_M <= along <= elements[e, 4] + TOUCH_M:
+                best, element, where = way, e, min(max(along, 0.0), elements[e, 4])
         else:
             approach, miss = -(qx * dx + qy * dy), qx * dy - qy * dx
             gap = hypot(qx, qy) - radius
@@ -83,82 +133,85 @@ def first_contact(rim, kind, radius, x, y, dx, dy):
                 continue
             way = approach - sqrt(radius * radius - miss * miss)
             if way < best - TOUCH_M:
-                turned = rim[e, 2] - atan2(qy + way * dy, qx + way * dx)
+                turned = elements[e, 2] - atan2(qy + way * dy, qx + way * dx)
                 turned -= 2 * pi * floor(turned / (2 * pi))
                 if turned > 1.5 * pi:  # before the arc's beginning, by rounding
                     turned = 0.0
-                best, element, where = way, e, min(turned * radius, rim[e, 4])
+                best, element, where = way, e, min(turned * radius, elements[e, 4])
     return element, where, best
 
 
 @njit(cache=True, nogil=True)
-def leave(rim, kind, radius, rule, angle, whole, first_heading, e, s, j):
+def leave(rim, turning, first_heading, e, s, j):
     """Place, unit tangent, heading and number of turns with which the disc leaves the rim; no turns: it is stuck.
 
     ``rule`` TURN: left by ``angle`` from where it came, again and again until nothing it touches is in the way (Eq. 6
     of Alam and Bobadilla). FROM_WALL: at ``angle`` from the wall it hit; in a corner, from the first wall that lets it.
     """
-    x, y, tx, ty = place_on(rim, kind, radius, e, s)
-    if rule == TURN:
+    elements, kinds, radius = rim
+    angle, whole = turning.angle_rad, turning.whole
+    x, y, tx, ty = place_on(rim, e, s)
+    if turning.rule == TURN:
         for k in range(1, MOST_TURNS + 1):
             turns = (j + k) % whole if whole > 0 else j + k
             heading = first_heading + (turns * angle) % (2 * pi)
-            if not is_blocked(rim, kind, radius, x, y, cos(heading), sin(heading)):
+            if not is_blocked(rim, x, y, cos(heading), sin(heading)):
                 return x, y, tx, ty, heading, turns, k
         return x, y, tx, ty, nan, j, 0
     heading = atan2(ty, tx) + angle
-    if not is_blocked(rim, kind, radius, x, y, cos(heading), sin(heading)):
+    if not is_blocked(rim, x, y, cos(heading), sin(heading)):
         return x, y, tx, ty, heading, 0, 1
-    for other in range(len(rim)):
-        if other == e or kind[other] != WALL:
+    for other in range(len(elements)):
+        if other == e or kinds[other] != WALL:
             continue
-        ux, uy = rim[other, 2], rim[other, 3]
-        qx, qy = x - rim[other, 0], y - rim[other, 1]
+        ux, uy = elements[other, 2], elements[other, 3]
+        qx, qy = x - elements[other, 0], y - elements[other, 1]
         along = qx * ux + qy * uy
-        if abs(qy * ux - qx * uy - radius) <= TOUCH_M and -TOUCH_M <= along <= rim[other, 4] + TOUCH_M:
+        if abs(qy * ux - qx * uy - radius) <= TOUCH_M and -TOUCH_M <= along <= elements[other, 4] + TOUCH_M:
             heading = atan2(uy, ux) + angle
-            if not is_blocked(rim, kind, radius, x, y, cos(heading), sin(heading)):
+            if not is_blocked(rim, x, y, cos(heading), sin(heading)):
                 return x, y, ux, uy, heading, 0, 1
     return x, y, tx, ty, nan, 0, 0
 
 
 @njit(cache=True, nogil=True)
-def bounce(rim, kind, radius, rule, angle, whole, first_heading, e, s, j):
+def bounce(rim, turning, first_heading, e, s, j):
     """The next state, the way to it, the heading on that way, and d s' / d s; element -1: stuck."""
-    x, y, tx, ty, heading, turns, tried = leave(rim, kind, radius, rule, angle, whole, first_heading, e, s, j)
+    x, y, tx, ty, heading, turns, tried = leave(rim, turning, first_heading, e, s, j)
     if tried == 0:
         return -1, 0.0, j, 0.0, nan, 0.0
     dx, dy = cos(heading), sin(heading)
-    e1, s1, way = first_contact(rim, kind, radius, x, y, dx, dy)
+    e1, s1, way = first_contact(rim, x, y, dx, dy)
     if e1 < 0:
         return -1, 0.0, j, 0.0, heading, 0.0
-    _, _, ux, uy = place_on(rim, kind, radius, e1, s1)
+    _, _, ux, uy = place_on(rim, e1, s1)
     aside = dx * ty - dy * tx  # a step along the rim, seen across the way
     if abs(aside) <= APPROACH:
         aside = 0.0
-    if rule == FROM_WALL and kind[e] == ARC:
-        aside -= way / radius  # the wall's direction turns by -1 / radius per metre, and the way with it
+    if turning.rule == FROM_WALL and rim.kinds[e] == ARC:
+        aside -= way / rim.radius_m  # the wall's direction turns by -1 / radius per metre, and the way with it
     return e1, s1, turns, way, heading, aside / (dx * uy - dy * ux)
 
 
 @njit(cache=True, nogil=True)
-def map_states(rim, kind, radius, rule, angle, element, s, heading_in, out):
-    """Fill a row of ``out`` for each state: element, s, heading on the way, its length, d s' / d s; -1: stuck."""
+def map_states(rim, turning, element, s, heading_in, out):
+    """Fill a row of ``out`` (k, 5) for each state: element, s, heading on the way, its length, d s' / d s; -1: stuck.
+
+    element, s, heading_in: (k,) of contacts come to with these headings. turning.whole is of no use here.
+    """
     for k in range(len(element)):
-        e1, s1, _, way, heading, slope = bounce(
-            rim, kind, radius, rule, angle, 0, heading_in[k], element[k], s[k], 0
-        )  # fmt: skip
+        e1, s1, _, way, heading, slope = bounce(rim, turning, heading_in[k], element[k], s[k], 0)
         out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = e1, s1, heading, way, slope
 
 
 @njit(cache=True, nogil=True)
-def follow(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, out):
+def follow(rim, turning, first_heading, e, s, j, out):
     """Fill rows of ``out`` with one state after the other: element, s, turns, and heading, way and slope to the next.
 
     Returns how many rows were filled: fewer than asked for where the disc got stuck.
     """
     for k in range(len(out)):
-        e1, s1, j1, way, heading, slope = bounce(rim, kind, radius, rule, angle, whole, first_heading, e, s, j)
+        e1, s1, j1, way, heading, slope = bounce(rim, turning, first_heading, e, s, j)
         if e1 < 0:
             return k
         out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4], out[k, 5] = e, s, j, heading, way, slope
@@ -167,7 +220,7 @@ def follow(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, out):
 
 
 @njit(cache=True, nogil=True)
-def once_round(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, period):
+def once_round(rim, turning, first_heading, e, s, j, period):
     """The state after ``period`` bounces, the way, the return map's slope, and a mark of the places on the way.
 
     The mark is the same wherever on a cycle one begins; cycles that touch other elements, or the same in another
@@ -175,7 +228,7 @@ def once_round(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, pe
     """
     way, slope, mark = 0.0, 1.0, np.uint64(0)
     for _ in range(period):
-        e1, s1, j1, step, _, part = bounce(rim, kind, radius, rule, angle, whole, first_heading, e, s, j)
+        e1, s1, j1, step, _, part = bounce(rim, turning, first_heading, e, s, j)
         if e1 < 0:
             return -1, 0.0, j, 0.0, 0.0, mark
         mixed = np.uint64(e * 1000003 + e1 + 1) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(j)
@@ -187,40 +240,41 @@ def once_round(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, pe
 
 
 @njit(cache=True, nogil=True)
-def settle(rim, kind, radius, rule, angle, whole, x, y, first_heading, turned, bounces, longest, floats, ints, marks):
-    """Let a disc go from each place, having turned ``turned`` times, and find the cycle it comes to, if any.
+def cycles_reached(rim, turning, discs, bounces, longest, reached):
+    """Let a disc go from each place of ``Discs``, and find the cycle it comes to, if any, into ``CyclesReached``.
 
-    ints (n, 4): SETTLED, UNSETTLED or STUCK; element, turns and period of a state on the cycle. floats (n, 4): its s,
-    the cycle's length, the return map's slope; mean logarithm of the slope per bounce over the first ``bounces``.
+    Within so many ``bounces`` discs are to come to cycles, of a period of at most ``longest``.
     """
+    x, y, turned, whole, angle = discs.x, discs.y, discs.turned, turning.whole, turning.angle_rad
+    floats, ints, marks = reached
     for k in range(len(x)):
+        first_heading = discs.first_headings_rad[k]
         ints[k, 0], floats[k, 3] = STUCK, 0.0
         j, blocked = turned[k], True
-        for turns in range(MOST_TURNS if rule == TURN else 1):  # a start on the rim may have to turn before all else
+        # a start on the rim may have to turn before all else
+        for turns in range(MOST_TURNS if turning.rule == TURN else 1):
             j = (turned[k] + turns) % whole if whole > 0 else turned[k] + turns
-            heading = first_heading[k] + (j * angle) % (2 * pi)
+            heading = first_heading + (j * angle) % (2 * pi)
             dx, dy = cos(heading), sin(heading)
-            blocked = is_blocked(rim, kind, radius, x[k], y[k], dx, dy)
+            blocked = is_blocked(rim, x[k], y[k], dx, dy)
             if not blocked:
                 break
         if blocked:
             continue
-        e, s, _ = first_contact(rim, kind, radius, x[k], y[k], dx, dy)
+        e, s, _ = first_contact(rim, x[k], y[k], dx, dy)
         for _ in range(bounces):
             if e < 0:
                 break
-            e, s, j, _, _, part = bounce(rim, kind, radius, rule, angle, whole, first_heading[k], e, s, j)
+            e, s, j, _, _, part = bounce(rim, turning, first_heading, e, s, j)
             floats[k, 3] += log(max(abs(part), LEAST_SLOPE)) / bounces
         if e < 0:
             continue
         ints[k, 0] = UNSETTLED
-        period = _return_time(rim, kind, radius, rule, angle, whole, first_heading[k], e, s, j, longest)
+        period = _return_time(rim, turning, first_heading, e, s, j, longest)
         if period == 0:
             continue
         for _ in range(3):  # Newton's steps; on straight walls the map is affine and one is enough
-            e1, s1, _, way, slope, mark = once_round(
-                rim, kind, radius, rule, angle, whole, first_heading[k], e, s, j, period
-            )  # fmt: skip
+            e1, s1, _, way, slope, mark = once_round(rim, turning, first_heading, e, s, j, period)
             if e1 != e or abs(s1 - s) > CLOSE_M:
                 break
             if abs(s1 - s) <= SAME_M:
@@ -228,17 +282,17 @@ def settle(rim, kind, radius, rule, angle, whole, x, y, first_heading, turned, b
                 floats[k, 0], floats[k, 1], floats[k, 2], marks[k] = s, way, slope, mark
             if abs(slope) > 1 - 1e-6:
                 break
-            s = min(max(s + (s1 - s) / (1 - slope), 0.0), rim[e, 4])
+            s = min(max(s + (s1 - s) / (1 - slope), 0.0), rim.elements[e, 4])
 
 
 @njit(cache=True, nogil=True)
-def _return_time(rim, kind, radius, rule, angle, whole, first_heading, e, s, j, longest):
+def _return_time(rim, turning, first_heading, e, s, j, longest):
     """Bounces until the state comes back to within CLOSE_M, or 0 where ``longest`` are not enough."""
     e1, s1, j1 = e, s, j
     for k in range(1, longest + 1):
-        e1, s1, j1, _, _, _ = bounce(rim, kind, radius, rule, angle, whole, first_heading, e1, s1, j1)
+        e1, s1, j1, _, _, _ = bounce(rim, turning, first_heading, e1, s1, j1)
         if e1 < 0:
             return 0
-        if e1 == e and abs(s1 - s) <= CLOSE_M and (j1 == j or rule == FROM_WALL):
+        if e1 == e and abs(s1 - s) <= CLOSE_M and (j1 == j or turning.rule == FROM_WALL):
             return k
     return 0
