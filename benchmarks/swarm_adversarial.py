@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.row import Options, Row
-from rota.planners.swarm.kernels import Hearing, Rule
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE
 from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.state import Hearing, Rule
 from rota.planners.swarm.world import kinds_of
 
 Floats = NDArray[np.float64]

@@ -13,9 +13,9 @@ import numpy as np
 from benchmarks.row import Options, Row
 from rota.files.mission_file import read_mission
 from rota.plan_summary import range_at_the_end
-from rota.planners.swarm.kernels import Rule
 from rota.planners.swarm.planner import run_mission
 from rota.planners.swarm.space_rollout import SpaceSwarm
+from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "swarm-space.yaml"

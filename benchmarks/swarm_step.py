@@ -12,9 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.row import Options, Row
-from rota.planners.swarm.kernels import Rule
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 
 SIZES = (1_000, 100_000, 1_000_000)

@@ -10,9 +10,15 @@ import pytest
 import shapely
 from shapely import Point, Polygon
 
-from rota.planners.swarm.velocity_set_kernels import Outline, centroid_in_disc, cut, square_round
+from rota.planners.swarm.state import Outline
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, centroid_in_disc, cut, square_round
 
 Room = Callable[[], Outline]
+
+
+@pytest.fixture
+def outlines() -> Callable[[], Outline]:
+    return lambda: Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS))
 
 
 def half_plane(ex: float, ey: float, bound: float, size: float = 50) -> Polygon:

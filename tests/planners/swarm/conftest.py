@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pytest
 
-from rota.planners.swarm.kernels import Rule
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
 from rota.planners.swarm.rollout import Swarm
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
+from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 
 PAPER = Rule(
@@ -32,11 +29,6 @@ def in_box(places_m: Any, size_m: tuple[float, float] = (250, 250), rule: Rule =
     kinds, kind = kinds_of(len(places), **like)
     changed = {"decide": decide_reciprocal, "walls": box_walls(*size_m), **changed}
     return Swarm(places, kinds=kinds, kind=kind, rule=rule, **changed)
-
-
-@pytest.fixture
-def outlines() -> Callable[[], Outline]:
-    return lambda: Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS))
 
 
 def scattered(count: int, low: float, high: float, apart_m: float, seed: int) -> np.ndarray:

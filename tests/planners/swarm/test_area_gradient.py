@@ -85,7 +85,7 @@ def test_the_own_share_is_that_of_the_voronoi_cell() -> None:
     room, robots, kinds = deciding_room(ALL), swarm.robots, swarm.kinds
     for i in range(20):
         near, _ = find_neighbours(i, ALL_NEIGHBOURS, robots, swarm.grid, 50.0, room.near)
-        share, walled = own_share(i, near, robots, kinds, swarm.grid, room.near, room.outline, room.spare)
+        share, walled = own_share(i, near, robots, kinds, swarm.grid, room)
         disc = Point(robots.x[i], robots.y[i]).buffer(25, quad_segs=512)
         assert share == pytest.approx(cells[robots.name[i]].intersection(disc).area / disc.area, abs=1e-4)
         assert not walled

@@ -16,9 +16,9 @@ import pytest
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
 from rota.errors import MissionError
-from rota.planners.swarm.kernels import Hearing
 from rota.planners.swarm.planner import DECIDE
 from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.state import Hearing
 
 PROJECT = Path(__file__).parents[3]
 ROBOTS, STEPS = 14, 3

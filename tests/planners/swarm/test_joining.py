@@ -18,10 +18,10 @@ from rota.files.plan_file import plan_from_text, plan_text
 from rota.make_plan import search_plan
 from rota.mission import DiscSensor, Fleet, Mission, Robot, StartBox
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.swarm.kernels import Hearing
 from rota.planners.swarm.metrics import Observer
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.state import Hearing
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
 

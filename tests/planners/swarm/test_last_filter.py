@@ -9,21 +9,19 @@ from scipy.spatial.distance import pdist, squareform
 from shapely import Point, Polygon
 from tests.planners.swarm.conftest import PAPER, in_box
 
-from rota.planners.swarm.filter_kernels import nearest_allowed
-from rota.planners.swarm.kernels import Hearing
+from rota.planners.swarm.filter_kernels import HalfPlanes, nearest_allowed
 from rota.planners.swarm.planner import DECIDE
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline, cut, square_round
+from rota.planners.swarm.state import Hearing, Outline
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, cut, square_round
 
 
 def wishing(velocities_m_s: np.ndarray):
     """A controller that wishes for given velocities, by the number in the fleet."""
 
-    def decide(begin, end, step, robots, kinds, grid, moving, rule, new_vx, new_vy, nearest2, *room) -> None:
-        decide_reciprocal(
-            begin, end, step, robots, kinds, grid, moving, rule, new_vx, new_vy, nearest2, *room
-        )  # for nearest2
-        new_vx[begin:end], new_vy[begin:end] = velocities_m_s[robots.name[begin:end]].T
+    def decide(begin, end, snapshot, decisions, room) -> None:
+        decide_reciprocal(begin, end, snapshot, decisions, room)  # for nearest2
+        decisions.vx[begin:end], decisions.vy[begin:end] = velocities_m_s[snapshot.robots.name[begin:end]].T
 
     return decide
 
@@ -129,12 +127,10 @@ def test_a_step_longer_than_the_area_jumps_through_no_wall() -> None:
 
 # ---------------------------------------------------------------- the nearest velocity by itself
 
-ROOM = Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS))
-
 
 def allowed(wish: np.ndarray, normals: np.ndarray, bounds: np.ndarray) -> np.ndarray:
-    ROOM.x[: len(normals)], ROOM.y[: len(normals)] = normals.T
-    return np.array(nearest_allowed(*wish, float(np.hypot(*wish)), len(normals), ROOM, bounds))
+    planes = HalfPlanes(*np.ascontiguousarray(normals.T), bounds)
+    return np.array(nearest_allowed(*wish, float(np.hypot(*wish)), len(normals), planes))
 
 
 def directions(angles: np.ndarray) -> np.ndarray:

@@ -9,9 +9,9 @@ from hypothesis import given, settings, strategies as st
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 from tests.planners.swarm.test_last_filter import apart, packed, wishing
 
-from rota.planners.swarm.hearing_kernels import GAIN, MOST_LOST_IN_ROW, age_of, gone_m
-from rota.planners.swarm.kernels import Hearing
+from rota.planners.swarm.delayed_news_kernels import MOST_LOST_IN_ROW, MOST_SPEED_GAIN, age_of, gone_m
 from rota.planners.swarm.planner import DECIDE
+from rota.planners.swarm.state import Hearing
 
 
 # 10,000 are the figure that is promised; the first thousand show what would break it
@@ -63,7 +63,7 @@ def test_whatever_robots_wish_for_old_news_keep_them_apart(
         slow = np.hypot(*swarm.velocities_m_s.T)
         swarm.step()
         if delay > 0 or lost > 0:  # what the others count on
-            assert (np.hypot(*swarm.velocities_m_s.T) <= slow + GAIN * speeds + 1e-12).all()
+            assert (np.hypot(*swarm.velocities_m_s.T) <= slow + MOST_SPEED_GAIN * speeds + 1e-12).all()
         for part in np.linspace(0, 1, 5):  # bodies stay apart at every moment of the step
             between = before + part * (swarm.places_m - before)
             assert len(bodies) < 2 or apart(between, bodies) > -1e-12
@@ -84,13 +84,13 @@ def test_without_the_widening_old_news_let_them_touch() -> None:
 
 
 def test_a_message_is_as_old_as_its_delay_and_the_losses_since() -> None:
-    ages = np.array([age_of(5, 3, 8, step, 1, 0.1) for step in range(20_000)])
+    ages = np.array([age_of(5, 3, 8, step, Hearing(1, 0.1)) for step in range(20_000)])
     assert ages.min() == 1
     for extra in range(3):  # losses are independent: a share 0.1^k of k in a row
         assert np.mean(ages > 1 + extra) == pytest.approx(0.1 ** (extra + 1), abs=0.007)
     assert (np.diff(ages) <= 1).all()  # a robot that hears nothing knows what it knew
-    assert max(age_of(5, 3, 8, step, 2, 0.999) for step in range(500)) == 2 + MOST_LOST_IN_ROW
-    assert age_of(5, 3, 8, 7, 0, 0.0) == 0
+    assert max(age_of(5, 3, 8, step, Hearing(2, 0.999)) for step in range(500)) == 2 + MOST_LOST_IN_ROW
+    assert age_of(5, 3, 8, 7, Hearing(0, 0.0)) == 0
 
 
 def test_news_without_delay_and_loss_are_the_truth() -> None:
@@ -106,7 +106,7 @@ def test_news_without_delay_and_loss_are_the_truth() -> None:
 
 
 def test_the_way_gone_since_a_message_is_that_of_gaining_all_the_time() -> None:
-    most, told, gained = 0.5, 0.1, GAIN * 0.5
+    most, told, gained = 0.5, 0.1, MOST_SPEED_GAIN * 0.5
     assert gone_m(0, told, most) == 0
     assert gone_m(2, told, most) == pytest.approx(2 * told + 3 * gained)
     assert gone_m(2, told, most) < 2 * most
@@ -130,14 +130,14 @@ def test_a_robot_heeds_what_the_other_one_told_a_step_before() -> None:
 def test_with_the_last_filter_robots_heed_late_news_as_fast_as_they_may_gain_speed() -> None:
     late = in_box([[100, 100], [110, 100]], hearing=Hearing(delay_steps=1, lost=0.0))
     top, away = 2.0, 2 * 4 / (3 * np.pi)  # which the first step of the test before comes to
-    assert 2 * GAIN * top < away
+    assert 2 * MOST_SPEED_GAIN * top < away
     for gained in (1, 2, 3):
         late.step()
-        speed = gained * GAIN * top
+        speed = gained * MOST_SPEED_GAIN * top
         assert late.velocities_m_s == pytest.approx(np.array([[-speed, 0], [speed, 0]]))
     late.step()
     # now nothing holds them back: each believes the other as slow as it was told a step before
-    h = (3 - 2) * GAIN * top / 2
+    h = (3 - 2) * MOST_SPEED_GAIN * top / 2
     area = top * top * np.arccos(h / top) - h * np.sqrt(top * top - h * h)
     assert late.velocities_m_s[0] == pytest.approx([-2 / 3 * (top * top - h * h) ** 1.5 / area, 0])
 

@@ -7,7 +7,8 @@ import pytest
 from shapely import LineString, box
 from tests.planners.swarm.conftest import in_box
 
-from rota.planners.swarm.kernels import Near, find_neighbours, to_wall
+from rota.planners.swarm.kernels import find_neighbours, to_wall
+from rota.planners.swarm.state import Near
 
 
 def found_by(swarm, i: int, most: int, range_m: float) -> tuple[list[int], float]:

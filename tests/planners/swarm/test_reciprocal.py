@@ -90,18 +90,18 @@ def test_corollary_1_the_velocity_obstacle_lies_in_the_weak_coverage_set() -> No
             assert v @ [dx, dy] > 0  # the tangent line's side
             assert any(math.hypot(*(s * v - [dx, dy])) < distance for s in np.linspace(1e-6, 1, 100) * t)
             # and its own reading as a constraint forbids it to robots that move so
-            ex, ey, bound = half_plane(dx, dy, distance, *v, 0.0, 0.0, 1.0, PAPER)
+            ex, ey, bound = half_plane(dx, dy, distance, tuple(v), (0.0, 0.0), 1.0, PAPER)
             assert v @ [ex, ey] > bound
     assert collided > 100
 
 
 def test_the_circle_asks_for_the_way_to_its_nearest_point() -> None:
     # relative velocity (3, 0), the circle of radius 10 round (10, 0): 3 m/s in, so u = (-3, 0) and half of it
-    ex, ey, bound = half_plane(10.0, 0.0, 10.0, 2.0, 0.0, -1.0, 0.0, 0.5, CIRCLE)
+    ex, ey, bound = half_plane(10.0, 0.0, 10.0, (2.0, 0.0), (-1.0, 0.0), 0.5, CIRCLE)
     assert (ex, ey, bound) == pytest.approx((1, 0, 2 - 1.5))
     # beside the circle: relative velocity (0, 5); the nearest point lies towards (0, 5) as seen from (10, 0)
     away = math.hypot(10, 5)
-    ex, ey, bound = half_plane(10.0, 0.0, 10.0, 0.0, 5.0, 0.0, 0.0, 0.5, CIRCLE)
+    ex, ey, bound = half_plane(10.0, 0.0, 10.0, (0.0, 5.0), (0.0, 0.0), 0.5, CIRCLE)
     normal, u = np.array([-10, 5]) / away, 10 - away
     assert (ex, ey) == pytest.approx(tuple(-normal))
     assert bound == pytest.approx(-(np.array([0, 5]) + 0.5 * u * normal) @ normal)

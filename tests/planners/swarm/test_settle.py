@@ -20,7 +20,7 @@ from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, make_swarm, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.rollout import deciding_room
-from rota.planners.swarm.settle_kernels import SHARE, decide_settle, pushes
+from rota.planners.swarm.settle_kernels import OVERLAP_SHARE, decide_settle, pushes
 from rota.planners.swarm.world import walls_of
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
@@ -47,7 +47,7 @@ def push_of_walls(place: tuple[float, float], ground: MultiPolygon) -> tuple[flo
 def test_a_straight_wall_pushes_by_nearly_twice_its_overlap(overlap_m: float) -> None:
     px, py = push_of_walls((125, 25 - overlap_m), SQUARE)
     assert px == pytest.approx(0, abs=1e-9)
-    assert py == pytest.approx(SHARE * overlap_m * (2 - overlap_m / 25))
+    assert py == pytest.approx(OVERLAP_SHARE * overlap_m * (2 - overlap_m / 25))
 
 
 @pytest.mark.parametrize("sides", [64, 256])
@@ -57,8 +57,8 @@ def test_a_round_obstacle_pushes_the_same_of_however_many_walls_it_is(sides: int
     px, py = push_of_walls((80, 125), MultiPolygon([ground]))
     cosine = (25**2 + 45**2 - 22**2) / (2 * 25 * 45)
     assert py == pytest.approx(0, abs=1e-9)
-    assert px == pytest.approx(-SHARE * 25 * (1 - cosine**2), rel=0.03)
-    assert abs(px) < SHARE * 2 * (25 + 22 - 45)
+    assert px == pytest.approx(-OVERLAP_SHARE * 25 * (1 - cosine**2), rel=0.03)
+    assert abs(px) < OVERLAP_SHARE * 2 * (25 + 22 - 45)
 
 
 def rooms(robots: int, **settings: Any) -> Mission:

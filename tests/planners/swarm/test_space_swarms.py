@@ -11,10 +11,10 @@ from hypothesis import given, settings, strategies as st
 from scipy.spatial.distance import pdist
 from tests.planners.swarm.conftest import PAPER, box_walls, in_box, scattered
 
-from rota.planners.swarm.kernels import Rule
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.space_set_kernels import MOST_PLANES, centroid_in_ball
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
+from rota.planners.swarm.state import Outline, Rule
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS
 from rota.planners.swarm.world import kinds_of
 
 HALF_BALL = 3 / 8 * 2  # how far from the centre that of half a ball of radius 2 lies

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.planners.swarm.reciprocal_kernels import sample_key, sampled_mean
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline, centroid_in_disc, cut, square_round
+from rota.planners.swarm.state import Outline
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, centroid_in_disc, cut, square_round
 
 Floats = NDArray[np.float64]
 

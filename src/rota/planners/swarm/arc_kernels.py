@@ -104,16 +104,17 @@ def cover(begin: float, end: float, count: int, arcs: Any) -> int:
 
 
 @compiled
-def exposed_arcs(i: int, found: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> int:
-    """The arcs of robot i's circle that lie in the ground and in none of its ``found`` neighbours' discs; how many.
+def exposed_arcs(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> int:
+    """The arcs of robot i's circle that lie in the ground and in none of its neighbours' discs; how many.
 
-    Of equal discs in the same place that of the smallest number in the fleet counts as the one on top.
+    near: so many ``neighbours``, by ``find_neighbours``. arcs: as ``arcs_in_ground`` has them. Of equal discs in one
+    place that of the smallest number in the fleet counts as the one on top.
     """
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
     if sensor <= 0.0:
         return 0
     count = arcs_in_ground(x, y, sensor, grid, arcs)
-    for k in range(found):
+    for k in range(neighbours):
         j = near.robot[k]
         other, distance = kinds.sensor_m[robots.kind[j]], math.sqrt(near.distance2[k])
         if distance <= SAME_PLACE_M and sensor == other:

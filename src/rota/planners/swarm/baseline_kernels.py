@@ -13,7 +13,7 @@ OVER_RELAXATION = 1.6  # of the way to the centroid; below 2 Lloyd's method stil
 # share of each overlap that a robot takes away in a step: the largest by which no run of 25 robots, with an obstacle or
 # without one, turns back in 1 % of its steps (docs/chen2018.md, Figure 18)
 STIFFNESS = 0.25
-MANY_CAUSES = 8.0  # with more overlaps than that the share is less, since it would overshoot
+FULL_SHARE_CAUSES = 8.0  # with more overlaps than that the share is less, since it would overshoot
 
 
 @compiled
@@ -25,21 +25,22 @@ def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, f
 
 
 @compiled
-def decide_voronoi(
-    begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
-    new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
-) -> None:  # fmt: skip
+def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
     """Lloyd's step, over-relaxed: each robot makes for the centroid of its Voronoi cell within its sensor's disc.
 
     Cells are bounded by the ``rule.neighbours`` nearest robots, and by the nearest points of walls in sensor range.
     Where sensors differ they are those of the power diagram: the border runs where both discs have the same power.
+    Decides for the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``; room: of one thread.
     """
+    robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
+    near, outline, spare = room
     for i in range(begin, end):
         kind = robots.kind[i]
         x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
-        found, nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], near)
+        range_m = kinds.neighbour_range_m[kind]
+        neighbours, decisions.nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, range_m, near)
         corners = square_round(sensor, outline)
-        for k in range(found):
+        for k in range(neighbours):
             if corners == 0 or near.distance2[k] < SAME_PLACE_M2:
                 continue
             j = near.robot[k]
@@ -58,22 +59,22 @@ def decide_voronoi(
             if is_cut(outline, corners, dx / distance, dy / distance, distance):
                 corners = cut(outline, corners, dx / distance, dy / distance, distance, spare)
                 outline, spare = spare, outline
-        new_vx[i], new_vy[i] = 0.0, 0.0
+        decisions.vx[i], decisions.vy[i] = 0.0, 0.0
         if corners > 0:
             _, cx, cy = centroid_in_disc(outline, corners, sensor)
             cx, cy = OVER_RELAXATION * cx, OVER_RELAXATION * cy
-            new_vx[i], new_vy[i] = towards(cx, cy, kinds.speed_m_s[kind], rule.time_step_s)
+            decisions.vx[i], decisions.vy[i] = towards(cx, cy, kinds.speed_m_s[kind], rule.time_step_s)
 
 
 @compiled
-def overlaps_with_robots(i: int, found: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
+def overlaps_with_robots(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
     """How far the sensor of robot i overlaps its neighbours': the sum, each away from its cause, and how many.
 
-    near: the neighbours found, by ``find_neighbours``.
+    near: the neighbours, by ``find_neighbours``. Metres.
     """
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
     fx, fy, causes = 0.0, 0.0, 0.0
-    for k in range(found):
+    for k in range(neighbours):
         j = near.robot[k]
         distance = math.sqrt(near.distance2[k])
         overlap = sensor + kinds.sensor_m[robots.kind[j]] - distance
@@ -86,16 +87,17 @@ def overlaps_with_robots(i: int, found: int, robots: Any, kinds: Any, near: Any)
 
 @compiled
 def sum_of_overlaps(
-    i: int, robots: Any, kinds: Any, grid: Any, most: int, nearest2: Any, near: Any
+    i: int, most: int, robots: Any, kinds: Any, grid: Any, nearest2: Any, near: Any
 ) -> tuple[float, float, float]:
     """How far the sensor of robot i overlaps others and walls: the sum of overlaps, each away from its cause.
 
     A wall in sensor range counts twice, since it does not give way itself. The third value is the number of causes.
+    Of robots the ``most`` nearest count; nearest2 (n,) takes the squared distance of the nearest.
     """
     kind = robots.kind[i]
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
-    found, nearest2[i] = find_neighbours(i, most, robots, grid, kinds.neighbour_range_m[kind], near)
-    fx, fy, causes = overlaps_with_robots(i, found, robots, kinds, near)
+    neighbours, nearest2[i] = find_neighbours(i, most, robots, grid, kinds.neighbour_range_m[kind], near)
+    fx, fy, causes = overlaps_with_robots(i, neighbours, robots, kinds, near)
     c = cell_of(x, y, grid)
     for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
         dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
@@ -115,16 +117,14 @@ def virtual_force(stiffness: float) -> Any:
     """
 
     @compiled
-    def decide_virtual_force(
-        begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
-        new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
-    ) -> None:  # fmt: skip
-        """New velocities of the robots begin..end - 1 from one snapshot of all."""
+    def decide_virtual_force(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
+        """New velocities of the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``; room: of one thread."""
+        robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
         for i in range(begin, end):
-            fx, fy, causes = sum_of_overlaps(i, robots, kinds, grid, rule.neighbours, nearest2, near)
-            gain = stiffness * MANY_CAUSES / max(MANY_CAUSES, causes)
+            fx, fy, causes = sum_of_overlaps(i, rule.neighbours, robots, kinds, grid, decisions.nearest2, room.near)
+            gain = stiffness * FULL_SHARE_CAUSES / max(FULL_SHARE_CAUSES, causes)
             speed = kinds.speed_m_s[robots.kind[i]]
-            new_vx[i], new_vy[i] = towards(gain * fx, gain * fy, speed, rule.time_step_s)
+            decisions.vx[i], decisions.vy[i] = towards(gain * fx, gain * fy, speed, rule.time_step_s)
 
     return decide_virtual_force
 

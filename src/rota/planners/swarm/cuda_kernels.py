@@ -13,8 +13,8 @@ import numpy as np
 from numba import cuda
 
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.kernels import Near
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
+from rota.planners.swarm.state import Near, Outline, Room
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS
 
 MOST_NEIGHBOURS = 32  # room of a thread
 THREADS = 128  # of a block
@@ -24,32 +24,23 @@ def kernel_of(decide: Callable[..., None]) -> Any:
     """A kernel in which thread i decides for robot i as ``decide`` does."""
 
     @cuda.jit
-    def decide_all(
-        step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any, new_vx: Any, new_vy: Any, nearest2: Any
-    ) -> None:
+    def decide_all(snapshot: Any, decisions: Any) -> None:
         i = cuda.grid(1)
-        if i < new_vx.shape[0]:
+        if i < decisions.vx.shape[0]:
             near = Near(cuda.local.array(MOST_NEIGHBOURS, np.int64), cuda.local.array(MOST_NEIGHBOURS, np.float64))
             outline = Outline(cuda.local.array(MOST_CORNERS, np.float64), cuda.local.array(MOST_CORNERS, np.float64))
             spare = Outline(cuda.local.array(MOST_CORNERS, np.float64), cuda.local.array(MOST_CORNERS, np.float64))
-            decide(
-                i, i + 1, step, robots, kinds, grid, moving, rule, new_vx, new_vy, nearest2, near, outline, spare
-            )  # fmt: skip
+            decide(i, i + 1, snapshot, decisions, Room(near, outline, spare))
 
     return decide_all
 
 
 @cuda.jit
-def filter_all(
-    robots: Any, kinds: Any, grid: Any, moving: Any, time_step_s: float, widest_m: float, exact: Any,
-    new_vx: Any, new_vy: Any, nearest2: Any,
-) -> None:  # fmt: skip
+def filter_all(snapshot: Any, widest_m: float, exact: Any, decisions: Any) -> None:
     """Thread i puts robot i's velocity through the last filter."""
     i = cuda.grid(1)
-    if i < new_vx.shape[0]:
+    if i < decisions.vx.shape[0]:
+        near = Near(cuda.local.array(1, np.int64), cuda.local.array(1, np.float64))
         outline = Outline(cuda.local.array(MOST_CORNERS, np.float64), cuda.local.array(MOST_CORNERS, np.float64))
         spare = Outline(cuda.local.array(MOST_CORNERS, np.float64), cuda.local.array(MOST_CORNERS, np.float64))
-        filter_velocities(
-            i, i + 1, robots, kinds, grid, moving, time_step_s, widest_m, exact, new_vx, new_vy, nearest2, outline,
-            spare,
-        )  # fmt: skip
+        filter_velocities(i, i + 1, snapshot, widest_m, exact, decisions, Room(near, outline, spare))

@@ -6,12 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rota.errors import MissionError
-from rota.planners.swarm.kernels import Grid, Kinds, Robots, Rule
+from rota.planners.swarm.state import Decisions, Kinds, Moving, Robots, Rule, Snapshot
 
-Floats = NDArray[np.float64]
 NEEDED = "an NVIDIA GPU with its driver and the package numba-cuda are needed, or device: cpu"
 
 
@@ -31,30 +29,29 @@ class CudaStep:
         self._kinds, self._rule = Kinds(*map(self._cuda.to_device, kinds)), rule
         self._walls: tuple[Any, ...] | None = None
 
-    def decide(
-        self, step: int, robots: Robots, grid: Grid, moving: Any, widest_m: float | None, new_vx: Floats, new_vy: Floats
-    ) -> None:
-        """New velocities of all robots into new_vx and new_vy (n,), as on the processor; widest_m None: unfiltered."""
-        cuda, n = self._cuda, len(new_vx)
+    def decide(self, snapshot: Snapshot, widest_m: float | None, decisions: Decisions) -> None:
+        """New velocities of all robots into the decisions, as on the processor; widest_m None: unfiltered."""
+        cuda, n, robots, grid = self._cuda, len(decisions.vx), snapshot.robots, snapshot.grid
         if self._walls is None:
             self._walls = tuple(map(cuda.to_device, (grid.wall_start, grid.wall_item, grid.walls)))
         x, y, vx, vy, kind, name = map(cuda.to_device, robots[:-1])
         there = Robots(x, y, vx, vy, kind, name, robots.member_kinds)
         wall_start, wall_item, walls = self._walls
-        arrays = {k: cuda.to_device(v) for k, v in grid.roads._asdict().items() if isinstance(v, np.ndarray)}
+        arrays = {k: cuda.to_device(v) for k, v in grid.place_graph._asdict().items() if isinstance(v, np.ndarray)}
         near = grid._replace(
             start=cuda.to_device(grid.start), wall_start=wall_start, wall_item=wall_item, walls=walls,
-            roads=grid.roads._replace(**arrays),
+            place_graph=grid.place_graph._replace(**arrays),
         )  # fmt: skip
-        discs = type(moving)(*map(cuda.to_device, moving))
-        new = tuple(cuda.device_array(n, np.float64) for _ in range(3))
+        discs = Moving(*map(cuda.to_device, snapshot.moving))
+        new = Decisions(*(cuda.device_array(n, np.float64) for _ in range(3)))
         shape = (-(-n // self._threads), self._threads)
-        self._decide_all[shape](step, there, self._kinds, near, discs, self._rule, *new)
+        copied = Snapshot(snapshot.step, there, self._kinds, near, discs, self._rule)
+        self._decide_all[shape](copied, new)
         if widest_m is not None:
             exact = cuda.to_device(np.empty(0))
-            self._filter_all[shape](there, self._kinds, near, discs, self._rule.time_step_s, widest_m, exact, *new)
-        for values, result in zip(new, (new_vx, new_vy), strict=False):
-            values.copy_to_host(result)
+            self._filter_all[shape](copied, widest_m, exact, new)
+        new.vx.copy_to_host(decisions.vx)  # type: ignore[attr-defined]
+        new.vy.copy_to_host(decisions.vy)  # type: ignore[attr-defined]
 
 
 def _require_kernels() -> Any:

@@ -15,8 +15,8 @@ from typing import Any
 from rota.planners.swarm.kernels import compiled
 
 CLEAR_M = 1e-6  # kept from discs, above rounding
-AHEAD = 4.0  # times as long as a robot takes for both radii, which it may have to go aside, it looks ahead
-TURNS = 2  # times that all discs are looked at, since dodging one may lead to another
+LOOK_AHEAD = 4.0  # times as long as a robot takes for both radii, which it may have to go aside, it looks ahead
+PASSES = 2  # times that all discs are looked at, since dodging one may lead to another
 
 
 @compiled
@@ -63,12 +63,12 @@ def dodged(
     """A wish as it is, or changed by the least that keeps the robot clear of discs that come; no faster than speed."""
     if speed <= 0.0:
         return wx, wy
-    for _ in range(TURNS):
+    for _ in range(PASSES):
         for m in range(moving.x.shape[0]):
             reach_m = body + moving.radius_m[m] + CLEAR_M
             ux, uy = out_of_way(
                 moving.x[m] - x, moving.y[m] - y, wx - moving.vx[m], wy - moving.vy[m], reach_m,
-                max(AHEAD * reach_m / speed, time_step_s), time_step_s,
+                max(LOOK_AHEAD * reach_m / speed, time_step_s), time_step_s,
             )  # fmt: skip
             wx, wy = wx + ux, wy + uy
     length = math.sqrt(wx * wx + wy * wy)

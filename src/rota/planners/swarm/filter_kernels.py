@@ -35,7 +35,7 @@ Discs that move and do not give way are dodged beforehand: the wish is changed (
 of what is left of it. That no disc is met is not claimed.
 
 Old news. A robot that is known from an old message only may have gone up to s since, no more than age v_B dt and less
-where it told of going slowly (``hearing_kernels.gone_m``): it is somewhere in the disc of radius s round the place
+where it told of going slowly (``delayed_news_kernels.gone_m``): it is somewhere in the disc of radius s round the place
 told. Let d be the distance to that place and D >= d - s the true one, u the true direction.
 If v . u <= (d - s - r_A - r_B) / (2 dt) for every u that leads into the disc, then v . u <= (D - r_A - r_B) / (2 dt)
 for the true one; the other robot, with its own old message and its own bound below D, does the same against -u, so
@@ -49,17 +49,26 @@ only velocity 0 is left.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from rota.planners.swarm.dodge_kernels import dodged
 from rota.planners.swarm.kernels import cell_of, compiled, to_wall
+from rota.planners.swarm.state import Floats
 
 ROUNDING_M = 1e-9  # kept between bodies, so that rounding of places never makes them touch
 ROUNDING = 2e-15  # share of a velocity by which a half-plane may be exceeded: what rounding leaves of a point on a line
 
 
+class HalfPlanes(NamedTuple):
+    """Room for half-planes v . e <= bound: (m,) x and y of the unit vectors e, and the bounds in m/s."""
+
+    x: Floats
+    y: Floats
+    bound: Floats
+
+
 @compiled
-def room(gap_m: float, time_s: float) -> float:
+def greatest_speed(gap_m: float, time_s: float) -> float:
     """Greatest speed towards what is gap_m away; 0 for what touches already."""
     return max(gap_m - ROUNDING_M, 0.0) / time_s
 
@@ -83,9 +92,7 @@ def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float
 
 
 @compiled
-def add_half_plane(
-    ex: float, ey: float, bound: float, count: int, longest: float, normals: Any, bounds: Any
-) -> tuple[int, float]:
+def add_half_plane(ex: float, ey: float, bound: float, count: int, longest: float, planes: Any) -> tuple[int, float]:
     """Note v . e <= bound; returns how many half-planes there are, and the greatest length that is safe without more.
 
     ``longest``: no velocity longer than that is asked for, so a greater bound says nothing. Without room the loosest
@@ -93,7 +100,7 @@ def add_half_plane(
     """
     if bound >= longest or (ex == 0.0 and ey == 0.0):
         return count, longest
-    k = count
+    k, bounds = count, planes.bound
     if count == bounds.shape[0]:
         k = 0
         for other in range(1, count):
@@ -102,16 +109,17 @@ def add_half_plane(
         if bounds[k] <= bound:
             return count, bound
         longest = bounds[k]
-    normals.x[k], normals.y[k], bounds[k] = ex, ey, bound
+    planes.x[k], planes.y[k], bounds[k] = ex, ey, bound
     return max(count, k + 1), longest
 
 
 @compiled
-def bounded_by_robots(
-    i: int, c: int, robots: Any, kinds: Any, grid: Any, time_step_s: float, spread_m: Any, longest: float,
-    normals: Any, bounds: Any,
-) -> tuple[int, float]:  # fmt: skip
-    """The half-planes of the robots round about; returns their number and the greatest length, as add_half_plane."""
+def bounded_by_robots(i: int, c: int, snapshot: Any, spread_m: Any, longest: float, planes: Any) -> tuple[int, float]:
+    """The half-planes of the robots round robot i, which is in cell c; their number and the greatest length.
+
+    Both as ``add_half_plane`` returns them. spread_m: as ``filter_velocities`` takes it.
+    """
+    robots, kinds, grid, time_step_s = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule.time_step_s
     kind, x, y, count = robots.kind[i], robots.x[i], robots.y[i], 0
     body, step_m = kinds.body_m[kind], kinds.speed_m_s[kind] * time_step_s
     stride = grid.columns + 2
@@ -127,24 +135,22 @@ def bounded_by_robots(
                 continue
             if unsure_m > 0.0 and unsure_m >= distance:
                 return 0, 0.0
-            bound = room(distance - unsure_m - bodies, 2.0 * time_step_s)
+            bound = greatest_speed(distance - unsure_m - bodies, 2.0 * time_step_s)
             ex, ey = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
             if unsure_m > 0.0:
                 along, across, narrower = cone(distance, unsure_m)
                 bound *= narrower
                 for side in (-across, across):
                     ax, ay = along * ex - side * ey, along * ey + side * ex
-                    count, longest = add_half_plane(ax, ay, bound, count, longest, normals, bounds)
-            count, longest = add_half_plane(ex, ey, bound, count, longest, normals, bounds)
+                    count, longest = add_half_plane(ax, ay, bound, count, longest, planes)
+            count, longest = add_half_plane(ex, ey, bound, count, longest, planes)
     return count, longest
 
 
 @compiled
-def bounded_by_walls(
-    i: int, c: int, robots: Any, kinds: Any, grid: Any, time_step_s: float, count: int, longest: float,
-    normals: Any, bounds: Any,
-) -> tuple[int, float]:  # fmt: skip
-    """Add the half-planes of walls; a robot that stands on one may only go along it."""
+def bounded_by_walls(i: int, c: int, snapshot: Any, count: int, longest: float, planes: Any) -> tuple[int, float]:
+    """Add the half-planes of walls near cell c; a robot that stands on a wall may only go along it."""
+    robots, kinds, grid, time_step_s = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule.time_step_s
     kind, x, y = robots.kind[i], robots.x[i], robots.y[i]
     body, step_m = kinds.body_m[kind], kinds.speed_m_s[kind] * time_step_s
     for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
@@ -153,20 +159,19 @@ def bounded_by_walls(
         distance = math.sqrt(dx * dx + dy * dy)
         if distance > body + step_m:
             continue
-        bound = room(distance - body, time_step_s)
+        bound = greatest_speed(distance - body, time_step_s)
         ex, ey = wall_normal(dx, dy, distance, wall)
-        count, longest = add_half_plane(ex, ey, bound, count, longest, normals, bounds)
+        count, longest = add_half_plane(ex, ey, bound, count, longest, planes)
         if distance <= 1e-12:
-            count, longest = add_half_plane(-ex, -ey, bound, count, longest, normals, bounds)
+            count, longest = add_half_plane(-ex, -ey, bound, count, longest, planes)
     return count, longest
 
 
 @compiled
-def bounded_by_moving(
-    x: float, y: float, body: float, moving: Any, time_step_s: float, count: int, longest: float,
-    normals: Any, bounds: Any,
-) -> tuple[int, float]:  # fmt: skip
+def bounded_by_moving(i: int, snapshot: Any, count: int, longest: float, planes: Any) -> tuple[int, float]:
     """Add the half-planes of discs that move; where one comes nearer than a robot can make way, the bound is 0."""
+    moving, time_step_s = snapshot.moving, snapshot.rule.time_step_s
+    x, y, body = snapshot.robots.x[i], snapshot.robots.y[i], snapshot.kinds.body_m[snapshot.robots.kind[i]]
     for m in range(moving.x.shape[0]):
         dx, dy = moving.x[m] - x, moving.y[m] - y
         distance = math.sqrt(dx * dx + dy * dy)
@@ -174,37 +179,37 @@ def bounded_by_moving(
         ex, ey = (dx / distance, dy / distance) if distance > 0.0 else (0.0, 0.0)
         approach = moving.vx[m] * ex + moving.vy[m] * ey
         bound = max((gap - ROUNDING_M) / time_step_s + approach, 0.0)
-        count, longest = add_half_plane(ex, ey, bound, count, longest, normals, bounds)
+        count, longest = add_half_plane(ex, ey, bound, count, longest, planes)
     return count, longest
 
 
 @compiled
-def share_within(vx: float, vy: float, slack: float, count: int, normals: Any, bounds: Any) -> float:
+def share_within(vx: float, vy: float, slack: float, count: int, planes: Any) -> float:
     """Largest share of a velocity, up to 1, that all half-planes allow but for the slack."""
     share = 1.0
     for k in range(count):
-        towards = vx * normals.x[k] + vy * normals.y[k]
-        if towards > bounds[k] + slack:
-            share = min(share, bounds[k] / towards)
+        towards = vx * planes.x[k] + vy * planes.y[k]
+        if towards > planes.bound[k] + slack:
+            share = min(share, planes.bound[k] / towards)
     return share
 
 
 @compiled
-def nearest_on_lines(wx: float, wy: float, count: int, normals: Any, bounds: Any) -> tuple[float, float]:
+def nearest_on_lines(wx: float, wy: float, count: int, planes: Any) -> tuple[float, float]:
     """The nearest point to a wish on the lines that it lies beyond, as far as the other half-planes leave them.
 
     (0, 0) where rounding leaves nothing of any line.
     """
     best2, bx, by = math.inf, 0.0, 0.0
     for k in range(count):
-        ex, ey, bound = normals.x[k], normals.y[k], bounds[k]
+        ex, ey, bound = planes.x[k], planes.y[k], planes.bound[k]
         beyond = wx * ex + wy * ey - bound
         if beyond <= 0.0 or beyond * beyond >= best2:
             continue
         low, high = -math.inf, math.inf  # of the places b e + t (-e_y, e_x) on the line
         for other in range(count):
-            along = normals.y[other] * ex - normals.x[other] * ey
-            left = bounds[other] - bound * (normals.x[other] * ex + normals.y[other] * ey)
+            along = planes.y[other] * ex - planes.x[other] * ey
+            left = planes.bound[other] - bound * (planes.x[other] * ex + planes.y[other] * ey)
             if along > ROUNDING:
                 high = min(high, left / along)
             elif along < -ROUNDING:
@@ -222,18 +227,18 @@ def nearest_on_lines(wx: float, wy: float, count: int, normals: Any, bounds: Any
 
 
 @compiled
-def nearest_allowed(wx: float, wy: float, longest: float, count: int, normals: Any, bounds: Any) -> tuple[float, float]:
+def nearest_allowed(wx: float, wy: float, longest: float, count: int, planes: Any) -> tuple[float, float]:
     """The velocity no longer than ``longest`` and than the wish, in all half-planes, that is nearest to the wish.
 
     Bounds are 0 or more. Never longer than the wish, and in all half-planes but for rounding, whatever the search
     finds; see above.
     """
     slack = ROUNDING * math.sqrt(wx * wx + wy * wy)
-    share = share_within(wx, wy, slack, count, normals, bounds)
+    share = share_within(wx, wy, slack, count, planes)
     rx, ry = share * wx, share * wy
     if share < 1.0:
-        vx, vy = nearest_on_lines(wx, wy, count, normals, bounds)
-        share = share_within(vx, vy, slack, count, normals, bounds)
+        vx, vy = nearest_on_lines(wx, wy, count, planes)
+        share = share_within(vx, vy, slack, count, planes)
         vx, vy = share * vx, share * vy
         nearer = (vx - wx) ** 2 + (vy - wy) ** 2 < (rx - wx) ** 2 + (ry - wy) ** 2
         if nearer and vx * vx + vy * vy <= wx * wx + wy * wy:
@@ -246,39 +251,37 @@ def nearest_allowed(wx: float, wy: float, longest: float, count: int, normals: A
 
 @compiled
 def filter_velocities(
-    begin: int, end: int, robots: Any, kinds: Any, grid: Any, moving: Any, time_step_s: float, widest_m: float,
-    spread_m: Any, new_vx: Any, new_vy: Any, nearest2: Any, normals: Any, spare: Any,
-) -> None:  # fmt: skip
-    """Replace the velocities of robots begin..end - 1 by the nearest safe ones.
+    begin: int, end: int, snapshot: Any, widest_m: float, spread_m: Any, decisions: Any, room: Any
+) -> None:
+    """Replace the velocities decided for the robots begin..end - 1 of a ``Snapshot`` by the nearest safe ones.
 
-    nearest2: (n,) squared distance of the nearest robot, so that most robots need no second look. widest_m: the largest
-    body plus the longest step of any robot. spread_m: how far each robot may have gone from its place, (n,), or (0,)
-    where places are exact. Discs that move are dodged, and kept clear of as far as they leave a choice. normals, spare:
-    room.
+    widest_m: the largest body plus the longest step of any robot. spread_m: how far each robot may have gone from its
+    place, (n,) metres, or (0,) where places are exact. Discs that move are dodged, and kept clear of as far as they
+    leave a choice. room: of one thread.
     """
-    bounds = spare.x
+    robots, kinds, grid, moving = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.moving
+    time_step_s = snapshot.rule.time_step_s
+    planes = HalfPlanes(room.outline.x, room.outline.y, room.spare.x)
     for i in range(begin, end):
-        vx, vy = new_vx[i], new_vy[i]
+        vx, vy = decisions.vx[i], decisions.vy[i]
         kind, x, y = robots.kind[i], robots.x[i], robots.y[i]
-        body = kinds.body_m[kind]
+        body, speed = kinds.body_m[kind], kinds.speed_m_s[kind]
         if moving.x.shape[0] > 0:
-            vx, vy = dodged(x, y, vx, vy, body, kinds.speed_m_s[kind], moving, time_step_s)
-            new_vx[i], new_vy[i] = vx, vy
+            vx, vy = dodged(x, y, vx, vy, body, speed, moving, time_step_s)
+            decisions.vx[i], decisions.vy[i] = vx, vy
         if vx == 0.0 and vy == 0.0:
             continue
         c = cell_of(x, y, grid)
-        reach = body + kinds.speed_m_s[kind] * time_step_s + widest_m
-        crowded = nearest2[i] <= reach * reach
+        reach = body + speed * time_step_s + widest_m
+        crowded = decisions.nearest2[i] <= reach * reach
         if not crowded and grid.wall_start[c] == grid.wall_start[c + 1] and moving.x.shape[0] == 0:
             continue
         count, longest = 0, math.sqrt(vx * vx + vy * vy)
         if crowded:
-            count, longest = bounded_by_robots(
-                i, c, robots, kinds, grid, time_step_s, spread_m, longest, normals, bounds
-            )  # fmt: skip
-        count, longest = bounded_by_walls(i, c, robots, kinds, grid, time_step_s, count, longest, normals, bounds)
-        count, longest = bounded_by_moving(x, y, body, moving, time_step_s, count, longest, normals, bounds)
+            count, longest = bounded_by_robots(i, c, snapshot, spread_m, longest, planes)
+        count, longest = bounded_by_walls(i, c, snapshot, count, longest, planes)
+        count, longest = bounded_by_moving(i, snapshot, count, longest, planes)
         if longest == 0.0:
-            new_vx[i], new_vy[i] = 0.0, 0.0
+            decisions.vx[i], decisions.vy[i] = 0.0, 0.0
         elif count > 0:
-            new_vx[i], new_vy[i] = nearest_allowed(vx, vy, longest, count, normals, bounds)
+            decisions.vx[i], decisions.vy[i] = nearest_allowed(vx, vy, longest, count, planes)

@@ -1,5 +1,5 @@
 # mypy: disable-error-code="no-any-return"
-"""Compiled loops of the swarm planner: robots sorted by the cells of a grid, and each one's nearest neighbours.
+"""Compiled loops that all controllers share: robots sorted by the cells of a grid, and each one's nearest neighbours.
 
 A robot's state lies in arrays in the order of the grid's cells, row by row, and is kept in that order from step to
 step: what stands side by side in the plane stands side by side in memory. ``name`` is the robot's number in the
@@ -9,14 +9,11 @@ fleet; results depend on it where distances tie and nowhere else, never on the o
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 # no function here allocates an array, so numba's reference counts ("nrt") would only take time
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "_nrt": False}
 
@@ -24,118 +21,6 @@ OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True,
 def compiled(function: Callable[..., Any]) -> Any:
     """A compiled function that allocates no array."""
     return njit(**OPTIONS)(function)
-
-
-class Robots(NamedTuple):
-    """State of n robots, (n,) each: place and velocity, the row of ``Kinds`` and the number in the fleet.
-
-    Those of a kind from ``member_kinds`` on are bodies only: nobody's neighbours.
-    """
-
-    x: Floats
-    y: Floats
-    vx: Floats
-    vy: Floats
-    kind: Ints
-    name: Ints
-    member_kinds: int
-
-
-class Kinds(NamedTuple):
-    """What robots are like, one row for each kind: (k,) each, metres and metres per second."""
-
-    body_m: Floats
-    sensor_m: Floats
-    speed_m_s: Floats
-    neighbour_range_m: Floats
-    wall_range_m: Floats
-
-
-class Roads(NamedTuple):
-    """Places on the map (k,), in the order of the cells of a lattice, and ways between them; made by ``roads``.
-
-    From place k lead the ways way_start[k] up to way_start[k + 1], to way_to and so long, way_m. Cell (i, j) of the
-    lattice has the places cell_start[c] up to cell_start[c + 1], c = j * columns + i. away_m (2, k): how far it is to
-    free ground, as told at even and at odd steps, at most far_m; load (k,): how much of discs lies round each place;
-    ground (k,): how much ground does, by the same measure.
-    """
-
-    x: Floats
-    y: Floats
-    way_start: Ints
-    way_to: Ints
-    way_m: Floats
-    x0: float
-    y0: float
-    cell_m: float
-    columns: int
-    rows: int
-    cell_start: Ints
-    load: Floats
-    ground: Floats
-    away_m: Floats
-    far_m: float
-
-
-class Grid(NamedTuple):
-    """Square cells over the area with a rim of empty ones; made by ``world.make_world``.
-
-    Cell (i, j), 0 <= i < columns, has the number c = (j + 1) * (columns + 2) + i + 1; its robots are start[c] up to
-    start[c + 1] of the sorted state and the walls near it are walls[wall_item[wall_start[c] : wall_start[c + 1]]],
-    each a segment x0, y0, x1, y1.
-    """
-
-    x0: float
-    y0: float
-    cell_m: float
-    columns: int
-    rows: int
-    start: Ints
-    wall_start: Ints
-    wall_item: Ints
-    walls: Floats
-    roads: Roads
-
-
-class Moving(NamedTuple):
-    """Discs that move and do not give way, (m,) each: place and velocity at the moment of the step, and radius."""
-
-    x: Floats
-    y: Floats
-    vx: Floats
-    vy: Floats
-    radius_m: Floats
-
-
-class Rule(NamedTuple):
-    """How velocities are chosen; what is of no use to a controller it does not read.
-
-    ``samples`` 0: the exact centroid; ``circle``: the set ends at the circle of ``horizon_s``, not at its tangent;
-    ``late``: robots know others from messages only.
-    """
-
-    neighbours: int
-    circle: bool
-    horizon_s: float
-    alpha: float
-    samples: int
-    seed: int
-    time_step_s: float
-    late: bool = False
-
-
-class Hearing(NamedTuple):
-    """What robots learn of each other: places ``delay_steps`` old, and a share of the messages is lost."""
-
-    delay_steps: int
-    lost: float
-
-
-class Near(NamedTuple):
-    """Room of one thread for the neighbours found and their squared distances, nearest first."""
-
-    robot: Ints
-    distance2: Floats
 
 
 @compiled

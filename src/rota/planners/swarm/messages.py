@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.swarm.hearing_kernels import MOST_LOST_IN_ROW, most_round
-from rota.planners.swarm.kernels import Grid, Hearing, Kinds, Robots
+from rota.planners.swarm.delayed_news_kernels import MOST_LOST_IN_ROW, Belief, DelayedNews, most_round
+from rota.planners.swarm.state import Grid, Hearing, Kinds, Robots
 
 Floats = NDArray[np.float64]
-
-
-class View(NamedTuple):
-    """Room of one thread for one robot and what it knows of those round about, as kernels take it."""
-
-    robots: Robots
-    grid: Grid
-    spread_m: Floats
-    out: Floats
 
 
 def oldest_steps(hearing: Hearing) -> int:
@@ -45,7 +34,7 @@ class Messages:
         if told.shape[1:] == (len(step_m), 2):
             told = np.concatenate([told[0].T, told[1].T])[None].repeat(steps, axis=0)
         self.past = np.ascontiguousarray(told)
-        self._views: list[View | None] = [None] * threads
+        self._beliefs: list[Belief | None] = [None] * threads
         self._most = 0
 
     def tell(self, step: int, robots: Robots, grid: Grid) -> None:
@@ -60,13 +49,13 @@ class Messages:
         self.past[:, :2, names] = places_m.T
         self.past[:, 2:, names] = 0.0
 
-    def view(self, thread: int, robots: Robots, grid: Grid) -> View:
-        """The room of one thread, large enough for all round about any of the robots."""
-        view = self._views[thread]
-        if view is None or len(view.spread_m) < self._most:
+    def news_for(self, thread: int, robots: Robots, grid: Grid) -> DelayedNews:
+        """What was told, with room for one thread that is large enough for all round about any of the robots."""
+        belief = self._beliefs[thread]
+        if belief is None or len(belief.spread_m) < self._most:
             n = 2 * self._most
             x, y, vx, vy = np.empty((4, n))
             known = Robots(x, y, vx, vy, np.empty(n, np.int64), np.empty(n, np.int64), robots.member_kinds)
             alone = grid._replace(start=np.zeros_like(grid.start))
-            self._views[thread] = view = View(known, alone, np.empty(n), np.empty((3, 1)))
-        return view
+            self._beliefs[thread] = belief = Belief(known, alone, np.empty(n), np.empty((3, 1)))
+        return DelayedNews(self.hearing, self.past, self.step_m, belief)

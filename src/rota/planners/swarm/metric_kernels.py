@@ -4,21 +4,35 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rota.planners.swarm.kernels import cell_of, compiled, to_wall
 
 
+class Pixels(NamedTuple):
+    """Pixels of side ``pixel_m`` (rows, columns): 1 where one is free, else 0, and with what it was marked last.
+
+    (x0, y0): the centre of the first, in metres.
+    """
+
+    free: NDArray[np.uint8]
+    marks: NDArray[np.int32]
+    x0: float
+    y0: float
+    pixel_m: float
+
+
 @compiled
-def newly_marked(
-    robots: Any, kinds: Any, squares: Any, free: Any, marks: Any, mark: int, x0: float, y0: float, pixel_m: float
-) -> int:
+def newly_marked(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) -> int:
     """Mark the free pixels whose centres are in range of any robot; returns how many there are.
 
     squares: (n,) in the order of the fleet, whose footprints are squares of that half side, not discs of that radius.
-    free: (rows, columns) of 0 and 1; marks: the same shape, where ``mark`` means marked. (x0, y0): the centre of the
-    first pixel.
+    pixels: ``Pixels``, whose marks become ``mark``, a number that none of them was marked with before.
     """
+    free, marks, x0, y0, pixel_m = pixels
     rows, columns = free.shape
     count = 0
     for k in range(robots.x.shape[0]):

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
-from rota.planners.swarm.metric_kernels import least_gaps, newly_marked, turned_back
+from rota.planners.swarm.metric_kernels import Pixels, least_gaps, newly_marked, turned_back
 from rota.planners.swarm.rollout import Swarm
 
 Floats = NDArray[np.float64]
@@ -84,13 +84,12 @@ class Observer:
         sensors = swarm.kinds.sensor_m[swarm.kinds.sensor_m > 0]
         pixel = max(float(sensors.min()) / PIXELS_PER_SENSOR, math.sqrt((x1 - x0) * (y1 - y0) / MOST_PIXELS))
         columns, rows = max(int((x1 - x0) / pixel), 1), max(int((y1 - y0) / pixel), 1)
-        self._lattice = (x0 + pixel / 2, y0 + pixel / 2, pixel)
-        x, y = np.meshgrid(self._lattice[0] + pixel * np.arange(columns), self._lattice[1] + pixel * np.arange(rows))
+        x, y = np.meshgrid(x0 + pixel / 2 + pixel * np.arange(columns), y0 + pixel / 2 + pixel * np.arange(rows))
         shapely.prepare(region)
         self._region = region
-        self._free = shapely.contains_xy(region, x, y).astype(np.uint8)
-        self._marks = np.full(self._free.shape, -1, np.int32)
-        self._pixels = max(int(self._free.sum()), 1)
+        free = shapely.contains_xy(region, x, y).astype(np.uint8)
+        self._pixels = Pixels(free, np.full(free.shape, -1, np.int32), x0 + pixel / 2, y0 + pixel / 2, pixel)
+        self._free_pixels = max(int(free.sum()), 1)
         self._region_m2 = region.area
         self._before = np.zeros((2, len(swarm)))
         self._way_m = 0.0
@@ -101,10 +100,7 @@ class Observer:
         """Measure the swarm as it is now; elapsed_s: what the step took."""
         swarm = self._swarm
         n, robots = len(swarm), swarm.robots
-        marked = newly_marked(
-            robots, swarm.kinds, self._squares, self._free, self._marks, swarm.steps, *self._lattice
-        )  # fmt: skip
-        seen = marked / self._pixels
+        seen = newly_marked(robots, swarm.kinds, self._squares, self._pixels, swarm.steps) / self._free_pixels
         between, beside = least_gaps(robots, swarm.kinds, swarm.grid)
         turned = turned_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
         self._way_m += float(np.sqrt(robots.vx**2 + robots.vy**2).mean()) * swarm.rule.time_step_s if self._rows else 0

@@ -17,7 +17,6 @@ from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
 from rota.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
-from rota.planners.swarm.kernels import Hearing, Rule
 from rota.planners.swarm.messages import oldest_steps
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.planner_settings import SwarmSettings
@@ -27,6 +26,7 @@ from rota.planners.swarm.rollout import Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.starts import place_starts, spare_room_m
+from rota.planners.swarm.state import Hearing, Rule
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
 

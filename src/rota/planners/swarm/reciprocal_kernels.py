@@ -38,7 +38,7 @@ def sampled_mean(key: Any, samples: int, speed: float, outline: Any, corners: in
 
     A point lies in a convex polygon when it lies to the left of all its sides.
     """
-    found, sum_x, sum_y = 0, 0.0, 0.0
+    inside, sum_x, sum_y = 0, 0.0, 0.0
     scale = 2.0 * speed / 4294967296.0
     for k in range(samples):
         bits = mixed(key + np.uint64(k + 1) * INCREMENT)
@@ -55,25 +55,26 @@ def sampled_mean(key: Any, samples: int, speed: float, outline: Any, corners: in
                 break
             px, py = qx, qy
         if ok:
-            found += 1
+            inside += 1
             sum_x += x
             sum_y += y
-    if found == 0:
+    if inside == 0:
         return False, 0.0, 0.0
-    return True, sum_x / found, sum_y / found
+    return True, sum_x / inside, sum_y / inside
 
 
 @compiled
 def half_plane(
-    dx: float, dy: float, distance: float, vx: float, vy: float, wx: float, wy: float, share: float, rule: Any
+    dx: float, dy: float, distance: float, own: Any, other: Any, share: float, rule: Any
 ) -> tuple[float, float, float]:
     """The velocities that do not weaken the coverage towards (dx, dy): Eqs. 2, 6-8, 14, 15, as e and b of v . e <= b.
 
-    (vx, vy): own velocity; (wx, wy): that of the other; share: of the smallest change u of the relative velocity that
-    the robot makes itself (a half with a robot, 1 with a wall, alpha with what moves and does not give way).
+    own, other: velocities (vx, vy) in m/s. share: of the smallest change u of the relative velocity that the robot
+    makes itself (a half with a robot, 1 with a wall, alpha with what moves and does not give way).
     """
+    vx, vy = own
     ex, ey = dx / distance, dy / distance
-    rx, ry = vx - wx, vy - wy
+    rx, ry = vx - other[0], vy - other[1]
     if not rule.circle:  # the tangent line: u leads along e on to the line through the origin, from either side
         return ex, ey, vx * ex + vy * ey - share * (rx * ex + ry * ey)
     radius = distance / rule.horizon_s
@@ -88,29 +89,26 @@ def half_plane(
 
 
 @compiled
-def decide_reciprocal(
-    begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
-    new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
-) -> None:  # fmt: skip
-    """New velocities of the robots begin..end - 1 from one snapshot of all (Eqs. 9 and 10).
+def decide_reciprocal(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
+    """New velocities of the robots begin..end - 1 from one ``Snapshot`` into ``Decisions`` (Eqs. 9 and 10).
 
-    new_vx, new_vy, nearest2: (n,) results: velocities, and the squared distance of the nearest robot round about. near,
-    outline, spare: room of one thread. An empty set gives velocity 0 (Algorithm 2).
+    room: of one thread. An empty set gives velocity 0 (Algorithm 2).
     """
+    robots, kinds, grid, moving, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.moving, snapshot.rule
+    near, outline, spare = room
     for i in range(begin, end):
         kind = robots.kind[i]
         x, y, vx, vy = robots.x[i], robots.y[i], robots.vx[i], robots.vy[i]
         speed = kinds.speed_m_s[kind]
-        found, nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], near)
+        range_m = kinds.neighbour_range_m[kind]
+        neighbours, decisions.nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, range_m, near)
         corners = square_round(speed, outline)
-        for k in range(found):
+        for k in range(neighbours):
             if corners == 0 or near.distance2[k] < SAME_PLACE_M2:
                 continue
             j = near.robot[k]
-            ex, ey, bound = half_plane(
-                robots.x[j] - x, robots.y[j] - y, math.sqrt(near.distance2[k]), vx, vy, robots.vx[j], robots.vy[j],
-                0.5, rule,
-            )  # fmt: skip
+            dx, dy, other = robots.x[j] - x, robots.y[j] - y, (robots.vx[j], robots.vy[j])
+            ex, ey, bound = half_plane(dx, dy, math.sqrt(near.distance2[k]), (vx, vy), other, 0.5, rule)
             if is_cut(outline, corners, ex, ey, bound):
                 corners = cut(outline, corners, ex, ey, bound, spare)
                 outline, spare = spare, outline
@@ -121,7 +119,7 @@ def decide_reciprocal(
             distance2 = dx * dx + dy * dy
             if corners == 0 or distance2 < SAME_PLACE_M2 or distance2 >= range_m * range_m:
                 continue
-            ex, ey, bound = half_plane(dx, dy, math.sqrt(distance2), vx, vy, 0.0, 0.0, 1.0, rule)
+            ex, ey, bound = half_plane(dx, dy, math.sqrt(distance2), (vx, vy), (0.0, 0.0), 1.0, rule)
             if is_cut(outline, corners, ex, ey, bound):
                 corners = cut(outline, corners, ex, ey, bound, spare)
                 outline, spare = spare, outline
@@ -130,15 +128,15 @@ def decide_reciprocal(
             distance = math.sqrt(dx * dx + dy * dy)
             if corners == 0 or distance <= 1e-12 or distance - moving.radius_m[m] >= range_m:
                 continue
-            ex, ey, bound = half_plane(dx, dy, distance, vx, vy, moving.vx[m], moving.vy[m], rule.alpha, rule)
+            ex, ey, bound = half_plane(dx, dy, distance, (vx, vy), (moving.vx[m], moving.vy[m]), rule.alpha, rule)
             if is_cut(outline, corners, ex, ey, bound):
                 corners = cut(outline, corners, ex, ey, bound, spare)
                 outline, spare = spare, outline
         ok = corners > 0
         if ok and rule.samples > 0:
-            key = sample_key(rule.seed, robots.name[i], step)
+            key = sample_key(rule.seed, robots.name[i], snapshot.step)
             ok, cx, cy = sampled_mean(key, rule.samples, speed, outline, corners)
         elif ok:
             ok, cx, cy = centroid_in_disc(outline, corners, speed)
-        new_vx[i] = cx if ok else 0.0
-        new_vy[i] = cy if ok else 0.0
+        decisions.vx[i] = cx if ok else 0.0
+        decisions.vy[i] = cy if ok else 0.0

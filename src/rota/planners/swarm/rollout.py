@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,15 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from rota.errors import CheckpointError, MissionError
 from rota.mission import MovingObstacle
 from rota.planners.swarm.cuda_step import CudaStep
+from rota.planners.swarm.delayed_news_kernels import NUMBER_OF, OWN, Filtering, decide_from_delayed_news, load_with_told
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.hearing_kernels import NUMBER_OF, OWN, decide_heard, load_with_told
-from rota.planners.swarm.kernels import Grid, Hearing, Kinds, Near, Robots, Rule, move_and_sort
+from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
+from rota.planners.swarm.kernels import move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
-from rota.planners.swarm.news_kernels import load_with_all, pass_on_news
+from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.planner_settings import Device
-from rota.planners.swarm.roads import roads_of
 from rota.planners.swarm.settle_kernels import decide_settle
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS, Outline
+from rota.planners.swarm.state import Decisions, Grid, Hearing, Kinds, Near, Outline, Robots, Room, Rule, Snapshot
+from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
 Floats = NDArray[np.float64]
@@ -29,14 +29,6 @@ Ints = NDArray[np.int64]
 CHUNKS_PER_THREAD = 4  # so that a thread with an easy share takes another one
 FEWEST_PER_CHUNK = 256
 EXACT = np.empty(0)  # nobody has gone on unheard
-
-
-class DecidingRoom(NamedTuple):
-    """What one thread writes to while it decides."""
-
-    near: Near
-    outline: Outline
-    spare: Outline
 
 
 class Swarm:
@@ -83,9 +75,9 @@ class Swarm:
         unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
         self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, unheard_m)
         if decide is decide_settle:
-            self.grid = self.grid._replace(roads=roads_of(walls, kinds))
+            self.grid = self.grid._replace(place_graph=place_graph_of(walls, kinds))
         if news_m is not None:
-            self.grid.roads.away_m[steps % 2] = _require_places(news_m, len(self.grid.roads.x))
+            self.grid.place_graph.away_m[steps % 2] = _require_places(news_m, len(self.grid.place_graph.x))
         self.kinds, self.rule, self.safe = with_absent(kinds), rule, safe
         self._present_kind, self._member_kinds = kind.astype(np.int64), len(kinds.body_m)
         self._decide = decide
@@ -133,7 +125,7 @@ class Swarm:
     @property
     def news_m(self) -> Floats:
         """(k,): how far it is to free ground from each place of the map, as told; of "settle" only, else k = 0."""
-        return np.array(self.grid.roads.away_m[self.steps % 2])
+        return np.array(self.grid.place_graph.away_m[self.steps % 2])
 
     @property
     def present(self) -> NDArray[np.bool_]:
@@ -207,36 +199,35 @@ class Swarm:
 
     def step(self) -> float:
         """Decide and move once; returns the longest way of any robot in metres."""
-        moving = moving_at(self.moving, self.steps * self.rule.time_step_s, self.rule.time_step_s)
+        time_step_s = self.rule.time_step_s
         if self._messages is not None:
             self._messages.tell(self.steps, self._robots, self.grid)
-        if len(self.grid.roads.x):
-            self._pass_on_news()
-        if self._device is not None:
-            filtered = self._widest_m if self.safe else None
-            new = self._spare
-            self._device.decide(self.steps, self._robots, self.grid, moving, filtered, new.vx, new.vy)
-            return self._take_decided()
+        moving = moving_at(self.moving, self.steps * time_step_s, time_step_s)
+        snapshot = Snapshot(self.steps, self._robots, self.kinds, self.grid, moving, self.rule)
+        if len(self.grid.place_graph.x):
+            self._pass_on_distances(snapshot)
         # decisions go to the spare state's velocities, which nobody reads meanwhile
-        if self._pool is None:
-            self._decide_for(0, len(self), 0, moving)
+        decisions = Decisions(self._spare.vx, self._spare.vy, self._nearest2)
+        if self._device is not None:
+            self._device.decide(snapshot, self._widest_m if self.safe else None, decisions)
+        elif self._pool is None:
+            self._decide_for(0, len(self), 0, snapshot, decisions)
         else:
             jobs = [
-                self._pool.submit(self._decide_for, begin, end, k, moving)
+                self._pool.submit(self._decide_for, begin, end, k, snapshot, decisions)
                 for k, (begin, end) in enumerate(pairwise(self._cuts))
             ]
             for job in jobs:
                 job.result()
         return self._take_decided()
 
-    def _pass_on_news(self) -> None:
-        """What robots tell of the way to free ground for the next step; in this one they go by what they were told."""
-        heard, roads = self._messages, self.grid.roads
-        if heard is None:
-            load_with_all(self._robots, self.kinds, roads)
+    def _pass_on_distances(self, snapshot: Snapshot) -> None:
+        """What robots tell of free ground for the next step; in this one they go by what they were told."""
+        if self._messages is None:
+            load_with_all(self._robots, self.kinds, self.grid.place_graph)
         else:
-            load_with_told(self.steps, self._robots, self.kinds, self.rule, heard.hearing, heard.past, roads)
-        pass_on_news(self.steps, roads)
+            load_with_told(snapshot, self._messages.hearing, self._messages.past)
+        pass_on_distances(self.steps, self.grid.place_graph)
 
     def _take_decided(self) -> float:
         """Move as decided, sort, and count the step."""
@@ -246,25 +237,17 @@ class Swarm:
         self.steps += 1
         return self._sort(self.rule.time_step_s)
 
-    def _decide_for(self, begin: int, end: int, part: int, moving: Any) -> None:
-        new, room, heard = self._spare, self._rooms[part], self._messages
-        controller = NUMBER_OF.get(self._decide, OWN)
-        if heard is None or controller == OWN:
-            self._decide(
-                begin, end, self.steps, self._robots, self.kinds, self.grid, moving, self.rule,
-                new.vx, new.vy, self._nearest2, room.near, room.outline, room.spare,
-            )  # fmt: skip
-        if heard is not None:
-            decide_heard(
-                begin, end, self.steps, controller, self.safe, self._robots, self.kinds, self.grid, moving, self.rule,
-                heard.hearing, heard.past, heard.step_m, self._widest_m, new.vx, new.vy, room.near, room.outline,
-                room.spare, *heard.view(part, self._robots, self.grid),
-            )  # fmt: skip
+    def _decide_for(self, begin: int, end: int, part: int, snapshot: Snapshot, decisions: Decisions) -> None:
+        """What one thread decides: the robots begin..end - 1, with its part of the room."""
+        room, controller = self._rooms[part], NUMBER_OF.get(self._decide, OWN)
+        if self._messages is None or controller == OWN:
+            self._decide(begin, end, snapshot, decisions, room)
+        if self._messages is not None:
+            news = self._messages.news_for(part, self._robots, self.grid)
+            filtering = Filtering(self.safe, self._widest_m)
+            decide_from_delayed_news(begin, end, controller, filtering, snapshot, news, decisions, room)
         elif self.safe:
-            filter_velocities(
-                begin, end, self._robots, self.kinds, self.grid, moving, self.rule.time_step_s, self._widest_m,
-                EXACT, new.vx, new.vy, self._nearest2, room.outline, room.spare,
-            )  # fmt: skip
+            filter_velocities(begin, end, snapshot, self._widest_m, EXACT, decisions, room)
 
     def _sort(self, time_step_s: float) -> float:
         farthest2 = move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
@@ -295,8 +278,8 @@ def in_fleet_order(robots: Robots, x: Floats, y: Floats) -> Floats:
     return values
 
 
-def deciding_room(rule: Rule) -> DecidingRoom:
+def deciding_room(rule: Rule) -> Room:
     """Room for one thread that decides by this rule."""
     most = max(rule.neighbours, 1)
     outlines = [Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS)) for _ in range(2)]
-    return DecidingRoom(Near(np.empty(most, np.int64), np.empty(most)), *outlines)
+    return Room(Near(np.empty(most, np.int64), np.empty(most)), *outlines)

@@ -6,39 +6,46 @@ import math
 from typing import Any
 
 from rota.planners.swarm.arc_kernels import arcs_in_ground, area_gradient, exposed_arcs
-from rota.planners.swarm.baseline_kernels import MANY_CAUSES, overlaps_with_robots, towards
+from rota.planners.swarm.baseline_kernels import FULL_SHARE_CAUSES, overlaps_with_robots, towards
+from rota.planners.swarm.free_ground_kernels import direction_to_free_ground
 from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
-from rota.planners.swarm.news_kernels import way_to_free_ground
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
-SHARE = 0.3  # of an overlap that a robot takes away in a step; measured: with more, swarms tremble
+# ------------------------------------------------------------ steps
+
+OVERLAP_SHARE = 0.3  # of an overlap that a robot takes away in a step; measured: with more, swarms tremble
 MOMENTUM = 0.92  # share of the last step that is made again
 # with late news: share of the last step, and times the friction; measured: with shares of 0.4, 0.5 and 0.55 1, none and
 # 7 of 36 swarms do not rest within 6,000 steps
 LATE_MOMENTUM, LATE_FRICTION = 0.5, 7.0
-# of the sensor's radius; slower robots that would turn back drop their momentum, with a wall in range at twice that
-SLOW_M = 2e-3
-BACK = 0.5  # and go this share of the way: by the whole of it some go to and fro for ever
-TOUCH_M = 1e-3  # of the sensor's radius; a body so near a wall does not push on into it
-# friction, as shares of the sensor's radius in a step; measured: swarms rest in half the steps and cover as much
-KINETIC, STATIC = 2.5e-5, 1.25e-4
-STOPPING = 5e-4  # below this step friction grows, up to the static one
-STILL = 1e-5  # what is left of a step below this is none: with late news, robots creep on for ever by less
-# shares of the ground in range that are a robot's own
-PRESSED, ALONE = 0.85, 1.1  # pushes count in full up to one, and not at all from the other on
-OPEN, WALLED = 0.5, 0.85  # with less robots go on to free ground, in the open and with walls in range
-NEARING = 0.1  # of the sensor's radius that a wall is in range before it counts in full
-HASTE = 3.0  # from that share on down to how much less of it they do so at full speed, as 1 / HASTE
-CLEAR = 0.6  # of the sum of two bodies' radii that the one behind keeps between them
+# robots with shorter last steps that would turn back drop their momentum; share of the sensor's radius, with a wall in
+# range twice that
+SLOW_STEP = 2e-3
+TURN_BACK_SHARE = 0.5  # and go this share of the way back: by the whole of it some go to and fro for ever
+TOUCH_SHARE = 1e-3  # of the sensor's radius; a body so near a wall does not push on into it
+
+# ------------------------------------------------------------ friction, as shares of the sensor's radius in a step
+
+KINETIC_FRICTION, STATIC_FRICTION = 2.5e-5, 1.25e-4  # measured: swarms rest in half the steps and cover as much
+STATIC_BELOW = 5e-4  # friction grows from the kinetic to the static one as steps shrink from here to 0
+LEAST_STEP = 1e-5  # what is left of a step below this is none: with late news, robots creep on for ever by less
+
+# ------------------------------------------------------------ by the share of the ground in range that is a robot's own
+
+FULL_PUSH_BELOW, NO_PUSH_ABOVE = 0.85, 1.1  # pushes count in full up to one share, and not at all from the other on
+MOVE_ON_BELOW, MOVE_ON_BELOW_AT_WALLS = 0.5, 0.85  # with less, robots go on to free ground
+MOVE_ON_GAIN = 3.0  # they do so at full speed when 1 / MOVE_ON_GAIN is missing from that share
+WALL_FADE = 0.1  # of the sensor's radius, over which a wall in range comes to count in full
+GAP_TO_AHEAD = 0.6  # of the sum of two bodies' radii, which the one behind keeps between them
 
 
 @compiled
 def rubbed(dx: float, dy: float, last_m: float, sensor_m: float) -> tuple[float, float]:
     """What friction leaves of a step (dx, dy) after one of ``last_m``: nothing of a step that is hardly longer."""
-    slowness = max(0.0, 1.0 - last_m / (STOPPING * sensor_m))
-    friction_m = sensor_m * (KINETIC + (STATIC - KINETIC) * slowness)
+    slowness = max(0.0, 1.0 - last_m / (STATIC_BELOW * sensor_m))
+    friction_m = sensor_m * (KINETIC_FRICTION + (STATIC_FRICTION - KINETIC_FRICTION) * slowness)
     length = math.sqrt(dx * dx + dy * dy)
-    left = 1.0 - friction_m / length if length > friction_m + STILL * sensor_m else 0.0
+    left = 1.0 - friction_m / length if length > friction_m + LEAST_STEP * sensor_m else 0.0
     return left * dx, left * dy
 
 
@@ -81,14 +88,14 @@ def area_in_disc(outline: Any, corners: int, radius: float) -> float:
 
 
 @compiled
-def own_share(
-    i: int, found: int, robots: Any, kinds: Any, grid: Any, near: Any, outline: Any, spare: Any
-) -> tuple[float, float]:
+def own_share(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, room: Any) -> tuple[float, float]:
     """Which share of its disc's ground robot i has to itself, by the power diagram; how much walls are in range, 0..1.
 
     Of the ground each wall leaves what is on this side of its nearest point, as in ``decide_voronoi``. What walls
     change sets in gradually: a robot that it pushed out of a wall's range at once would come back, for ever.
+    room.near: so many neighbours, by ``find_neighbours``.
     """
+    near, outline, spare = room
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
     corners, walled = square_round(sensor, outline), 0.0
     c = cell_of(x, y, grid)
@@ -97,14 +104,14 @@ def own_share(
         distance = math.sqrt(dx * dx + dy * dy)
         if distance >= sensor:
             continue
-        walled = max(walled, min((sensor - distance) / (NEARING * sensor), 1.0))
+        walled = max(walled, min((sensor - distance) / (WALL_FADE * sensor), 1.0))
         if distance > 1e-12 and is_cut(outline, corners, dx / distance, dy / distance, distance):
             corners = cut(outline, corners, dx / distance, dy / distance, distance, spare)
             outline, spare = spare, outline
     whole = area_in_disc(outline, corners, sensor) if corners > 0 else 0.0
     if whole <= 0.0:
         return 1.0, walled
-    for k in range(found):
+    for k in range(neighbours):
         j = near.robot[k]
         distance, other = math.sqrt(near.distance2[k]), kinds.sensor_m[robots.kind[j]]
         if distance <= 1e-9:
@@ -123,24 +130,26 @@ def own_share(
 
 @compiled
 def room_for_those_ahead(
-    i: int, found: int, away_m: float, step: int, robots: Any, kinds: Any, grid: Any, near: Any
+    i: int, neighbours: int, away_m: float, snapshot: Any, near: Any
 ) -> tuple[float, float, float]:
     """Away from robots close by that are nearer to free ground than robot i: the sum, and the greatest, of the shares.
 
     Robots that all press on through a door block each other in it; those that leave those ahead their room pass.
+    away_m: how far it is from robot i to free ground.
     """
+    robots, kinds, grid = snapshot.robots, snapshot.kinds, snapshot.grid
     body, sensor = kinds.body_m[robots.kind[i]], kinds.sensor_m[robots.kind[i]]
     bx, by, most = 0.0, 0.0, 0.0
-    for k in range(found):
+    for k in range(neighbours):
         j = near.robot[k]
         distance, bodies = math.sqrt(near.distance2[k]), body + kinds.body_m[robots.kind[j]]
-        if distance <= 0.0 or distance >= (1.0 + CLEAR) * bodies:
+        if distance <= 0.0 or distance >= (1.0 + GAP_TO_AHEAD) * bodies:
             continue
         x, y = robots.x[j], robots.y[j]
-        other_m, _, _ = way_to_free_ground(x, y, sensor, step, cell_of(x, y, grid), grid)
+        other_m, _, _ = direction_to_free_ground(x, y, sensor, snapshot.step, cell_of(x, y, grid), grid)
         if other_m > away_m or (other_m == away_m and robots.name[j] > robots.name[i]):
             continue
-        share = min(1.0 - (distance - bodies) / (CLEAR * bodies), 1.0)
+        share = min(1.0 - (distance - bodies) / (GAP_TO_AHEAD * bodies), 1.0)
         bx -= share * (x - robots.x[i]) / distance
         by -= share * (y - robots.y[i]) / distance
         most = max(most, share)
@@ -148,34 +157,51 @@ def room_for_those_ahead(
 
 
 @compiled
-def pushes(i: int, found: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> tuple[float, float]:
-    """How far neighbours and walls push robot i in a step: by ``SHARE`` of the overlaps, by less where very many push.
+def pushes(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> tuple[float, float]:
+    """How far neighbours and walls push robot i in a step: by ``OVERLAP_SHARE`` of the overlaps, less from very many.
 
     Walls push by |h|^2 / 4 R for the gradient h of the ground in the disc: one straight wall by nearly twice its
     overlap, since it does not give way. So does a round obstacle, of however many short walls: where each of those
     pushed by its own overlap, together they pushed by far too much, and robots went to and fro for ever.
     """
     sensor = kinds.sensor_m[robots.kind[i]]
-    fx, fy, causes = overlaps_with_robots(i, found, robots, kinds, near)
+    fx, fy, causes = overlaps_with_robots(i, neighbours, robots, kinds, near)
     hx, hy = area_gradient(sensor, arcs_in_ground(robots.x[i], robots.y[i], sensor, grid, arcs), arcs)
     by_walls = math.sqrt(hx * hx + hy * hy) / (4.0 * sensor)
-    share = SHARE * MANY_CAUSES / max(MANY_CAUSES, causes)
+    share = OVERLAP_SHARE * FULL_SHARE_CAUSES / max(FULL_SHARE_CAUSES, causes)
     return share * (fx + by_walls * hx), share * (fy + by_walls * hy)
 
 
 @compiled
-def decide_settle(
-    begin: int, end: int, step: int, robots: Any, kinds: Any, grid: Any, moving: Any, rule: Any,
-    new_vx: Any, new_vy: Any, nearest2: Any, near: Any, outline: Any, spare: Any,
-) -> None:  # fmt: skip
+def share_moving_on(own: float, walled: float) -> float:
+    """How far a robot makes for free ground, 0..1: with less than a share of its ground in range to itself.
+
+    own, walled: as ``own_share`` returns them.
+    """
+    below = MOVE_ON_BELOW + walled * (MOVE_ON_BELOW_AT_WALLS - MOVE_ON_BELOW)
+    return min(max(MOVE_ON_GAIN * (below - own), 0.0), 1.0)
+
+
+@compiled
+def share_pushed(own: float, walled: float, going: float) -> float:
+    """How far a robot goes by pushes, 0..1, in place of the gradient: not at walls, nor where it makes for free ground.
+
+    going: as ``share_moving_on`` returns it.
+    """
+    pressed = min(max((NO_PUSH_ABOVE - own) / (NO_PUSH_ABOVE - FULL_PUSH_BELOW), 0.0), 1.0)
+    return pressed * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
+
+
+@compiled
+def decide_settle(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
     """Up the gradient of the covered area, with momentum; pressed robots by overlaps, and on to free ground.
 
     Which share of the ground in its range is nearer to it than to others tells a robot what to do. With all of it for
-    itself it goes along the gradient g of the covered area, by ``SHARE`` |g|^2 / 4 R: for two discs that is of their
-    overlap, and it fades where g does, so that steps do not overshoot. The gradient of a disc that others cover is 0
-    and heaps would never open: with less for themselves, robots in the open push each other by their overlaps. Pushes
-    end at walls and hold up heaps in corners, and rooms: a robot that has little for itself goes on by the shortest
-    way to ground that it has heard is free (``news_kernels``), and leaves those ahead their room.
+    itself it goes along the gradient g of the covered area, by ``OVERLAP_SHARE`` |g|^2 / 4 R: for two discs that is of
+    their overlap, and it fades where g does, so that steps do not overshoot. The gradient of a disc that others cover
+    is 0 and heaps would never open: with less for themselves, robots in the open push each other by their overlaps.
+    Pushes end at walls and hold up heaps in corners, and rooms: a robot that has little for itself goes on by the
+    shortest way to ground that it has heard is free (``free_ground_kernels``), and leaves those ahead their room.
 
     Momentum (Polyak's heavy ball) takes the long waves through a swarm that forces alone need thousands of steps for.
     Slow robots drop it where they would turn back, and go half as far there. Near walls, where pushes fade on a short
@@ -183,41 +209,46 @@ def decide_settle(
     holds back what leads on to free ground as well: without that robots at the border of going on tremble for ever.
     With late news there is less momentum and more friction: with all of it old places of others drive a swarm to and
     fro at full speed.
+
+    Decides for the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``; room: of one thread.
     """
+    robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
+    near, outline = room.near, room.outline
     for i in range(begin, end):
         kind = robots.kind[i]
         sensor, speed = kinds.sensor_m[kind], kinds.speed_m_s[kind]
-        found, nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], near)
-        new_vx[i], new_vy[i] = 0.0, 0.0
+        range_m = kinds.neighbour_range_m[kind]
+        neighbours, decisions.nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, range_m, near)
+        decisions.vx[i], decisions.vy[i] = 0.0, 0.0
         if sensor <= 0.0 or speed <= 0.0:
             continue
-        gx, gy = area_gradient(sensor, exposed_arcs(i, found, robots, kinds, grid, near, outline), outline)
-        x, y, near_m = robots.x[i], robots.y[i], kinds.body_m[kind] + TOUCH_M * sensor
+        gx, gy = area_gradient(sensor, exposed_arcs(i, neighbours, robots, kinds, grid, near, outline), outline)
+        x, y, near_m = robots.x[i], robots.y[i], kinds.body_m[kind] + TOUCH_SHARE * sensor
         gx, gy = not_into_walls(x, y, near_m, gx, gy, grid)
-        gain = SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
+        gain = OVERLAP_SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
         dx, dy = gain * gx, gain * gy
-        own, walled = own_share(i, found, robots, kinds, grid, near, outline, spare)
-        going = min(max(HASTE * (OPEN + walled * (WALLED - OPEN) - own), 0.0), 1.0)
+        own, walled = own_share(i, neighbours, robots, kinds, grid, room)
+        going = share_moving_on(own, walled)
         away_m, wx, wy = 0.0, 0.0, 0.0
         if going > 0.0:
-            away_m, wx, wy = way_to_free_ground(x, y, sensor, step, cell_of(x, y, grid), grid)
+            away_m, wx, wy = direction_to_free_ground(x, y, sensor, snapshot.step, cell_of(x, y, grid), grid)
             going = going if wx != 0.0 or wy != 0.0 else 0.0
-        pressed = min(max((ALONE - own) / (ALONE - PRESSED), 0.0), 1.0) * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
+        pressed = share_pushed(own, walled, going)
         if pressed > 0.0:
-            px, py = pushes(i, found, robots, kinds, grid, near, outline)
+            px, py = pushes(i, neighbours, robots, kinds, grid, near, outline)
             dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)
         again, most_m = LATE_MOMENTUM if rule.late else MOMENTUM, speed * rule.time_step_s
         if going > 0.0:
-            bx, by, behind = room_for_those_ahead(i, found, away_m, step, robots, kinds, grid, near)
+            bx, by, behind = room_for_those_ahead(i, neighbours, away_m, snapshot, near)
             length = math.sqrt(wx * wx + wy * wy)
             wx, wy = towards((1.0 - behind) * wx / length + bx, (1.0 - behind) * wy / length + by, most_m, 1.0 / most_m)
             dx, dy = towards(dx, dy, most_m, 1.0)
             dx, dy, again = dx + going * (wx - dx), dy + going * (wy - dy), (1.0 - going) * again
         last_x, last_y = robots.vx[i] * rule.time_step_s, robots.vy[i] * rule.time_step_s
         last_m = math.sqrt(last_x * last_x + last_y * last_y)
-        slow_m = SLOW_M * sensor * (2.0 if walled > 0.0 else 1.0)
+        slow_m = SLOW_STEP * sensor * (2.0 if walled > 0.0 else 1.0)
         if not rule.late and last_m < slow_m and dx * last_x + dy * last_y < 0.0:
-            again, dx, dy = 0.0, BACK * dx, BACK * dy
+            again, dx, dy = 0.0, TURN_BACK_SHARE * dx, TURN_BACK_SHARE * dy
         dx, dy = not_into_walls(x, y, near_m, dx + again * last_x, dy + again * last_y, grid)
         dx, dy = rubbed(dx, dy, last_m, LATE_FRICTION * sensor if rule.late else sensor)
-        new_vx[i], new_vy[i] = towards(dx, dy, speed, rule.time_step_s)
+        decisions.vx[i], decisions.vy[i] = towards(dx, dy, speed, rule.time_step_s)

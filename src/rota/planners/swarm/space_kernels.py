@@ -9,14 +9,61 @@ heights and climbs are in the order of the fleet.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
-from rota.planners.swarm.filter_kernels import ROUNDING_M, room, wall_normal
+from rota.planners.swarm.filter_kernels import ROUNDING_M, greatest_speed, wall_normal
 from rota.planners.swarm.kernels import cell_of, comes_before, compiled, to_wall
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2
 from rota.planners.swarm.space_set_kernels import add_plane, centroid_in_ball
+from rota.planners.swarm.state import Floats, Grid, Kinds, Near, Outline, Robots, Rule
 
-GLIDES = 8  # half-spaces that a filtered velocity is brought into, one after the other
+MOST_PROJECTIONS = 8  # half-spaces that a filtered velocity is brought into, one after the other
+
+
+class Heights(NamedTuple):
+    """Heights of n robots in metres and how fast they climb, (n,) each, in the order of the fleet."""
+
+    z: Floats
+    vz: Floats
+
+
+class Band(NamedTuple):
+    """Heights between which the middles of bodies stay."""
+
+    low_m: float
+    high_m: float
+
+
+class SpaceSnapshot(NamedTuple):
+    """All that robots in space decide from in one step.
+
+    full_m: (n,) in the order of the fleet, the height from which on a robot's footprint grows no more.
+    """
+
+    robots: Robots
+    heights: Heights
+    kinds: Kinds
+    full_m: Floats
+    grid: Grid
+    band: Band
+    rule: Rule
+
+
+class SpaceDecisions(NamedTuple):
+    """Velocities in m/s that a step decides, (n,) each: vx, vy in the order of the grid, vz in that of the fleet."""
+
+    vx: Floats
+    vy: Floats
+    vz: Floats
+
+
+class SpaceRoom(NamedTuple):
+    """What is written to while robots in space decide: neighbours, (m, 4) half-spaces, and two polygons."""
+
+    near: Near
+    planes: Floats
+    outline: Outline
+    spare: Outline
 
 
 @compiled
@@ -26,7 +73,7 @@ def find_neighbours(i: int, most: int, robots: Any, heights: Any, grid: Any, ran
     Returns how many there are.
     """
     x, y, z = robots.x[i], robots.y[i], heights.z[robots.name[i]]
-    found, stride = 0, grid.columns + 2
+    count, stride = 0, grid.columns + 2
     below = cell_of(x, y, grid) - stride
     for row in range(3):
         c = below + row * stride
@@ -35,17 +82,17 @@ def find_neighbours(i: int, most: int, robots: Any, heights: Any, grid: Any, ran
             distance2 = dx * dx + dy * dy + dz * dz
             if j == i or distance2 > range_m * range_m or most == 0:
                 continue
-            k = min(found, most - 1)
-            if found == most and not comes_before(distance2, robots.name[j], k, near, robots.name):
+            k = min(count, most - 1)
+            if count == most and not comes_before(distance2, robots.name[j], k, near, robots.name):
                 continue
-            found = min(found + 1, most)
+            count = min(count + 1, most)
             while k > 0 and comes_before(distance2, robots.name[j], k - 1, near, robots.name):
                 near.robot[k] = near.robot[k - 1]
                 near.distance2[k] = near.distance2[k - 1]
                 k -= 1
             near.robot[k] = j
             near.distance2[k] = distance2
-    return found
+    return count
 
 
 @compiled
@@ -55,24 +102,19 @@ def lowest_m(z: float, band: Any, full_m: float) -> float:
 
 
 @compiled
-def decide_in_space(
-    robots: Any, heights: Any, kinds: Any, full_m: Any, grid: Any, band: Any, rule: Any,
-    new_vx: Any, new_vy: Any, new_vz: Any, near: Any, planes: Any, outline: Any, spare: Any,
-) -> None:  # fmt: skip
+def decide_in_space(snapshot: Any, decisions: Any, room: Any) -> None:
     """New velocities of all robots from one snapshot: the centroid of what each may choose, 0 where that is nothing.
 
     A neighbour at the unit vector e, velocity w: v . e <= (v_now + w) . e / 2; a wall within reach, e towards its
     nearest point: v . e <= 0; ceiling and floor, as robots may go right up to them: no farther than there in one step.
-    Where a robot's footprint grows with height, below full_m, (n,) in the order of the fleet, to sink is to weaken
-    coverage.
-
-    new_vx, new_vy: (n,) results in the order of the grid, new_vz: in that of the fleet. near, planes, outline, spare:
-    room.
+    Where a robot's footprint grows with height, below full_m, to sink is to weaken coverage.
     """
+    robots, heights, kinds, full_m, grid, band, rule = snapshot
+    near, planes, outline, spare = room
     for i in range(robots.x.shape[0]):
         kind, name, x, y = robots.kind[i], robots.name[i], robots.x[i], robots.y[i]
         z, vx, vy, vz = heights.z[name], robots.vx[i], robots.vy[i], heights.vz[name]
-        found = find_neighbours(i, rule.neighbours, robots, heights, grid, kinds.neighbour_range_m[kind], near)
+        neighbours = find_neighbours(i, rule.neighbours, robots, heights, grid, kinds.neighbour_range_m[kind], near)
         count = add_plane(planes, 0, 0.0, 0.0, 1.0, (band.high_m - z) / rule.time_step_s)
         count = add_plane(planes, count, 0.0, 0.0, -1.0, (z - lowest_m(z, band, full_m[name])) / rule.time_step_s)
         c, range_m = cell_of(x, y, grid), kinds.wall_range_m[kind]
@@ -81,7 +123,7 @@ def decide_in_space(
             distance = math.sqrt(dx * dx + dy * dy)
             if distance * distance >= SAME_PLACE_M2 and distance < range_m:
                 count = add_plane(planes, count, dx / distance, dy / distance, 0.0, 0.0)
-        for k in range(found):
+        for k in range(neighbours):
             if near.distance2[k] < SAME_PLACE_M2:
                 continue
             j, distance = near.robot[k], math.sqrt(near.distance2[k])
@@ -91,9 +133,9 @@ def decide_in_space(
             closing = (vx - robots.vx[j]) * ex + (vy - robots.vy[j]) * ey + (vz - heights.vz[other]) * ez
             count = add_plane(planes, count, ex, ey, ez, vx * ex + vy * ey + vz * ez - 0.5 * closing)
         ok, cx, cy, cz = centroid_in_ball(planes, count, kinds.speed_m_s[kind], outline, spare)
-        new_vx[i] = cx if ok else 0.0
-        new_vy[i] = cy if ok else 0.0
-        new_vz[name] = cz if ok else 0.0
+        decisions.vx[i] = cx if ok else 0.0
+        decisions.vy[i] = cy if ok else 0.0
+        decisions.vz[name] = cz if ok else 0.0
 
 
 @compiled
@@ -110,11 +152,10 @@ def tighter(limit: Any, vx: float, vy: float, vz: float, ex: float, ey: float, e
 
 
 @compiled
-def limits_of(
-    i: int, robots: Any, heights: Any, kinds: Any, grid: Any, band: Any, time_step_s: float,
-    vx: float, vy: float, vz: float,
-) -> Any:  # fmt: skip
+def limits_of(i: int, snapshot: Any, vx: float, vy: float, vz: float) -> Any:
     """The half-space that robot i's velocity violates most, as (violation, e, bound), and the share that all allow."""
+    robots, heights, kinds, _full_m, grid, band, rule = snapshot
+    time_step_s = rule.time_step_s
     kind, name, x, y = robots.kind[i], robots.name[i], robots.x[i], robots.y[i]
     z, body, step_m = heights.z[name], kinds.body_m[kind], kinds.speed_m_s[kind] * time_step_s
     limit = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -129,7 +170,7 @@ def limits_of(
             bodies = body + kinds.body_m[robots.kind[j]]
             if j == i or distance > bodies + step_m + kinds.speed_m_s[robots.kind[j]] * time_step_s:
                 continue
-            bound = room(distance - bodies, 2.0 * time_step_s)
+            bound = greatest_speed(distance - bodies, 2.0 * time_step_s)
             apart = distance if distance > 0.0 else 1.0
             limit = tighter(limit, vx, vy, vz, dx / apart, dy / apart, dz / apart, bound)
     for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
@@ -139,7 +180,7 @@ def limits_of(
         if distance > body + step_m + ROUNDING_M:
             continue
         ex, ey = wall_normal(dx, dy, distance, wall)
-        bound = room(distance - body, time_step_s)
+        bound = greatest_speed(distance - body, time_step_s)
         limit = tighter(limit, vx, vy, vz, ex, ey, 0.0, bound)
         if distance <= 1e-12:
             limit = tighter(limit, vx, vy, vz, -ex, -ey, 0.0, bound)
@@ -147,24 +188,22 @@ def limits_of(
 
 
 @compiled
-def filter_in_space(
-    robots: Any, heights: Any, kinds: Any, grid: Any, band: Any, time_step_s: float,
-    new_vx: Any, new_vy: Any, new_vz: Any,
-) -> None:  # fmt: skip
+def filter_in_space(snapshot: Any, decisions: Any) -> None:
     """Replace velocities by ones with which no balls can touch each other or a wall, or leave the band, in one step.
 
     The bounds are those of the filter in the plane. A velocity glides: it is brought into the half-space that it
     violates most, a few times, which makes it no longer, since 0 is in all of them; then as much of it is left as all
     allow.
     """
+    robots = snapshot.robots
     for i in range(robots.x.shape[0]):
-        vx, vy, vz = new_vx[i], new_vy[i], new_vz[robots.name[i]]
-        for glide in range(GLIDES):
-            over, ex, ey, ez, _bound, share = limits_of(i, robots, heights, kinds, grid, band, time_step_s, vx, vy, vz)
+        vx, vy, vz = decisions.vx[i], decisions.vy[i], decisions.vz[robots.name[i]]
+        for glide in range(MOST_PROJECTIONS):
+            over, ex, ey, ez, _bound, share = limits_of(i, snapshot, vx, vy, vz)
             if over <= 0.0:
                 break
-            if glide < GLIDES - 1:
+            if glide < MOST_PROJECTIONS - 1:
                 vx, vy, vz = vx - over * ex, vy - over * ey, vz - over * ez
             else:
                 vx, vy, vz = share * vx, share * vy, share * vz
-        new_vx[i], new_vy[i], new_vz[robots.name[i]] = vx, vy, vz
+        decisions.vx[i], decisions.vy[i], decisions.vz[robots.name[i]] = vx, vy, vz

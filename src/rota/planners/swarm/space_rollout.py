@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.swarm.kernels import Grid, Kinds, Robots, Rule, move_and_sort
+from rota.planners.swarm.kernels import move_and_sort
 from rota.planners.swarm.rollout import deciding_room, in_fleet_order, room_for
-from rota.planners.swarm.space_kernels import decide_in_space, filter_in_space
+from rota.planners.swarm.space_kernels import (
+    Band,
+    Heights,
+    SpaceDecisions,
+    SpaceRoom,
+    SpaceSnapshot,
+    decide_in_space,
+    filter_in_space,
+)
 from rota.planners.swarm.space_set_kernels import MOST_PLANES
+from rota.planners.swarm.state import Grid, Kinds, Robots, Rule
 from rota.planners.swarm.world import make_grid
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-class Heights(NamedTuple):
-    """Heights of n robots and how fast they climb, (n,) each, in the order of the fleet."""
-
-    z: Floats
-    vz: Floats
-
-
-class Band(NamedTuple):
-    """Heights between which the middles of bodies stay."""
-
-    low_m: float
-    high_m: float
 
 
 class SpaceSwarm:
@@ -69,7 +62,8 @@ class SpaceSwarm:
         self._heights, self._new_vz = Heights(np.empty(n), np.empty(n)), np.empty(n)
         self._heights.z[names], self._heights.vz[names] = z, vz
         self._cell = np.empty(n, np.int64)
-        self._room, self._planes = deciding_room(rule), np.empty((MOST_PLANES, 4))
+        near, outline, spare = deciding_room(rule)
+        self._room = SpaceRoom(near, np.empty((MOST_PLANES, 4)), outline, spare)
         self._sort(0.0)
 
     def __len__(self) -> int:
@@ -102,16 +96,14 @@ class SpaceSwarm:
 
     def step(self) -> float:
         """Decide and move once; returns the longest way of any robot in metres."""
-        new, room, time_step_s = self._spare, self._room, self.rule.time_step_s
-        decide_in_space(
-            self._robots, self._heights, self.kinds, self._full_m, self.grid, self._band, self.rule, new.vx, new.vy,
-            self._new_vz, room.near, self._planes, room.outline, room.spare,
-        )  # fmt: skip
+        new, time_step_s = self._spare, self.rule.time_step_s
+        snapshot = SpaceSnapshot(
+            self._robots, self._heights, self.kinds, self._full_m, self.grid, self._band, self.rule
+        )
+        decisions = SpaceDecisions(new.vx, new.vy, self._new_vz)
+        decide_in_space(snapshot, decisions, self._room)
         if self._safe:
-            filter_in_space(
-                self._robots, self._heights, self.kinds, self.grid, self._band, time_step_s, new.vx, new.vy,
-                self._new_vz,
-            )  # fmt: skip
+            filter_in_space(snapshot, decisions)
         decided = self._robots._replace(vx=new.vx, vy=new.vy)
         self._spare = new._replace(vx=self._robots.vx, vy=self._robots.vy)
         self._robots = decided

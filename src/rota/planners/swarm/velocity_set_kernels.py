@@ -4,19 +4,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
-from rota.planners.swarm.kernels import Floats, compiled
+from rota.planners.swarm.kernels import compiled
 
 MOST_CORNERS = 64
 SLIVER = 1e-12  # an area below this share of the disc's square has no centroid that rounding leaves
-
-
-class Outline(NamedTuple):
-    """Room for the corners of a polygon, counter-clockwise: (MOST_CORNERS,) each."""
-
-    x: Floats
-    y: Floats
 
 
 @compiled

@@ -12,8 +12,9 @@ from shapely import MultiPolygon
 from rota.errors import MissionError
 from rota.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import ROUNDING_M
-from rota.planners.swarm.kernels import Grid, Kinds, Moving, walls_of_cells
-from rota.planners.swarm.roads import no_roads
+from rota.planners.swarm.kernels import walls_of_cells
+from rota.planners.swarm.place_graph import empty_place_graph
+from rota.planners.swarm.state import Grid, Kinds, Moving
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -123,7 +124,7 @@ def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, unhe
         wall_start=np.zeros(cells + 1, np.int64),
         wall_item=np.empty(0, np.int64),
         walls=walls,
-        roads=no_roads(),
+        place_graph=empty_place_graph(),
     )
     within = max(float(kinds.wall_range_m.max()), float(kinds.sensor_m.max()), widest_m(kinds, time_step_s))
     total = walls_of_cells(grid, within, False)

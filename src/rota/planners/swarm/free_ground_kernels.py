@@ -19,62 +19,62 @@ from rota.planners.swarm.kernels import compiled
 REACH = 2.0  # sensor radii, within which a robot loads places
 # square metres of discs for one of ground: a place gets free with less than the one, and is held from the other on;
 # measured: where both are .3, robots that hold a place by coming and free it by going keep 1 in 10 heaps from rest
-FREE, HELD = 0.25, 0.5
-FARTHER = 0.98  # of the way to a place seen counts, so that of two on the same way the farther one leads
+FREE_BELOW, HELD_FROM = 0.25, 0.5
+SIGHT_SHARE = 0.98  # of the way to a place seen counts, so that of two on the same way the farther one leads
 
 
 @compiled
-def add_load(x: float, y: float, sensor_m: float, discs: float, roads: Any) -> None:
+def add_load(x: float, y: float, sensor_m: float, discs: float, graph: Any) -> None:
     """Load the places within reach of (x, y) with so many discs: by a cone over the plane of the volume of a disc."""
     reach_m = REACH * sensor_m
     top = 3.0 / (REACH * REACH) * discs
-    i0 = max(int((x - reach_m - roads.x0) / roads.cell_m), 0)
-    i1 = min(int((x + reach_m - roads.x0) / roads.cell_m), roads.columns - 1)
-    j0 = max(int((y - reach_m - roads.y0) / roads.cell_m), 0)
-    j1 = min(int((y + reach_m - roads.y0) / roads.cell_m), roads.rows - 1)
+    i0 = max(int((x - reach_m - graph.x0) / graph.cell_m), 0)
+    i1 = min(int((x + reach_m - graph.x0) / graph.cell_m), graph.columns - 1)
+    j0 = max(int((y - reach_m - graph.y0) / graph.cell_m), 0)
+    j1 = min(int((y + reach_m - graph.y0) / graph.cell_m), graph.rows - 1)
     for j in range(j0, j1 + 1):
-        begin, end = roads.cell_start[j * roads.columns + i0], roads.cell_start[j * roads.columns + i1 + 1]
+        begin, end = graph.cell_start[j * graph.columns + i0], graph.cell_start[j * graph.columns + i1 + 1]
         for k in range(begin, end):
-            dx, dy = roads.x[k] - x, roads.y[k] - y
+            dx, dy = graph.x[k] - x, graph.y[k] - y
             distance2 = dx * dx + dy * dy
             if distance2 < reach_m * reach_m:
-                roads.load[k] += top * (1.0 - math.sqrt(distance2) / reach_m)
+                graph.load[k] += top * (1.0 - math.sqrt(distance2) / reach_m)
 
 
 @compiled
-def load_with_ground(area_m2: Any, sensor_m: float, roads: Any) -> None:
+def load_with_capacity(area_m2: Any, sensor_m: float, graph: Any) -> None:
     """Load the places with the ground about each of them, area_m2 (k,): up to 1, less where there are walls."""
-    roads.load[:] = 0.0
-    for k in range(roads.x.shape[0]):
-        add_load(roads.x[k], roads.y[k], sensor_m, area_m2[k] / (math.pi * sensor_m * sensor_m), roads)
+    graph.load[:] = 0.0
+    for k in range(graph.x.shape[0]):
+        add_load(graph.x[k], graph.y[k], sensor_m, area_m2[k] / (math.pi * sensor_m * sensor_m), graph)
 
 
 @compiled
-def load_with_all(robots: Any, kinds: Any, roads: Any) -> None:
+def load_with_all(robots: Any, kinds: Any, graph: Any) -> None:
     """Load the places with the discs of robots where they are."""
-    roads.load[:] = 0.0
+    graph.load[:] = 0.0
     for i in range(robots.x.shape[0]):
         sensor = kinds.sensor_m[robots.kind[i]]
         if sensor > 0.0:
-            add_load(robots.x[i], robots.y[i], sensor, 1.0, roads)
+            add_load(robots.x[i], robots.y[i], sensor, 1.0, graph)
 
 
 @compiled
-def pass_on_news(step: int, roads: Any) -> None:
+def pass_on_distances(step: int, graph: Any) -> None:
     """From the numbers told at a step those of the next one: 0 at free places, else the least by way of another one.
 
     A number that would grow tells nothing for a step: ``far_m``, which no way is as long as. Where free ground is taken
     old numbers go round from place to place and back, ever greater, and robots that went by them all the time went to
     and fro for ever. Measured: 2 of 12 heaps of 100 robots did so; silence for two steps costs rooms 1 % of the ground.
     """
-    told, new = roads.away_m[step % 2], roads.away_m[(step + 1) % 2]
-    for k in range(roads.x.shape[0]):
-        least, most = 0.0, HELD if told[k] == 0.0 else FREE
-        if roads.load[k] >= most * roads.ground[k]:
-            least = roads.far_m
-            for way in range(roads.way_start[k], roads.way_start[k + 1]):
-                least = min(least, told[roads.way_to[way]] + roads.way_m[way])
-        new[k] = least if least <= told[k] else roads.far_m
+    told, new = graph.away_m[step % 2], graph.away_m[(step + 1) % 2]
+    for k in range(graph.x.shape[0]):
+        least, most = 0.0, HELD_FROM if told[k] == 0.0 else FREE_BELOW
+        if graph.load[k] >= most * graph.capacity[k]:
+            least = graph.far_m
+            for link in range(graph.link_start[k], graph.link_start[k + 1]):
+                least = min(least, told[graph.link_to[link]] + graph.link_m[link])
+        new[k] = least if least <= told[k] else graph.far_m
 
 
 @compiled
@@ -94,26 +94,28 @@ def is_seen(x: float, y: float, px: float, py: float, c: int, grid: Any) -> bool
 
 
 @compiled
-def way_to_free_ground(x: float, y: float, within_m: float, step: int, c: int, grid: Any) -> tuple[float, float, float]:
+def direction_to_free_ground(
+    x: float, y: float, within_m: float, step: int, c: int, grid: Any
+) -> tuple[float, float, float]:
     """How far it is from (x, y) to free ground by a place in sight, and the way (dx, dy) there; ``far_m``, 0, 0: none.
 
     c: the cell of the grid that (x, y) is in. Of places within a distance only those in the 25 cells of the map round
     about count, which reach as far as ways do.
     """
-    roads = grid.roads
-    least, dx, dy = roads.far_m, 0.0, 0.0
-    told = roads.away_m[step % 2]
-    i = min(max(int((x - roads.x0) / roads.cell_m), 0), roads.columns - 1)
-    j = min(max(int((y - roads.y0) / roads.cell_m), 0), roads.rows - 1)
-    for row in range(max(j - 2, 0), min(j + 2, roads.rows - 1) + 1):
-        begin = roads.cell_start[row * roads.columns + max(i - 2, 0)]
-        end = roads.cell_start[row * roads.columns + min(i + 2, roads.columns - 1) + 1]
+    graph = grid.place_graph
+    least, dx, dy = graph.far_m, 0.0, 0.0
+    told = graph.away_m[step % 2]
+    i = min(max(int((x - graph.x0) / graph.cell_m), 0), graph.columns - 1)
+    j = min(max(int((y - graph.y0) / graph.cell_m), 0), graph.rows - 1)
+    for row in range(max(j - 2, 0), min(j + 2, graph.rows - 1) + 1):
+        begin = graph.cell_start[row * graph.columns + max(i - 2, 0)]
+        end = graph.cell_start[row * graph.columns + min(i + 2, graph.columns - 1) + 1]
         for k in range(begin, end):
             if told[k] >= least:
                 continue
-            ex, ey = roads.x[k] - x, roads.y[k] - y
+            ex, ey = graph.x[k] - x, graph.y[k] - y
             length = math.sqrt(ex * ex + ey * ey)
-            away = told[k] + FARTHER * length
-            if length <= within_m and away < least and is_seen(x, y, roads.x[k], roads.y[k], c, grid):
+            away = told[k] + SIGHT_SHARE * length
+            if length <= within_m and away < least and is_seen(x, y, graph.x[k], graph.y[k], c, grid):
                 least, dx, dy = away, ex, ey
     return least, dx, dy

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
-from rota.planners.swarm.news_kernels import FREE, HELD, load_with_all, pass_on_news
-from rota.planners.swarm.roads import roads_of
+from rota.planners.swarm.free_ground_kernels import FREE_BELOW, HELD_FROM, load_with_all, pass_on_distances
+from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.rollout import room_for
 from rota.planners.swarm.world import kinds_of, walls_of
 
@@ -15,33 +15,33 @@ KINDS, _ = kinds_of(1, body_m=0.0, sensor_m=10.0, speed_m_s=1.0, neighbour_range
 
 
 def test_ground_round_places_is_all_of_a_disc_in_the_open_half_at_a_wall_and_a_quarter_in_a_corner() -> None:
-    roads = roads_of(walls_of(MultiPolygon([box(0, 0, 100, 100)])), KINDS)
-    x, y = roads.x, roads.y
+    graph = place_graph_of(walls_of(MultiPolygon([box(0, 0, 100, 100)])), KINDS)
+    x, y = graph.x, graph.y
     to_x, to_y = np.minimum(x, 100 - x), np.minimum(y, 100 - y)
-    assert roads.ground[(to_x > 20) & (to_y > 20)] == pytest.approx(1.0, abs=0.01)
+    assert graph.capacity[(to_x > 20) & (to_y > 20)] == pytest.approx(1.0, abs=0.01)
     # places stand 2.5 m from walls; the integral of the cone over what is left there, by quadrature
     u, v = np.meshgrid(np.arange(-20, 20, 0.05) + 0.025, np.arange(-20, 20, 0.05) + 0.025)
     cone = np.maximum(1 - np.hypot(u, v) / 20, 0)
     beside, corner = cone[u > -2.5].sum() / cone.sum(), cone[(u > -2.5) & (v > -2.5)].sum() / cone.sum()
-    assert roads.ground[(to_x < 5) & (to_y > 20)] == pytest.approx(beside, abs=0.01)
-    assert roads.ground[(to_x < 5) & (to_y < 5)] == pytest.approx(corner, abs=0.01)
+    assert graph.capacity[(to_x < 5) & (to_y > 20)] == pytest.approx(beside, abs=0.01)
+    assert graph.capacity[(to_x < 5) & (to_y < 5)] == pytest.approx(corner, abs=0.01)
 
 
 def test_places_are_free_with_few_discs_round_them_and_change_by_more_than_a_little() -> None:
-    roads = roads_of(walls_of(MultiPolygon([box(0, 0, 100, 100)])), KINDS)
+    graph = place_graph_of(walls_of(MultiPolygon([box(0, 0, 100, 100)])), KINDS)
     robots = room_for(1, 1)
     robots.kind[:] = robots.name[:] = 0
     robots.x[:], robots.y[:] = 50.0, 50.0
-    load_with_all(robots, KINDS, roads)
-    away = np.hypot(roads.x - 50, roads.y - 50)
+    load_with_all(robots, KINDS, graph)
+    away = np.hypot(graph.x - 50, graph.y - 50)
     expected = 0.75 * np.maximum(1 - away / 20, 0)  # the cone of the volume of a disc of 10 m
-    assert roads.load == pytest.approx(expected)
-    pass_on_news(0, roads)
-    free = roads.away_m[1] == 0
-    assert (free == (expected < FREE * roads.ground)).all()
-    roads.load[:] = 0.5 * (FREE + HELD) * roads.ground  # between the two each place stays what it was
-    pass_on_news(1, roads)
-    assert ((roads.away_m[0] == 0) == free).all()
-    roads.load[:] = HELD * roads.ground
-    pass_on_news(2, roads)
-    assert (roads.away_m[1] > 0).all()
+    assert graph.load == pytest.approx(expected)
+    pass_on_distances(0, graph)
+    free = graph.away_m[1] == 0
+    assert (free == (expected < FREE_BELOW * graph.capacity)).all()
+    graph.load[:] = 0.5 * (FREE_BELOW + HELD_FROM) * graph.capacity  # between the two each place stays what it was
+    pass_on_distances(1, graph)
+    assert ((graph.away_m[0] == 0) == free).all()
+    graph.load[:] = HELD_FROM * graph.capacity
+    pass_on_distances(2, graph)
+    assert (graph.away_m[1] > 0).all()

@@ -13,23 +13,23 @@ from scipy.spatial import cKDTree
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from rota.planners.swarm.kernels import Kinds, Roads
-from rota.planners.swarm.news_kernels import load_with_ground
+from rota.planners.swarm.free_ground_kernels import load_with_capacity
+from rota.planners.swarm.state import Kinds, PlaceGraph
 
 Floats = NDArray[np.float64]
 
-APART = 0.5  # of the smallest sensor's radius between places
+PLACE_SPACING = 0.5  # of the smallest sensor's radius between places
 MOST_PLACES = 2**18  # no more than about that, so that a huge area costs no memory
-LONGEST = 1.95  # of that distance: ways to places so near, which the next but one of a lattice are
-NARROWER = 0.95  # of the body, for ways along walls that the places themselves touch
+LONGEST_LINK = 1.95  # of that distance: ways to places so near, which the next but one of a lattice are
+LINK_BODY_SHARE = 0.95  # of the body, for ways along walls that the places themselves touch
 
 
-def no_roads() -> Roads:
+def empty_place_graph() -> PlaceGraph:
     """A map without places."""
-    return _roads(np.empty((0, 2)), np.empty((0, 2), np.int64), 1.0, np.zeros(2), (1, 1))
+    return _linked(np.empty((0, 2)), np.empty((0, 2), np.int64), 1.0, np.zeros(2), (1, 1))
 
 
-def roads_of(walls: Floats, kinds: Kinds) -> Roads:
+def place_graph_of(walls: Floats, kinds: Kinds) -> PlaceGraph:
     """Places and ways in the ground within walls (m, 4), closed rings, where the largest of the bodies have room.
 
     One place for each square of a lattice, or for each part of it that walls divide, and one at each corner that ways
@@ -37,28 +37,30 @@ def roads_of(walls: Floats, kinds: Kinds) -> Roads:
     """
     sensors = kinds.sensor_m[kinds.sensor_m > 0]
     if not len(sensors):
-        return no_roads()
+        return empty_place_graph()
     body_m, sensor_m = float(kinds.body_m.max()), float(sensors.min())
     lines = shapely.linestrings(walls.reshape(-1, 2, 2))
     ground = shapely.build_area(shapely.node(shapely.multilinestrings(lines)))
     room = ground.buffer(-body_m, join_style="mitre")
     if room.is_empty:
-        return no_roads()
+        return empty_place_graph()
     low, high = np.array(ground.bounds[:2]), np.array(ground.bounds[2:])
-    apart_m = max(APART * sensor_m, math.sqrt(ground.area / MOST_PLACES), float((high - low).max()) / MOST_PLACES)
+    apart_m = max(
+        PLACE_SPACING * sensor_m, math.sqrt(ground.area / MOST_PLACES), float((high - low).max()) / MOST_PLACES
+    )
     columns, rows = (int(extent // apart_m) + 1 for extent in high - low)
     pieces, turning = _pieces(room, low, apart_m, 0, 0, _power(max(columns, rows))), _turning_points(room)
     places, area_m2 = np.vstack([pieces[:, :2], turning]), np.concatenate([pieces[:, 2], np.zeros(len(turning))])
     i, j = np.clip(((places - low) / apart_m).astype(np.int64), 0, (columns - 1, rows - 1)).T
     order = np.argsort(j * columns + i, kind="stable")
     places, area_m2 = places[order], area_m2[order]
-    pairs = cKDTree(places).query_pairs(LONGEST * apart_m, output_type="ndarray")
-    free = ground.buffer(-NARROWER * body_m, join_style="mitre")
+    pairs = cKDTree(places).query_pairs(LONGEST_LINK * apart_m, output_type="ndarray")
+    free = ground.buffer(-LINK_BODY_SHARE * body_m, join_style="mitre")
     shapely.prepare(free)
     pairs = pairs[shapely.covers(free, shapely.linestrings(places[pairs]))]
-    roads = _roads(places, pairs, apart_m, low, (columns, rows))
-    load_with_ground(area_m2, sensor_m, roads)
-    return roads._replace(ground=roads.load.copy())
+    graph = _linked(places, pairs, apart_m, low, (columns, rows))
+    load_with_capacity(area_m2, sensor_m, graph)
+    return graph._replace(capacity=graph.load.copy())
 
 
 def _power(cells: int) -> int:
@@ -100,7 +102,7 @@ def _turning_points(room: BaseGeometry) -> Floats:
     return np.vstack(found)
 
 
-def _roads(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> Roads:
+def _linked(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> PlaceGraph:
     n, (columns, rows) = len(places), shape
     both = np.vstack([pairs, pairs[:, ::-1]])
     both = both[np.lexsort((both[:, 1], both[:, 0]))]
@@ -113,12 +115,12 @@ def _roads(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats,
         graph = csr_matrix((length_m, both[:, 1], links), shape=(n, n))
         reached = dijkstra(graph, indices=[n // 2])
         far_m = 2.0 * float(reached[np.isfinite(reached)].max()) + 1.0
-    return Roads(
+    return PlaceGraph(
         x=np.ascontiguousarray(places[:, 0]),
         y=np.ascontiguousarray(places[:, 1]),
-        way_start=links.astype(np.int64),
-        way_to=np.ascontiguousarray(both[:, 1]),
-        way_m=length_m,
+        link_start=links.astype(np.int64),
+        link_to=np.ascontiguousarray(both[:, 1]),
+        link_m=length_m,
         x0=float(low[0]),
         y0=float(low[1]),
         cell_m=cell_m,
@@ -126,7 +128,7 @@ def _roads(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats,
         rows=rows,
         cell_start=np.searchsorted(j * columns + i, np.arange(columns * rows + 1)).astype(np.int64),
         load=np.zeros(n),
-        ground=np.ones(n),
+        capacity=np.ones(n),
         away_m=np.full((2, n), far_m),
         far_m=far_m,
     )
