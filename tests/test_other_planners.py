@@ -83,11 +83,12 @@ def fair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     (site / "merry" / "go").mkdir(parents=True)
     (site / "merry" / "__init__.py").touch()
     (site / "merry" / "go" / "__init__.py").write_text(DOOR)
+    (site / "merry" / "faulty.py").write_text("1 / 0\n")
     info = site / "merry_go_round-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: merry-go-round\nVersion: 1.0\n")
     entries = "[rota.planners]\nmerry_go_round = merry.go:MerryGoRound\nbroken = merry.nowhere:Nothing\n"
-    (info / "entry_points.txt").write_text(entries + "renamed = merry.go:MerryGoRound\n")
+    (info / "entry_points.txt").write_text(entries + "faulty = merry.faulty:Door\nrenamed = merry.go:MerryGoRound\n")
     monkeypatch.syspath_prepend(str(site))
     monkeypatch.chdir(tmp_path)
     (tmp_path / "fair.yaml").write_text(MISSION)
@@ -144,9 +145,11 @@ def test_its_faults_are_told_like_those_of_others(fair: Path, capsys: pytest.Cap
 
 
 def test_a_door_that_cannot_be_opened_is_told(fair: Path) -> None:
-    assert planner_names() == ("patrol", "swarm", "bounce", "broken", "merry_go_round", "renamed")
+    assert planner_names() == ("patrol", "swarm", "bounce", "broken", "faulty", "merry_go_round", "renamed")
     with pytest.raises(MissionError, match=r"planner: broken cannot be loaded from merry\.nowhere:Nothing: No module"):
         planner_named("broken")
+    with pytest.raises(MissionError, match=r"faulty cannot be loaded from merry\.faulty:Door: division by zero"):
+        planner_named("faulty")
     with pytest.raises(MissionError, match="offered as renamed, but its settings have the name merry_go_round"):
         planner_named("renamed")
     Path("broken.yaml").write_text(MISSION.partition("merry")[0].replace("planner: ", "planner: broken\n"))

@@ -82,8 +82,7 @@ def search_plan(
     in the plane came to (``History``), those since the stop of one that goes on.
 
     Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
-    is not greater than 0 or a mission that the planner cannot use; CheckpointError for another mission's or
-    seed's.
+    is not greater than 0 or a mission that the planner cannot use; CheckpointError for a run of another one or seed.
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
@@ -101,7 +100,9 @@ def search_plan(
         answer = planner.plan(request)
     except NoPlanFound as failure:
         if stop.stopped:
-            raise NoPlanFound(f"{failure} (stopped early)", best=failure.best, facts=failure.facts) from failure
+            raise NoPlanFound(
+                f"{failure} (stopped early)", best=failure.best, checkpoint=failure.checkpoint, facts=failure.facts
+            ) from failure
         raise
     report = judge(answer.plan)
     if report.verdict != "met":

@@ -44,7 +44,9 @@ def door_of(name: str) -> Any:
     try:
         planner = getattr(importlib.import_module(module), door)()
         named = planner.settings.planner
-    except (ImportError, AttributeError) as error:
+    except Exception as error:
+        if name in PLANNERS:
+            raise
         raise MissionError(f"planner: {name} cannot be loaded from {where}: {error}") from error
     if named != name:
         raise MissionError(f"planner: {where} is offered as {name}, but its settings have the name {named}")
