@@ -6,12 +6,16 @@ import importlib
 import importlib.util
 import re
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from benchmarks.measured import KEPT, PAGE, page_of, read_kept, replaced, write_kept
 from docs.house_picture import PICTURE, picture, reduced, rows_of
 
 import rota
+from rota.command.cli import app
+from rota.command.export import ExportFormat
+from rota.command.study import app as study_app
 
 PROJECT = Path(__file__).parents[1]
 DOCS = PROJECT / "docs"
@@ -101,3 +105,24 @@ def test_what_draws_the_search_can_be_loaded() -> None:
     module = importlib.import_module("docs.search_picture")
     assert module.PICTURE.exists()
     assert module.MISSION.exists()
+
+
+@pytest.mark.parametrize("page", [PROJECT / "README.md", DOCS / "usage.md"], ids=lambda page: page.name)
+def test_the_missions_that_pages_show_can_be_read(page: Path, tmp_path: Path) -> None:
+    (text,) = [
+        block for block in re.findall(r"^```yaml\n(.*?)^```", page.read_text(), re.M | re.S) if "rota: 1" in block
+    ]
+    (tmp_path / "shown.yaml").write_text(text)
+    read = rota.read_mission(tmp_path / "shown.yaml")
+    assert not read.warnings
+    assert [zone.name for zone in read.mission.zones] == ["gate", "tank"]
+
+
+def test_pages_name_all_commands_and_formats() -> None:
+    readme, usage = (PROJECT / "README.md").read_text(), (DOCS / "usage.md").read_text()
+    names = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
+    for page in (readme, usage):
+        assert {name for name in names if f"`rota {name} " not in page} == set()
+    assert {f"`{to}`" for to in get_args(ExportFormat) if f"`{to}`" not in usage} == set()
+    studies = {command.name for command in study_app.registered_commands}
+    assert {name for name in studies if f"`rota study {name} " not in usage} == set()
