@@ -19,11 +19,12 @@ from rota.errors import NoPlanFound
 from rota.files.mission_file import read_mission
 from rota.make_plan import make_plan
 from rota.mission import Mission
+from rota.papers.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
 from rota.plan import Plan
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
-from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.planner_settings import Effort, Sun2019
 
 OURS, REPAIRED = Sun2019(), Sun2019(routes="repaired")

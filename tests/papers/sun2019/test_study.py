@@ -17,12 +17,12 @@ from rota.errors import RotaError
 from rota.mission import Mission
 from rota.papers.study import Study, StudyStopped, listed_figures, write_study
 from rota.papers.sun2019 import runs as runs_module
+from rota.papers.sun2019.printed_settings import TABLE_7
 from rota.papers.sun2019.runs import Reading, Runs, StudySettings
 from rota.papers.sun2019.stage_figures import figure_8_section
 from rota.papers.sun2019.study import sun2019_study
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.sun2019.deploy import deploy_sensors
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_7
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 

@@ -18,6 +18,7 @@ from rota.mission import Mission
 from rota.papers.study import StudyStopped
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.maps import figure_8, figure_13, figure_15, with_periods
+from rota.papers.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
 from rota.plan import Plan, Trajectory
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
@@ -27,7 +28,7 @@ from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
 from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
 from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages, is_good
-from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, AS_PRINTED_FIGURE_16, MethodSettings
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.methods.sun2019.stages import (
     Framed,
     PartFrame,

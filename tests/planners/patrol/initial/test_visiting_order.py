@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.first_tours import lane_order
-from rota.planners.patrol.initial.order_kernels import flip, improve_tour, nearest_neighbour_tour
+from rota.planners.patrol.initial.order_kernels import improve_tour, nearest_neighbour_tour, reverse_places
 from rota.planners.patrol.initial.visiting_order import short_order
 
 Floats = NDArray[np.float64]
@@ -135,7 +135,7 @@ def test_flipping_a_stretch_over_the_seam() -> None:
         order = np.array([3, 1, 4, 0, 5, 2], dtype=np.int64)
         place = np.argsort(order).astype(np.int64)
         cycle = order.tolist()
-        flip(first, last, order, place)
+        reverse_places(first, last, order, place)
         assert place[order].tolist() == list(range(6))
         # the stretch first..last, going round, stands reversed; the rest stands as it was
         stretch = [(first + k) % 6 for k in range((last - first) % 6 + 1)]

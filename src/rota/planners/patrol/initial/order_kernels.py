@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from rota.planners.patrol.ground.sight_kernels import compiled
+
 
 @njit(cache=True)
 def nearest_neighbour_tour(d: Any) -> Any:
@@ -54,22 +56,24 @@ def two_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
             e = order[(place[c] + way) % n]
             if gain + d[c, e] - d[b, e] > 1e-9:
                 if way > 0:
-                    flip(place[b], place[c], order, place)
+                    reverse_places(place[b], place[c], order, place)
                 else:
-                    flip(place[c], place[b], order, place)
+                    reverse_places(place[c], place[b], order, place)
                 return True
     return False
 
 
-@njit(cache=True)
-def flip(first: int, last: int, order: Any, place: Any) -> None:
-    """Reverse the cyclic stretch first..last of the order."""
+@compiled
+def reverse_places(first: int, last: int, order: Any, place: Any) -> None:
+    """Reverse the cyclic stretch of places first..last of a tour: order (n,), and place (n,) where each of it is."""
     n = order.shape[0]
-    long = (last - first) % n + 1
+    long = last - first + 1
+    if long <= 0:
+        long += n
     for _ in range(long // 2):
-        order[first], order[last] = order[last], order[first]
-        place[order[first]] = first
-        place[order[last]] = last
+        a, b = order[first], order[last]
+        order[first], order[last] = b, a
+        place[b], place[a] = first, last
         first = first + 1 if first + 1 < n else 0
         last = last - 1 if last > 0 else n - 1
 

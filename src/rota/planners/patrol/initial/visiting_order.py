@@ -24,9 +24,14 @@ def short_order(distance_m: Floats) -> Ints:
     if not np.isfinite(distance_m).all():
         raise ValueError("every place must be reachable from every other: the distances hold inf or nan")
     distance_m = np.ascontiguousarray(distance_m, dtype=np.float64)
-    apart = distance_m.copy()
-    np.fill_diagonal(apart, np.inf)
-    near = np.argsort(apart, axis=1, kind="stable")[:, : min(NEIGHBOURS, n - 1)].astype(np.int64)
     order: Ints = nearest_neighbour_tour(distance_m)
-    improve_tour(distance_m, np.ascontiguousarray(near), order)
+    improve_tour(distance_m, nearest_places(distance_m, NEIGHBOURS), order)
     return order
+
+
+def nearest_places(distance: Floats, count: int) -> Ints:
+    """For each of n places the nearest others (n, k), nearest first; k is the count, or n - 1. distance: (n, n)."""
+    apart = distance.copy()
+    np.fill_diagonal(apart, np.inf)
+    near = np.argsort(apart, axis=1, kind="stable")[:, : min(count, len(distance) - 1)]
+    return np.ascontiguousarray(near, dtype=np.int64)

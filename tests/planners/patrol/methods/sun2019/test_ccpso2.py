@@ -11,6 +11,7 @@ from scipy import stats
 from shapely import MultiPolygon, box
 
 from rota.errors import MissionError
+from rota.papers.sun2019.printed_settings import TABLE_7
 from rota.planners.patrol.methods.sun2019 import swarm_kernels, update_kernels
 from rota.planners.patrol.methods.sun2019.ccpso2 import (
     Evolution,
@@ -21,7 +22,7 @@ from rota.planners.patrol.methods.sun2019.ccpso2 import (
     neighbourhood,
 )
 from rota.planners.patrol.methods.sun2019.cells import cells_of, ground_for, lattice_over
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, TABLE_7, DeploySettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
 from rota.planners.patrol.methods.sun2019.swarm_kernels import Particles, Swarms
 from rota.planners.patrol.methods.sun2019.zones import CoverTask, cover_tasks
 

@@ -17,13 +17,14 @@ from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, StartBox, Zone
 from rota.papers.sun2019 import figure_13
+from rota.papers.sun2019.printed_settings import AS_PRINTED
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.problem import common_robot, set_up_problem
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
-from rota.planners.patrol.methods.sun2019.settings import AS_PRINTED, MethodSettings, settings_for
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measured, shared_out
 from rota.planners.patrol.planner_settings import PatrolSettings, Sun2019
 

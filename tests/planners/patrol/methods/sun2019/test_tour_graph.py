@@ -18,7 +18,6 @@ from rota.planners.patrol.methods.sun2019.graph import (
     ProximityGraph,
     changes_zone,
     graph_distances,
-    path_length,
     proximity_graph,
     shortest_sequence,
 )
@@ -26,6 +25,13 @@ from rota.planners.patrol.methods.sun2019.graph_kernels import search
 
 Floats = NDArray[np.float64]
 OPEN = ShortestPaths(MultiPolygon([box(0, 0, 100, 100)]))
+
+
+def path_length(positions_m: Floats, zone: NDArray[np.int64], sequence: NDArray[np.int64], alpha: float) -> float:
+    """Eq. 12: the length of the path through sensors ``sequence`` (k,), and alpha for each change of sub-region."""
+    step_m = np.diff(positions_m[sequence], axis=0)
+    changes = changes_zone(zone[sequence[:-1]], zone[sequence[1:]])
+    return float(np.hypot(step_m[:, 0], step_m[:, 1]).sum() + alpha * changes.sum())
 
 
 def graph_over(

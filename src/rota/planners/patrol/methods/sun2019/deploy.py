@@ -55,11 +55,6 @@ class ZoneDeployment:
     history: History | None
     least: int | None
 
-    @property
-    def unseeable_cells(self) -> int:
-        """Cells that no place sees, and which therefore stay uncovered."""
-        return int(np.sum(self.times_seen == 0))
-
 
 @dataclass(frozen=True, kw_only=True)
 class Deployment:
@@ -113,7 +108,7 @@ def deploy_sensors(
     Departures, where the paper says nothing: cells that cannot be seen from their own zone take sensors wherever a
     robot can stand, and only obstacles hide them; a zone that asks for visits takes one sensor inside; what the CCPSO2
     leaves uncovered after its last iteration a greedy cover completes, so that every cell that can be seen is. Cells
-    that nobody can see are told by ``unseeable_cells`` and cost nothing.
+    that nobody can see have 0 in ``times_seen`` and cost nothing.
 
     settings: None for the defaults. seed: of the CCPSO2; covers have no chance in them. threads: that share the work,
     None for one a core; the outcome is the same for any number.

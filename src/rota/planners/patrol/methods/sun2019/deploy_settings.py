@@ -130,6 +130,3 @@ class DeploySettings:
 
 TABLE_2 = DeploySettings(iterations=150, swarms=30, particles=50, sensors_max=160)
 """Table 2: Figure 13's parameters."""
-
-TABLE_7 = DeploySettings(iterations=200, swarms=40, particles=60, sensors_max=210)
-"""Table 7: Figure 16's parameters."""

@@ -112,13 +112,6 @@ def changes_zone(zone: Ints, next_zone: Ints) -> NDArray[np.bool_]:
     return np.asarray(zone != next_zone)
 
 
-def path_length(positions_m: Floats, zone: Ints, sequence: Ints, alpha: float) -> float:
-    """Eq. 12: length of the path through sensors ``sequence`` (k,), with alpha added for each change of sub-region."""
-    step_m = np.diff(positions_m[sequence], axis=0)
-    changes = changes_zone(zone[sequence[:-1]], zone[sequence[1:]])
-    return float(np.hypot(step_m[:, 0], step_m[:, 1]).sum() + alpha * changes.sum())
-
-
 def graph_distances(graph: ProximityGraph) -> Floats:
     """Eq. 14 for all pairs: (n, n) lengths of the shortest paths on the graph, alpha included; symmetric, all finite.
 

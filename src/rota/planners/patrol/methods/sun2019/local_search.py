@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.order_kernels import nearest_neighbour_tour
+from rota.planners.patrol.initial.visiting_order import nearest_places
 from rota.planners.patrol.methods.sun2019.local_search_kernels import DEEPEST, NUMBERS, QUEUED, Search, improve, kicks
 
 Floats = NDArray[np.float64]
@@ -67,9 +68,7 @@ def neighbours(distance: Floats, nearness: Floats | None) -> Ints:
     """For each waypoint others (n, k) worth a leg, nearest first: the nearest, and of the rest some by nearness."""
     n = len(distance)
     rows = np.arange(n)[:, None]
-    apart = distance.copy()
-    np.fill_diagonal(apart, np.inf)
-    near = np.argsort(apart, axis=1, kind="stable")[:, : min(NEIGHBOURS, n - 1)]
+    near = nearest_places(distance, NEIGHBOURS)
     if nearness is not None:
         apart = nearness.copy()
         np.fill_diagonal(apart, np.inf)

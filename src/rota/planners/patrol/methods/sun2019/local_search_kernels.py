@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.initial.order_kernels import reverse_places
 
 # places in Search.ints
 REVERSALS, QUEUED, QUEUE_FIRST = range(3)
@@ -49,21 +50,6 @@ def beside(waypoint: int, way: int, s: Search) -> int:
 
 
 @compiled
-def reverse_places(first: int, last: int, s: Search) -> None:
-    """Reverse the cyclic stretch of places first..last."""
-    n = s.order.shape[0]
-    long = last - first + 1
-    if long <= 0:
-        long += n
-    for _ in range(long // 2):
-        a, b = s.order[first], s.order[last]
-        s.order[first], s.order[last] = b, a
-        s.place[b], s.place[a] = first, last
-        first = first + 1 if first + 1 < n else 0
-        last = last - 1 if last > 0 else n - 1
-
-
-@compiled
 def reverse_path(u: int, v: int, s: Search) -> bool:
     """Reverse the way from u forward to v, or the rest of the tour when that is shorter; True when it was the rest.
 
@@ -81,7 +67,7 @@ def reverse_path(u: int, v: int, s: Search) -> bool:
     s.reversed[at, 0], s.reversed[at, 1] = first, last
     s.ints[REVERSALS] = at + 1
     if long < n:
-        reverse_places(first, last, s)
+        reverse_places(first, last, s.order, s.place)
     return rest
 
 
@@ -92,7 +78,7 @@ def undo_to(mark: int, s: Search) -> None:
     for at in range(s.ints[REVERSALS] - 1, mark - 1, -1):
         first, last = s.reversed[at, 0], s.reversed[at, 1]
         if (last + 1) % n != first:
-            reverse_places(first, last, s)
+            reverse_places(first, last, s.order, s.place)
     s.ints[REVERSALS] = mark
 
 

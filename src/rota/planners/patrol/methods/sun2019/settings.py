@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from rota.errors import MissionError
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, TABLE_7, DeploySettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.planner_settings import DeploymentMethod, Effort, PatrolSettings
@@ -34,14 +34,6 @@ class MethodSettings:
         if self.frames < 1:
             raise MissionError(f"frames: {self.frames!r} is not allowed; must be 1 or more")
 
-
-AS_PRINTED = MethodSettings(
-    deployments=(TABLE_2,), tour=TABLE_3, partition=TABLE_4, route=RouteSettings(routes="printed")
-)
-"""Section 5.1, Figure 13: Tables 2, 3 and 4, and routes as the paper has them, with nothing repaired."""
-
-AS_PRINTED_FIGURE_16 = replace(AS_PRINTED, deployments=(TABLE_7,))
-"""Section 5.3, Figure 16: Table 7 for the deployment, all else as in Section 5.1."""
 
 # Set covers come first: greedy ones stand in rows, which makes short frames (measured on Figure 13: 110 sensors and a
 # frame of 1,099 m, where swarms have 86 and 1,165 to 1,202 m; the exact cover 88 and 1,114 m).
