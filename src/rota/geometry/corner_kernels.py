@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from heapq import heappop, heappush
 from math import hypot, inf
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -17,7 +18,7 @@ from rota.geometry.kernels import TOUCH_M, segment_is_free
 
 @njit(cache=True)
 def _can_bend(px, py, corner):
-    """Whether a shortest path coming straight from the point may bend at the corner: its line is a tangent there."""
+    """Whether a shortest path straight from the point may bend at the corner (6,): its line is a tangent there."""
     dx, dy = corner[0] - px, corner[1] - py
     slack = TOUCH_M * hypot(dx, dy)
     before = dx * (corner[3] - corner[1]) - dy * (corner[2] - corner[0])
@@ -82,29 +83,41 @@ def _lengths_to_corners(px, py, linked, corners, between, lengths):
             lengths[n] = min(lengths[n], first + between[m, n])
 
 
-@njit(cache=True, nogil=True)
-def path_lengths(a, part_a, start_a, items_a, b, part_b, start_b, items_b, corners, between, grid, symmetric):
-    """(n, m) lengths of shortest paths, inf between different parts; part -1 is outside and reaches nothing.
+class Ends(NamedTuple):
+    """Points (n, 2), the part (n,) each lies in, and the corners linked to point k: items[start[k] : start[k + 1]].
 
-    start, items: the corners linked to point k are items[start[k] : start[k + 1]]. symmetric: a and b are the same.
+    A point in part -1 is outside and reaches nothing.
     """
-    found = np.full((len(a), len(b)), inf)
+
+    points: Any
+    part: Any
+    start: Any
+    items: Any
+
+
+@njit(cache=True, nogil=True)
+def path_lengths(a, b, corners, between, grid, symmetric):
+    """(n, m) lengths of shortest paths from ends a to ends b, inf between different parts.
+
+    between: (c, c) lengths between the corners. symmetric: a and b are the same.
+    """
+    found = np.full((len(a.points), len(b.points)), inf)
     lengths = np.empty(len(corners))
-    for k in range(len(a)):
-        ax, ay = a[k]
+    for k in range(len(a.points)):
+        ax, ay = a.points[k]
         known = False
-        for m in range(k if symmetric else 0, len(b)):
-            if part_a[k] < 0 or part_a[k] != part_b[m]:
+        for m in range(k if symmetric else 0, len(b.points)):
+            if a.part[k] < 0 or a.part[k] != b.part[m]:
                 continue
-            bx, by = b[m]
+            bx, by = b.points[m]
             best = inf
             if segment_is_free(ax, ay, bx, by, grid):
                 best = hypot(bx - ax, by - ay)
             else:
                 if not known:
-                    _lengths_to_corners(ax, ay, items_a[start_a[k] : start_a[k + 1]], corners, between, lengths)
+                    _lengths_to_corners(ax, ay, a.items[a.start[k] : a.start[k + 1]], corners, between, lengths)
                     known = True
-                for n in items_b[start_b[m] : start_b[m + 1]]:
+                for n in b.items[b.start[m] : b.start[m + 1]]:
                     best = min(best, lengths[n] + hypot(corners[n, 0] - bx, corners[n, 1] - by))
             found[k, m] = best
             if symmetric:
@@ -113,36 +126,39 @@ def path_lengths(a, part_a, start_a, items_a, b, part_b, start_b, items_b, corne
 
 
 @njit(cache=True, nogil=True)
-def lengths_by_way_of(a, part_a, reached, b, part_b, start_b, items_b, corners, grid, symmetric, first):
-    """(n, m) lengths of shortest paths, as ``path_lengths`` gives them; reached (n, c): the lengths to the corners.
+def lengths_by_way_of(points, part, reached, b, corners, grid, symmetric, first):
+    """(n, m) lengths of shortest paths from points (n, 2) in parts (n,) to ends b, as ``path_lengths`` gives them.
 
-    symmetric: the points a are those of b from the number ``first`` on, and only paths to later ones are measured.
+    reached: (n, c) the lengths from the points to the corners. symmetric: the points are those of b from the number
+    ``first`` on, and only paths to later ones are measured.
     """
-    found = np.full((len(a), len(b)), inf)
-    for k in range(len(a)):
-        ax, ay = a[k]
-        for m in range(first + k if symmetric else 0, len(b)):
-            if part_a[k] < 0 or part_a[k] != part_b[m]:
+    found = np.full((len(points), len(b.points)), inf)
+    for k in range(len(points)):
+        ax, ay = points[k]
+        for m in range(first + k if symmetric else 0, len(b.points)):
+            if part[k] < 0 or part[k] != b.part[m]:
                 continue
-            bx, by = b[m]
+            bx, by = b.points[m]
             best = inf
             if segment_is_free(ax, ay, bx, by, grid):
                 best = hypot(bx - ax, by - ay)
             else:
-                for n in items_b[start_b[m] : start_b[m + 1]]:
+                for n in b.items[b.start[m] : b.start[m + 1]]:
                     best = min(best, reached[k, n] + hypot(corners[n, 0] - bx, corners[n, 1] - by))
             found[k, m] = best
     return found
 
 
 @njit(cache=True, nogil=True)
-def corner_chain(ax, ay, from_a, bx, by, from_b, corners, start, items):
-    """Corners on the shortest path from a to b that bends; none where there is no such path.
+def corner_chain(a, from_a, b, from_b, corners, start, items):
+    """Corners on the shortest path from point a (2,) to point b (2,) that bends; none where there is no such path.
 
     from_a, from_b: the corners that a and b see along tangents. start, items: the corners linked to each, by rows. Of
     the corners in reach that with the least sum of the way so far and the straight rest goes on first (Hart, Nilsson
     and Raphael 1968), so that few are looked at when the points are near each other.
     """
+    ax, ay = a
+    bx, by = b
     count = len(corners)
     lengths, before = np.full(count, inf), np.full(count, -1, np.int64)
     ends_here = np.zeros(count, np.bool_)

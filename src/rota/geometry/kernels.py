@@ -39,6 +39,7 @@ class EdgeGrid(NamedTuple):
 
 @njit(cache=True)
 def _edge_meets_box(edge, left, low, right, high):
+    """Whether an edge (4,) has a point in the closed box."""
     if max(edge[0], edge[2]) < left or min(edge[0], edge[2]) > right:
         return False
     if max(edge[1], edge[3]) < low or min(edge[1], edge[3]) > high:

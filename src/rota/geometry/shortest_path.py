@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from shapely import MultiPolygon
 
 from rota.errors import PlanError
 from rota.geometry import corner_kernels, kernels
+from rota.geometry.corner_kernels import Ends
 from rota.geometry.free_space import border_corners, border_segments, standing_parts
 from rota.geometry.kernels import EdgeGrid
 from rota.geometry.line_of_sight import edge_grid
@@ -26,15 +26,6 @@ Ints = NDArray[np.int64]
 MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of them take some 100 MB
 ROWS_TOGETHER, SOURCES_TOGETHER = 200, 100
 MOST_REMEMBERED = 100_000  # points
-
-
-class _Ends(NamedTuple):
-    """Points, the part each lies in, and the corners linked to point k: items[start[k] : start[k + 1]]."""
-
-    points: Floats
-    part: Ints
-    start: Ints
-    items: Ints
 
 
 class ShortestPaths:
@@ -168,13 +159,13 @@ class ShortestPaths:
             return points
         return self._polyline(points)
 
-    def _ends(self, points_m: Floats) -> _Ends:
+    def _ends(self, points_m: Floats) -> Ends:
         points = _points(points_m)
         part = self.part_of(points)
         if self._dense:
             linked = corner_kernels.tangents(points, part, self._corners, self._corner_part, self.grid)
             start = np.concatenate([[0], np.cumsum(linked.sum(axis=1))]).astype(np.int64)
-            return _Ends(points, part, start, np.nonzero(linked)[1].astype(np.int64))
+            return Ends(points, part, start, np.nonzero(linked)[1].astype(np.int64))
         if len(self._seen_corners) > MOST_REMEMBERED:
             self._seen_corners = {}  # another thread may still be reading the old one
         known = self._seen_corners
@@ -186,31 +177,31 @@ class ShortestPaths:
                 known[keys[k]] = np.flatnonzero(row)
         items = [known[key] for key in keys]
         start = np.concatenate([[0], np.cumsum([len(corners) for corners in items])]).astype(np.int64)
-        return _Ends(points, part, start, np.concatenate([np.zeros(0, dtype=np.int64), *items]))
+        return Ends(points, part, start, np.concatenate([np.zeros(0, dtype=np.int64), *items]))
 
-    def _lengths(self, a: _Ends, b: _Ends, *, symmetric: bool) -> Floats:
+    def _lengths(self, a: Ends, b: Ends, *, symmetric: bool) -> Floats:
         if not len(a.items) or not len(b.items):  # no path bends, and the graph need not be made for it
             a, b = _without_corners(a), _without_corners(b)
         if len(a.items) and not self._dense:
             return self._searched_lengths(a, b, symmetric=symmetric)
         lengths = self.corner_lengths_m if len(a.items) else np.zeros((0, 0))
-        return np.asarray(corner_kernels.path_lengths(*a, *b, self._corners, lengths, self.grid, symmetric))
+        return np.asarray(corner_kernels.path_lengths(a, b, self._corners, lengths, self.grid, symmetric))
 
-    def _searched_lengths(self, a: _Ends, b: _Ends, *, symmetric: bool) -> Floats:
+    def _searched_lengths(self, a: Ends, b: Ends, *, symmetric: bool) -> Floats:
         """The same along the links, some points a at a time."""
         found = np.zeros((len(a.points), len(b.points)))
         for first in range(0, len(a.points), SOURCES_TOGETHER):
             rows = slice(first, min(first + SOURCES_TOGETHER, len(a.points)))
             reached = self._lengths_to_corners(a, rows)
             found[rows] = corner_kernels.lengths_by_way_of(
-                a.points[rows], a.part[rows], reached, *b, self._corners, self.grid, symmetric, first
+                a.points[rows], a.part[rows], reached, b, self._corners, self.grid, symmetric, first
             )
         if symmetric:
             found = np.triu(found)
             found += np.triu(found, 1).T
         return found
 
-    def _lengths_to_corners(self, a: _Ends, rows: slice) -> Floats:
+    def _lengths_to_corners(self, a: Ends, rows: slice) -> Floats:
         """Lengths (n, c) of the shortest paths from some points to all corners."""
         links, count = self._links, len(self.corners_m)
         start = a.start[rows.start : rows.stop + 1]
@@ -246,7 +237,7 @@ class ShortestPaths:
         line = np.vstack(pieces)
         return line[np.r_[True, (line[1:] != line[:-1]).any(axis=1)]]
 
-    def _corners_between(self, ends: _Ends, k: int) -> list[int]:
+    def _corners_between(self, ends: Ends, k: int) -> list[int]:
         """Corners on the shortest path from point k to the next one, which it does not see."""
         (ax, ay), (bx, by) = ends.points[k], ends.points[k + 1]
         from_a, from_b = (
@@ -258,7 +249,7 @@ class ShortestPaths:
         if not self._dense:
             links = self._links
             chain = corner_kernels.corner_chain(
-                ax, ay, from_a, bx, by, from_b, self._corners, links.indptr, links.indices
+                ends.points[k], from_a, ends.points[k + 1], from_b, self._corners, links.indptr, links.indices
             )
             if not len(chain):
                 raise PlanError(f"no path leads from {[ax, ay]} to {[bx, by]}")
@@ -277,7 +268,7 @@ class ShortestPaths:
         return chain[::-1]
 
 
-def _without_corners(ends: _Ends) -> _Ends:
+def _without_corners(ends: Ends) -> Ends:
     return ends._replace(start=np.zeros(len(ends.points) + 1, dtype=np.int64), items=np.zeros(0, dtype=np.int64))
 
 
