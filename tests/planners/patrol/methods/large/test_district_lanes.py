@@ -68,7 +68,8 @@ def test_too_few_robots_give_none(problem: Problem) -> None:
 
 def test_periods_too_short_for_lanes_give_none(problem: Problem) -> None:
     (ground,) = sweep_grounds(problem, ((0,),))
-    assert in_districts(replace(problem, periods_s=(9.9,)), ground, 0.0, None) is None  # 99 m, and the reach is 5 m
+    soon = tuple(replace(region, period_s=9.9) for region in problem.regions)
+    assert in_districts(replace(problem, regions=soon), ground, 0.0, None) is None  # 99 m, and the reach is 5 m
 
 
 def test_robots_with_bodies_have_routes_of_their_own() -> None:

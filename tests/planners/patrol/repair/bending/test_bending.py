@@ -229,5 +229,5 @@ def test_where_it_is_of_no_use() -> None:
     assert can_bend(problem)
     turning = replace(problem, robot=replace(problem.robot, turn_rate_rad_s=1.0))
     assert not can_bend(turning)
-    standing = replace(problem, periods_s=(0.01, 100.0))
+    standing = replace(problem, regions=(*problem.regions, replace(problem.regions[0], period_s=0.01)))
     assert not can_bend(standing)
