@@ -19,6 +19,7 @@ from rota.command.study import app as study_app
 
 PROJECT = Path(__file__).parents[1]
 DOCS = PROJECT / "docs"
+SOURCE = PROJECT / "src"
 PAGES = sorted(DOCS.glob("*.md"))
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
@@ -126,3 +127,13 @@ def test_pages_name_all_commands_and_formats() -> None:
     assert {f"`{to}`" for to in get_args(ExportFormat) if f"`{to}`" not in usage} == set()
     studies = {command.name for command in study_app.registered_commands}
     assert {name for name in studies if f"`rota study {name} " not in usage} == set()
+
+
+@pytest.mark.parametrize("name", ["architecture.md", "algorithm.md"])
+def test_pages_name_files_that_exist(name: str) -> None:
+    tree = [path.relative_to(PROJECT).as_posix() for path in [*SOURCE.rglob("*"), *(PROJECT / "tests").rglob("*.py")]]
+    page = (DOCS / name).read_text().replace("planners/NAME", "planners/patrol").replace("PAPER", "sun2019")
+    named = re.findall(r"`([\w/]+(?:/|\.py|_bound))`", page)
+    files = {f"{file}.py" if file.endswith("_bound") else file.rstrip("/") for file in named}
+    assert len(files) > 5
+    assert {file for file in files if not any(path == file or path.endswith(f"/{file}") for path in tree)} == set()
