@@ -236,6 +236,40 @@ class RepairSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class BendingSettings:
+    """Tours bent by linear programs, one step after another.
+
+    longest_leg: legs are cut to at most this share of the reach, so that they can bend wherever it helps.
+    deficit_limit: samples that lack a larger share of the reach are not drawn to.
+    first_trust: share of the reach that vertices may move in the first step.
+    most_trust: the same of any step.
+    least_trust: the bending ends when the steps become smaller than this share of the reach.
+    least_gain: a step must promise at least this share of the cost.
+    least_shortening_m: a step that only shortens tours must promise at least this.
+    handover_deficit: what tight tours see is handed to others that lack at most this share of the reach for it.
+    tight_share: a tour that leaves less of a budget than this share is tight.
+    budget_penalty: of a metre over a budget.
+    range_weight: of a metre of range that a sample lacks.
+    move_weight: of a metre that a vertex moves along an axis, so that what need not move stays.
+    first_rows: ranges with less to spare than this share of a step are limits from the start.
+    """
+
+    longest_leg: float = 1.0
+    deficit_limit: float = 0.1
+    first_trust: float = 0.04
+    most_trust: float = 0.1
+    least_trust: float = 1e-4
+    least_gain: float = 1e-3
+    least_shortening_m: float = 0.003
+    handover_deficit: float = 0.02
+    tight_share: float = 0.003
+    budget_penalty: float = 2.0
+    range_weight: float = 5.0
+    move_weight: float = 1e-3
+    first_rows: float = 0.25
+
+
+@dataclass(frozen=True, kw_only=True)
 class FixedTeamSettings:
     """The smallest worst ratio of gap to period that a fixed number of robots reaches.
 
@@ -301,3 +335,4 @@ class SearchSettings:
     fixed_team: FixedTeamSettings
     sweeping: SweepingSettings
     districts: DistrictSettings
+    bending: BendingSettings = BendingSettings()

@@ -6,7 +6,6 @@ A chain is the way from vertex p past new places (none, or some) to vertex q; se
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.state_kernels import (
@@ -26,7 +25,7 @@ from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
 
 @compiled
-def chain_m(p: int, q: int, new_x: Any, new_y: Any, added: int, most_m: float, k: int, t: Tours) -> float:
+def chain_m(p: int, q: int, added: int, most_m: float, k: int, t: Tours) -> float:
     """Length of the way from vertex p past the new places to vertex q; inf when a leg of it is too long.
 
     With the turning at p and q, if tour k takes time to turn, and at all places between them.
@@ -36,7 +35,7 @@ def chain_m(p: int, q: int, new_x: Any, new_y: Any, added: int, most_m: float, k
     ax, ay = t.x[t.before[p]], t.y[t.before[p]]
     bx, by = t.x[p], t.y[p]
     for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
+        cx, cy = (t.new_x[i], t.new_y[i]) if i < added else (t.x[q], t.y[q])
         leg = norm(cx - bx, cy - by)
         if leg > most_m:
             return math.inf
@@ -68,13 +67,13 @@ def way_m(p: int, q: int, t: Tours) -> float:
 
 
 @compiled
-def short_ring_m(p: int, removed: int, new_x: Any, new_y: Any, added: int, k: int, t: Tours) -> float:
+def short_ring_m(p: int, removed: int, added: int, k: int, t: Tours) -> float:
     """Length, turning included, of a ring of at most three vertices after the change; see ``change_legs``."""
-    x, y = t.scratch[2], t.scratch[3]
+    x, y = t.scratch[0], t.scratch[1]
     x[0], y[0] = t.x[p], t.y[p]
     count = 1
     for i in range(added):
-        x[count], y[count] = new_x[i], new_y[i]
+        x[count], y[count] = t.new_x[i], t.new_y[i]
         count += 1
     v = t.after[p]
     for _ in range(removed):
@@ -99,11 +98,11 @@ def range_m(k: int, t: Tours) -> float:
 
 
 @compiled
-def chain_is_free(p: int, q: int, new_x: Any, new_y: Any, added: int, space: EdgeGrid, t: Tours) -> bool:
+def chain_is_free(p: int, q: int, added: int, space: EdgeGrid, t: Tours) -> bool:
     """Whether the way from vertex p past the new places to vertex q stays in the standing space."""
     x, y = t.x[p], t.y[p]
     for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
+        cx, cy = (t.new_x[i], t.new_y[i]) if i < added else (t.x[q], t.y[q])
         if not segment_is_free(x, y, cx, cy, space):
             return False
         x, y = cx, cy
@@ -111,11 +110,11 @@ def chain_is_free(p: int, q: int, new_x: Any, new_y: Any, added: int, space: Edg
 
 
 @compiled
-def new_chain(p: int, q: int, new_x: Any, new_y: Any, added: int, k: int, s: Samples, t: Tours) -> bool:
+def new_chain(p: int, q: int, added: int, k: int, s: Samples, t: Tours) -> bool:
     """Count what the legs from vertex p past the new places to vertex q see, as legs of tour k."""
     x, y = t.x[p], t.y[p]
     for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
+        cx, cy = (t.new_x[i], t.new_y[i]) if i < added else (t.x[q], t.y[q])
         if not new_leg(x, y, cx, cy, k, s, t):
             return False
         x, y = cx, cy
@@ -148,14 +147,14 @@ def link(a: int, b: int, t: Tours) -> None:
 
 
 @compiled
-def replace_vertices(p: int, q: int, removed: int, new_x: Any, new_y: Any, added: int, k: int, t: Tours) -> None:
+def replace_vertices(p: int, q: int, removed: int, added: int, k: int, t: Tours) -> None:
     """Lead tour k from vertex p past new places to vertex q; the ``removed`` vertices between them are used again."""
     v = t.after[p]
     last = p
     for i in range(max(removed, added)):
         if i < removed and i < added:
             leave_bucket(v, t)
-            t.x[v], t.y[v] = new_x[i], new_y[i]
+            t.x[v], t.y[v] = t.new_x[i], t.new_y[i]
             enter_bucket(v, t)
             last, v = v, t.after[v]
         elif i < removed:
@@ -164,7 +163,7 @@ def replace_vertices(p: int, q: int, removed: int, new_x: Any, new_y: Any, added
                 t.anchor[k] = v
             free_vertex(gone, t)
         else:
-            made = new_vertex(new_x[i], new_y[i], k, t)
+            made = new_vertex(t.new_x[i], t.new_y[i], k, t)
             link(last, made, t)
             last = made
     link(last, q, t)
@@ -183,11 +182,11 @@ def take_out(v: int, m: int, q: int, t: Tours) -> None:
 
 
 @compiled
-def put_between(e: int, f: int, new_x: Any, new_y: Any, m: int, to: int, t: Tours) -> None:
+def put_between(e: int, f: int, m: int, to: int, t: Tours) -> None:
     """Link new vertices of tour ``to`` at m places between vertices e and f."""
     last = e
     for i in range(m):
-        made = new_vertex(new_x[i], new_y[i], to, t)
+        made = new_vertex(t.new_x[i], t.new_y[i], to, t)
         link(last, made, t)
         last = made
     link(last, f, t)

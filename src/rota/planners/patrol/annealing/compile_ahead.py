@@ -13,7 +13,7 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 
 typeof = kernels.anneal.typeof_pyval
 INT, FLOAT = typeof(0), typeof(0.0)
-WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "ways", "edges"}  # arrays of two dimensions
+WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "new_legs", "edges"}  # arrays of two dimensions
 WHOLE = {
     "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
     "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",
@@ -27,18 +27,15 @@ SINGLE = {"depth2"}  # of three dimensions, and 32 bits a number
 def compile_moves() -> None:
     """Compile the whole annealing, but for what is in numba's cache already."""
     _compile_geometry()
-    kernels.anneal.compile((INT, INT, INT, FLOAT, FLOAT, FLOAT, FLOAT, *_states()))
+    kernels.anneal.compile((INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0)), FLOAT, FLOAT, *_states()))
 
 
 def compile_exchanges() -> None:
     """Compile the two longest moves alone; ``compile_moves`` in another process finds them in numba's cache."""
     _compile_geometry()
     space, samples, tours = _states()
-    numbers = typeof(np.zeros(0))
     move_kernels.try_two_opt.compile((INT, INT, FLOAT, space, samples, tours))
-    move_kernels.try_or_opt.compile(
-        (INT, INT, INT, FLOAT, FLOAT, space, samples, tours, numbers, numbers)
-    )  # fmt: skip
+    move_kernels.try_or_opt.compile((INT, INT, INT, FLOAT, FLOAT, space, samples, tours))
 
 
 def _compile_geometry() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from rota.planners.patrol.annealing.state_kernels import RANGE, SURE_M, WEIGHT, Tours, bucket_of
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
@@ -18,51 +17,51 @@ def unseen_near(ax: float, ay: float, bx: float, by: float, t: Tours) -> float:
     high = bucket_of(max(ax, bx) + far, max(ay, by) + far, t)
     columns = t.grid_n[0]
     wide = high % columns - low % columns
-    found = 0
+    unseen = 0
     for first in range(low, high - wide + 1, columns):
         for b in range(first, first + wide + 1):
-            found += t.unseen_in[b]
+            unseen += t.unseen_in[b]
     # a little more, since the weight of all is a sum of many changes
-    return float(min(t.unseen[0], found * t.most[WEIGHT])) + SURE_M
+    return float(min(t.unseen[0], unseen * t.most[WEIGHT])) + SURE_M
 
 
 @compiled
-def gain_at_most(p: int, q: int, new_x: Any, new_y: Any, added: int, t: Tours) -> float:
+def gain_at_most(p: int, q: int, added: int, t: Tours) -> float:
     """What the way from vertex p past the new places to vertex q may gain: no more than is unseen near it.
 
-    Most hopeless moves end with this, before any geometry.
+    Most moves that cannot pay end with this, before any geometry.
     """
     x0, x1 = min(t.x[p], t.x[q]), max(t.x[p], t.x[q])
     y0, y1 = min(t.y[p], t.y[q]), max(t.y[p], t.y[q])
     for i in range(added):
-        x0, x1 = min(x0, new_x[i]), max(x1, new_x[i])
-        y0, y1 = min(y0, new_y[i]), max(y1, new_y[i])
+        x0, x1 = min(x0, t.new_x[i]), max(x1, t.new_x[i])
+        y0, y1 = min(y0, t.new_y[i]), max(y1, t.new_y[i])
     return float(unseen_near(x0, y0, x1, y1, t))
 
 
 @compiled
-def note_way(number: int, ax: float, ay: float, bx: float, by: float, t: Tours) -> None:
+def note_leg(number: int, ax: float, ay: float, bx: float, by: float, t: Tours) -> None:
     """Note a leg that a move would make, for ``lost_at_least``."""
-    way = t.ways[number]
+    leg = t.new_legs[number]
     dx, dy = bx - ax, by - ay
     aa = dx * dx + dy * dy
-    way[0], way[1], way[2], way[3] = ax, ay, dx, dy
-    way[4] = 1 / aa if aa > 0 else 0.0
+    leg[0], leg[1], leg[2], leg[3] = ax, ay, dx, dy
+    leg[4] = 1 / aa if aa > 0 else 0.0
 
 
 @compiled
-def note_chain(number: int, p: int, q: int, new_x: Any, new_y: Any, added: int, t: Tours) -> None:
+def note_chain(number: int, p: int, q: int, added: int, t: Tours) -> None:
     """Note the legs from vertex p past the new places to vertex q, the first with this number."""
     x, y = t.x[p], t.y[p]
     for i in range(added + 1):
-        cx, cy = (new_x[i], new_y[i]) if i < added else (t.x[q], t.y[q])
-        note_way(number + i, x, y, cx, cy, t)
+        cx, cy = (t.new_x[i], t.new_y[i]) if i < added else (t.x[q], t.y[q])
+        note_leg(number + i, x, y, cx, cy, t)
         x, y = cx, cy
 
 
 @compiled
-def lost_at_least(slot: int, ways: int, reach: float, most: float, s: Samples, t: Tours) -> float:
-    """Weight of samples that only the leg with this slot sees and that are out of reach of the noted legs.
+def lost_at_least(slot: int, legs: int, reach: float, most: float, s: Samples, t: Tours) -> float:
+    """Weight of samples that only the leg with this slot sees, and that none of the first noted legs reaches.
 
     Without a look at walls, which may hide more; nor is more counted than it takes to exceed ``most``.
     """
@@ -76,11 +75,11 @@ def lost_at_least(slot: int, ways: int, reach: float, most: float, s: Samples, t
             x, y = s.x[i], s.y[i]
             far = s.visit_m[i] if s.visit_m[i] > 0 else reach - s.shrink_m[i]
             near2 = math.inf
-            for w in range(ways):
-                way = t.ways[w]
-                px, py = x - way[0], y - way[1]
-                along = min(1.0, max(0.0, (px * way[2] + py * way[3]) * way[4]))
-                px, py = px - along * way[2], py - along * way[3]
+            for k in range(legs):
+                leg = t.new_legs[k]
+                px, py = x - leg[0], y - leg[1]
+                along = min(1.0, max(0.0, (px * leg[2] + py * leg[3]) * leg[4]))
+                px, py = px - along * leg[2], py - along * leg[3]
                 near2 = min(near2, px * px + py * py)
             if near2 > far * far * (1 + SURE_M) + SURE_M:
                 lost += s.weight[i]

@@ -6,7 +6,7 @@ Neighbours come from buckets of the plane, so that a move costs the same however
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,16 @@ from rota.planners.patrol.annealing.state_kernels import FULL, UNSEEN, VERTICES,
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
-MEETINGS = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
+ANCHOR_MOVES = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
 MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg
+
+
+class Schedule(NamedTuple):
+    """Heat in metres, falling geometrically from ``hot_m`` to ``cold_m`` over so many moves."""
+
+    moves: int
+    hot_m: float
+    cold_m: float
 
 
 @compiled
@@ -75,7 +83,7 @@ def crossing_leg(a: int, t: Tours, most_m: float) -> int:
     k, b = t.tour[a], t.after[a]
     if t.n[k] < 4:
         return -1
-    best, found = math.inf, -1
+    best, leg = math.inf, -1
     columns, rows = t.grid_n[0], t.grid_n[1]
     ci = min(max(int((t.x[a] - t.grid[0]) / t.grid[2]), 0), columns - 1)
     cj = min(max(int((t.y[a] - t.grid[1]) / t.grid[2]), 0), rows - 1)
@@ -89,13 +97,13 @@ def crossing_leg(a: int, t: Tours, most_m: float) -> int:
                     ac, bd = apart(a, c, t), apart(b, d, t)
                     change = ac + bd - ab - apart(c, d, t)
                     if change < best and ac <= most_m and bd <= most_m:
-                        best, found = change, c
+                        best, leg = change, c
                 c = t.bucket_after[c]
-    return found
+    return leg
 
 
 @compiled
-def propose_insert(space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any) -> int:
+def propose_insert(space: EdgeGrid, s: Samples, t: Tours) -> int:
     """A place from where an unseen sample may be seen; returns the leg to lead there, or -1: none this time."""
     i = t.unseen_item[int(uniform(t.rng) * t.ints[UNSEEN])]
     cx, cy = s.x[i], s.y[i]
@@ -115,12 +123,12 @@ def propose_insert(space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
     far = norm(px, py)
     if far <= reach or uniform(t.rng) < 0.3:  # already near, so hidden: look from elsewhere
         angle, r = 2 * math.pi * uniform(t.rng), reach * math.sqrt(uniform(t.rng))
-        new_x[0], new_y[0] = cx + r * math.cos(angle), cy + r * math.sin(angle)
+        t.new_x[0], t.new_y[0] = cx + r * math.cos(angle), cy + r * math.sin(angle)
     else:
         # just near enough: a bend that goes no further uncovers least on its other side
         r = reach * (1 - 0.5 * uniform(t.rng) ** 4) / far
-        new_x[0], new_y[0] = cx + px * r, cy + py * r
-    return a if point_in_space(new_x[0], new_y[0], space) else -1
+        t.new_x[0], t.new_y[0] = cx + px * r, cy + py * r
+    return a if point_in_space(t.new_x[0], t.new_y[0], space) else -1
 
 
 @compiled
@@ -129,20 +137,17 @@ def mend(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> in
 
     Returns the number of tries made: fewer when all is seen, or FULL is set.
     """
-    new_x, new_y = t.scratch[0], t.scratch[1]
     for tried in range(tries):
         if t.ints[UNSEEN] == 0 or t.ints[FULL] > 0:
             return tried
-        a = propose_insert(space, s, t, new_x, new_y)
+        a = propose_insert(space, s, t)
         if a >= 0:
-            change_legs(a, np.int64(0), new_x, new_y, np.int64(1), -1e-9, most_m, space, s, t)
+            change_legs(a, np.int64(0), np.int64(1), -1e-9, most_m, space, s, t)
     return tries
 
 
 @compiled
-def try_moving_stretch(
-    v: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
-) -> None:
+def try_moving_stretch(v: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> None:
     """Move one to three vertices from v on to where they add least, in any tour."""
     m = 1 + int(uniform(t.rng) * 3)
     k = t.tour[v]
@@ -158,7 +163,7 @@ def try_moving_stretch(
     length_inside = norm(t.x[w] - t.x[v], t.y[w] - t.y[v])
     leg = leg_elsewhere(v, w, t)
     if leg >= 0 and length_inside <= most_m:
-        try_or_opt(v, m, leg, limit, most_m, space, s, t, new_x, new_y)
+        try_or_opt(v, m, leg, limit, most_m, space, s, t)
 
 
 @compiled
@@ -190,76 +195,70 @@ def leg_elsewhere(v: int, w: int, t: Tours) -> int:
 
 
 @compiled
-def shift(
-    v: int, spread: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
-) -> None:
+def shift(v: int, spread: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> None:
     """Move vertex v by up to ``spread`` in both directions."""
-    new_x[0] = t.x[v] + spread * (2 * uniform(t.rng) - 1)
-    new_y[0] = t.y[v] + spread * (2 * uniform(t.rng) - 1)
-    if not point_in_space(new_x[0], new_y[0], space):
+    t.new_x[0] = t.x[v] + spread * (2 * uniform(t.rng) - 1)
+    t.new_y[0] = t.y[v] + spread * (2 * uniform(t.rng) - 1)
+    if not point_in_space(t.new_x[0], t.new_y[0], space):
         return
     if t.after[v] == v or pinned(v, t):
-        move_together(v, new_x[0], new_y[0], limit, most_m, space, s, t)
+        move_together(v, t.new_x[0], t.new_y[0], limit, most_m, space, s, t)
     else:
-        change_legs(t.before[v], np.int64(1), new_x, new_y, np.int64(1), limit, most_m, space, s, t)
+        change_legs(t.before[v], np.int64(1), np.int64(1), limit, most_m, space, s, t)
 
 
 @compiled
-def one_move(
-    limit: float, step_m: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
-) -> None:
+def one_move(limit: float, step_m: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> None:
     """Try one move of a random kind at a random place; keep it if it costs at most ``limit``."""
     none, one = np.int64(0), np.int64(1)
     kind = uniform(t.rng)
     v = t.in_use[int(uniform(t.rng) * t.ints[VERTICES])]
     if t.ints[UNSEEN] > 0 and kind < 0.2:
-        a = propose_insert(space, s, t, new_x, new_y)
+        a = propose_insert(space, s, t)
         if a >= 0:
-            change_legs(a, none, new_x, new_y, one, limit, most_m, space, s, t)
+            change_legs(a, none, one, limit, most_m, space, s, t)
     elif kind < 0.30:
         h = t.hub[t.tour[v]]
-        if t.more[h] > 0 and h != t.tour[v] and uniform(t.rng) < MEETINGS:
+        if t.more[h] > 0 and h != t.tour[v] and uniform(t.rng) < ANCHOR_MOVES:
             try_meeting_near(v, limit, most_m, space, s, t)
             return
         c = crossing_leg(v, t, most_m)
         if c >= 0:
             try_two_opt(v, c, limit, space, s, t)
     elif kind < 0.40:
-        try_moving_stretch(v, limit, most_m, space, s, t, new_x, new_y)
+        try_moving_stretch(v, limit, most_m, space, s, t)
     elif kind < 0.56:
         if t.after[v] != v and not pinned(v, t):
-            change_legs(t.before[v], one, new_x, new_y, none, limit, most_m, space, s, t)
+            change_legs(t.before[v], one, none, limit, most_m, space, s, t)
     elif kind < 0.92:
         spread = step_m * (1.0, 0.3, 0.08)[int(uniform(t.rng) * 3)]
-        shift(v, spread, limit, most_m, space, s, t, new_x, new_y)
+        shift(v, spread, limit, most_m, space, s, t)
     else:
         along, spread, w = uniform(t.rng), 0.5 * step_m, t.after[v]
-        new_x[0] = t.x[v] + along * (t.x[w] - t.x[v]) + spread * (2 * uniform(t.rng) - 1)
-        new_y[0] = t.y[v] + along * (t.y[w] - t.y[v]) + spread * (2 * uniform(t.rng) - 1)
-        if point_in_space(new_x[0], new_y[0], space):
-            change_legs(v, none, new_x, new_y, one, limit, most_m, space, s, t)
+        t.new_x[0] = t.x[v] + along * (t.x[w] - t.x[v]) + spread * (2 * uniform(t.rng) - 1)
+        t.new_y[0] = t.y[v] + along * (t.y[w] - t.y[v]) + spread * (2 * uniform(t.rng) - 1)
+        if point_in_space(t.new_x[0], t.new_y[0], space):
+            change_legs(v, none, one, limit, most_m, space, s, t)
 
 
 @compiled
 def anneal(
-    first: int, moves: int, of: int, hot: float, cold: float, step_m: float, most_m: float,
-    space: EdgeGrid, s: Samples, t: Tours,
-) -> int:  # fmt: skip
-    """Make moves first..first+moves of a schedule of ``of`` moves cooling geometrically from hot to cold (metres).
+    first: int, count: int, schedule: Schedule, step_m: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours
+) -> int:
+    """Make ``count`` moves of the schedule, from move ``first`` on.
 
-    step_m: spread of the longest shifts. most_m: no leg grows beyond this. Returns the number of moves made: fewer
-    when a move found no room, and FULL is set.
+    step_m: spread of the longest shifts, in metres. most_m: no leg grows beyond this. Returns the number of moves made:
+    fewer when a move found no room, and FULL is set.
     """
-    new_x, new_y = t.scratch[0], t.scratch[1]
     for k in range(t.n.shape[0]):
         t.length[k] = tour_length(k, t)  # rounding of many small changes ends here
     t.unseen[0] = 0.0
     for i in range(t.ints[UNSEEN]):
         t.unseen[0] += s.weight[t.unseen_item[i]]
-    for move in range(first, first + moves):
+    for move in range(first, first + count):
         if t.ints[FULL] > 0:
             return move - first
-        heat = hot * (cold / hot) ** (move / of)
+        heat = schedule.hot_m * (schedule.cold_m / schedule.hot_m) ** (move / schedule.moves)
         limit = -heat * math.log(1.0 - uniform(t.rng))
-        one_move(limit, step_m, most_m, space, s, t, new_x, new_y)
-    return moves
+        one_move(limit, step_m, most_m, space, s, t)
+    return count

@@ -52,7 +52,7 @@ def try_meeting_near(v: int, limit: float, most_m: float, space: EdgeGrid, s: Sa
 def hub_vertex_near(v: int, t: Tours) -> int:
     """Any vertex, each as likely, of the hub of petal vertex v in its own bucket or those around; -1: none is there."""
     h = t.hub[t.tour[v]]
-    found, count = np.int64(-1), 0
+    vertex, count = np.int64(-1), 0
     columns, rows = t.grid_n[0], t.grid_n[1]
     b = bucket_of(t.x[v], t.y[v], t)
     ci, cj = b % columns, b // columns
@@ -63,9 +63,9 @@ def hub_vertex_near(v: int, t: Tours) -> int:
                 if t.tour[u] == h:
                     count += 1
                     if uniform(t.rng) * count < 1:
-                        found = u
+                        vertex = u
                 u = t.bucket_after[u]
-    return int(found)
+    return int(vertex)
 
 
 @compiled

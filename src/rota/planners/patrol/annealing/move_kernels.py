@@ -6,7 +6,6 @@ Numbers that callers write as literals are passed as ``np.int64``: numba would c
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from rota.planners.patrol.annealing.estimate_kernels import (
     gain_at_most,
     lost_at_least,
     note_chain,
-    note_way,
+    note_leg,
     unseen_near,
 )
 from rota.planners.patrol.annealing.state_kernels import (
@@ -51,7 +50,7 @@ from rota.planners.patrol.ground.sight_kernels import compiled
 
 @compiled
 def change_legs(
-    p: int, removed: int, new_x: Any, new_y: Any, added: int, limit: float, most_m: float,
+    p: int, removed: int, added: int, limit: float, most_m: float,
     space: EdgeGrid, s: Samples, t: Tours,
 ) -> bool:  # fmt: skip
     """Replace the ``removed`` vertices after vertex p by ``added`` new places, if that costs at most ``limit``.
@@ -68,37 +67,37 @@ def change_legs(
     short = t.n[k] + added - removed < 4 and t.turn_m[k] > 0  # the turning of a short ring is not a sum of its parts
     change_m, spare = 0.0, math.inf
     if not short:
-        new_m = chain_m(p, q, new_x, new_y, added, most_m, k, t)
+        new_m = chain_m(p, q, added, most_m, k, t)
         if new_m == math.inf:
             return False
         change_m = new_m - way_m(p, q, t)
-        spare = limit - length_cost(k, change_m, t) + gain_at_most(p, q, new_x, new_y, added, t)
+        spare = limit - length_cost(k, change_m, t) + gain_at_most(p, q, added, t)
         if spare < 0:
             return False
-    elif chain_m(p, q, new_x, new_y, added, most_m, k, t) == math.inf:
+    elif chain_m(p, q, added, most_m, k, t) == math.inf:
         return False
     else:
-        change_m = short_ring_m(p, removed, new_x, new_y, added, k, t) - t.length[k]
+        change_m = short_ring_m(p, removed, added, k, t) - t.length[k]
     if not short:
-        note_chain(np.int64(0), p, q, new_x, new_y, added, t)
+        note_chain(np.int64(0), p, q, added, t)
         v = p
         for _ in range(removed + 1):
             spare -= lost_at_least(t.slot[v], added + 1, range_m(k, t), spare, s, t)
             if spare < 0:
                 return False
             v = t.after[v]
-    if not chain_is_free(p, q, new_x, new_y, added, space, t):
+    if not chain_is_free(p, q, added, space, t):
         return False
     unseen = t.unseen[0]
     begin(t)
-    counted = new_chain(p, q, new_x, new_y, added, k, s, t)
+    counted = new_chain(p, q, added, k, s, t)
     if counted:
         old_legs(p, removed + 1, s, t)
     if not counted or length_cost(k, change_m, t) + t.unseen[0] - unseen > limit:
         undo(unseen, s, t)
         return False
     keep(t)
-    replace_vertices(p, q, removed, new_x, new_y, added, k, t)
+    replace_vertices(p, q, removed, added, k, t)
     place_legs(p, np.int64(0), added + 1, t)
     t.length[k] += change_m
     return True
@@ -119,8 +118,8 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
     spare = limit - length_cost(k, change_m, t) + gain
     if spare < 0:
         return False
-    note_way(np.int64(0), t.x[a], t.y[a], t.x[c], t.y[c], t)
-    note_way(np.int64(1), t.x[b], t.y[b], t.x[d], t.y[d], t)
+    note_leg(np.int64(0), t.x[a], t.y[a], t.x[c], t.y[c], t)
+    note_leg(np.int64(1), t.x[b], t.y[b], t.x[d], t.y[d], t)
     spare -= lost_at_least(t.slot[a], np.int64(2), range_m(k, t), spare, s, t)
     if spare < 0 or spare < lost_at_least(t.slot[c], np.int64(2), range_m(k, t), spare, s, t):
         return False
@@ -173,9 +172,7 @@ def reverse(first: int, last: int, t: Tours) -> None:
 
 
 @compiled
-def try_or_opt(
-    v: int, m: int, e: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours, new_x: Any, new_y: Any
-) -> bool:
+def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
     """Move the m vertices from v on between vertex e, which is none of them, and the vertex after it, in any tour."""
     k, to = t.tour[v], t.tour[e]
     p, w = t.before[v], v
@@ -190,20 +187,20 @@ def try_or_opt(
     back = apart(e, w, t) + apart(v, f, t)
     u = v if ahead <= back else w
     for i in range(m):
-        new_x[i], new_y[i] = t.x[u], t.y[u]
+        t.new_x[i], t.new_y[i] = t.x[u], t.y[u]
         u = t.after[u] if ahead <= back else t.before[u]
-    out_m = chain_m(p, q, new_x, new_y, np.int64(0), most_m, k, t)
-    into_m = chain_m(e, f, new_x, new_y, m, most_m, to, t)
+    out_m = chain_m(p, q, np.int64(0), most_m, k, t)
+    into_m = chain_m(e, f, m, most_m, to, t)
     if out_m == math.inf or into_m == math.inf:
         return False
     out_m -= way_m(p, q, t)
     into_m -= way_m(e, f, t)
-    gain = unseen_near(t.x[p], t.y[p], t.x[q], t.y[q], t) + gain_at_most(e, f, new_x, new_y, m, t)
+    gain = unseen_near(t.x[p], t.y[p], t.x[q], t.y[q], t) + gain_at_most(e, f, m, t)
     spare = limit - moved_cost(k, out_m, to, into_m, t) + gain
     if spare < 0:
         return False
-    note_chain(np.int64(0), e, f, new_x, new_y, m, t)
-    note_way(m + 1, t.x[p], t.y[p], t.x[q], t.y[q], t)
+    note_chain(np.int64(0), e, f, m, t)
+    note_leg(m + 1, t.x[p], t.y[p], t.x[q], t.y[q], t)
     far = max(range_m(k, t), range_m(to, t))
     u = p
     for i in range(m + 2):
@@ -213,11 +210,11 @@ def try_or_opt(
         u = t.after[u]
     if not segment_is_free(t.x[p], t.y[p], t.x[q], t.y[q], space):
         return False
-    if not chain_is_free(e, f, new_x, new_y, m, space, t):
+    if not chain_is_free(e, f, m, space, t):
         return False
     unseen = t.unseen[0]
     begin(t)
-    counted = new_leg(t.x[p], t.y[p], t.x[q], t.y[q], k, s, t) and new_chain(e, f, new_x, new_y, m, to, s, t)
+    counted = new_leg(t.x[p], t.y[p], t.x[q], t.y[q], k, s, t) and new_chain(e, f, m, to, s, t)
     if counted:
         old_legs(p, m + 1, s, t)
         old_leg(t.slot[e], s, t)
@@ -228,7 +225,7 @@ def try_or_opt(
     take_out(v, m, q, t)
     link(p, q, t)
     t.slot[p] = t.tried_new[0]
-    put_between(e, f, new_x, new_y, m, to, t)
+    put_between(e, f, m, to, t)
     place_legs(e, np.int64(1), m + 1, t)
     t.length[k] += out_m
     t.length[to] += into_m

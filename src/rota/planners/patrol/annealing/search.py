@@ -115,8 +115,8 @@ class Annealing:
             bucket_of_sample=buckets_of(self._samples, grid, grid_n), unseen_in=numbers(int(grid_n.prod())),
             most=np.array([heaviest_m, max(reach_m.max(), self._samples.visit_m.max(initial=0.0))]),
             ints=numbers(NUMBERS), unseen=np.zeros(1),
-            ways=np.zeros((8, 5)), tried_new=numbers(MOST_TRIED), tried_old=numbers(MOST_TRIED),
-            rng=rng, scratch=np.zeros((4, 8)),
+            new_legs=np.zeros((8, 5)), tried_new=numbers(MOST_TRIED), tried_old=numbers(MOST_TRIED),
+            rng=rng, new_x=np.zeros(8), new_y=np.zeros(8), scratch=np.zeros((2, 8)),
         )  # fmt: skip
 
     def _grow(self) -> None:
@@ -137,12 +137,12 @@ class Annealing:
         done: Callable[[int], None] = lambda moves: None,
     ) -> bool:
         """Anneal; True when all moves were made, False when ``should_stop`` ended it early."""
-        first = 0
+        first, schedule = 0, annealing_kernels.Schedule(moves, hot_m, cold_m)
         while first < moves:
             if should_stop():
                 return False
             made = annealing_kernels.anneal(
-                first, min(CHUNK, moves - first), moves, hot_m, cold_m, self._step_m, self._longest_m,
+                first, min(CHUNK, moves - first), schedule, self._step_m, self._longest_m,
                 self._space, self._samples, self._state,
             )  # fmt: skip
             first += made
@@ -212,8 +212,8 @@ def buckets_of(samples: Samples, grid: Floats, grid_n: Ints) -> NDArray[np.int32
     """The bucket (n,) of each sample; places outside the grid belong to its nearest one."""
     column = np.clip((samples.x - grid[0]) / grid[2], 0, grid_n[0] - 1).astype(np.int32)
     row = np.clip((samples.y - grid[1]) / grid[2], 0, grid_n[1] - 1).astype(np.int32)
-    found: NDArray[np.int32] = row * np.int32(grid_n[0]) + column
-    return found
+    buckets: NDArray[np.int32] = row * np.int32(grid_n[0]) + column
+    return buckets
 
 
 def ring_of(state: Tours, k: int) -> Floats:

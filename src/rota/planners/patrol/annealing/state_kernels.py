@@ -74,11 +74,13 @@ class Tours(NamedTuple):
     most: Floats
     ints: Ints
     unseen: Floats  # (1,) the weight of all unseen samples
-    ways: Floats  # legs that a move would make: begin, way, and 1 / length squared
+    new_legs: Floats  # legs that a move would make: begin, way, and 1 / length squared
     tried_new: Ints  # slots of the legs that the trial makes
     tried_old: Ints  # of those that it takes away
     rng: NDArray[np.uint64]  # the state of the random numbers
-    scratch: Floats  # room for the places of a move
+    new_x: Floats  # the new places of a move, in metres
+    new_y: Floats
+    scratch: Floats  # room for the places of a short ring
 
 
 @compiled
@@ -189,12 +191,12 @@ def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: T
         t.ints[FULL] = 1
         return False
     slot = t.free_slots[left - 1]
-    found = leg_sees(Leg(ax, ay, bx, by, t.reach_m[k], t.square[k]), t.period_class[k], s, t.seen[slot])
-    if found < 0:
+    count = leg_sees(Leg(ax, ay, bx, by, t.reach_m[k], t.square[k]), t.period_class[k], s, t.seen[slot])
+    if count < 0:
         t.ints[FULL] = 1
         return False
     t.ints[SLOTS_LEFT] = left - 1
-    t.seen_n[slot] = found
+    t.seen_n[slot] = count
     t.tried_new[tried] = slot
     t.ints[TRIED_NEW] = tried + 1
     count_leg(slot, np.int64(1), s, t)

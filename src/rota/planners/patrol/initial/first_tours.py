@@ -46,7 +46,7 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
             shares.append(DETOUR * sum(area_m2[c] for c in group) / swept)
         return sum(max(1, math.ceil(share)) for share in shares), sum(shares)
 
-    found = []
+    groupings = []
     for cuts in itertools.product([False, True], repeat=max(0, len(area_m2) - 1)):
         groups: list[tuple[int, ...]] = [(0,)]
         for c, cut in enumerate(cuts, start=1):
@@ -54,8 +54,8 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
                 groups.append((c,))
             else:
                 groups[-1] = (*groups[-1], c)
-        found.append(tuple(groups))
-    return iter(sorted(found, key=expected))
+        groupings.append(tuple(groups))
+    return iter(sorted(groupings, key=expected))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +74,7 @@ class PlaceGroup:
 
 def place_groups(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[PlaceGroup]:
     """For each group of classes, part and cluster the places from which all of it is seen."""
-    found: list[PlaceGroup] = []
+    viewed: list[PlaceGroup] = []
     places, covered = problem.viewpoints, np.zeros(len(problem.points), dtype=bool)
     for group in groups:
         wanted = np.isin(problem.points.period, group) & ~covered
@@ -82,7 +82,7 @@ def place_groups(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[
             for tour in standing_tours(problem, wanted, group[0]):
                 _, seen = what_places_see(tour.vertices_m, problem.robot, problem.range_margin_m, problem.samples)
                 covered[seen] = True
-                found.append(
+                viewed.append(
                     PlaceGroup(
                         period_class=group[0], component=tour.component, places=np.zeros(0, dtype=np.int64), stands=tour
                     )
@@ -92,8 +92,8 @@ def place_groups(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[
         for place in chosen:
             covered[places.seen[places.start[place] : places.start[place + 1]]] = True
         for component, cluster in clusters(problem, chosen, problem.periods_s[group[0]]):
-            found.append(PlaceGroup(period_class=group[0], component=component, places=cluster))
-    return found
+            viewed.append(PlaceGroup(period_class=group[0], component=component, places=cluster))
+    return viewed
 
 
 def first_tours(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[Tour]:

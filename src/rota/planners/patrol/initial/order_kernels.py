@@ -114,25 +114,25 @@ def move_stretch(a: int, long: int, way: int, c: int, e: int, order: Any, place:
         stretch[i] = order[(place[a] + way * i) % n]
     new = np.empty(n, dtype=np.int64)
     at = (place[a] + way * long) % n
-    found = 0
+    placed = 0
     for _ in range(n - long):
-        here = order[at]
-        new[found] = here
-        found += 1
+        stop = order[at]
+        new[placed] = stop
+        placed += 1
         ahead = order[(at + way) % n]
-        if here == c and ahead == e:
+        if stop == c and ahead == e:
             for i in range(long):
-                new[found] = stretch[i]
-                found += 1
-        elif here == e and ahead == c:
+                new[placed] = stretch[i]
+                placed += 1
+        elif stop == e and ahead == c:
             for i in range(long - 1, -1, -1):
-                new[found] = stretch[i]
-                found += 1
+                new[placed] = stretch[i]
+                placed += 1
         at = (at + way) % n
-    if found < n:  # c and e met where the stretch was: it stays there, turned round
+    if placed < n:  # c and e met where the stretch was: it stays there, turned round
         for i in range(long - 1, -1, -1):
-            new[found] = stretch[i]
-            found += 1
+            new[placed] = stretch[i]
+            placed += 1
     for i in range(n):
         order[i] = new[i]
         place[new[i]] = i

@@ -45,11 +45,11 @@ def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[T
     best = tours
     while least < most:
         few = (least + most) // 2
-        found = all_seen_by(problem, tours[:few], wanted)
-        if found is None:
+        fewer = all_seen_by(problem, tours[:few], wanted)
+        if fewer is None:
             least = few + 1
         else:
-            best, most = found, few
+            best, most = fewer, few
     return best
 
 

@@ -92,6 +92,7 @@ def shortened(context: Context, tours: list[Tour], extra: SamplePoints) -> list[
     if not can_bend(problem) or not are_tight(context, tours):
         return tours
     _, samples = prepared_with(problem, extra)
-    bending = Bending(with_tight_margin(context, tours), tours, samples, length_weight=settings.annealing.length_weight)
+    weight = settings.annealing.length_weight
+    bending = Bending(with_tight_margin(context, tours), tours, samples, settings.bending, length_weight=weight)
     bending.run(settings.alternation.shortening_steps, should_stop=context.should_stop)
     return bending.tours

@@ -170,14 +170,14 @@ def visiting_stubborn(context: Context, tours: list[Tour], points: SamplePoints,
 def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
     """The tours moved as little as it takes to see all samples within the budgets, as near to that as they come."""
     problem, settings = with_tight_margin(context, tours), context.settings.repair
-    bending = Bending(problem, tours, samples, reserve=ROUNDING)
+    bending = Bending(problem, tours, samples, context.settings.bending, reserve=ROUNDING)
     bending.run(settings.bending_steps, should_stop=context.should_stop)
     if settings.over_budget_limit > 0 and over_budget_share(bending.tours) > 0:
         bending.hand_over(settings.bending_steps, should_stop=context.should_stop)
     if not bending.some_far:
         return bending.tours
     longer = see_the_rest(context, bending.tours, points, samples, seed=seed)
-    bending = Bending(problem, longer, samples, reserve=ROUNDING)
+    bending = Bending(problem, longer, samples, context.settings.bending, reserve=ROUNDING)
     bending.run(settings.bending_steps, should_stop=context.should_stop)
     return bending.tours
 
@@ -235,7 +235,7 @@ def new_points(
     if problem.is_ragged and len(verdict.shown_unmet_m):  # most others lie in pieces of ground that walls cut in two
         unmet_m, unmet_demand = verdict.shown_unmet_m, verdict.shown_unmet_demand
     grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
-    found = [no_points()]
+    samples = [no_points()]
     for k, demand in enumerate(verdict.demands):
         xy = unmet_m[unmet_demand == k]
         if demand.name not in by_name or not len(xy):
@@ -243,7 +243,7 @@ def new_points(
         i = by_name[demand.name]
         if problem.regions[i].demand == "visit":
             again = problem.points[problem.points.region == i]
-            found.append(replace(again, area_m2=np.full(len(again), problem.swath_m**2)))
+            samples.append(replace(again, area_m2=np.full(len(again), problem.swath_m**2)))
             continue
         ranges_m = np.zeros(len(xy))
         if len(problem.border_places_m):
@@ -252,8 +252,8 @@ def new_points(
         _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
         first = np.sort(first)[:: max(1, len(first) // most)]
         new = points_of(xy[first], problem.spacing_m**2, problem.region_class[i], i, shrink_m=shorter_m)
-        found.append(with_reach_for(new, ranges_m[first], problem.reach_m, problem.range_margin_m))
-    return joined(found)
+        samples.append(with_reach_for(new, ranges_m[first], problem.reach_m, problem.range_margin_m))
+    return joined(samples)
 
 
 def hardest_first(problem: Problem, tours: Sequence[Tour], xy_m: Floats) -> tuple[Ints, Floats]:

@@ -17,10 +17,12 @@ from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import SamplePoints, points_of, prepare
 from rota.planners.patrol.repair.bending.layout import Layout, laid_out, sightings
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
+from rota.planners.patrol.settings import BendingSettings
 from rota.planners.patrol.tours.tour import Tour, excesses, over_budget_share, tour_length_m
 
 Floats = NDArray[np.float64]
 REACH_M = 3.0
+BENDING = BendingSettings()
 
 
 def problem_of(*obstacles: shapely.Polygon, square: bool = False) -> Problem:
@@ -55,7 +57,7 @@ def samples_at(problem: Problem, places_m: object) -> tuple[SamplePoints, object
 
 
 def shortest(problem: Problem, begun: Tour, places_m: object) -> Tour:
-    search = Bending(problem, [begun], samples_at(problem, places_m)[1], length_weight=0.3)  # type: ignore[arg-type]
+    search = Bending(problem, [begun], samples_at(problem, places_m)[1], BENDING, length_weight=0.3)  # type: ignore[arg-type]
     search.run(300, should_stop=lambda: False)
     return search.tours[0]
 
@@ -89,7 +91,7 @@ def test_a_square_sensor_on_the_corners_of_a_square() -> None:
 def test_what_is_missed_is_seen_and_what_need_not_move_stays(field: Problem) -> None:
     begun = tour(field, [[10, 10], [50, 10], [50, 50], [10, 50]])
     _, samples = samples_at(field, [[30, 13.2], [30, 47.5]])  # the first is 3.2 m from the nearest leg
-    search = Bending(field, [begun], samples)  # type: ignore[arg-type]
+    search = Bending(field, [begun], samples, BENDING)  # type: ignore[arg-type]
     search.run(20, should_stop=lambda: False)
     ring = LineString(np.vstack([search.tours[0].vertices_m, search.tours[0].vertices_m[:1]]))
     assert ring.distance(shapely.Point(30, 13.2)) <= sight_m(field) + 1e-6
@@ -101,7 +103,7 @@ def test_what_is_missed_is_seen_and_what_need_not_move_stays(field: Problem) -> 
 def test_within_the_budget_before_it_sees_what_it_cannot(field: Problem) -> None:
     # 160 m of tour, a budget of 150 m, and corners that it sees from inside: 4 (40 - sqrt 2 r) is 143.3 m
     corners = [[10, 10], [50, 10], [50, 50], [10, 50]]
-    search = Bending(field, [tour(field, corners, period_s=75.0)], samples_at(field, corners)[1], reserve=1e-6)  # type: ignore[arg-type]
+    search = Bending(field, [tour(field, corners, period_s=75.0)], samples_at(field, corners)[1], BENDING, reserve=1e-6)  # type: ignore[arg-type]
     assert over_budget_share(search.tours) > 0.06
     search.run(60, should_stop=lambda: False)
     assert over_budget_share(search.tours) == 0
@@ -122,7 +124,7 @@ def test_a_nest_keeps_its_meeting_place_and_all_its_budgets(field: Problem) -> N
     assert layout.counts @ lengths - layout.budget_m == pytest.approx([over for over, _ in excesses(nest)])
     assert layout.budget_m == pytest.approx([budget for _, budget in excesses(nest)])
     ends = [[20, 20], [50, 40], [30, 55], [5, 5], [55, 5]]
-    search = Bending(field, nest, samples_at(field, ends)[1], reserve=1e-6)  # type: ignore[arg-type]
+    search = Bending(field, nest, samples_at(field, ends)[1], BENDING, reserve=1e-6)  # type: ignore[arg-type]
     assert over_budget_share(nest) > 0.1
     search.run(100, should_stop=lambda: False)
     assert len({tuple(one.vertices_m[0].tolist()) for one in search.tours[:3]}) == 1
@@ -141,7 +143,7 @@ def test_petals_keep_the_vertices_of_the_hub_at_which_they_begin(field: Problem)
     assert lengths == pytest.approx([tour_length_m(one) for one in nest])
     assert layout.counts @ lengths - layout.budget_m == pytest.approx([over for over, _ in excesses(nest)])
     ends = [[20, 20], [50, 40], [30, 55]]
-    search = Bending(field, nest, samples_at(field, ends)[1], reserve=1e-6)  # type: ignore[arg-type]
+    search = Bending(field, nest, samples_at(field, ends)[1], BENDING, reserve=1e-6)  # type: ignore[arg-type]
     assert over_budget_share(nest) > 0.1
     search.run(100, should_stop=lambda: False)
     hub, *petals = (one.vertices_m for one in search.tours)
@@ -159,7 +161,7 @@ def test_what_others_nearly_see_is_handed_over_by_who_has_nothing_to_spare(field
         tour(field, [[30 + 2 * r + 0.03, 20], [30 + 2 * r + 0.03, 40]]),
     ]
     ends = samples_at(field, [[10 - r, 30], [30 + r, 30], [30 + 2 * r + 0.03, 20 - r]])[1]
-    search = Bending(field, tours, ends, reserve=1e-6)  # type: ignore[arg-type]
+    search = Bending(field, tours, ends, BENDING, reserve=1e-6)  # type: ignore[arg-type]
     search.run(60, should_stop=lambda: False)
     assert over_budget_share(search.tours) > 2e-4  # each keeps to what it sees best
     search.hand_over(60, should_stop=lambda: False)
@@ -167,7 +169,7 @@ def test_what_others_nearly_see_is_handed_over_by_who_has_nothing_to_spare(field
     layout, places = laid_out(search.tours, 10.0)
     assert (look(field, layout, places, ends) < 1e-6).all()
     # with nobody to take it, everything stays as it is
-    alone = Bending(field, tours[:1], ends, reserve=1e-6)  # type: ignore[arg-type]
+    alone = Bending(field, tours[:1], ends, BENDING, reserve=1e-6)  # type: ignore[arg-type]
     before = alone.tours[0].vertices_m
     alone.hand_over(60, should_stop=lambda: False)
     assert (alone.tours[0].vertices_m == before).all()
@@ -178,7 +180,7 @@ def test_nobody_leaves_the_space() -> None:
     # the short way leads through the obstacle, and everything pulls there
     corners = [[18, 18], [42, 18], [42, 42], [18, 42]]
     begun = tour(problem, corners)
-    search = Bending(problem, [begun], samples_at(problem, corners)[1], length_weight=0.3)  # type: ignore[arg-type]
+    search = Bending(problem, [begun], samples_at(problem, corners)[1], BENDING, length_weight=0.3)  # type: ignore[arg-type]
     search.run(60, should_stop=lambda: False)
     ring = search.tours[0].vertices_m
     assert free_segments(ring, np.roll(ring, -1, axis=0), problem.paths.grid).all()

@@ -11,18 +11,17 @@ from scipy.sparse import csr_array
 from rota.mission import DiscSensor, Robot
 from rota.planners.patrol.repair.bending.layout import laid_out
 from rota.planners.patrol.repair.bending.program import (
-    MOVE_PRICE,
-    OVER_PRICE,
-    RANGE_WEIGHT,
     Rows,
     best_step,
     length_rows,
     rows_along,
 )
+from rota.planners.patrol.settings import BendingSettings
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
 TRUST_M = 0.3
+BENDING = BendingSettings()
 
 
 @pytest.mark.parametrize("length_weight", [0.0, 0.3])
@@ -44,7 +43,15 @@ def test_as_good_as_with_every_limit(seed: int, length_weight: float) -> None:
     fixed = np.arange(corners) == 4
 
     step = best_step(
-        layout, places_m, ranges, border, fixed=fixed, trust_m=TRUST_M, reserve=0.01, length_weight=length_weight
+        layout,
+        places_m,
+        BENDING,
+        ranges,
+        border,
+        fixed=fixed,
+        trust_m=TRUST_M,
+        reserve=0.01,
+        length_weight=length_weight,
     )
 
     assert step is not None
@@ -64,9 +71,9 @@ def cost(moves_m: Floats, budgets: csr_array, left_m: Floats, ranges: Rows, leng
     over_m = np.maximum(0.0, budgets @ moves_m - left_m).sum()
     range_deficit_m = np.maximum(0.0, ranges.along @ moves_m - ranges.most_m).sum()
     return float(
-        OVER_PRICE * over_m
-        + RANGE_WEIGHT * range_deficit_m
-        + MOVE_PRICE * np.abs(moves_m).sum()
+        BENDING.budget_penalty * over_m
+        + BENDING.range_weight * range_deficit_m
+        + BENDING.move_weight * np.abs(moves_m).sum()
         + length_weight * (budgets @ moves_m).sum()
     )
 
@@ -85,9 +92,9 @@ def least_cost(
         [-size, -size, np.zeros((n, b + r))],
     ])  # fmt: skip
     most_m = np.repeat(np.where(fixed, 0.0, TRUST_M), 2)
-    prices = [length_weight * budgets.toarray().sum(axis=0), np.full(n, MOVE_PRICE)]
+    prices = [length_weight * budgets.toarray().sum(axis=0), np.full(n, BENDING.move_weight)]
     found = linprog(
-        np.concatenate([*prices, np.full(b, OVER_PRICE), np.full(r, RANGE_WEIGHT)]),
+        np.concatenate([*prices, np.full(b, BENDING.budget_penalty), np.full(r, BENDING.range_weight)]),
         A_ub=limits,
         b_ub=np.concatenate([left_m, ranges.most_m, border.most_m, np.zeros(2 * n)]),
         bounds=[*zip(-most_m, most_m, strict=True), *[(0, None)] * (n + b + r)],

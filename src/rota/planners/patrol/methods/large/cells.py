@@ -62,8 +62,8 @@ def missions_of(mission: Mission, count: int, margin_m: float) -> list[Mission]:
     regions = demanded_regions(mission)
     asked = shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
     boxes = weighed_boxes(asked, np.ones(count))
-    found = [mission_in(mission, k, boxes, regions, margin_m) for k in range(len(boxes))]
-    return [one for one in found if one is not None]
+    missions = [mission_in(mission, k, boxes, regions, margin_m) for k in range(len(boxes))]
+    return [each for each in missions if each is not None]
 
 
 def mission_in(

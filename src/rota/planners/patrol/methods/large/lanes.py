@@ -104,13 +104,13 @@ def routes_over(problem: Problem, ground: SweepGround, areas: list[MultiPolygon]
     """
     away_m = shapely.distance(shapely.points(ground.stops_m)[:, None], np.array(areas)[None])
     nearest = np.argmin(away_m, axis=1) if len(away_m) else np.zeros(0, dtype=np.int64)
-    found = []
+    routes = []
     for k, area in enumerate(areas):
-        here = replace(ground, shape=area, stops_m=ground.stops_m[nearest == k])
-        tour = route_over(problem, here)
+        own = replace(ground, shape=area, stops_m=ground.stops_m[nearest == k])
+        tour = route_over(problem, own)
         if tour is not None:
-            found.append(replace(tour, robots=int(shares[k])))
-    return found
+            routes.append(replace(tour, robots=int(shares[k])))
+    return routes
 
 
 def route_over(problem: Problem, ground: SweepGround) -> Tour | None:

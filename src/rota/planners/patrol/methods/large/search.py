@@ -81,23 +81,23 @@ def better(one: Repaired | None, other: Repaired) -> Repaired:
 
 def by_districts(context: Context, search: Method, missions: list[Mission]) -> Repaired:
     """Tours found for every district's mission by itself, mended together, robots added if it takes them."""
-    found: list[list[Tour]] = []
+    districts: list[list[Tour]] = []
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         seeds = range(context.seed, context.seed + len(missions))
         for tours in pool.map(partial(tours_of, context, search), missions, seeds):
-            found.append(tours)
+            districts.append(tours)
             context.progress(
-                0.3 + 0.6 * len(found) / len(missions), f"{len(found)} of {len(missions)} districts planned"
+                0.3 + 0.6 * len(districts) / len(missions), f"{len(districts)} of {len(missions)} districts planned"
             )
     exact = replace(context, problem=judged_by_lanes(context.problem))
     whole = repair_until_feasible(
-        exact, joined(found), no_points(), may_add=False, rounds=context.settings.repair.rounds
+        exact, joined(districts), no_points(), may_add=False, rounds=context.settings.repair.rounds
     )
     if whole.met and whole.within_budgets:
         return whole
     context.progress(0.9, "finishing with the robots that mending asks for")
     return repair_until_feasible(
-        exact, joined(found), no_points(), may_add=True, rounds=context.settings.repair.patient_rounds
+        exact, joined(districts), no_points(), may_add=True, rounds=context.settings.repair.patient_rounds
     )
 
 
@@ -116,18 +116,18 @@ def tours_of(context: Context, search: Method, mission: Mission, seed: int) -> l
         progress=lambda share, what: None, watch=None,
     )  # fmt: skip
     whole = context.problem
-    found = []
+    tours = []
     for tour in search(alone).tours:
         component = int(whole.paths.part_of(tour.vertices_m[:1])[0])
         period_class = whole.periods_s.index(problem.periods_s[tour.period_class])
-        found.append(replace(tour, period_class=period_class, component=max(component, 0)))
-    return found
+        tours.append(replace(tour, period_class=period_class, component=max(component, 0)))
+    return tours
 
 
 def joined(districts: list[list[Tour]]) -> list[Tour]:
     """The tours of all districts, those that robots drive in turn numbered anew."""
-    found: list[Tour] = []
+    together: list[Tour] = []
     for tours in districts:
-        first = 1 + max((tour.nest for tour in found), default=-1)
-        found += [replace(tour, nest=tour.nest + first if tour.nest >= 0 else -1) for tour in tours]
-    return found
+        first = 1 + max((tour.nest for tour in together), default=-1)
+        together += [replace(tour, nest=tour.nest + first if tour.nest >= 0 else -1) for tour in tours]
+    return together

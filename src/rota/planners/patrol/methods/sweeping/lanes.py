@@ -157,20 +157,20 @@ def shared_m(one: Polygon, other: Polygon) -> float:
 
 def events(shape: Polygon) -> list[float]:
     """Heights at which a line along x, moving upwards, is split by an obstacle or joined behind one."""
-    found: list[float] = []
+    heights: list[float] = []
     for number, ring in enumerate([shape.exterior, *shape.interiors]):
         points = shapely.get_coordinates(ring)[:-1]
         if ring.is_ccw != (number == 0):
             points = points[::-1]
-        found += ring_events(points)
-    return found
+        heights += ring_events(points)
+    return heights
 
 
 def ring_events(points_m: Floats) -> list[float]:
     """Heights of the reflex corners of a ring (n, 2), shape on the left, that are its lowest or highest around."""
     y = points_m[:, 1]
     level = np.abs(np.roll(y, -1) - y) < 1e-9  # the edge after each corner is along x
-    found = []
+    heights = []
     for i in range(len(y)):
         if level[i - 1]:
             continue  # a level stretch counts at its first corner
@@ -187,8 +187,8 @@ def ring_events(points_m: Floats) -> list[float]:
             come, go = points_m[i] - points_m[i - 1], points_m[(i + 1) % len(y)] - points_m[i]
             outside = bool(come[0] * go[1] - come[1] * go[0] < 0)
         if outside:
-            found.append(float(y[i]))
-    return found
+            heights.append(float(y[i]))
+    return heights
 
 
 def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Floats]:
@@ -206,10 +206,10 @@ def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Flo
     near = common_part(room, shapely.box(left - reach_m, low - reach_m, right + reach_m, high + reach_m))
     shapely.prepare(near)
     back = turning(swath.angle_rad)
-    found = []
+    lanes = []
     for part, middle_m in strips(ground, 2 * swath.half_m):
-        found += [lane @ back for lane in lanes_of_strip(part, middle_m, near, swath)]
-    return found
+        lanes += [lane @ back for lane in lanes_of_strip(part, middle_m, near, swath)]
+    return lanes
 
 
 def lanes_of_strip(part: Polygon, middle_m: float, space: BaseGeometry, swath: Swath) -> list[Floats]:
@@ -262,8 +262,8 @@ def straight_pieces(space: BaseGeometry, height_m: float, first_m: float, last_m
         return [np.array([[first_m, height_m]])] if space.covers(Point(first_m, height_m)) else []
     cut = common_part(LineString([(first_m, height_m), (last_m, height_m)]), space)
     cut = shapely.line_merge(cut) if cut.geom_type == "MultiLineString" else cut
-    found = [shapely.get_coordinates(line) for line in shapely.get_parts(cut) if line.length > 1e-9]
-    return sorted((line if line[0, 0] <= line[-1, 0] else line[::-1] for line in found), key=lambda line: line[0, 0])
+    pieces = [shapely.get_coordinates(line) for line in shapely.get_parts(cut) if line.length > 1e-9]
+    return sorted((line if line[0, 0] <= line[-1, 0] else line[::-1] for line in pieces), key=lambda line: line[0, 0])
 
 
 def joined_within(room: MultiPolygon, pieces: list[Floats]) -> list[Floats]:
@@ -271,12 +271,12 @@ def joined_within(room: MultiPolygon, pieces: list[Floats]) -> list[Floats]:
     if len(pieces) < 2:
         return pieces
     paths = ShortestPaths(room)
-    found = [pieces[0]]
+    joined = [pieces[0]]
     for piece in pieces[1:]:
         try:
-            way = paths.path(found[-1][-1], piece[0])
+            way = paths.path(joined[-1][-1], piece[0])
         except PlanError:
-            found.append(piece)
+            joined.append(piece)
         else:
-            found[-1] = np.vstack([found[-1], way[1:-1], piece])
-    return found
+            joined[-1] = np.vstack([joined[-1], way[1:-1], piece])
+    return joined

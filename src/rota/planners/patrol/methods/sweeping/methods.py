@@ -105,24 +105,24 @@ def strips_at(
 
     @cache
     def over(first: int, last: int) -> Tour | None:
-        here = strip(first, last)
-        return best_route(problem, here, here.shape, [angle_rad])
+        ground_of_strip = strip(first, last)
+        return best_route(problem, ground_of_strip, ground_of_strip.shape, [angle_rad])
 
     def divided(share: float, most: int | None) -> list[Tour] | None:
         """From below, every strip as wide as one robot with this share of its budget can sweep."""
-        found: list[Tour] = []
+        strips: list[Tour] = []
         first = 0
         while first < lanes:
-            if not_more(found, most) is None:
+            if not_more(strips, most) is None:
                 return None
             last = widest(lambda k, first=first: fits(over(first, k), share), first + 1, lanes)  # type: ignore[misc]
             tour = over(first, last)
             if tour is not None and fits(tour, share):
-                found.append(tour)
+                strips.append(tour)
             elif tour is not None:
-                found += pieces_of_lane(problem, strip(first, last), tour, angle_rad, share)
+                strips += pieces_of_lane(problem, strip(first, last), tour, angle_rad, share)
             first = last
-        return not_more(found, most)
+        return not_more(strips, most)
 
     best = divided(1 - reserve, most)
     if best is None:
@@ -222,13 +222,13 @@ def tours_over(
     """
     apart = shapely.distance(shapely.points(ground.stops_m)[:, None], np.array(areas)[None])
     nearest = np.argmin(apart, axis=1) if len(apart) else np.zeros(0, dtype=np.int64)
-    found = []
+    tours = []
     for k, area in enumerate(areas):
-        here = replace(ground, stops_m=ground.stops_m[nearest == k])
-        tour = best_route(problem, here, area, tried or promising_angles(problem, area), own=tried is None)
+        own = replace(ground, stops_m=ground.stops_m[nearest == k])
+        tour = best_route(problem, own, area, tried or promising_angles(problem, area), own=tried is None)
         if tour is not None:
-            found.append(tour)
-    return found
+            tours.append(tour)
+    return tours
 
 
 def divided_area(problem: Problem, shape: MultiPolygon, weights: Floats) -> list[MultiPolygon]:

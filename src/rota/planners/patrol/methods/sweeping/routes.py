@@ -56,7 +56,7 @@ def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list
         claim = part.buffer(1.05 * body_m, join_style="mitre") if body_m > 0 else part
         claims.append(shapely.difference(claim, taken, grid_size=GRID_M))
         taken = shapely.union(taken, claim, grid_size=GRID_M)
-    found = []
+    swept = []
     for group in groups:
         shapes = [
             region.shape
@@ -67,11 +67,11 @@ def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list
         visits = problem.points.xy_m[(problem.points.visit_m > 0) & np.isin(problem.points.period, group)]
         parts = problem.paths.part_of(visits)
         for part, claim in enumerate(claims):
-            here = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
+            own = MultiPolygon(polygons(shapely.intersection(shape, claim, grid_size=GRID_M)))
             stops = visits[parts == part]
-            if not here.is_empty or len(stops):
-                found.append(SweepGround(shape=here, stops_m=stops, period_class=group[0], component=part))
-    return found
+            if not own.is_empty or len(stops):
+                swept.append(SweepGround(shape=own, stops_m=stops, period_class=group[0], component=part))
+    return swept
 
 
 def smoothed(shape: BaseGeometry, tolerance_m: float) -> BaseGeometry:
@@ -138,11 +138,11 @@ def layouts(problem: Problem, shape: MultiPolygon, tried: list[float], *, own: b
     For each angle: strips over all of it; strips cell by cell; strips over all but one side, along which a lane leads
     back. own: also cells of which each has the direction that suits it best.
     """
-    found: list[tuple[float, int, list[Floats]]] = []
+    guessed: list[tuple[float, int, list[Floats]]] = []
 
     def add(lanes: list[Floats], swath: Swath) -> None:
         if lanes:
-            found.append((lane_cost_m(lanes, swath), len(found), lanes))
+            guessed.append((lane_cost_m(lanes, swath), len(guessed), lanes))
 
     for angle in tried:
         swath, across = sensing(problem, angle), sensing(problem, angle + math.pi / 2)
@@ -154,7 +154,7 @@ def layouts(problem: Problem, shape: MultiPolygon, tried: list[float], *, own: b
                 add([lane for block in blocks for lane in best_lanes(problem, block, tried)], swath)
         for side, rest in without_a_side(shape, angle, 2 * across.half_m):
             add(lanes_in(side, problem.space, across) + lanes_in(rest, problem.space, swath), swath)
-    for _, _, lanes in sorted(found, key=lambda entry: entry[:2]):
+    for _, _, lanes in sorted(guessed, key=lambda entry: entry[:2]):
         yield lanes
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.repair.bending.sighting_kernels import best_sightings
+from rota.planners.patrol.repair.bending.sighting_kernels import SensingLegs, Sightings, best_sightings
 from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, whole_budget_m
 
 Floats = NDArray[np.float64]
@@ -45,19 +45,6 @@ class Layout:
     def tours_at(self, places_m: Floats) -> list[Tour]:
         """The tours with their vertices at these places (n, 2)."""
         return [replace(tour, vertices_m=places_m[self.start[self.tour == k]]) for k, tour in enumerate(self.tours)]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sightings:
-    """For every sample (n,) the leg that sees it with most range to spare, or -1, and the place on it (0 to 1).
-
-    range_deficit_m (n,): by how much range is short; less than 0 where the sample is seen, inf where it is far from all
-    legs.
-    """
-
-    leg: Ints
-    at: Floats
-    range_deficit_m: Floats
 
 
 def laid_out(tours: Sequence[Tour], longest_m: float) -> tuple[Layout, Floats]:
@@ -142,14 +129,12 @@ def sightings(
     reach_m = np.array([inner_reach_m(robot.sensor) for robot in robots]) - range_margin_m - handicap_m
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
     period_class = np.array([tour.period_class for tour in layout.tours], dtype=np.int64)
+    ends_m = np.hstack([places_m[layout.start], places_m[layout.end]])
+    legs = SensingLegs(ends_m, period_class[layout.tour], reach_m[layout.tour], square[layout.tour])
     n = len(samples.x)
-    leg, at, range_deficit_m = np.empty(n, dtype=np.int64), np.empty(n), np.empty(n)
-    legs = np.hstack([places_m[layout.start], places_m[layout.end]])
+    best = Sightings(np.empty(n, dtype=np.int64), np.empty(n), np.empty(n))
     room = 1024
-    while best_sightings(
-        legs, period_class[layout.tour], reach_m[layout.tour], square[layout.tour], further_m, samples,
-        np.empty(room, dtype=np.int32), leg, at, range_deficit_m,
-    ):  # fmt: skip
+    while best_sightings(legs, further_m, samples, np.empty(room, dtype=np.int32), best):
         room *= 2
-    range_deficit_m -= np.where(leg >= 0, handicap_m[layout.tour[leg]], 0.0)
-    return Sightings(leg=leg, at=at, range_deficit_m=range_deficit_m)
+    behind_m = np.where(best.leg >= 0, handicap_m[layout.tour[best.leg]], 0.0)
+    return best._replace(range_deficit_m=best.range_deficit_m - behind_m)

@@ -9,18 +9,16 @@ from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
 
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.repair.bending.layout import Layout, Sightings
+from rota.planners.patrol.repair.bending.layout import Layout
+from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.repair.bending.solver import GrowingProgram
+from rota.planners.patrol.settings import BendingSettings
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-OVER_PRICE = 2.0  # of a metre over a budget
-RANGE_WEIGHT = 5.0  # of a metre of range that a sample lacks
-MOVE_PRICE = 1e-3  # of a metre that a vertex moves along an axis: what need not move stays
 AIM_M = 1e-6  # nearer than asked, so that rounding hides nothing
-NEEDED = 0.25  # of a step: ranges with less to spare are limits from the start, others once a step breaks them
 
 
 class Rows(NamedTuple):
@@ -38,7 +36,8 @@ class Step(NamedTuple):
 
 
 def best_step(
-    layout: Layout, places_m: Floats, ranges: Rows, clearances: Rows, *, fixed: Flags, trust_m: float, reserve: float,
+    layout: Layout, places_m: Floats, settings: BendingSettings, ranges: Rows, clearances: Rows, *,
+    fixed: Flags, trust_m: float, reserve: float,
     length_weight: float,
 ) -> Step | None:  # fmt: skip
     """The moves, along either axis at most twice ``trust_m``, after which least is lacking; None: there is no answer.
@@ -58,23 +57,27 @@ def best_step(
     # a variable is the difference of two numbers that are not negative, so that its size has a price
     hard = [[used, -used, -eye_array(b)], *([[closer, -closer, None]] if closer.shape[0] else [])]
     program = GrowingProgram(
-        np.concatenate([MOVE_PRICE + longer, MOVE_PRICE - longer, np.full(b, OVER_PRICE)]),
+        np.concatenate(
+            [settings.move_weight + longer, settings.move_weight - longer, np.full(b, settings.budget_penalty)]
+        ),
         np.concatenate([most_m, most_m, np.full(b, np.inf)]),
         csr_array(block_array(hard)),
         np.concatenate([left_m, clearances.most_m]),
     )
-    taken = new = ranges.most_m < NEEDED * trust_m
+    taken = new = ranges.most_m < settings.first_rows * trust_m
     while True:
-        program.add_soft_rows(csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=RANGE_WEIGHT)
-        found = program.solve()
-        if found is None:
+        program.add_soft_rows(
+            csr_array(hstack([nearer[new], -nearer[new]])), ranges.most_m[new], price=settings.range_weight
+        )
+        solution = program.solve()
+        if solution is None:
             return None
-        values, cost = found
+        values, cost = solution
         variables = values[: 2 * n] - values[2 * n : 4 * n]
         beyond_m = nearer @ variables - ranges.most_m
         if not (beyond_m[~taken] > AIM_M).any():
             return Step((moved @ variables).reshape(n, 2), cost + length_weight * float(lengths_m.sum()))
-        new = ~taken & (beyond_m > -NEEDED * trust_m)
+        new = ~taken & (beyond_m > -settings.first_rows * trust_m)
         taken = taken | new
 
 

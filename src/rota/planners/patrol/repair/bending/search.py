@@ -20,20 +20,15 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.repair.bending.clearance import Border
-from rota.planners.patrol.repair.bending.layout import Sightings, laid_out, sightings
-from rota.planners.patrol.repair.bending.program import OVER_PRICE, RANGE_WEIGHT, best_step, range_rows
+from rota.planners.patrol.repair.bending.layout import laid_out, sightings
+from rota.planners.patrol.repair.bending.program import best_step, range_rows
+from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
+from rota.planners.patrol.settings import BendingSettings
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
 
-LONGEST_LEG = 1.0  # of the reach: legs can bend wherever it helps
-FURTHER = 0.1  # of the reach: samples that lack more are not pulled at
-FIRST_TRUST, MOST_TRUST, LEAST_TRUST = 0.04, 0.1, 1e-4  # of the reach: how far vertices move in a step
-GAIN = 1e-3  # steps that promise less, as a share of what everything costs, are not worth their time
-SHORTER_M = 0.003  # nor are those that only make tours shorter, and by less
-HANDED = 0.02  # of the reach: range that others lack at most for what is handed over to them
-SPARE = 0.003  # of a budget: a tour that leaves less has nothing to spare
-SURE = 1e-7  # costs below this are rounding
+ROUNDING = 1e-7  # costs below this are rounding
 
 
 def can_bend(problem: Problem) -> bool:
@@ -53,6 +48,7 @@ class Bending:
         problem: Problem,
         tours: Sequence[Tour],
         samples: Samples,
+        settings: BendingSettings,
         *,
         reserve: float = 0.0,
         length_weight: float = 0.0,
@@ -61,16 +57,16 @@ class Bending:
 
         Then they move no more than they need to, so that nothing else is lost.
         """
-        self._problem, self._samples = problem, samples
+        self._problem, self._samples, self._settings = problem, samples, settings
         self._reserve, self._length_weight = reserve, length_weight
         self._reach_m = problem.reach_m
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
-        self._layout, self._places_m = laid_out(tours, LONGEST_LEG * self._reach_m)
+        self._layout, self._places_m = laid_out(tours, settings.longest_leg * self._reach_m)
         self._handicap_m = np.zeros(len(tours))
         self._sightings = self._look(self._places_m)
         self._cost = self._cost_of(self._places_m, self._sightings)
-        self._trust_m = FIRST_TRUST * self._reach_m
+        self._trust_m = settings.first_trust * self._reach_m
 
     @property
     def tours(self) -> list[Tour]:
@@ -95,26 +91,26 @@ class Bending:
         """
         layout, kept = self._layout, (self._places_m, self._sightings, self._cost)
         left_m = layout.budget_m * (1 - self._reserve) - layout.counts @ layout.lengths_m(self._places_m)
-        tight = (layout.counts[left_m < SPARE * layout.budget_m] > 0).any(axis=0)
+        tight = (layout.counts[left_m < self._settings.tight_share * layout.budget_m] > 0).any(axis=0)
         if tight.all() or not tight.any():
             return
-        for handicap_m in (HANDED * self._reach_m, 0.0):
+        for handicap_m in (self._settings.handover_deficit * self._reach_m, 0.0):
             self._handicap_m = np.where(tight, handicap_m, 0.0)
             self._sightings = self._look(self._places_m)
             self._cost = self._cost_of(self._places_m, self._sightings)
-            self._trust_m = FIRST_TRUST * self._reach_m
+            self._trust_m = self._settings.first_trust * self._reach_m
             self.run(steps, should_stop=should_stop)
         if self._cost >= kept[2]:
             self._places_m, self._sightings, self._cost = kept
 
     def step(self) -> bool:
         """Take one step, if it is one ahead; False when no further step is worth its time."""
-        if self._trust_m < LEAST_TRUST * self._reach_m or self._cost < SURE:
+        if self._trust_m < self._settings.least_trust * self._reach_m or self._cost < ROUNDING:
             return False
         layout, places_m, near_m = self._layout, self._places_m, 2.5 * self._trust_m
         clearances, fixed = self._border.clearances(layout, places_m, near_m)
         step = best_step(
-            layout, places_m,
+            layout, places_m, self._settings,
             range_rows(layout, places_m, self._sightings, self._samples, square=self._square, near_m=near_m),
             clearances, fixed=fixed, trust_m=self._trust_m, reserve=self._reserve, length_weight=self._length_weight,
         )  # fmt: skip
@@ -125,7 +121,7 @@ class Bending:
         cost = self._cost_of(then_m, sightings_then)
         kept = (self._cost - cost) / (self._cost - step.cost)
         if kept > 0.7:
-            self._trust_m = min(1.5 * self._trust_m, MOST_TRUST * self._reach_m)
+            self._trust_m = min(1.5 * self._trust_m, self._settings.most_trust * self._reach_m)
         elif kept < 0.3:
             self._trust_m *= 0.5
         if kept > 0.02:
@@ -135,22 +131,24 @@ class Bending:
     def _look(self, places_m: Floats) -> Sightings:
         return sightings(
             self._layout, places_m, self._samples,
-            range_margin_m=self._problem.range_margin_m, further_m=FURTHER * self._reach_m, handicap_m=self._handicap_m,
+            range_margin_m=self._problem.range_margin_m,
+            further_m=self._settings.deficit_limit * self._reach_m, handicap_m=self._handicap_m,
         )  # fmt: skip
 
     @property
     def _worth(self) -> float:
         """What a step must promise to gain."""
         lengths_m = float(self._layout.lengths_m(self._places_m).sum())
-        least = SHORTER_M * self._length_weight if self._length_weight else SURE
-        return max(least, GAIN * (self._cost - self._length_weight * lengths_m))
+        least = self._settings.least_shortening_m * self._length_weight if self._length_weight else ROUNDING
+        return max(least, self._settings.least_gain * (self._cost - self._length_weight * lengths_m))
 
     def _cost_of(self, places_m: Floats, sightings: Sightings) -> float:
-        layout = self._layout
+        layout, settings = self._layout, self._settings
         lengths_m = layout.lengths_m(places_m)
         over_m = np.maximum(0.0, layout.counts @ lengths_m - layout.budget_m * (1 - self._reserve)).sum()
-        range_deficit_m = np.clip(sightings.range_deficit_m, 0.0, FURTHER * self._reach_m).sum()
-        return float(OVER_PRICE * over_m + RANGE_WEIGHT * range_deficit_m + self._length_weight * lengths_m.sum())
+        deficit_m = np.clip(sightings.range_deficit_m, 0.0, settings.deficit_limit * self._reach_m).sum()
+        weighed = settings.budget_penalty * over_m + settings.range_weight * deficit_m
+        return float(weighed + self._length_weight * lengths_m.sum())
 
     def _kept_free(self, then_m: Floats) -> Floats:
         """The places, with the vertices of legs that would leave the space back where they were."""

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import STANDING_M2, Line, compiled, hidden_until, norm, range_interval
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @compiled
@@ -42,18 +48,42 @@ def nearest_parameter(px: float, py: float, dx: float, dy: float, square: int) -
         if abs(under) < 1e-12:
             continue
         t = min(1.0, max(0.0, over / under))
-        here = range_at(px, py, dx, dy, t, square)
-        if here < least:
-            least, best = here, t
+        range_m = range_at(px, py, dx, dy, t, square)
+        if range_m < least:
+            least, best = range_m, t
     return best
 
 
+class SensingLegs(NamedTuple):
+    """The legs of all tours, with the sensors that go along them.
+
+    ends_m: (m, 4) from and to. period_class: (m,) shortest class that counts as seen. reach_m: (m,). square: (m,) 1
+    where the sensor is a square.
+    """
+
+    ends_m: Floats
+    period_class: Ints
+    reach_m: Floats
+    square: Ints
+
+
+class Sightings(NamedTuple):
+    """For every sample (n,) the leg that sees it with most range to spare, or -1, and the place on it (0 to 1).
+
+    range_deficit_m (n,): by how much range is short; less than 0 where the sample is seen, inf where it is far from all
+    legs.
+    """
+
+    leg: Ints
+    at: Floats
+    range_deficit_m: Floats
+
+
 @compiled
-def clear_from(
-    px: float, py: float, dx: float, dy: float, t: float, last: float, cx: float, cy: float, i: int, s: Samples
-) -> float:
-    """The first leg parameter from t on, before ``last``, from which sample i, at c, is not hidden; inf: none is."""
+def clear_from(line: Line, t: float, last: float, i: int, s: Samples) -> float:
+    """The first leg parameter from t on, before ``last``, from which sample i is not hidden; inf: none is."""
     corner = s.origin[4]
+    cx, cy = s.x[i], s.y[i]
     moved = True
     while moved:
         moved = False
@@ -61,7 +91,7 @@ def clear_from(
             k = s.wall_item[j]
             ux, uy = s.walls[k, 0] - cx, s.walls[k, 1] - cy
             vx, vy = s.walls[k, 2] - cx, s.walls[k, 3] - cy
-            until = hidden_until(t, ux, uy, vx, vy, Line(px, py, dx, dy), corner)
+            until = hidden_until(t, ux, uy, vx, vy, line, corner)
             if until > t:
                 if until >= last:
                     return math.inf
@@ -71,18 +101,15 @@ def clear_from(
 
 
 @compiled
-def clear_sighting(
-    ax: float, ay: float, dx: float, dy: float, near: float, reach: float, square: int, i: int, s: Samples
-) -> float:
-    """The leg parameter nearest to ``near`` from which sample i is not hidden, of a leg from a along d that sees it."""
-    cx, cy = s.x[i], s.y[i]
-    px, py = ax - cx, ay - cy
-    first, last = range_interval(Line(px, py, dx, dy), reach, square)
-    after: float = clear_from(px, py, dx, dy, near, max(near, last), cx, cy, i, s)
+def clear_sighting(line: Line, near: float, reach_m: float, square: int, i: int, s: Samples) -> float:
+    """The leg parameter nearest to ``near`` from which sample i is not hidden, of a leg that sees it."""
+    px, py, dx, dy = line
+    first, last = range_interval(line, reach_m, square)
+    after: float = clear_from(line, near, max(near, last), i, s)
     if after == near:
         return near
     # the same leg from its other end
-    before: float = 1 - clear_from(px + dx, py + dy, -dx, -dy, 1 - near, max(1 - near, 1 - first), cx, cy, i, s)
+    before: float = 1 - clear_from(Line(px + dx, py + dy, -dx, -dy), 1 - near, max(1 - near, 1 - first), i, s)
     if not math.isfinite(after):
         return before if math.isfinite(before) else near
     if not math.isfinite(before):
@@ -92,26 +119,24 @@ def clear_sighting(
 
 
 @compiled
-def best_sightings(
-    legs: Any, period_class: Any, reach: Any, square: Any, further: float, s: Samples,
-    runs: Any, leg: Any, at: Any, lack: Any,
-) -> int:  # fmt: skip
-    """For every sample (n,) the leg and the parameter from which it is seen with most range to spare; -1: from none.
+def best_sightings(legs: SensingLegs, further_m: float, s: Samples, runs: Any, best: Sightings) -> int:
+    """Write for every sample (n,) the leg and the place from which it is seen with most range to spare.
 
-    legs (m, 4): from and to; period_class, reach, square (m,) of their robots. further: legs count from
-    which a sample would be in range if sensors reached so much further. lack (n,): by how much range is short, less
-    than 0 where it is not. Returns -1 when ``runs`` is too short for what one leg sees.
+    further_m: legs count from which a sample would be in range if sensors reached so much further. runs: (r,) scratch.
+    Returns -1 when ``runs`` is too short for what one leg sees, otherwise 0.
     """
     xs, ys, visit, shrink, wall_start = s.x, s.y, s.visit_m, s.shrink_m, s.wall_start
+    leg, at, deficit = best.leg, best.at, best.range_deficit_m
+    ends, reach, square = legs.ends_m, legs.reach_m, legs.square
     for i in range(leg.shape[0]):
-        leg[i], at[i], lack[i] = -1, 0.0, math.inf
-    for k in range(legs.shape[0]):
-        ax, ay, bx, by = legs[k, 0], legs[k, 1], legs[k, 2], legs[k, 3]
+        leg[i], at[i], deficit[i] = -1, 0.0, math.inf
+    for k in range(ends.shape[0]):
+        ax, ay, bx, by = ends[k, 0], ends[k, 1], ends[k, 2], ends[k, 3]
         dx, dy = bx - ax, by - ay
-        found = leg_sees(Leg(ax, ay, bx, by, reach[k] + further, square[k]), period_class[k], s, runs)
-        if found < 0:
+        numbers = leg_sees(Leg(ax, ay, bx, by, reach[k] + further_m, square[k]), legs.period_class[k], s, runs)
+        if numbers < 0:
             return -1
-        for run in range(0, found, 2):
+        for run in range(0, numbers, 2):
             for i in range(runs[run], runs[run + 1]):
                 px, py = ax - xs[i], ay - ys[i]
                 wide, limit = square[k], reach[k] - shrink[i]
@@ -119,12 +144,12 @@ def best_sightings(
                     wide, limit = 0, visit[i]
                 t = nearest_parameter(px, py, dx, dy, wide)
                 short = range_at(px, py, dx, dy, t, wide) - limit
-                if short >= lack[i]:
+                if short >= deficit[i]:
                     continue
                 if visit[i] == 0 and wall_start[i] < wall_start[i + 1]:
                     # never nearer than where walls are left aside
-                    t = clear_sighting(ax, ay, dx, dy, t, reach[k] + further, wide, i, s)
+                    t = clear_sighting(Line(px, py, dx, dy), t, reach[k] + further_m, wide, i, s)
                     short = range_at(px, py, dx, dy, t, wide) - limit
-                if short < lack[i]:
-                    leg[i], at[i], lack[i] = k, t, short
+                if short < deficit[i]:
+                    leg[i], at[i], deficit[i] = k, t, short
     return 0

@@ -48,8 +48,8 @@ class GrowingProgram:
         self._solver.run()
         if self._solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
             return None
-        found = np.array(self._solver.getSolution().col_value)
-        return found, float(self._solver.getInfo().objective_function_value)
+        values = np.array(self._solver.getSolution().col_value)
+        return values, float(self._solver.getInfo().objective_function_value)
 
     def _add_columns(self, price: Floats, upper: Floats) -> None:
         count = len(price)
