@@ -14,6 +14,7 @@ from rota.planners.patrol.settings import (
     FixedTeamSettings,
     MultistartSettings,
     RepairSettings,
+    SamplingSettings,
     ScreeningSettings,
     SearchSettings,
     Stage,
@@ -33,6 +34,7 @@ ESTIMATES = (
 )
 
 QUICK = SearchSettings(
+    sampling=SamplingSettings(per_reach=8, shrink=0.4),
     allocation=AllocationSettings(groupings=4, least_slack=1.15, separate_anchors=False, estimates=ESTIMATES[:1]),
     team_size=TeamSizeSettings(single_steps=2, searches_ragged=False),
     screening=ScreeningSettings(allocations=6, nested_allocations=0, moves=50_000),
@@ -56,6 +58,7 @@ QUICK = SearchSettings(
 )
 
 NORMAL = SearchSettings(
+    sampling=SamplingSettings(per_reach=12, shrink=0.2),
     allocation=AllocationSettings(groupings=8, least_slack=1.1, separate_anchors=True, estimates=ESTIMATES[:4]),
     team_size=TeamSizeSettings(single_steps=2, searches_ragged=True),
     screening=ScreeningSettings(allocations=8, nested_allocations=24, moves=50_000),
@@ -79,6 +82,7 @@ NORMAL = SearchSettings(
 )
 
 HIGH = SearchSettings(
+    sampling=SamplingSettings(per_reach=16, shrink=0.15),
     allocation=AllocationSettings(groupings=16, least_slack=1.05, separate_anchors=True, estimates=ESTIMATES),
     team_size=TeamSizeSettings(single_steps=8, searches_ragged=True),
     screening=ScreeningSettings(allocations=16, nested_allocations=56, moves=100_000),

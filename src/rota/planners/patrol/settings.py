@@ -21,6 +21,26 @@ class ExcursionEstimate(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SamplingSettings:
+    """The lattice of sample points that stands for the ground.
+
+    per_reach: samples along one inner reach of the sensor.
+    shrink: sensors are taken to reach less by this share of the spacing, for the ground between samples.
+    large_shrink: the same from ``large_from`` samples on, where a little overlap costs less than rounds of repair.
+    large_from: number of samples.
+    most_samples: the spacing is wider where more samples than this would be needed.
+    widest_spacing: but at most this share of the inner reach.
+    """
+
+    per_reach: int
+    shrink: float
+    large_shrink: float = 0.5
+    large_from: int = 100_000
+    most_samples: int = 400_000
+    widest_spacing: float = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
 class AllocationSettings:
     """Which tours a team size begins with.
 
@@ -325,6 +345,7 @@ class DistrictSettings:
 class SearchSettings:
     """All stages of one search."""
 
+    sampling: SamplingSettings
     allocation: AllocationSettings
     team_size: TeamSizeSettings
     screening: ScreeningSettings

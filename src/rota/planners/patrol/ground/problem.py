@@ -12,9 +12,8 @@ from shapely import MultiPolygon
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
-from rota.planners.patrol.ground.limits_of_sight import (
-    limit_points,
-)
+from rota.planners.patrol.efforts import EFFORTS
+from rota.planners.patrol.ground.limits_of_sight import limit_points
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out, region_points
@@ -26,16 +25,10 @@ from rota.planners.patrol.ground.viewpoints import (
     places_that_see_all,
     what_places_see,
 )
-from rota.planners.patrol.planner_settings import Effort, PatrolSettings
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 Floats = NDArray[np.float64]
 
-MOST_SAMPLES = 400_000
-COARSEST_SAMPLES = 0.5  # of the inner reach: the spacing of samples where more than MOST_SAMPLES would be needed
-SAMPLES_PER_REACH: dict[Effort, int] = {"quick": 8, "normal": 12, "high": 16}
-# of the lattice's spacing: what lies between its points is then nearly always seen too, or needs a point of its own
-SHRINK: dict[Effort, float] = {"quick": 0.4, "normal": 0.2, "high": 0.15}
-LARGE_SHRINK, MANY_SAMPLES = 0.5, 100_000  # with so many samples, rounds of repair cost more than a little overlap
 BORDER_INSET = 0.002  # of the inner reach: how far inside of a region the samples of its border lie
 
 
@@ -165,11 +158,11 @@ def points_of_regions(
     mission: Mission, regions: tuple[DemandedRegion, ...], space: MultiPolygon, robot: Robot
 ) -> tuple[SamplePoints, float]:
     """The points that stand for all regions, and the spacing of their lattices in metres: finer for more effort."""
-    effort, reach_m = PatrolSettings.of(mission).effort, inner_reach_m(robot.sensor)
+    settings, reach_m = EFFORTS[PatrolSettings.of(mission).effort].sampling, inner_reach_m(robot.sensor)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
-    spacing_m = min(float(np.sqrt(asked_m2 / MOST_SAMPLES)), COARSEST_SAMPLES * reach_m)
-    spacing_m = max(reach_m / SAMPLES_PER_REACH[effort], spacing_m)
-    shrink = SHRINK[effort] if asked_m2 < MANY_SAMPLES * spacing_m**2 else LARGE_SHRINK
+    spacing_m = min(float(np.sqrt(asked_m2 / settings.most_samples)), settings.widest_spacing * reach_m)
+    spacing_m = max(reach_m / settings.per_reach, spacing_m)
+    shrink = settings.shrink if asked_m2 < settings.large_from * spacing_m**2 else settings.large_shrink
     periods_s = periods_of(regions)
     each = [
         region_points(

@@ -16,14 +16,14 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-STANDS = 1.0  # of the reach: robots stand where no more than this can be travelled in a period
+MOST_TRAVEL = 1.0  # of the reach: robots stand where no more than this can be travelled in a period
 MOVES_EACH, MOST_MOVES = 4_000, 400_000
-OVER_PRICE = 4.0  # of a metre over budget, times what a robot moves more than that
+BUDGET_PENALTY = 4.0  # of a metre over budget, times what a robot moves more than that
 
 
 def robots_stand(problem: Problem, period_s: float) -> bool:
     """Whether a robot can hardly move within so many seconds, compared with what it sees from where it is."""
-    return problem.robot.speed_m_s * period_s <= STANDS * problem.reach_m
+    return problem.robot.speed_m_s * period_s <= MOST_TRAVEL * problem.reach_m
 
 
 def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[Tour]:
@@ -63,7 +63,7 @@ def all_seen_by(problem: Problem, tours: list[Tour], wanted: Flags) -> list[Tour
         samples._replace(weight=problem.reach_m * weight),
         problem.paths.grid,
         length_weight=np.full(len(tours), 1e-3),
-        budget_penalty=budget_penalties(tours, OVER_PRICE * len(points)),
+        budget_penalty=budget_penalties(tours, BUDGET_PENALTY * len(points)),
         seed=len(tours),
         range_margin_m=problem.range_margin_m,
     )

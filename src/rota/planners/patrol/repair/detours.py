@@ -117,13 +117,13 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
     _, k, i = best
     vertices = tours[k].vertices_m
     after = vertices[(i + 1) % len(vertices)]
-    way = problem.paths.paths_along(np.vstack([vertices[i], place_m, after]))[1:-1]
-    longer = np.vstack([vertices[: i + 1], way, vertices[i + 1 :]])
+    detour = problem.paths.paths_along(np.vstack([vertices[i], place_m, after]))[1:-1]
+    longer = np.vstack([vertices[: i + 1], detour, vertices[i + 1 :]])
     return [*tours[:k], replace(tours[k], vertices_m=longer), *tours[k + 1 :]]
 
 
 def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple[int, float]:
-    """The leg of a closed tour (n, 2) from which the way past the place is shortest, the first of several; its metres.
+    """The leg of a closed tour (n, 2) with the shortest detour past the place, the first of several; and its metres.
 
     inf where no way leads there. Legs are looked at by their straight detours, for no way is shorter than straight.
     """

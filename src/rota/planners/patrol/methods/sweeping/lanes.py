@@ -274,9 +274,9 @@ def joined_within(room: MultiPolygon, pieces: list[Floats]) -> list[Floats]:
     joined = [pieces[0]]
     for piece in pieces[1:]:
         try:
-            way = paths.path(joined[-1][-1], piece[0])
+            between = paths.path(joined[-1][-1], piece[0])
         except PlanError:
             joined.append(piece)
         else:
-            joined[-1] = np.vstack([joined[-1], way[1:-1], piece])
+            joined[-1] = np.vstack([joined[-1], between[1:-1], piece])
     return joined

@@ -25,8 +25,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_ENDS = 4000  # beyond as many lane ends the order is that of the strips
-UNSEEN = 3.0  # times the length of lane that its ground takes: what it costs to mend a pocket that a route misses
-SPARE = 0.999  # of the swath: neighbouring lanes overlap by a little, for the check's finest pieces
+MISSED_WEIGHT = (
+    3.0  # times the length of lane that its ground takes: what it costs to reach a pocket that a route misses
+)
+LANE_SHARE = 0.999  # of the swath: neighbouring lanes overlap by a little, for the check's finest pieces
 DIRECTIONS = 6  # edges of a shape whose directions are tried, beside both axes
 ROUTED = 3  # of the ways to lay lanes over a shape, the shortest on a guess are joined to routes and compared
 
@@ -82,7 +84,7 @@ def smoothed(shape: BaseGeometry, tolerance_m: float) -> BaseGeometry:
 
 def sensing(problem: Problem, angle_rad: float) -> Swath:
     """The swath of the mission's robot along lanes of this angle, a little narrower than it is."""
-    margin_m = problem.range_margin_m + (1 - SPARE) * problem.reach_m
+    margin_m = problem.range_margin_m + (1 - LANE_SHARE) * problem.reach_m
     return Swath(sensor=problem.robot.sensor, angle_rad=angle_rad, margin_m=margin_m)
 
 
@@ -165,10 +167,10 @@ def cells_at(shape: MultiPolygon, angle_rad: float) -> list[BaseGeometry]:
 
 
 def best_lanes(problem: Problem, cell: BaseGeometry, tried: list[float]) -> list[Floats]:
-    """The lanes over one cell at the angle that promises the shortest way; none where no robot can be."""
-    ways = [(lanes_in(cell, problem.space, swath), swath) for swath in (sensing(problem, angle) for angle in tried)]
-    ways = [way for way in ways if way[0]]
-    return min(ways, key=lambda way: lane_cost_m(*way))[0] if ways else []
+    """The lanes over one cell at the angle that promises the shortest route; none where no robot can be."""
+    laid = [(lanes_in(cell, problem.space, swath), swath) for swath in (sensing(problem, angle) for angle in tried)]
+    laid = [(lanes, swath) for lanes, swath in laid if lanes]
+    return min(laid, key=lambda pair: lane_cost_m(*pair))[0] if laid else []
 
 
 def without_a_side(
@@ -202,7 +204,7 @@ def best_route(
         tour = closed_route(problem, [*lanes, *(stop[None] for stop in ground.stops_m)], ground)
         if tour is None:
             continue
-        cost_m = tour_length_m(tour) + UNSEEN * missed_m2(problem, tour, shape) / problem.swath_m
+        cost_m = tour_length_m(tour) + MISSED_WEIGHT * missed_m2(problem, tour, shape) / problem.swath_m
         if best is None or cost_m < best[0]:
             best = (cost_m, tour)
     return best[1] if best is not None else None
@@ -233,9 +235,9 @@ def closed_route(problem: Problem, lanes: list[Floats], ground: SweepGround) -> 
     lanes = [lane for lane, good in zip(lanes, inside, strict=True) if good]
     if not lanes:
         return None
-    way = np.vstack([lanes[k][::-1] if back else lanes[k] for k, back in driving_order(problem, lanes)])
-    way = way[(problem.paths.part_of(way) == ground.component)]
-    vertices = problem.paths.paths_along(np.vstack([way, way[:1]]))
+    stops_m = np.vstack([lanes[k][::-1] if back else lanes[k] for k, back in driving_order(problem, lanes)])
+    stops_m = stops_m[problem.paths.part_of(stops_m) == ground.component]
+    vertices = problem.paths.paths_along(np.vstack([stops_m, stops_m[:1]]))
     return Tour(
         vertices_m=vertices[:-1] if len(vertices) > 1 else vertices,
         period_class=ground.period_class,
