@@ -19,7 +19,8 @@ from rota.errors import MissionError, NoPlanFound
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan, Trajectory
 from rota.planner import Planner
-from rota.planners.patrol.planner_settings import METHODS, PatrolSettings
+from rota.planners.patrol.method_table import METHODS
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 MAKE_PLAN = importlib.import_module("rota.make_plan")
 YARD = """\
@@ -150,7 +151,7 @@ def test_wrong_methods_are_bad_input(yard: Path, capsys: pytest.CaptureFixture[s
 def test_no_methods_at_all_are_refused() -> None:
     with pytest.raises(MissionError, match="none is given; tours, parallel"):
         compare_methods(mission(), ())
-    assert named_methods(mission(), None) == METHODS
+    assert named_methods(mission(), None) == tuple(METHODS)
 
 
 @pytest.mark.parametrize("name", ["plans.png", "plans.svg", "plans.pdf"])

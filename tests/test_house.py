@@ -11,7 +11,7 @@ from tests.test_imports import FILES, imports_of, module_name, within
 PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
 PATROL_STAGES = [
-    ["planner_settings", "work_ahead"],
+    ["planner_settings", "method_table", "work_ahead"],
     ["tours", "verdict", "margins", "settings", "efforts"],
     ["ground"],
     ["bounds", "context"],
@@ -22,7 +22,7 @@ PATROL_STAGES = [
     ["planner", "compiled_by_two"],
 ]
 METHOD_STAGES = [
-    ["method", "registry"],
+    ["method"],
     ["anneal_and_repair", "sweeping", "sun2019"],
     ["fewest", "large"],
     ["tours", "fixed_team"],

@@ -7,7 +7,8 @@ from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING
 
 from rota.planner import Answer, Planner, Request
-from rota.planners.patrol.planner_settings import METHODS, PatrolSettings
+from rota.planners.patrol.method_table import METHODS
+from rota.planners.patrol.planner_settings import PatrolSettings
 
 if TYPE_CHECKING:
     from rota.mission import Mission
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 class PatrolPlanner(Planner):
     """The door of the planner patrol; the compiled loops are loaded only when they are needed."""
 
-    methods = METHODS
+    methods = tuple(METHODS)
     settings = PatrolSettings
 
     def plan(self, request: Request) -> Answer:

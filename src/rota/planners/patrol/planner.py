@@ -12,7 +12,7 @@ from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
-from rota.planners.patrol.methods.registry import load_method
+from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.search import swept_instead
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from rota.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
+from rota.planners.patrol.method_table import METHODS
 from rota.refusals import Where, every_change_of_presence, fleet_blocks, inner, robot_count, shown
 
 Effort = Literal["quick", "normal", "high"]
-Method = Literal["tours", "parallel", "sequential", "decomposition", "sun2019"]
-METHODS: tuple[Method, ...] = get_args(Method)
+if TYPE_CHECKING:
+    Method = str
+else:
+    Method = Literal[tuple(METHODS)]  # the table is the one place that names them
 DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
 FrameTour = Literal["local_search", "genetic"]
 FramePartition = Literal["exact", "pso"]
