@@ -15,7 +15,7 @@ from shapely import LineString, Polygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
 from rota.planners.patrol.annealing.chain_kernels import range_m
-from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_way, unseen_near
+from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_leg, unseen_near
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.state_kernels import (
@@ -292,7 +292,7 @@ def test_the_books_are_true_after_many_moves(case: dict[str, object]) -> None:
         assert_books_are_true(search)
         assert_legs_are_free(given, search.tours)
     assert search._state.ints[ACCEPTED] > 1000  # moves were accepted
-    search.mend(2000)
+    search.see_more(2000)
     assert_books_are_true(search)
     assert_legs_are_free(given, search.tours)
 
@@ -314,8 +314,8 @@ def test_moves_gain_no_more_and_lose_no_less_than_is_estimated(case: dict[str, o
         gained_m = samples.weight[(state.times_seen == 0) & (new > 0)].sum()
         box_m = (min(a[0], c[0], x), min(a[1], c[1], y), max(a[0], c[0], x), max(a[1], c[1], y))
         assert gained_m <= unseen_near(*box_m, state) <= state.unseen[0] + 1e-6
-        note_way(np.int64(0), *a, x, y, state)
-        note_way(np.int64(1), x, y, *c, state)
+        note_leg(np.int64(0), *a, x, y, state)
+        note_leg(np.int64(1), x, y, *c, state)
         slots = {int(state.slot[p]), int(state.slot[v])}
         estimate = [lost_at_least(s, np.int64(2), range_m(k, state), math.inf, samples, state) for s in slots]
         lost_m = samples.weight[(state.times_seen == old) & (old > 0) & (new == 0)].sum()
@@ -400,7 +400,7 @@ def test_mending_loses_nothing_that_was_seen() -> None:
     before = set(search.unseen_samples.tolist())
     assert before  # at this price something is left to mend
     weight = search._state.unseen[0]
-    search.mend(5000)
+    search.see_more(5000)
     assert search._state.unseen[0] < weight
     assert_books_are_true(search)
 

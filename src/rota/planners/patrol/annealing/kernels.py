@@ -132,7 +132,7 @@ def propose_insert(space: EdgeGrid, s: Samples, t: Tours) -> int:
 
 
 @compiled
-def mend(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> int:
+def see_more(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> int:
     """Bend legs towards unseen samples, as long as each bend gains more than it costs; nothing else moves.
 
     Returns the number of tries made: fewer when all is seen, or FULL is set.

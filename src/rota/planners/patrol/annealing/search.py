@@ -152,10 +152,10 @@ class Annealing:
             done(made)
         return True
 
-    def mend(self, tries: int) -> None:
+    def see_more(self, tries: int) -> None:
         """Bend legs towards what is unseen and leave all else alone, so that nothing seen elsewhere is lost."""
         while tries > 0:
-            made = annealing_kernels.mend(tries, self._longest_m, self._space, self._samples, self._state)
+            made = annealing_kernels.see_more(tries, self._longest_m, self._space, self._samples, self._state)
             if not self._state.ints[FULL]:
                 return
             tries -= made

@@ -299,7 +299,7 @@ def see_the_rest(
     """Bend the tours a little until they see all samples; lead them by a detour to what is left."""
     length_weight = context.settings.repair.length_weight
     search = annealing_of(context, tours, samples, length_weight=length_weight, seed=seed)
-    search.mend(500 + 40 * search.unseen)
+    search.see_more(500 + 40 * search.unseen)
     tours = search.tours
     before = np.zeros(0, dtype=np.int64)
     for _ in range(5):

@@ -15,9 +15,10 @@ Candidate = TypeVar("Candidate")
 
 
 def screened(context: Context, candidates: list[Allocation], *, seed: int) -> list[list[Tour]]:
-    """The tours of the allocations after a little annealing, the least shortfall first; hopeless ones are left out.
+    """The tours of the allocations after a little annealing, the least shortfall first.
 
-    Nested loops take longer to find their shape, which their own limits allow for. A single allocation is not annealed.
+    Allocations that leave too much unseen are dropped. Nested loops take longer to find their shape, which their own
+    limits allow for. A single allocation is not annealed.
     """
     if len(candidates) < 2:
         return [allocation.tours for allocation in candidates]

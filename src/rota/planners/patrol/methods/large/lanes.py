@@ -38,7 +38,7 @@ AROUND = 4.0  # reaches beyond a district's bounds in which its route may find i
 def in_districts(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """Routes over districts of the ground, with as few robots as their lengths allow; None when more than ``most``.
 
-    reserve: share of every budget that is kept for mending. None also where a period is too short for lanes, or
+    reserve: share of every budget that is kept for the repair. None also where a period is too short for lanes, or
     districts of so many robots do not fit their budgets after some numbers tried.
     """
     if ground.shape.is_empty:

@@ -39,7 +39,7 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
     """The best plan for large ground (met unless all repair failed).
 
     Lanes first, which open ground needs no more robots than. Where they take many more than the bound, every district
-    is searched by itself as small ground is (``search``), at once, and the tours of all are mended together.
+    is searched by itself as small ground is (``search``), at once, and the tours of all are repaired together.
     """
     problem, settings = context.problem, context.settings.districts
     few = settings.enough * context.enough_robots
@@ -80,7 +80,7 @@ def better(one: Repaired | None, other: Repaired) -> Repaired:
 
 
 def by_districts(context: Context, search: Method, missions: list[Mission]) -> Repaired:
-    """Tours found for every district's mission by itself, mended together, robots added if it takes them."""
+    """Tours found for every district's mission by itself, repaired together, robots added if it takes them."""
     districts: list[list[Tour]] = []
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         seeds = range(context.seed, context.seed + len(missions))
@@ -95,7 +95,7 @@ def by_districts(context: Context, search: Method, missions: list[Mission]) -> R
     )
     if whole.met and whole.within_budgets:
         return whole
-    context.progress(0.9, "finishing with the robots that mending asks for")
+    context.progress(0.9, "finishing with the robots that the repair asks for")
     return repair_until_feasible(
         exact, joined(districts), no_points(), may_add=True, rounds=context.settings.repair.patient_rounds
     )
@@ -104,7 +104,7 @@ def by_districts(context: Context, search: Method, missions: list[Mission]) -> R
 def tours_of(context: Context, search: Method, mission: Mission, seed: int) -> list[Tour]:
     """The tours that the search finds for one district, classes and parts as the whole problem numbers them.
 
-    None where nobody can see enough of it from within: mending the whole will lead robots there.
+    None where nobody can see enough of it from within: the repair of the whole will lead robots there.
     """
     try:
         problem = set_up_problem(mission)

@@ -97,7 +97,7 @@ def with_more(context: Context, framed: Framed, settings: MethodSettings, best: 
         best = found if is_better(found, best) else best
         if is_good(best):
             return best
-    context.progress(0.9, "finishing with the robots that mending asks for")
+    context.progress(0.9, "finishing with the robots that the repair asks for")
     tours = tours_of(context.problem, cut(context, framed, settings, None))
     last = repair_until_feasible(context, tours, no_points(), may_add=True, rounds=3 * settings.route.repairs)
     return last if is_better(last, best) else best

@@ -1,9 +1,9 @@
 """The methods: one ground to the tours that sweep it, by as few robots as its period and the lanes' lengths allow.
 
 Sun et al. 2019, Figure 3, draws them for one open area with one period; here each takes the ground of one group of
-period classes in one part of the standing space, so that zones can have routes of their own (``search`` chooses the
-groups). A share ``reserve`` of every robot's budget is kept for mending. A method that needs more robots than ``most``
-gives None.
+period classes in one component of the standing space, so that zones can have routes of their own (``search`` chooses
+the groups). A share ``reserve`` of every robot's budget is kept for the repair. A method that needs more robots than
+``most`` gives None.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ class SweepGround:
 def sweep_grounds(problem: Problem, groups: tuple[tuple[int, ...], ...]) -> list[SweepGround]:
     """The ground of each group of period classes, by part of the standing space; what no part borders is left out.
 
-    SweepGround in front of two parts belongs to the larger one.
+    Ground in front of two parts belongs to the larger one.
     """
     taken: BaseGeometry = MultiPolygon()
     claims = []
@@ -194,7 +194,7 @@ def best_route(
 ) -> Tour | None:
     """The shortest closed route over a shape that lanes at the angles tried give; None when no robot can be near it.
 
-    SweepGround that a route does not see is charged for, since mending will have to lead it there.
+    Ground that a route does not see is charged for, since the repair will have to lead it there.
     """
     best: tuple[float, Tour] | None = None
     ways = [[]] if shape.is_empty else layouts(problem, shape, tried, own=own)
@@ -266,5 +266,5 @@ def driving_order(problem: Problem, lanes: list[Floats]) -> list[tuple[int, bool
 
 
 def robots_for(tour: Tour, reserve: float) -> int:
-    """Robots that keep the tour's period when a share of their budget is kept for mending."""
+    """Robots that keep the tour's period when a share of their budget is kept for the repair."""
     return max(1, math.ceil(tour_length_m(tour) / (replace(tour, robots=1).budget_m * (1 - reserve))))

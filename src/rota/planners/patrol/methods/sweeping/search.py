@@ -84,7 +84,7 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
             careful = proposed(sweeping, exact, proposal.groups, proposal.reserve + 1, most)
             proposals += [] if careful is None else [careful]
     if best is None:
-        context.progress(0.9, "finishing with the robots that mending asks for")
+        context.progress(0.9, "finishing with the robots that the repair asks for")
         rounds = settings.repair.patient_rounds
         best = repair_until_feasible(exact, last_resort.tours, no_points(), may_add=True, rounds=rounds)
     return best
