@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -13,13 +14,30 @@ from numpy.typing import NDArray
 from shapely import Polygon, box
 
 from rota.errors import MissionError
-from rota.planners.bounce.polygon import BounceRule, Rim, bounce_map, bounce_path, make_rim
+from rota.planners.bounce.polygon import BounceRule, Rim, bounce_path, make_rim
 from rota.planners.bounce.polygon_cycles import random_starts
+from rota.planners.bounce.polygon_kernels import bounce
 
 Corner = tuple[Fraction, Fraction]
+Floats = NDArray[np.float64]
 QUARTER = math.pi / 2
 HALL = box(0, 0, 7, 5).difference(box(2, 2, 3, 4)).difference(box(5, 0, 5.5, 1.5))
 YARD = Polygon([(0, 0), (9, 1), (8, 6), (4.5, 4), (1, 7)]).difference(Polygon([(3, 2), (5, 2.2), (4, 3.2)]))
+
+
+class Image(NamedTuple):
+    """Where contacts lead to, (k,) each: arc length of the next contact, way there, d arc / d arc of the start."""
+
+    arcs_m: Floats
+    ways_m: Floats
+    slopes: Floats
+
+
+def bounce_map(rim: Rim, rule: BounceRule, arcs_m: Floats, headings_in_rad: Floats) -> Image:
+    """The next contacts after those at arc lengths (k,) come to with headings (k,)."""
+    turning, contacts = rule.compiled._replace(whole=0), zip(*rim.at(arcs_m), headings_in_rad, strict=True)
+    rows = np.array([bounce(rim.compiled, turning, heading, e, s, 0) for e, s, heading in contacts])
+    return Image(rim.arcs_m(rows[:, 0].astype(int), rows[:, 1]), rows[:, 3], rows[:, 5])
 
 
 def regular_polygon(n: int) -> tuple[Polygon, float]:
@@ -184,4 +202,4 @@ def test_what_cannot_be_is_refused() -> None:
     with pytest.raises(MissionError, match=r"start \[0.1, 0.5\] is not allowed"):
         bounce_path(rim, BounceRule(angle_rad=1.0), (0.1, 0.5), 0.0, 3)
     with pytest.raises(MissionError, match=r"must lie in 0\.\.4 m"):
-        bounce_map(rim, BounceRule(angle_rad=1.0), np.array([4.5]), np.zeros(1))
+        rim.at(np.array([4.5]))

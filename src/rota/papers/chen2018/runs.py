@@ -105,11 +105,6 @@ class Outcome:
     places_m: Floats
     stride: int
 
-    @property
-    def rest_step(self) -> float:
-        """The step at which the stop rule held; inf: it did not."""
-        return self.steps if self.at_rest else np.inf
-
     def places_at(self, step: int) -> Floats:
         """(n, 2) metres at a step, or in the end; between the kept ones the one before."""
         places: Floats = self.places_m[-1] if step >= self.steps else self.places_m[step // self.stride]

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from rota.plan import Plan
-from rota.planners.bounce.free_monitoring import FreeTeam
 from rota.planners.bounce.inexact_plan import RUNS, kept_with_errors
+from rota.planners.bounce.plane_monitoring import PlaneTeam
 from rota.planners.bounce.planner_settings import BounceSettings
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f}"
 
 
-def cycles_sentence(team: FreeTeam) -> str:
+def cycles_sentence(team: PlaneTeam) -> str:
     """What limit cycles robots without a grid follow, and how these hold them."""
     parts = []
     for t in dict.fromkeys(team.on):

@@ -17,11 +17,11 @@ from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.chosen_group import Choice, Chosen, choose_group, out_of_reach
 from rota.planners.bounce.clock_margin import apart_in_time
 from rota.planners.bounce.coverage import Coverage, cover
-from rota.planners.bounce.free_monitoring import plan_free_monitoring
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import limit_cycles, require_watchable, seen_by_cycles, zone_cells
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.physics_sentences import cycles_sentence
+from rota.planners.bounce.plane_monitoring import plan_in_plane
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.sentences import entered_sentence, groups_sentence, pace_sentence, proof_sentence
 from rota.planners.bounce.starts import random_starts, robots_of, start_cells
@@ -73,7 +73,7 @@ def plan_bounce(
     """
     settings = BounceSettings.of(mission)
     if settings.cells == "none":
-        plan, team = plan_free_monitoring(mission, seed=seed, progress=progress, should_stop=should_stop)
+        plan, team = plan_in_plane(mission, seed=seed, progress=progress, should_stop=should_stop)
         return Answer(plan=plan, facts=(cycles_sentence(team),))
     if settings.task == "cover":
         return plan_coverage(mission, seed=seed)

@@ -30,7 +30,6 @@ from rota.planners.bounce.polygon_kernels import (
     first_contact,
     follow,
     is_blocked,
-    map_states,
     place_on,
 )
 
@@ -113,19 +112,6 @@ class Rim:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BounceImage:
-    """Where contacts lead to, (k,) each: arc length and heading on arrival, way there, d arc / d arc of the start.
-
-    NaN where a robot has no way out: it is stuck in a corner or was put where no disc fits.
-    """
-
-    arcs_m: Floats
-    headings_rad: Floats
-    ways_m: Floats
-    slopes: Floats
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class BouncePath:
     """A way from contact to contact. positions_m (k + 1, 2): the start, then contacts; headings_rad (k,): between them.
 
@@ -180,22 +166,6 @@ def _add_ring(corners: Floats, radius_m: float, rows: list[tuple[float, ...]], k
         if radius_m > 0 and turn < -_STRAIGHT_RAD:
             rows.append((*corners[(k + 1) % len(corners)], math.atan2(ux, -uy), 0.0, -turn * radius_m))
             kinds.append(ARC)
-
-
-def bounce_map(rim: Rim, rule: BounceRule, arcs_m: Floats, headings_in_rad: Floats) -> BounceImage:
-    """Where contacts at ``arcs_m`` (k,), come to with ``headings_in_rad`` (k,), lead to: the next contacts.
-
-    The slopes are derivatives with the outgoing headings held ("turn") or following the wall ("from_wall", whose
-    headings in do not matter).
-    """
-    element, s_m = rim.at(np.asarray(arcs_m, dtype=np.float64))
-    out = np.empty((len(element), 5))
-    headings = np.ascontiguousarray(headings_in_rad, dtype=np.float64)
-    map_states(rim.compiled, rule.compiled._replace(whole=0), element, s_m, headings, out)
-    stuck = out[:, 0] < 0
-    arcs = rim.arcs_m(out[:, 0].astype(np.int64), out[:, 1])
-    out[stuck, 2:], arcs[stuck] = np.nan, np.nan
-    return BounceImage(arcs_m=arcs, headings_rad=out[:, 2] % (2 * math.pi), ways_m=out[:, 3], slopes=out[:, 4])
 
 
 def bounce_path(

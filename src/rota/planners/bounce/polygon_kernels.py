@@ -194,17 +194,6 @@ def bounce(rim, turning, first_heading, e, s, j):
 
 
 @njit(cache=True, nogil=True)
-def map_states(rim, turning, element, s, heading_in, out):
-    """Fill a row of ``out`` (k, 5) for each state: element, s, heading on the way, its length, d s' / d s; -1: stuck.
-
-    element, s, heading_in: (k,) of contacts come to with these headings. turning.whole is of no use here.
-    """
-    for k in range(len(element)):
-        e1, s1, _, way, heading, slope = bounce(rim, turning, heading_in[k], element[k], s[k], 0)
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = e1, s1, heading, way, slope
-
-
-@njit(cache=True, nogil=True)
 def follow(rim, turning, first_heading, e, s, j, out):
     """Fill rows of ``out`` with one state after the other: element, s, turns, and heading, way and slope to the next.
 

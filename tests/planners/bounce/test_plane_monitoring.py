@@ -18,8 +18,8 @@ from rota.make_plan import search_plan
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.plan import Plan
 from rota.planner import Answer, planner_of
-from rota.planners.bounce.free_tracks import tracks_of
 from rota.planners.bounce.physics_sentences import errors_sentence
+from rota.planners.bounce.plane_tracks import tracks_of
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.polygon import BounceRule, bounce_path, make_rim
 

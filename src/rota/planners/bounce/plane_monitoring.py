@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rota.errors import MissionError, NoPlanFound
 from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
-from rota.planners.bounce.free_tracks import Track, tracks_of
+from rota.planners.bounce.plane_tracks import Track, tracks_of
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.starts import robots_of
 
@@ -27,7 +27,7 @@ MOST_TEAMS = 100_000  # that are looked at
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FreeTeam:
+class PlaneTeam:
     """Robots by number on tracks. ``ratio``: the worst gap over its period; inf: some zone is never visited."""
 
     robots: tuple[Robot, ...]
@@ -36,16 +36,16 @@ class FreeTeam:
     ratio: float
 
 
-def plan_free_monitoring(
+def plan_in_plane(
     mission: Mission, *, seed: int, progress: Callable[[float, str], None], should_stop: Callable[[], bool]
-) -> tuple[Plan, FreeTeam]:
+) -> tuple[Plan, PlaneTeam]:
     """A plan by which robots visit all zones for ever along attracting limit cycles, without a grid, and the team.
 
     For as few robots as possible teams of 1, 2, ... are tried. Raises NoPlanFound when no team visits all zones; one
     that does so too seldom is given all the same.
     """
     counts = [None] if mission.fleet.robots is not None else list(range(1, MOST_FEWEST + 1))
-    best: FreeTeam | None = None
+    best: PlaneTeam | None = None
     for k, count in enumerate(counts):
         progress(k / len(counts), f"{count or len(mission.fleet.robots or ())} robots")
         team = free_team(mission, seed=seed, count=count, should_stop=should_stop)
@@ -64,7 +64,7 @@ def plan_free_monitoring(
 
 def free_team(
     mission: Mission, *, seed: int, count: int | None = None, should_stop: Callable[[], bool] = lambda: False
-) -> FreeTeam | None:
+) -> PlaneTeam | None:
     """The team with the smallest worst ratio of gap to period, or the first that meets all periods, as is asked.
 
     count: of a fleet of as few as possible. None where none visits all zones without contact. Raises MissionError for
@@ -124,7 +124,7 @@ class _Search:
         self.kinds, self.should_stop = _kinds(mission, robots), should_stop
         self.periods_s = [zone.period_s for zone in mission.zones if zone.period_s is not None]
         self.enough = 1.0 if BounceSettings.of(mission).purpose == "periods" else 0.0
-        self.best: FreeTeam | None = None
+        self.best: PlaneTeam | None = None
         self.left = MOST_TEAMS
         self.apart = _apart(tracks, [robots[owner].body_radius_m for owner in owners])
         self.known: dict[tuple[int, int], bool] = {}
@@ -138,7 +138,7 @@ class _Search:
         if k == len(self.robots):
             ratio = self.ratio(on)
             if math.isfinite(ratio) and (self.best is None or ratio < self.best.ratio):
-                self.best = FreeTeam(robots=self.robots, tracks=tuple(self.tracks), on=on, ratio=ratio)
+                self.best = PlaneTeam(robots=self.robots, tracks=tuple(self.tracks), on=on, ratio=ratio)
             return
         first = least if k and self.kinds[k] == self.kinds[k - 1] else 0
         for t in range(first, len(self.tracks)):
@@ -173,7 +173,7 @@ def _apart(tracks: list[Track], radii_m: list[float]) -> NDArray[np.bool_]:
     return found
 
 
-def _trajectories(team: FreeTeam) -> list[Trajectory]:
+def _trajectories(team: PlaneTeam) -> list[Trajectory]:
     """Each robot's, those on one track evenly spaced in time."""
     found, placed = [], dict.fromkeys(team.on, 0)
     for robot, t in zip(team.robots, team.on, strict=True):
