@@ -45,7 +45,7 @@ def bitangents(corners, corner_part, grid):
 @njit(cache=True, nogil=True)
 def bitangents_of(first, last, corners, corner_part, grid):
     """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
-    found = np.empty((1024, 2), np.int32)
+    pairs = np.empty((1024, 2), np.int32)
     count = 0
     for k in range(first, last):
         one = corners[k]
@@ -54,11 +54,11 @@ def bitangents_of(first, last, corners, corner_part, grid):
             if corner_part[k] != corner_part[m] or not _can_bend(one[0], one[1], other):
                 continue
             if _can_bend(other[0], other[1], one) and segment_is_free(one[0], one[1], other[0], other[1], grid):
-                if count == len(found):
-                    found = np.concatenate((found, np.empty_like(found)))
-                found[count, 0], found[count, 1] = k, m
+                if count == len(pairs):
+                    pairs = np.concatenate((pairs, np.empty_like(pairs)))
+                pairs[count, 0], pairs[count, 1] = k, m
                 count += 1
-    return found[:count].copy()
+    return pairs[:count].copy()
 
 
 @njit(cache=True, nogil=True)
@@ -101,7 +101,7 @@ def path_lengths(a, b, corners, between, grid, symmetric):
 
     between: (c, c) lengths between the corners. symmetric: a and b are the same.
     """
-    found = np.full((len(a.points), len(b.points)), inf)
+    path_m = np.full((len(a.points), len(b.points)), inf)
     lengths = np.empty(len(corners))
     for k in range(len(a.points)):
         ax, ay = a.points[k]
@@ -119,10 +119,10 @@ def path_lengths(a, b, corners, between, grid, symmetric):
                     known = True
                 for n in b.items[b.start[m] : b.start[m + 1]]:
                     best = min(best, lengths[n] + hypot(corners[n, 0] - bx, corners[n, 1] - by))
-            found[k, m] = best
+            path_m[k, m] = best
             if symmetric:
-                found[m, k] = best
-    return found
+                path_m[m, k] = best
+    return path_m
 
 
 @njit(cache=True, nogil=True)
@@ -132,7 +132,7 @@ def lengths_by_way_of(points, part, reached, b, corners, grid, symmetric, first)
     reached: (n, c) the lengths from the points to the corners. symmetric: the points are those of b from the number
     ``first`` on, and only paths to later ones are measured.
     """
-    found = np.full((len(points), len(b.points)), inf)
+    path_m = np.full((len(points), len(b.points)), inf)
     for k in range(len(points)):
         ax, ay = points[k]
         for m in range(first + k if symmetric else 0, len(b.points)):
@@ -145,8 +145,8 @@ def lengths_by_way_of(points, part, reached, b, corners, grid, symmetric, first)
             else:
                 for n in b.items[b.start[m] : b.start[m + 1]]:
                     best = min(best, reached[k, n] + hypot(corners[n, 0] - bx, corners[n, 1] - by))
-            found[k, m] = best
-    return found
+            path_m[k, m] = best
+    return path_m
 
 
 @njit(cache=True, nogil=True)

@@ -129,13 +129,13 @@ def border_corners(shape: MultiPolygon, *, bend_m: float = 1e-12) -> tuple[Float
     """
     before, corner, after = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros((0, 2))]
     for ring in _oriented_rings(shape):
-        here = ring[:-1]
-        back, ahead = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
-        come, go, chord = here - back, ahead - here, ahead - back
+        corners = ring[:-1]
+        back, ahead = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+        come, go, chord = corners - back, ahead - corners, ahead - back
         turn = come[:, 0] * go[:, 1] - come[:, 1] * go[:, 0]
         reflex = -turn > bend_m * np.hypot(chord[:, 0], chord[:, 1])
         before.append(back[reflex])
-        corner.append(here[reflex])
+        corner.append(corners[reflex])
         after.append(ahead[reflex])
     return np.vstack(corner), np.vstack(before), np.vstack(after)
 
@@ -152,10 +152,10 @@ def nearest_free_point(space: MultiPolygon, point_m: tuple[float, float]) -> tup
     """
     if space.is_empty:
         raise MissionError(f"point {tuple(point_m)}: no free point is near it, because there is no free space at all")
-    here = Point(point_m)
-    if space.covers(here):
-        return (float(here.x), float(here.y))
-    nearest = shapely.get_point(shapely.shortest_line(here, space), 1)
+    point = Point(point_m)
+    if space.covers(point):
+        return (float(point.x), float(point.y))
+    nearest = shapely.get_point(shapely.shortest_line(point, space), 1)
     return (float(nearest.x), float(nearest.y))
 
 

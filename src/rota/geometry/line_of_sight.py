@@ -91,10 +91,10 @@ def visibility_polygon(
         raise ValueError(f"reach_m: {reach_m!r} is not allowed; must be a finite number greater than 0")
     if sides < 3:
         raise ValueError(f"sides: {sides!r} is not allowed; must be 3 or more")
-    here = _rows(np.asarray(point_m, dtype=np.float64).reshape(1, -1), 2, "point_m")[0]
+    viewer = _rows(np.asarray(point_m, dtype=np.float64).reshape(1, -1), 2, "point_m")[0]
     angles = 2 * math.pi * (np.arange(sides) + 0.5) / sides
     rim = reach_m / math.cos(math.pi / sides) * np.column_stack([np.cos(angles), np.sin(angles)])
-    walls = _rows(walls_m, 4, "walls_m") - np.concatenate([here, here])
+    walls = _rows(walls_m, 4, "walls_m") - np.concatenate([viewer, viewer])
     low, high = np.minimum(walls[:, 1], walls[:, 3]), np.maximum(walls[:, 1], walls[:, 3])
     # walls at other heights are out of reach and cross no ray from the origin to the right
     near = np.ascontiguousarray(walls[(low <= rim[:, 1].max()) & (high >= rim[:, 1].min())])
@@ -103,7 +103,7 @@ def visibility_polygon(
     ring = ring[np.hypot(step[:, 0], step[:, 1]) > _SAME_CORNER * reach_m]
     if len(ring) < 3:
         return Polygon()
-    seen = Polygon(ring + here)
+    seen = Polygon(ring + viewer)
     if seen.is_valid:
         return seen
     parts = [part for part in shapely.get_parts(shapely.make_valid(seen)) if part.geom_type.endswith("Polygon")]

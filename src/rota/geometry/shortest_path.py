@@ -48,9 +48,11 @@ class ShortestPaths:
         for part in self.parts:
             alone = len(self.parts) == 1
             self._part_grids.append(self.grid if alone else edge_grid(border_segments(MultiPolygon([part]))))
-        found = [np.hstack(border_corners(MultiPolygon([part]))) for part in self.parts]
-        self._corners = np.ascontiguousarray(np.vstack([np.zeros((0, 6)), *found]))
-        self._corner_part = np.repeat(np.arange(len(found), dtype=np.int64), [len(corners) for corners in found])
+        corners_of_parts = [np.hstack(border_corners(MultiPolygon([part]))) for part in self.parts]
+        self._corners = np.ascontiguousarray(np.vstack([np.zeros((0, 6)), *corners_of_parts]))
+        self._corner_part = np.repeat(
+            np.arange(len(corners_of_parts), dtype=np.int64), [len(corners) for corners in corners_of_parts]
+        )
         self.corners_m: Floats = np.ascontiguousarray(self._corners[:, :2])
         self._dense = len(self.corners_m) <= most_dense
         # the points between which all lengths were asked for last: some of them are often asked for again
@@ -189,17 +191,17 @@ class ShortestPaths:
 
     def _searched_lengths(self, a: Ends, b: Ends, *, symmetric: bool) -> Floats:
         """The same along the links, some points a at a time."""
-        found = np.zeros((len(a.points), len(b.points)))
+        path_m = np.zeros((len(a.points), len(b.points)))
         for first in range(0, len(a.points), SOURCES_TOGETHER):
             rows = slice(first, min(first + SOURCES_TOGETHER, len(a.points)))
             reached = self._lengths_to_corners(a, rows)
-            found[rows] = corner_kernels.lengths_by_way_of(
+            path_m[rows] = corner_kernels.lengths_by_way_of(
                 a.points[rows], a.part[rows], reached, b, self._corners, self.grid, symmetric, first
             )
         if symmetric:
-            found = np.triu(found)
-            found += np.triu(found, 1).T
-        return found
+            path_m = np.triu(path_m)
+            path_m += np.triu(path_m, 1).T
+        return path_m
 
     def _lengths_to_corners(self, a: Ends, rows: slice) -> Floats:
         """Lengths (n, c) of the shortest paths from some points to all corners."""

@@ -49,7 +49,7 @@ def _cut(box: Box, corners_m: Floats, margin_m: float, most: int) -> Iterator[Bo
 
 
 def grown_box(box: Box, margin_m: float) -> Box:
-    """The box with so much more on every side."""
+    """The box, margin_m wider on every side."""
     return box[0] - margin_m, box[1] - margin_m, box[2] + margin_m, box[3] + margin_m
 
 

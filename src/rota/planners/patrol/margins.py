@@ -41,7 +41,7 @@ def with_reserve(mission: Mission) -> Mission:
 
 
 def shorter_sensor(sensor: Sensor, margin_m: float) -> Sensor:
-    """The sensor, seeing so much less far in every direction."""
+    """The sensor, with ``margin_m`` less reach in every direction."""
     if isinstance(sensor, DiscSensor):
         return DiscSensor(radius_m=sensor.radius_m - margin_m)
     return SquareSensor(side_m=sensor.side_m - 2 * margin_m)

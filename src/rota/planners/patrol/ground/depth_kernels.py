@@ -22,7 +22,7 @@ def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
     behind a wall that spans the whole sector. Round a point that lies on a wall nothing is known to be clear.
     """
     n = xy.shape[0]
-    found = np.empty((n, 2, DEPTH_SECTORS), dtype=np.float32)
+    depth2 = np.empty((n, 2, DEPTH_SECTORS), dtype=np.float32)
     clear, blocked = np.empty(DEPTH_SECTORS), np.empty(DEPTH_SECTORS)
     borders = _borders()
     for i in range(n):
@@ -32,9 +32,9 @@ def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
             w = walls[wall_item[j]]
             _shadow(w[0] - x, w[1] - y, w[2] - x, w[3] - y, borders, clear, blocked)
         for k in range(DEPTH_SECTORS):
-            found[i, 0, k] = ((1 - SLACK) * clear[k]) ** 2
-            found[i, 1, k] = ((1 + SLACK) * blocked[k]) ** 2
-    return found
+            depth2[i, 0, k] = ((1 - SLACK) * clear[k]) ** 2
+            depth2[i, 1, k] = ((1 + SLACK) * blocked[k]) ** 2
+    return depth2
 
 
 @njit(cache=True)
@@ -72,9 +72,9 @@ def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any
         k = (first + step) % DEPTH_SECTORS
         bx, by = borders[k]
         ex, ey = borders[(k + 1) % DEPTH_SECTORS]
-        one = ends[0] if step == 0 else turn / (bx * wy - by * wx)
-        other = ends[1] if step == count - 1 else turn / (ex * wy - ey * wx)
-        near = turn / math.sqrt(square) if inside and foot == k else min(one, other)
+        begins = ends[0] if step == 0 else turn / (bx * wy - by * wx)
+        ends_at = ends[1] if step == count - 1 else turn / (ex * wy - ey * wx)
+        near = turn / math.sqrt(square) if inside and foot == k else min(begins, ends_at)
         clear[k] = min(clear[k], max(0.0, near - 2 * TOUCH_M))
         if 0 < step < count - 1:
-            blocked[k] = min(blocked[k], max(one, other))
+            blocked[k] = min(blocked[k], max(begins, ends_at))

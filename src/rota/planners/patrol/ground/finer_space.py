@@ -17,7 +17,7 @@ from rota.polygons import polygons_of
 Floats = NDArray[np.float64]
 
 FINE_ARC_CORNERS = 128  # of a whole turn: 3e-4 of the body's radius too far from a corner at most
-ROUND_PLACE = 1.0  # of the body's radius: how far round a place the space is drawn anew
+PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
 
 
 def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
@@ -36,7 +36,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
         place_m, range_m = nearest_places(point_m[None], fine, problem.walls, problem.robot)
         if range_m[0] > problem.reach_m:
             continue
-        patch = fine.intersection(shapely.Point(place_m[0]).buffer(ROUND_PLACE * body_m))
+        patch = fine.intersection(shapely.Point(place_m[0]).buffer(PATCH_RADIUS * body_m))
         patches += [part for part in shapely.get_parts(patch) if shapely.intersection(part, space).area > 0]
     if not patches:
         return problem

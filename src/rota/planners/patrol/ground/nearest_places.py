@@ -41,9 +41,9 @@ def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: 
 
 def segments_of(shape: shapely.Geometry) -> Floats:
     """All segments (k, 4) of a geometry of any kind; a lone point is a segment of no length."""
-    found = [np.zeros((0, 4))]
+    segments = [np.zeros((0, 4))]
     for part in shapely.get_parts(shapely.get_parts(np.atleast_1d(shape))):
         for line in shapely.get_rings(part) if part.geom_type == "Polygon" else [part]:
             xy = shapely.get_coordinates(line)
-            found.append(np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy]))
-    return np.ascontiguousarray(np.vstack(found))
+            segments.append(np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy]))
+    return np.ascontiguousarray(np.vstack(segments))

@@ -254,7 +254,7 @@ def frame_runs(f: int, leg: Leg, lane: Lane, per_aa: float, s: Samples, out: Any
 
 @compiled
 def loose_runs(leg: Leg, period_class: int, s: Samples, out: Any, written: int) -> int:
-    """The part of ``leg_sees`` that lies on no lattice, bin by bin; so many numbers have been written before."""
+    """The part of ``leg_sees`` that lies on no lattice, bin by bin; ``written`` numbers are in ``out`` already."""
     # local names: the loop below runs over everything near every leg that is ever tried
     xs, ys, period, visit, shrink = s.x, s.y, s.period, s.visit_m, s.shrink_m
     wall_start, bin_start = s.wall_start, s.bin_start

@@ -283,13 +283,13 @@ def lattice_frames(points: SamplePoints) -> tuple[Floats, Ints, NDArray[np.int32
     begin = 0
     for region in np.unique(points.region):
         which = np.flatnonzero(points.region == region)
-        first, here = which[0], points[which]
-        rows, columns = int(here.row.max()) + 1, int(here.column.max()) + 1
-        spacing_m = float(np.sqrt(here.area_m2[0]))
-        corner_m = here.xy_m[0] - spacing_m * np.array([here.column[0], here.row[0]])
-        frames.append([*corner_m, spacing_m, here.shrink_m[0]])
-        ints.append([here.period[0], rows, columns, begin])
-        place = here.row * (columns + 1) + here.column
+        first, own = which[0], points[which]
+        rows, columns = int(own.row.max()) + 1, int(own.column.max()) + 1
+        spacing_m = float(np.sqrt(own.area_m2[0]))
+        corner_m = own.xy_m[0] - spacing_m * np.array([own.column[0], own.row[0]])
+        frames.append([*corner_m, spacing_m, own.shrink_m[0]])
+        ints.append([own.period[0], rows, columns, begin])
+        place = own.row * (columns + 1) + own.column
         tables.append(first + np.searchsorted(place, np.arange(rows * (columns + 1))))
         begin += rows * (columns + 1)
     return (
@@ -313,8 +313,8 @@ def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple
         return np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
     tree = shapely.STRtree(shapely.linestrings(walls.reshape(-1, 2, 2)))
     wanted = np.flatnonzero(points.visit_m == 0)
-    found = tree.query(shapely.points(points.xy_m[wanted]), predicate="dwithin", distance=reach_m)
-    point, wall = wanted[found[0]], found[1]
+    pairs = tree.query(shapely.points(points.xy_m[wanted]), predicate="dwithin", distance=reach_m)
+    point, wall = wanted[pairs[0]], pairs[1]
     order = np.lexsort((wall, point))
     point, wall = point[order], np.ascontiguousarray(wall[order], dtype=np.int64)
     start = np.searchsorted(point, np.arange(n + 1)).astype(np.int64)

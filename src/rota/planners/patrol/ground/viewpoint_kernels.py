@@ -11,7 +11,8 @@ from numba import njit
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import TOUCH_M
 
-MANY_WALLS, MOST_SECTORS = 40, 256  # from so many walls on round a point they are sorted by direction
+MANY_WALLS = 40  # round a point: from this number on they are sorted by direction
+MOST_SECTORS = 256  # into which they are sorted
 
 
 @njit(cache=True)
@@ -21,15 +22,15 @@ def places_see(x: Any, y: Any, reach: float, square: int, period_class: int, s: 
     start = np.zeros(n + 1, dtype=np.int64)
     runs = np.empty(2 * room, dtype=np.int32)
     for i in range(n):
-        found = leg_sees(Leg(x[i], y[i], x[i], y[i], reach, square), period_class, s, runs)
+        written = leg_sees(Leg(x[i], y[i], x[i], y[i], reach, square), period_class, s, runs)
         start[i + 1] = start[i]
-        for j in range(0, found, 2):
+        for j in range(0, written, 2):
             start[i + 1] += runs[j + 1] - runs[j]
     items = np.empty(start[n], dtype=np.int32)
     at = 0
     for i in range(n):
-        found = leg_sees(Leg(x[i], y[i], x[i], y[i], reach, square), period_class, s, runs)
-        for j in range(0, found, 2):
+        written = leg_sees(Leg(x[i], y[i], x[i], y[i], reach, square), period_class, s, runs)
+        for j in range(0, written, 2):
             for sample in range(runs[j], runs[j + 1]):
                 items[at] = sample
                 at += 1
@@ -112,7 +113,7 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
 
 
 @njit(cache=True)
-def sectors_of(x: float, y: float, wall: Any, one: float, other: float, sectors: int) -> Any:
+def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: float, sectors: int) -> Any:
     """How far a wall is from (x, y), and the first and last of the sectors that it lies in, both ends at angles.
 
     The last may be beyond the number of sectors, which begin at -pi, and both are a little wide. Where rounding leaves
@@ -124,8 +125,8 @@ def sectors_of(x: float, y: float, wall: Any, one: float, other: float, sectors:
     away = math.hypot(ux + along * wx, uy + along * wy)
     if away < 1e-4:
         return away, 0, sectors - 1
-    turn = (other - one) % (2 * math.pi)
-    begin = one if turn <= math.pi else other
+    turn = (last_angle - first_angle) % (2 * math.pi)
+    begin = first_angle if turn <= math.pi else last_angle
     turn = min(turn, 2 * math.pi - turn)
     first = math.floor((begin - 1e-9 + math.pi) / (2 * math.pi) * sectors)
     last = math.floor((begin + turn + 1e-9 + math.pi) / (2 * math.pi) * sectors)
@@ -176,13 +177,13 @@ def greedy_cover(start: Any, items: Any, weight: Any, covered: Any) -> Any:
             if not covered[items[j]]:
                 gain[i] += weight[items[j]]
     chosen = np.empty(n, dtype=np.int64)
-    found = 0
-    while found < n:
+    count_chosen = 0
+    while count_chosen < n:
         best = np.argmax(gain)
         if gain[best] <= 1e-9:
             break
-        chosen[found] = best
-        found += 1
+        chosen[count_chosen] = best
+        count_chosen += 1
         for j in range(start[best], start[best + 1]):
             sample = items[j]
             if covered[sample]:
@@ -191,4 +192,4 @@ def greedy_cover(start: Any, items: Any, weight: Any, covered: Any) -> Any:
             for m in range(back_start[sample], back_start[sample + 1]):
                 gain[back[m]] -= weight[sample]
         gain[best] = 0.0
-    return chosen[:found]
+    return chosen[:count_chosen]

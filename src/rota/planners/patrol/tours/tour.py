@@ -138,17 +138,17 @@ def whole_budget_m(tours: Sequence[Tour], hub: int, petals: Ints) -> float:
 
 def excesses(tours: Sequence[Tour]) -> list[tuple[float, float]]:
     """Metres over budget (less than 0: what is left) and that budget, of each tour alone and each round of a nest."""
-    found = []
+    over = []
     for hub, *petals in nests(tours):
         if not petals:
-            found.append((tour_length_m(tours[hub]) - tours[hub].budget_m, tours[hub].budget_m))
+            over.append((tour_length_m(tours[hub]) - tours[hub].budget_m, tours[hub].budget_m))
             continue
         hub_m = tour_length_m(tours[hub])
         rounds_m = [hub_m + tour_length_m(tours[k]) for k in petals]
         whole_m = whole_budget_m(tours, hub, np.array([petals[0], petals[-1] + 1]))
-        found += [(round_m - tours[hub].budget_m, tours[hub].budget_m) for round_m in rounds_m]
-        found.append((sum(rounds_m) + rounds_more(tours, petals) * hub_m - whole_m, whole_m))
-    return found
+        over += [(round_m - tours[hub].budget_m, tours[hub].budget_m) for round_m in rounds_m]
+        over.append((sum(rounds_m) + rounds_more(tours, petals) * hub_m - whole_m, whole_m))
+    return over
 
 
 def over_budget_share(tours: Sequence[Tour], reserve: float = 0.0) -> float:
@@ -160,8 +160,8 @@ def room_m(tours: Sequence[Tour], k: int) -> float:
     """Metres by which tour k may grow within the budgets; less than 0 when it is over one."""
     for nest in nests(tours):
         if k in nest:
-            here = [tours[i] for i in nest]
-            left = [-excess for excess, _ in excesses(here)]
+            members = [tours[i] for i in nest]
+            left = [-excess for excess, _ in excesses(members)]
             if len(nest) > 1 and k > nest[0]:
                 left = [left[k - nest[0] - 1], left[-1]]
             return min(left)
@@ -173,19 +173,19 @@ def driven(tours: Sequence[Tour]) -> list[Tour]:
 
     Rounds of a robot alone whose petal is empty are left out: what they see is seen again sooner.
     """
-    found = []
+    driven_tours = []
     for hub, *all_petals in nests(tours):
         petals = [k for k in all_petals if len(tours[k].vertices_m) > 1]
         if not petals:
-            found.append(replace(tours[hub], nest=-1))
+            driven_tours.append(replace(tours[hub], nest=-1))
             continue
         if tours[hub].robots > 1:
-            found += in_step(tours, hub, all_petals)
+            driven_tours += in_step(tours, hub, all_petals)
             continue
         vertices_m = np.vstack(list(in_turn(tours[hub].vertices_m, [tours[k].vertices_m for k in petals])))
         slow_s = min(tours[k].period_s for k in petals)
-        found.append(replace(tours[hub], vertices_m=without_repeats(vertices_m), period_s=slow_s, nest=-1))
-    return found
+        driven_tours.append(replace(tours[hub], vertices_m=without_repeats(vertices_m), period_s=slow_s, nest=-1))
+    return driven_tours
 
 
 def in_turn(hub_m: Floats, petals_m: Sequence[Floats]) -> Iterator[Floats]:

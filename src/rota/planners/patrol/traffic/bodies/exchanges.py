@@ -17,11 +17,11 @@ from rota.planners.patrol.tours.tour import Tour, split_legs, tour_length_m
 
 Floats = NDArray[np.float64]
 
-PLACES = 240  # along a loop where it may be cut
-CUTS = 4  # of one loop that are tried, the ones that leave most of the budgets
-BRANCHES = 2  # of them, where the pieces are cut further
-MOST_MORE = 3  # robots more than a loop has, with which it is cut
-ALIKE = 0.08  # of a loop: cuts nearer to each other are one
+CUT_PLACES = 240  # along a loop
+MOST_CUTS = 4  # of one loop: the ones that leave most of the budgets
+MOST_BRANCHES = 2  # cuts of one loop whose pieces are cut further
+MOST_ROBOTS_MORE = 3  # than a loop has: with which it is cut
+LEAST_CUT_SPACING = 0.08  # of a loop: of cuts nearer to each other one is tried
 
 
 def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tuple[Tour, Tour]]:
@@ -32,7 +32,7 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
     if tour.robots < 2 or len(tour.vertices_m) < 2:
         return
     length_m = float(np.hypot(*(np.roll(tour.vertices_m, -1, axis=0) - tour.vertices_m).T).sum())
-    points = split_legs(tour.vertices_m, max(length_m / PLACES, 1e-9))
+    points = split_legs(tour.vertices_m, max(length_m / CUT_PLACES, 1e-9))
     legs = np.hypot(*(np.roll(points, -1, axis=0) - points).T)
     along = np.concatenate([[0.0], np.cumsum(legs)[:-1]])
     pairs = cKDTree(points).query_pairs(near_m, output_type="ndarray")
@@ -49,10 +49,10 @@ def cut_in_two(tour: Tour, near_m: float, paths: ShortestPaths) -> Iterator[tupl
     order = np.argsort(fullest[np.arange(len(i)), best], kind="stable")
     taken: list[tuple[float, float]] = []
     for k in order:
-        if len(taken) == CUTS or fullest[k, best[k]] > 1:
+        if len(taken) == MOST_CUTS or fullest[k, best[k]] > 1:
             return
         ends = (along[i[k]] / length_m, along[j[k]] / length_m)
-        if any(max(abs(ends[0] - a), abs(ends[1] - b)) < ALIKE for a, b in taken):
+        if any(max(abs(ends[0] - a), abs(ends[1] - b)) < LEAST_CUT_SPACING for a, b in taken):
             continue
         taken.append(ends)
         robots = int(shares[best[k]])
@@ -69,8 +69,8 @@ def closed(tour: Tour, points_m: Floats, paths: ShortestPaths) -> Tour | None:
         route = paths.paths_along(np.vstack([points_m, points_m[:1]]))
     except PlanError:
         return None
-    found = replace(tour, vertices_m=thinned(route[:-1] if len(route) > 1 else route))
-    return found if tour_length_m(found) <= found.budget_m else None
+    loop = replace(tour, vertices_m=thinned(route[:-1] if len(route) > 1 else route))
+    return loop if tour_length_m(loop) <= loop.budget_m else None
 
 
 def joined(a: Tour, b: Tour, near_m: float) -> Tour | None:
@@ -99,8 +99,8 @@ def cut_to_the_last(tour: Tour, near_m: float, paths: ShortestPaths) -> list[Tou
     """As many loops as robots, each its own; None where cuts within the budgets do not lead that far."""
     if tour.robots == 1:
         return [tour]
-    for one, other in islice(cut_in_two(tour, near_m, paths), BRANCHES):
-        parts = [cut_to_the_last(part, near_m, paths) for part in (one, other)]
+    for inner, outer in islice(cut_in_two(tour, near_m, paths), MOST_BRANCHES):
+        parts = [cut_to_the_last(part, near_m, paths) for part in (inner, outer)]
         if parts[0] is not None and parts[1] is not None:
             return [*parts[0], *parts[1]]
     return None
@@ -114,17 +114,17 @@ def exchanges(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Ite
         if all(parts is not None for parts in split):
             yield [part for parts in split for part in parts or ()]
     for k in shared:
-        for one, other in cut_in_two(tours[k], near_m, paths):
-            yield [*tours[:k], one, other, *tours[k + 1 :]]
+        for first, second in cut_in_two(tours[k], near_m, paths):
+            yield [*tours[:k], first, second, *tours[k + 1 :]]
     for k in range(len(tours)):
         for i in range(k):
-            for one, other in changed_over(tours[i], tours[k], near_m, paths):
-                yield [*(tour for n, tour in enumerate(tours) if n not in (i, k)), one, other]
+            for first, second in changed_over(tours[i], tours[k], near_m, paths):
+                yield [*(tour for n, tour in enumerate(tours) if n not in (i, k)), first, second]
 
 
 def with_more_robots(tours: Sequence[Tour], near_m: float, paths: ShortestPaths) -> Iterator[list[Tour]]:
     """The tours with one of them cut up, for one or more robots more than it has."""
-    for more in range(1, MOST_MORE + 1):
+    for more in range(1, MOST_ROBOTS_MORE + 1):
         for k, tour in enumerate(tours):
             parts = cut_to_the_last(replace(tour, robots=tour.robots + more), near_m, paths)
             if parts is not None:

@@ -23,77 +23,78 @@ from rota.polygons import polygons_of
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LANES = 1.1  # times two bodies: distance of two lanes, with what timing on a grid of samples takes
-TOWARDS = -0.5  # cosine between directions of robots that come towards each other, at most
-ON_THE_RIGHT = 0.5  # bodies: who is farther to the right of a route is passed on the other side
-ROUNDS = 3  # of moving apart
-BEND = 12  # samples before and after a place of a line, beside which it may bend back
-SAMPLES, MOST_POINTS = 4, 20_000  # of a line to a body, and in all
-QUARTER = 3  # corners of a quarter turn round a robot that stays
-STRAIGHT = 0.02  # bodies: points of a route that stand out less are left out again
+LANE_SPACING = 1.1  # of two bodies: between two lanes, with what timing on a grid of samples takes
+MOST_COSINE = -0.5  # between the directions of robots that come towards each other
+ON_THE_RIGHT = 0.5  # of a body: whoever is farther than this to the right of a route is passed on the other side
+MOST_STEPS = 3  # in which tours move apart
+BEND_SAMPLES = 12  # a line may bend back beside this many samples before and after a place
+SAMPLES_PER_BODY, MOST_POINTS = 4, 20_000  # of a line: per body radius, and over all tours
+QUARTER_CORNERS = 3  # of a quarter turn round a robot that stays
+STRAIGHTENING = 0.02  # of a body: points of a route that stand out less are left out
 
 
 def in_lanes(tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths) -> list[Tour]:
-    """The tours, moved apart where robots come towards each other on nearly the same line: everybody keeps right.
+    """The tours, moved apart where robots come towards each other on nearly the same line: they keep right.
 
-    Who has the other one clearly on the right already keeps left. As far as the space (where centres of bodies can be)
-    allows; tours of robots that stay remain as they are, and so does a tour that a lone robot meets only itself on.
+    A robot that has the other one clearly on its right keeps left. Tours move as far as the space, where centres of
+    bodies can be, allows. Tours of robots that stay remain as they are, and so does a tour on which a lone robot meets
+    only itself.
     """
-    found = list(tours)
-    for _ in range(ROUNDS):
-        moved = moved_apart(found, body_radius_m, space, paths)
+    led = list(tours)
+    for _ in range(MOST_STEPS):
+        moved = moved_apart(led, body_radius_m, space, paths)
         if moved is None:
             break
-        found = moved
-    return found
+        led = moved
+    return led
 
 
 def moved_apart(
     tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths
 ) -> list[Tour] | None:
     """The tours after one step apart; None when nobody comes towards anybody too near."""
-    wide_m = 2 * body_radius_m * LANES
-    between_m = max(body_radius_m / SAMPLES, sum(tour_length_m(tour) for tour in tours) / MOST_POINTS)
+    wide_m = 2 * body_radius_m * LANE_SPACING
+    between_m = max(body_radius_m / SAMPLES_PER_BODY, sum(tour_length_m(tour) for tour in tours) / MOST_POINTS)
     lines = [split_legs(tour.vertices_m, between_m) for tour in tours]
     line = np.repeat(np.arange(len(lines)), [len(points) for points in lines])
     places = np.vstack(lines)
     ahead = np.vstack([np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0) for points in lines])
     ahead /= np.maximum(np.hypot(*ahead.T), 1e-12)[:, None]
-    one, other = cKDTree(places).query_pairs(wide_m, output_type="ndarray").T
-    one, other = np.concatenate([one, other]), np.concatenate([other, one])
+    who, whom = cKDTree(places).query_pairs(wide_m, output_type="ndarray").T
+    who, whom = np.concatenate([who, whom]), np.concatenate([whom, who])
     shared = np.array([tour.robots > 1 for tour in tours])
-    meets = ((line[one] != line[other]) | shared[line[one]]) & ((ahead[one] * ahead[other]).sum(axis=1) < TOWARDS)
-    one, other = one[meets], other[meets]
-    gap = places[other] - places[one]
-    left_m = ahead[one, 0] * gap[:, 1] - ahead[one, 1] * gap[:, 0]
+    meets = ((line[who] != line[whom]) | shared[line[who]]) & ((ahead[who] * ahead[whom]).sum(axis=1) < MOST_COSINE)
+    who, whom = who[meets], whom[meets]
+    gap = places[whom] - places[who]
+    left_m = ahead[who, 0] * gap[:, 1] - ahead[who, 1] * gap[:, 0]
     right = left_m > -ON_THE_RIGHT * body_radius_m
     step_m = np.where(right, wide_m - left_m, -(wide_m + left_m)) / 2
-    # to the right as far as the nearest on the left asks; only who has nobody there keeps left
+    # to the right as far as the nearest on the left asks; a place with nobody there goes to the left
     to_right, to_left = np.zeros(len(places)), np.zeros(len(places))
-    np.maximum.at(to_right, one[right], step_m[right])
-    np.minimum.at(to_left, one[~right], step_m[~right])
+    np.maximum.at(to_right, who[right], step_m[right])
+    np.minimum.at(to_left, who[~right], step_m[~right])
     shift_m = np.where(to_right > 0, to_right, to_left)
     if np.abs(shift_m).max(initial=0.0) < 1e-3 * body_radius_m:
         return None
-    found = list(tours)
+    led = list(tours)
     for k, tour in enumerate(tours):
         mine = line == k
         if (shift_m[mine] != 0).any():
             lane = beside(places[mine], ahead[mine], shift_m[mine], body_radius_m)
-            found[k] = led_along(tour, lane, space, paths, STRAIGHT * body_radius_m)
-    return found
+            led[k] = led_along(tour, lane, space, paths, STRAIGHTENING * body_radius_m)
+    return led
 
 
 def beside(points_m: Floats, ahead: Floats, shift_m: Floats, body_radius_m: float) -> Floats:
-    """Points (m, 2), m <= n, so far to the right of a closed line (n, 2) that is led in directions ahead (n, 2).
+    """Points (m, 2), m <= n, shift_m (n,) to the right of a closed line (n, 2) with unit directions ahead (n, 2).
 
-    Points that come nearer to the line than that, inside of its bends, are left out.
+    Points that come nearer to the line than their shift, inside of its bends, are left out.
     """
     shifted = points_m + shift_m[:, None] * np.column_stack([ahead[:, 1], -ahead[:, 0]])
     near_m = np.full(len(points_m), np.inf)
-    for step in range(-BEND, BEND + 1):
+    for step in range(-BEND_SAMPLES, BEND_SAMPLES + 1):
         near_m = np.minimum(near_m, np.hypot(*(shifted - np.roll(points_m, step, axis=0)).T))
-    kept = near_m > np.abs(shift_m) * (1 - STRAIGHT)
+    kept = near_m > np.abs(shift_m) * (1 - STRAIGHTENING)
     return np.asarray(shifted[kept | (shift_m == 0)])
 
 
@@ -116,23 +117,23 @@ def led_along(tour: Tour, points_m: Floats, space: MultiPolygon, paths: Shortest
 
 
 def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: MultiPolygon) -> list[Tour] | None:
-    """The tours led by shortest ways round the robots that stay; None when nobody stays, or nothing is left of a tour.
+    """The tours led by shortest paths round the robots that stay; None when nobody stays, or a tour has nothing left.
 
-    Who keeps within half a body of a place stays there. Where a robot that stays blocks the ground, a tour past it
-    becomes one on either side, each with robots of its own.
+    A robot that keeps within half a body of a place stays there. Where it blocks the space, a tour past it becomes one
+    on either side, each with robots of its own.
     """
     spots = [shapely.convex_hull(shapely.MultiPoint(tour.vertices_m)) for tour in tours]
     stays = [shapely.minimum_bounding_radius(spot) <= body_radius_m / 2 for spot in spots]
     if not any(stays) or all(stays):
         return None
-    round_m = 2 * body_radius_m * LANES / math.cos(math.pi / (4 * QUARTER))
-    discs = shapely.union_all([spot.buffer(round_m, quad_segs=QUARTER) for spot in compress(spots, stays)])
+    round_m = 2 * body_radius_m * LANE_SPACING / math.cos(math.pi / (4 * QUARTER_CORNERS))
+    discs = shapely.union_all([spot.buffer(round_m, quad_segs=QUARTER_CORNERS) for spot in compress(spots, stays)])
     free = polygons_of(space.difference(discs), body_radius_m**2 / 100)
     paths = ShortestPaths(free)
-    found: list[Tour] = []
+    led: list[Tour] = []
     for tour, stays_here in zip(tours, stays, strict=True):
         if stays_here:
-            found.append(tour)
+            led.append(tour)
             continue
         points = split_legs(tour.vertices_m, body_radius_m / 2)
         part = paths.part_of(points)
@@ -141,7 +142,7 @@ def round_those_who_stay(tours: Sequence[Tour], body_radius_m: float, space: Mul
             return None
         for side in sides:
             route = thinned(paths.paths_along(np.vstack([side, side[:1]])))
-            one = replace(tour, vertices_m=route, robots=1)
-            needed = math.ceil(tour_length_m(one) / one.budget_m)
-            found.append(replace(one, robots=max(1, needed, tour.robots if len(sides) == 1 else 1)))
-    return found
+            past = replace(tour, vertices_m=route, robots=1)
+            needed = math.ceil(tour_length_m(past) / past.budget_m)
+            led.append(replace(past, robots=max(1, needed, tour.robots if len(sides) == 1 else 1)))
+    return led

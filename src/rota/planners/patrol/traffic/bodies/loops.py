@@ -113,7 +113,7 @@ def clocks(loops: Sequence[Loop]) -> list[Clock]:
     if not moving:
         return [Clock([1] * len(loops), 1.0)]
     shortest_s = min(longest_s[k] for k in moving)
-    found: dict[tuple[float, ...], Clock] = {}
+    by_headways: dict[tuple[float, ...], Clock] = {}
     for full_s in sorted({longest_s[k] for k in moving}):
         fewest = math.ceil(full_s / shortest_s - 1e-9)
         for division in range(fewest, fewest * MOST_DIVISIONS + 1):
@@ -123,8 +123,8 @@ def clocks(loops: Sequence[Loop]) -> list[Clock]:
             ]
             if all(loops[k].robots * multiples[k] * unit_s >= loops[k].natural_s for k in moving):
                 headways = tuple(round(m * unit_s, 9) for m in multiples)
-                found.setdefault(headways, Clock(multiples, unit_s))
-    return sorted(found.values(), key=lambda clock: -freedom_s(clock, moving))[:MOST_CLOCKS]
+                by_headways.setdefault(headways, Clock(multiples, unit_s))
+    return sorted(by_headways.values(), key=lambda clock: -freedom_s(clock, moving))[:MOST_CLOCKS]
 
 
 def freedom_s(clock: Clock, moving: Sequence[int]) -> float:
@@ -140,8 +140,8 @@ def near_pairs(one: cKDTree, other: cKDTree, apart_m: float) -> tuple[Ints, Ints
     """
     if one.count_neighbors(other, apart_m) > MOST_PAIRS:
         return None
-    found = one.sparse_distance_matrix(other, apart_m, output_type="ndarray")
-    return found["i"].astype(np.int64), found["j"].astype(np.int64)
+    near = one.sparse_distance_matrix(other, apart_m, output_type="ndarray")
+    return near["i"].astype(np.int64), near["j"].astype(np.int64)
 
 
 def grid_of(loops: Sequence[Loop], clock: Clock, speed_m_s: float, body_radius_m: float, most_samples: int) -> Grid:

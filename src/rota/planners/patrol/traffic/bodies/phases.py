@@ -40,7 +40,7 @@ def phases_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> l
     chosen = choices_apart(Meetings(trees, [m * grid.bins for m in clock.multiples], grid.apart_m), len(loops))
     if chosen is None:
         return None
-    return [driven(one, choice, grid.step_s) for one, choice in zip(rounds, chosen, strict=True)]
+    return [driven(round_, choice, grid.step_s) for round_, choice in zip(rounds, chosen, strict=True)]
 
 
 def phases_hardly_touching(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> list[Timed]:
@@ -52,7 +52,7 @@ def phases_hardly_touching(loops: Sequence[Loop], clock: Clock, body_radius_m: f
         both = [(meets.met(k, direction, taken), direction) for direction in (1, -1)]
         met, direction = min(both, key=lambda found: int(found[0].min()))
         taken.append(Choice(int(np.argmin(met)), direction))
-    return [driven(one, choice, grid.step_s) for one, choice in zip(rounds, taken, strict=True)]
+    return [driven(round_, choice, grid.step_s) for round_, choice in zip(rounds, taken, strict=True)]
 
 
 def on_the_clock(
@@ -64,20 +64,20 @@ def on_the_clock(
     speed_m_s = max(loop.speed_m_s * loop.natural_s / s for loop, s in zip(loops, durations_s, strict=True))
     grid = grid_of(loops, clock, speed_m_s, body_radius_m, MOST_SAMPLES)
     samples = [loop.robots * multiple * grid.bins for loop, multiple in zip(loops, clock.multiples, strict=True)]
-    return rounds, [cKDTree(sampled(one, n)) for one, n in zip(rounds, samples, strict=True)], grid
+    return rounds, [cKDTree(sampled(round_, n)) for round_, n in zip(rounds, samples, strict=True)], grid
 
 
-def driven(one: tuple[Floats, Floats], choice: Choice, step_s: float) -> Timed:
+def driven(round_: tuple[Floats, Floats], choice: Choice, step_s: float) -> Timed:
     """The round at its phase, in its direction."""
-    times_s, places_m = one
+    times_s, places_m = round_
     if choice.direction < 0:
         times_s, places_m = times_s[-1] - times_s[::-1], places_m[::-1]
     return Timed(times_s, places_m, choice.offset * step_s)
 
 
-def sampled(one: tuple[Floats, Floats], samples: int) -> Floats:
+def sampled(round_: tuple[Floats, Floats], samples: int) -> Floats:
     """Places (n, 2) at so many moments of a round, evenly spaced from its start; one place for a robot that stays."""
-    times_s, places_m = one
+    times_s, places_m = round_
     if len(times_s) == 1:
         return places_m
     moments = np.arange(samples) * (float(times_s[-1]) / samples)
@@ -156,10 +156,10 @@ def choices_apart(meets: Meetings, loops: int) -> list[Choice] | None:
 
 def open_choices(meets: Meetings, k: int, taken: Sequence[Choice]) -> list[Choice]:
     """What loop k can choose, the best last: as it is given before reversed."""
-    found: list[Choice] = []
+    choices: list[Choice] = []
     for direction in (-1, 1):
-        found += [Choice(offset, direction) for offset in roomy_offsets(meets.free(k, direction, taken))]
-    return found
+        choices += [Choice(offset, direction) for offset in roomy_offsets(meets.free(k, direction, taken))]
+    return choices
 
 
 def roomy_offsets(free: Flags) -> list[int]:

@@ -14,7 +14,7 @@ from rota.planners.patrol.traffic.bodies.lanes import in_lanes, round_those_who_
 from rota.planners.patrol.traffic.bodies.timing import can_be_timed, crowds_that_touch
 
 MOST_TRIED = 12  # other routes for one crowd
-NEAR = 4.0  # bodies: lines so near each other can be cut and joined across
+NEAR_BODIES = 4.0  # lines within this many body radii of each other can be cut and joined across
 
 
 def rerouted(
@@ -22,13 +22,13 @@ def rerouted(
 ) -> list[Tour] | None:
     """The tours led elsewhere, so that all bodies can be kept apart by timing; None when no routes were found.
 
-    Crowd by crowd, within the budgets, with as many robots; with ``may_add``, with more where that is not enough. What
-    is seen may change a little, at corners that are cut and beside lanes; it is left to the caller to mend that.
+    Each crowd keeps its budgets and its number of robots; with ``may_add`` it gets more where that is not enough. What
+    is seen may change a little, at corners that are cut and beside lanes: repair is left to the caller.
     """
     touching = crowds_that_touch(tours, body_radius_m)
     if not touching:
         return None
-    found = [tour for k, tour in enumerate(tours) if not any(k in crowd for crowd in touching)]
+    led = [tour for k, tour in enumerate(tours) if not any(k in crowd for crowd in touching)]
     for crowd in touching:
         some = [tours[k] for k in crowd]
         apart = crowd_led_apart(some, body_radius_m, space, paths, more=False)
@@ -36,8 +36,8 @@ def rerouted(
             apart = crowd_led_apart(some, body_radius_m, space, paths, more=True)
         if apart is None:
             return None
-        found += apart
-    return found
+        led += apart
+    return led
 
 
 def crowd_led_apart(
@@ -57,7 +57,7 @@ def other_routes(
     tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths, *, more: bool
 ) -> Iterator[list[Tour]]:
     """Other tours for as many robots, or also for more, those that change least first."""
-    near_m = NEAR * body_radius_m
+    near_m = NEAR_BODIES * body_radius_m
     around = round_those_who_stay(tours, body_radius_m, space)
     begun = [tours] if around is None else [around, tours]
     if around is not None:
@@ -76,6 +76,6 @@ def moved_into_lanes(
     tours: list[Tour], body_radius_m: float, space: MultiPolygon, paths: ShortestPaths
 ) -> Iterator[list[Tour]]:
     """The tours in lanes, if that moves any of them."""
-    found = in_lanes(tours, body_radius_m, space, paths)
-    if any(after is not before for after, before in zip(found, tours, strict=True)):
-        yield found
+    moved = in_lanes(tours, body_radius_m, space, paths)
+    if any(after is not before for after, before in zip(moved, tours, strict=True)):
+        yield moved

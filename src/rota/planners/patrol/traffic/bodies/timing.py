@@ -26,14 +26,14 @@ def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[tuple[Floa
     loops = [loop_of(tour) for tour in tours]
     timed = [at_full_speed(loop) for loop in loops]
     for crowd in crowded(loops, body_radius_m):
-        here = [loops[k] for k in crowd]
-        found = timed_apart(here, body_radius_m) or nearly_apart(here, body_radius_m)
-        for k, one in zip(crowd, found, strict=True):
-            timed[k] = one
+        loops_of_crowd = [loops[k] for k in crowd]
+        apart = timed_apart(loops_of_crowd, body_radius_m) or nearly_apart(loops_of_crowd, body_radius_m)
+        for k, timing in zip(crowd, apart, strict=True):
+            timed[k] = timing
     return [
-        one
+        timing
         for loop, how in zip(loops, timed, strict=True)
-        for one in evenly_spaced(how.times_s, how.places_m, loop.robots, how.offset_s)
+        for timing in evenly_spaced(how.times_s, how.places_m, loop.robots, how.offset_s)
     ]
 
 
@@ -77,9 +77,9 @@ def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | No
         return None
     for how in (phases_apart, waits_apart):
         for clock in clocks(loops):
-            found = how(loops, clock, body_radius_m)
-            if found is not None:
-                return found
+            apart = how(loops, clock, body_radius_m)
+            if apart is not None:
+                return apart
     return None
 
 

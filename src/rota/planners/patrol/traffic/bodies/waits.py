@@ -28,7 +28,7 @@ Bytes = NDArray[np.uint8]
 MOST_SAMPLES = 2_000  # moments of one round
 MOST_STARTS = 24  # moments at which a round is begun, for one direction and one first place
 MOST_SHARED_STARTS = 8  # the same for robots that share a loop
-BASES = 4  # places at which their round is begun
+MOST_BASES = 4  # places at which the round of such robots is begun
 
 
 class Placed(NamedTuple):
@@ -56,11 +56,11 @@ def waits_apart(loops: Sequence[Loop], clock: Clock, body_radius_m: float) -> li
         tried.add(tuple(order))
         placed: dict[int, Placed] = {}
         for k in order:
-            found = fitted(loops[k], clock.multiples[k] * grid.bins, grid, list(placed.values()))
-            if found is None:
+            fits = fitted(loops[k], clock.multiples[k] * grid.bins, grid, list(placed.values()))
+            if fits is None:
                 order = [k, *(i for i in order if i != k)]
                 break
-            placed[k] = found
+            placed[k] = fits
         else:
             return [placed[k].timed for k in range(len(loops))]
     return None
@@ -73,15 +73,15 @@ def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Pl
     """
     # with nobody else about, one direction is as good as the other
     directed = (loop, reversed_loop(loop)) if others else (loop,)
-    for one in directed:
-        found = at_one_speed(one, headway, grid, others)
-        if found is not None or loop.stays:
-            return found
-    for one in directed:
-        timetable = timetable_through(one, headway, grid, others)
+    for driven in directed:
+        at_speed = at_one_speed(driven, headway, grid, others)
+        if at_speed is not None or loop.stays:
+            return at_speed
+    for driven in directed:
+        timetable = timetable_through(driven, headway, grid, others)
         if timetable is not None:
             start, along_s = timetable
-            timed = with_knots(one, along_s, start, grid.step_s, loop.robots * headway * grid.step_s)
+            timed = with_knots(driven, along_s, start, grid.step_s, loop.robots * headway * grid.step_s)
             return placed_as(timed, loop.robots, headway, grid)
     return None
 
@@ -141,11 +141,11 @@ def timetable_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Pla
     for base in bases(blocked, loop.robots):
         rows = np.roll(blocked, -base, axis=0)
         if loop.robots == 1:
-            found = one_robot(np.vstack([rows, rows[:1]]), headway)
+            start_and_places = one_robot(np.vstack([rows, rows[:1]]), headway)
         else:
-            found = several_robots(np.roll(places, -base, axis=0), rows, loop.robots, headway, grid.apart_m)
-        if found is not None:
-            start, place = found
+            start_and_places = several_robots(np.roll(places, -base, axis=0), rows, loop.robots, headway, grid.apart_m)
+        if start_and_places is not None:
+            start, place = start_and_places
             return start, np.asarray((base + place) * (loop.natural_s / whole), dtype=np.float64)
     return None
 
@@ -174,7 +174,7 @@ def bases(blocked: Bytes, robots: int) -> list[int]:
         return [int(np.argmin(busy))]
     between = len(busy) // robots
     busy = busy.reshape(robots, between).sum(axis=0)
-    chosen = np.unique(np.linspace(0, between, BASES, endpoint=False).astype(np.int64))
+    chosen = np.unique(np.linspace(0, between, MOST_BASES, endpoint=False).astype(np.int64))
     return [int(base) for base in chosen[np.argsort(busy[chosen], kind="stable")]]
 
 
@@ -235,13 +235,13 @@ def several_robots(
     for start in np.unique(np.linspace(0, headway, moments, endpoint=False).astype(np.int64)):
         gone: list[Ints] = []
         for i, stretch in enumerate(stretches):
-            here = np.ascontiguousarray(blocked[stretch][:, (start + columns) % headway])
+            barred = np.ascontiguousarray(blocked[stretch][:, (start + columns) % headway])
             for other, place in enumerate(gone):
                 near = near_pairs(trees[i], cKDTree(places_m[stretches[other]][place]), apart_m)
                 if near is None:
                     return None
-                here[near] = 1
-            places = through(here, headway)
+                barred[near] = 1
+            places = through(barred, headway)
             if places is None:
                 break
             gone.append(places)

@@ -31,10 +31,10 @@ def least_squares(costs: Floats) -> Ints:
     bodies far enough apart never touch when all go at once (Turpin, Michael and Kumar, "CAPT: Concurrent assignment and
     planning of trajectories for multiple robots", 2014). Raises ValueError when no assignment serves all loops.
     """
-    found = np.full(costs.shape[1], -1, dtype=np.int64)
+    start_of_loop = np.full(costs.shape[1], -1, dtype=np.int64)
     starts, loops = linear_sum_assignment(np.square(costs))
-    found[loops] = starts
-    return found
+    start_of_loop[loops] = starts
+    return start_of_loop
 
 
 def bottleneck_s(times_s: Floats) -> float | None:

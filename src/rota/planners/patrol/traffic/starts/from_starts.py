@@ -84,20 +84,20 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     entries = entry_choices(rounds, starts)
     times_s = travel_times_s(starts, entries, paths_by_body)
     require_reachable(starts, rounds, times_s[0], bare)
-    found = [earliest_assignment(times) for times in times_s]
+    assignments = [earliest_assignment(times) for times in times_s]
     latest_s = [
         np.inf if who is None else max(times[k, i] for i, k in enumerate(who))
-        for who, times in zip(found, times_s, strict=True)
+        for who, times in zip(assignments, times_s, strict=True)
     ]
     # the timetable as it was comes last: its phases are exact whatever else fails
     order = [*np.argsort(latest_s, kind="stable")[: MOST_TRIED - 1], 0]
-    tried = [(int(s), who, True) for s in dict.fromkeys(order) if (who := found[s]) is not None]
+    tried = [(int(s), who, True) for s in dict.fromkeys(order) if (who := assignments[s]) is not None]
     speeds_m_s = np.array([robot.speed_m_s for robot in starts.robots])
     touching: Plan | None = None
     led: Plan | None = None
     while tried:
         shift, who, earliest = tried.pop(0)
-        begun = [begun_at(one, entries.shifts_s[shift]) for one in rounds]
+        begun = [begun_at(round_, entries.shifts_s[shift]) for round_ in rounds]
         approaches, who = timed_approaches(starts, begun, who, paths_by_body, anew=earliest)
         leaves_s = departures_s(approaches, [starts.robots[k].body_radius_m for k in who])
         if leaves_s is None:
@@ -183,8 +183,8 @@ def boxed(
         needs -= Counter(int(part) for part in paths.part_of(np.array(own)))
     parts = sorted(part for part in needs if needs[part] > 0)
     taken_m = np.array(own).reshape(-1, 2)
-    found = in_turn(box, [paths.parts[part] for part in parts], [needs[part] for part in parts], body_m, taken_m)
-    for part, there in zip(parts, found, strict=True):
+    in_parts = in_turn(box, [paths.parts[part] for part in parts], [needs[part] for part in parts], body_m, taken_m)
+    for part, there in zip(parts, in_parts, strict=True):
         if len(there) == needs[part]:
             continue
         x, y = paths.parts[part].representative_point().coords[0]
@@ -192,7 +192,7 @@ def boxed(
         message = no_room(box, len(there), where, needs[part])
         message += ", or points in every part" if len(paths.parts) > 1 else ""
         raise NoPlanFound(message, best=plan) if plan.mission.fleet.robots is None else MissionError(message)
-    every = np.vstack([np.zeros((0, 2)), *found])
+    every = np.vstack([np.zeros((0, 2)), *in_parts])
     short = sum(place is None for place in places) - len(every)
     if short > 0:
         raise NoPlanFound(f"{short} robots start in a part of the ground where there is nothing to do", best=plan)
@@ -266,15 +266,15 @@ def entry_choices(rounds: Sequence[Round], starts: Starts) -> Entries:
     shifts = [0.0]
     if longest_s > 0:
         if len(placed) * len(rounds) <= most // 2:
-            shifts += [nearest_moment_s(one, place) for one in rounds for place in placed]
+            shifts += [nearest_moment_s(round_, place) for round_ in rounds for place in placed]
         shifts += [float(s) for s in np.linspace(0, longest_s, most - len(shifts) + 1)[1:-1]]
-    places = [[begun_at(one, shift)[1][0] for one in rounds] for shift in shifts]
+    places = [[begun_at(round_, shift)[1][0] for round_ in rounds] for shift in shifts]
     return Entries(shifts_s=shifts, places_m=np.array(places))
 
 
-def nearest_moment_s(one: Round, place_m: Floats) -> float:
+def nearest_moment_s(round_: Round, place_m: Floats) -> float:
     """When a round comes nearest to a place, in a straight line; 0 for a robot that stays."""
-    times_s, places_m = one
+    times_s, places_m = round_
     if len(times_s) == 1:
         return 0.0
     steps = np.diff(places_m, axis=0)
@@ -284,10 +284,10 @@ def nearest_moment_s(one: Round, place_m: Floats) -> float:
     return float(times_s[k] + share[k] * (times_s[k + 1] - times_s[k]))
 
 
-def begun_at(one: Round, shift_s: float) -> Round:
+def begun_at(round_: Round, shift_s: float) -> Round:
     """The round begun so much later in the common timetable."""
-    times_s, places_m = one
-    return one if len(times_s) == 1 or shift_s == 0 else started_at(times_s, places_m, shift_s)
+    times_s, places_m = round_
+    return round_ if len(times_s) == 1 or shift_s == 0 else started_at(times_s, places_m, shift_s)
 
 
 def travel_times_s(starts: Starts, entries: Entries, paths_by_body: PathsByBody) -> Floats:

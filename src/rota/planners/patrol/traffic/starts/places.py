@@ -15,14 +15,14 @@ from rota.mission import StartBox
 
 Floats = NDArray[np.float64]
 
-CANDIDATES = 4_000
-ROOMIER = 1.001  # than touching
+MOST_CANDIDATES = 4_000
+BODY_SPACING = 1.001  # than touching
 
 
 def spread_in_box(
     box: StartBox, part: Polygon, robots: int, body_radius_m: float, taken_m: Floats | None = None
 ) -> Floats:
-    """Places (n, 2) in metres for so many robots in the box and in this part of the standing space; fewer: no room.
+    """Places (n, 2) in metres for robots in the box and in this part of the standing space; fewer: no room.
 
     taken_m: (k, 2) places to keep away from as from each other, more than two body radii. Each robot in turn gets the
     place farthest from those before it; when that wastes too much room, they are packed row by row.
@@ -30,11 +30,11 @@ def spread_in_box(
     ground = shapely.box(*box.low_m, *box.high_m).intersection(part)
     places = candidates(ground, body_radius_m)
     barred = np.zeros((0, 2)) if taken_m is None else taken_m
-    apart_m = 2 * body_radius_m * ROOMIER
+    apart_m = 2 * body_radius_m * BODY_SPACING
     if not len(places) or robots == 0:
         return np.zeros((0, 2))
-    found = farthest_first(places, barred, robots, apart_m)
-    return found if len(found) == robots else packed(places, barred, robots, apart_m)
+    spread = farthest_first(places, barred, robots, apart_m)
+    return spread if len(spread) == robots else packed(places, barred, robots, apart_m)
 
 
 def candidates(ground: BaseGeometry, body_radius_m: float) -> Floats:
@@ -44,10 +44,10 @@ def candidates(ground: BaseGeometry, body_radius_m: float) -> Floats:
     x0, y0, x1, y1 = ground.bounds
     wide, high = x1 - x0, y1 - y0
     longest = max(wide, high)
-    step = max(math.sqrt(wide * high / CANDIDATES), longest / CANDIDATES)
+    step = max(math.sqrt(wide * high / MOST_CANDIDATES), longest / MOST_CANDIDATES)
     if body_radius_m > 0:
         # rows two bodies apart must be among them, or a full box is packed badly
-        pitch = 2 * body_radius_m * ROOMIER
+        pitch = 2 * body_radius_m * BODY_SPACING
         step = max(pitch / math.ceil(pitch / step), pitch / 8) if step < pitch else pitch
     if step == 0:
         return np.array([[x0, y0]])
@@ -93,13 +93,13 @@ def packed(places_m: Floats, barred_m: Floats, robots: int, apart_m: float) -> F
 def in_turn(
     box: StartBox, parts: Sequence[Polygon], robots: Sequence[int], body_radius_m: float, taken_m: Floats
 ) -> list[Floats]:
-    """The places (n, 2) in each part for so many robots in each; fewer where the box has no room for more.
+    """The places (n, 2) in each part for the robots (their number) in it; fewer where the box has no more room.
 
     taken_m: (k, 2), where robots stand already.
     """
-    found: list[Floats] = []
+    each: list[Floats] = []
     taken = taken_m
     for part, count in zip(parts, robots, strict=True):
-        found.append(spread_in_box(box, part, count, body_radius_m, taken))
-        taken = np.vstack([taken, found[-1]])
-    return found
+        each.append(spread_in_box(box, part, count, body_radius_m, taken))
+        taken = np.vstack([taken, each[-1]])
+    return each
