@@ -128,12 +128,15 @@ def test_its_plans_and_settings_come_back_from_files(fair: Path, capsys: pytest.
 
 def test_its_faults_are_told_like_those_of_others(fair: Path, capsys: pytest.CaptureFixture[str]) -> None:
     wrong = MISSION.replace("fleet: {", "fleet: {robots: 2, ").replace("radius_m: 3}", "radius_m: 300, corner: 5}")
+    wrong += "moving_obstacles: [{radius_m: 1, times_s: [0], positions_m: [[1, 1]]}]\n"
     Path("wrong.yaml").write_text(wrong)
     assert run(["plan", "wrong.yaml"]) == 2
     assert capsys.readouterr().err.splitlines() == [
         "rota: error: wrong.yaml:5:17: fleet.robots: only one robot fits on the merry-go-round",
         "rota: error: wrong.yaml:7:40: merry_go_round.radius_m: 300 is not allowed; it must be at most 100",
         "rota: error: wrong.yaml:7:45: merry_go_round.corner: unknown key; did you mean 'corners'?",
+        "rota: error: wrong.yaml:8:19: moving_obstacles: the merry_go_round planner has no use for moving_obstacles:"
+        " remove them",
     ]
     assert run(["plan", "fair.yaml", "--effort", "quick"]) == 2
     assert "the merry_go_round planner has no effort: leave it out" in capsys.readouterr().err

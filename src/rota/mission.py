@@ -28,7 +28,16 @@ from rota.fleet import (
 from rota.limits import LARGEST_M, LONGEST_S
 from rota.planner_registry import DEFAULT, door_of
 from rota.planner_settings import Bouncing as Bouncing, PlannerSettings as PlannerSettings, settings_of
-from rota.refusals import Where, fleet_blocks, inner, path_of, require, require_positive, require_text
+from rota.refusals import (
+    Where,
+    every_change_of_presence,
+    fleet_blocks,
+    inner,
+    path_of,
+    require,
+    require_positive,
+    require_text,
+)
 from rota.start_faults import TOUCH_M as TOUCH_M, start_faults as start_faults
 
 Blocks = Literal["both", "motion", "sight"]
@@ -177,17 +186,11 @@ class Mission:
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         data = _as_written(self)
-        refused = [*self.planning.refused(data), *self._refused_by_most(data)]
+        refused = list(all_refused(type(self.planning), data))
+        if self.planning.asks_periods and not (self.period_s or any(zone.period_s for zone in self.zones)):
+            refused.append((("period_s",), NO_PERIOD))
         if refused:
             raise MissionError(*(f"{path_of(place)}: {message}" for place, message in refused))
-
-    def _refused_by_most(self, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
-        """What only planners can use whose settings say so."""
-        asked = self.period_s is not None or any(zone.period_s is not None for zone in self.zones)
-        if self.planning.asks_periods and not asked:
-            yield ("period_s",), NO_PERIOD
-        if self.planning.altitudes_m is None:
-            yield from growing_footprints(data)
 
     @property
     def bouncing(self) -> Bouncing:
@@ -220,11 +223,21 @@ class Mission:
         return replace(self, planning=replace(self.planning, **{name: value}))
 
 
-def growing_footprints(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
-    """Footprints that grow with height, in a mission as written that has no heights."""
-    for where, block in fleet_blocks(data):
-        if inner(block, "sensor", "half_angle_deg") is not None:
-            yield (*where, "sensor", "half_angle_deg"), "is for a swarm with altitudes_m only: remove it"
+def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """What is wrong with a mission as written: what its planner refuses, and what it must say that it has a use for.
+
+    kind: the type of the planner's settings; None: the planner is not known.
+    """
+    if kind is not None:
+        yield from kind.refused(data)
+        if data.get("moving_obstacles") and not kind.heeds_moving_obstacles:
+            yield ("moving_obstacles",), f"the {kind.planner} planner has no use for moving_obstacles: remove them"
+        if not kind.robots_come_and_go:
+            yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
+    if kind is None or inner(data, kind.planner, "altitudes_m") is None:
+        for where, block in fleet_blocks(data):
+            if inner(block, "sensor", "half_angle_deg") is not None:
+                yield (*where, "sensor", "half_angle_deg"), "is for a swarm with altitudes_m only: remove it"
 
 
 def _as_written(mission: Mission) -> dict[str, Any]:

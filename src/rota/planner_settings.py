@@ -244,13 +244,15 @@ class PlannerSettings(Settings):
     """Base of every planner's settings: what files, the check and drawings must know of its missions.
 
     ``planner``: its name. ``makes_runs``: robots move step by step in a run that can be stopped, kept and gone on with.
-    ``heeds_moving_obstacles``: missions may have some. ``altitudes_m``: robots move in space, between the lowest and
-    the highest. ``bouncing``: robots move as they do that bounce. Defaults say that nothing of that is so.
+    ``heeds_moving_obstacles``: missions may have some. ``robots_come_and_go``: robots may join and leave.
+    ``altitudes_m``: robots move in space, between the lowest and the highest. ``bouncing``: robots move as they do that
+    bounce. Defaults say that nothing of that is so.
     """
 
     planner: ClassVar[str]
     makes_runs: ClassVar[bool] = False
     heeds_moving_obstacles: ClassVar[bool] = False
+    robots_come_and_go: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
         cls.place = cls.planner

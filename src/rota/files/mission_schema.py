@@ -22,10 +22,9 @@ from rota.files.schema_block import (
 )
 from rota.files.settings_schema import settings_field
 from rota.files.shape_schema import Area, ObstacleEntry, Point, ZoneBlock, one_of
-from rota.mission import growing_footprints
+from rota.mission import all_refused
 from rota.planner import loadable_planners, planner_named
 from rota.planner_registry import DEFAULT, PLANNERS, planner_names
-from rota.refusals import inner
 
 MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check takes minutes
 
@@ -187,9 +186,7 @@ class MissionFile(Block):
             for other in planner_names():
                 if other != planner and data.get(other) is not None:
                     yield (other,), f"settings of another planner; planner is {planner}: remove this block"
-            yield from planner_named(planner).settings.refused(data)
-        if not isinstance(planner, str) or inner(data, planner, "altitudes_m") is None:
-            yield from growing_footprints(data)
+        yield from all_refused(planner_named(planner).settings if planner in planner_names() else None, data)
         if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
             yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
 

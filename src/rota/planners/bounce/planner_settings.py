@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, Self
 from rota.errors import MissionError
 from rota.limits import LARGEST_M
 from rota.planner_settings import LENGTH, Bouncing, Contact, ContactFree, Corners, PlannerSettings, setting
-from rota.refusals import Where, every_change_of_presence, every_period, inner, listed_robots, robot_count, shown
+from rota.refusals import Where, every_period, inner, listed_robots, robot_count, shown
 
 BounceTask = Literal["monitor", "cover"]
 BounceMethod = Literal["improved", "as_printed"]
@@ -154,10 +154,7 @@ class BounceSettings(PlannerSettings):
 
     @classmethod
     def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Moving obstacles, starts in a box, and demands that the robots' task does not know."""
-        if data.get("moving_obstacles"):
-            yield ("moving_obstacles",), "the bounce planner has no use for moving_obstacles: remove them"
-        yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
+        """Starts in a box, angles for other robots, and demands that the robots' task does not know."""
         if inner(data, "fleet", "start", "box") is not None:
             yield ("fleet", "start", "box"), "bouncing robots start at points: give points, or remove it"
         if inner(data, "bounce", "cells") == "none":

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from rota.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
 from rota.planners.patrol.method_table import METHODS
-from rota.refusals import Where, every_change_of_presence, fleet_blocks, inner, robot_count, shown
+from rota.refusals import Where, fleet_blocks, inner, robot_count, shown
 
 Effort = Literal["quick", "normal", "high"]
 if TYPE_CHECKING:
@@ -74,10 +74,7 @@ class PatrolSettings(PlannerSettings):
 
     @classmethod
     def refused(cls, data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Moving obstacles, robots that join or leave or are too many, and what sensors must have."""
-        if data.get("moving_obstacles"):
-            yield ("moving_obstacles",), "the patrol planner has no use for moving_obstacles: remove them"
-        yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
+        """Too many robots, and what sensors must have."""
         count = robot_count(data)
         if count is not None and count > MOST_PATROLLING:
             message = f"{count} is not allowed; the patrol planner plans for at most {MOST_PATROLLING}"

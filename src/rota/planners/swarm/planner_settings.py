@@ -51,6 +51,7 @@ class SwarmSettings(PlannerSettings):
     planner: ClassVar[str] = "swarm"
     makes_runs: ClassVar[bool] = True
     heeds_moving_obstacles: ClassVar[bool] = True
+    robots_come_and_go: ClassVar[bool] = True
     controller: Controller = setting("settle", "reciprocal is the paper's own")
     velocity: VelocityChoice = setting("centroid", "of the set: exact, or the mean of random samples")
     samples: int = setting(1000, least=1, written=(None, MOST_SAMPLES))
