@@ -387,7 +387,7 @@ def test_what_cannot_be_is_refused_with_its_reason() -> None:
     refused(r"start", mission_on(ROOM, both, task="cover"))
     with pytest.raises(MissionError, match="bouncing_angles_deg: 2 angles"):
         mission_on(ROOM, 3, task="cover", bouncing_angles_deg=(90, 45))
-    with pytest.raises(MissionError, match=r"100 is not allowed; must be a multiple of .* 45 degrees"):
+    with pytest.raises(MissionError, match=r"100 is not allowed; it must be a multiple of .* 45 degrees"):
         BounceSettings(cell_m=1, bouncing_angles_deg=(100,))
 
 
