@@ -278,10 +278,10 @@ def test_a_fleet_that_no_swarm_can_be_is_refused() -> None:
     square = dataclasses.replace(robot("a", None), sensor=SquareSensor(side_m=9))
     with pytest.raises(MissionError, match="square is not allowed: a swarm with altitudes_m has discs"):
         with_robots(square, planning=SwarmSettings(controller="reciprocal", altitudes_m=(1, 2)))
-    with pytest.raises(MissionError, match="turns at once"):
+    with pytest.raises(MissionError, match="robots of a swarm turn at once"):
         with_robots(dataclasses.replace(robot("a", None), turn_rate_rad_s=1.0))
     moving = MovingObstacle(radius_m=1, times_s=(0,), positions_m=((1, 1),))
-    with pytest.raises(MissionError, match="only a swarm heeds them"):
+    with pytest.raises(MissionError, match="moving_obstacles: the patrol planner has no use for moving_obstacles"):
         mission(planning=PatrolSettings(), period_s=9, moving_obstacles=(moving,))
     with pytest.raises(MissionError, match="effort"):
         mission().with_effort("quick")
