@@ -11,7 +11,7 @@ from tests.test_imports import FILES, imports_of, module_name, within
 PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
 PATROL_STAGES = [
-    ["planner_settings", "method_table", "work_ahead"],
+    ["planner_settings", "method_table", "work_ahead", "method_settings"],
     ["tours", "verdict", "margins", "settings", "efforts"],
     ["ground"],
     ["bounds", "context"],
@@ -141,3 +141,15 @@ def test_the_published_method_is_loaded_by_its_name_only() -> None:
     others = [module for module in MODULES if not within(module, own) and not within(module, "rota.papers")]
     theirs = [module for module in others if any(within(name, own) for name in imported_modules(module))]
     assert theirs == []
+
+
+def test_modules_and_functions_stay_short() -> None:
+    too_long: dict[str, int] = {}
+    for module, file in MODULES.items():
+        text = file.read_text()
+        lengths = {module: (len(text.splitlines()), 350)}
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                lengths[f"{module}.{node.name}"] = ((node.end_lineno or 0) - node.lineno + 1, 60)
+        too_long |= {name: lines for name, (lines, most) in lengths.items() if lines > most}
+    assert too_long == {}

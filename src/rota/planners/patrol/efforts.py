@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import math
 
+from rota.planners.patrol.method_settings import DistrictSettings, FixedTeamSettings, SweepingSettings
 from rota.planners.patrol.planner_settings import Effort
 from rota.planners.patrol.settings import (
     AllocationSettings,
     AlternationSettings,
     AnnealingSettings,
-    DistrictSettings,
     ExcursionEstimate,
-    FixedTeamSettings,
     MultistartSettings,
     RepairSettings,
     SamplingSettings,
     ScreeningSettings,
     SearchSettings,
     Stage,
-    SweepingSettings,
     TeamSizeSettings,
 )
 

@@ -13,12 +13,12 @@ from tests.planners.patrol.searching import search_on
 import rota
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.search import asked_m2, by_districts, fewest_on_large, is_large
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.settings import DistrictSettings
 
 FIELD = Mission(
     name="field",

@@ -14,12 +14,12 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import stretched
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings, robots_per_tour, slack_factor
+from rota.planners.patrol.method_settings import FixedTeamSettings
 from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair
 from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_size
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.whole_team import with_whole_team
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
-from rota.planners.patrol.settings import FixedTeamSettings
 from rota.planners.patrol.tours.tour import tour_length_m
 from rota.planners.patrol.verdict import Verdict
 

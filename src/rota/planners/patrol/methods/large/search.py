@@ -16,12 +16,12 @@ from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.lanes import in_districts
 from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.methods.sweeping.search import judged_by_lanes, sweep_with_fewest_robots
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
-from rota.planners.patrol.settings import DistrictSettings
 from rota.planners.patrol.tours.tour import Tour
 
 

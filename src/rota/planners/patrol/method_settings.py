@@ -1,0 +1,57 @@
+"""The settings of the methods that have stages of their own; ``efforts`` holds their values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class FixedTeamSettings:
+    """The smallest worst ratio of gap to period that a fixed number of robots reaches.
+
+    tries: multiples of the periods that are tried.
+    nearness: the search ends once a multiple that passed is at most this factor above one that failed.
+    new_allocations: whether new tours are tried too once some have passed.
+    growth: while none has passed, the next multiple tried is larger by this factor.
+    passed_weight: the next multiple lies this share of the way, of logarithms, from one that failed to one that passed.
+    least: smaller multiples are not tried.
+    """
+
+    tries: int
+    nearness: float
+    new_allocations: bool
+    growth: float = 1.25
+    passed_weight: float = 0.65
+    least: float = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepingSettings:
+    """The traditional methods.
+
+    tries: proposals that are repaired and judged.
+    groupings: at most this many ways to group the period classes are tried.
+    angles: directions of lanes, the most promising, for which routes are laid.
+    reserves: shares of the budgets kept for the repair, the next one where the one before was too little.
+    """
+
+    tries: int
+    angles: int
+    groupings: int = 8
+    reserves: tuple[float, ...] = (0.0, 0.02, 0.05, 0.1, 0.2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistrictSettings:
+    """Large ground, which is planned in districts.
+
+    enough: lanes are kept if their robots are at most this multiple of the fewest there can be.
+    large_from: ground of a larger area, in squares of the reach, is large.
+    most_area: of a district that is searched by itself, in squares of the reach.
+    margin: reaches round a district in which its robots may go.
+    """
+
+    enough: float
+    large_from: float = 4_000.0
+    most_area: float = 8_000.0
+    margin: float = 4.0
