@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks import plan_hashes
+from benchmarks import ablation, plan_hashes
 from benchmarks.__main__ import arguments, line_of
 from benchmarks.figures import FIGURES, LONG
 from benchmarks.large_areas import growth_row, write_tiles
@@ -42,6 +42,7 @@ from shapely import MultiPolygon, box
 from rota.files.mission_file import read_mission
 from rota.mission import DiscSensor, Fleet, Mission, StartBox
 from rota.plan import Plan, Trajectory
+from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.swarm.starts import place_starts
 
 PROJECT = Path(__file__).parents[1]
@@ -358,3 +359,24 @@ def test_a_plan_has_the_same_hash_in_any_folder(tmp_path: Path) -> None:
     one, other = (plan_hashes.line_of("examples/swarm-square.yaml", at) for at in (tmp_path, tmp_path / "other"))
     assert one == other
     assert one.startswith("examples/swarm-square.yaml: 25 robots, bound None, ")
+
+
+def test_every_mechanism_of_the_ablation_can_be_left_out() -> None:
+    for mechanism in ablation.MECHANISMS:
+        for function in mechanism.functions:
+            assert callable(ablation._resolve(function)) or function.endswith("EFFORTS"), mechanism.name
+        if mechanism.stage:
+            assert any(ablation.less(settings, mechanism) != settings for settings in EFFORTS.values()), mechanism.name
+    with ablation.without(ablation.MECHANISMS[0], "quick"):
+        from rota.planners.patrol.repair import repair
+
+        assert repair.can_bend(None) is False
+
+
+def test_what_an_ablation_measured_is_put_into_a_table() -> None:
+    line = {"mission": "a", "met": True, "robots": 4, "cpu_s": 2.0}
+    known = {("a", ""): line, ("a", "detours"): {**line, "robots": 5, "cpu_s": 3.0}}
+    told = [row for row in ablation.table(known).splitlines() if row.startswith("| detours ")]
+    assert told == ["| detours | 1 | 4 | 5 | 0 | 0 | 2 | 3 |"]
+    left = list(ablation.tasks("quick", {("case/Section 5.1", ""): {**line, "acts": {"detours": 1}}}, ["detours"], 7))
+    assert ("case/Section 5.1", "quick", "detours") in left
