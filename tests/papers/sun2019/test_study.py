@@ -171,7 +171,7 @@ def test_mending_is_done_once_with_the_figure_s_own_tables(
     def searched(context: Context, settings: MethodSettings) -> SimpleNamespace:
         asked.append((PatrolSettings.of(context.problem.mission).effort, settings))
         plan = runs.printed(runs.map_15, runs.settings.figure_16).plan
-        return SimpleNamespace(plan=plan, met=True, fits=True)
+        return SimpleNamespace(plan=plan, met=True, within_budgets=True)
 
     monkeypatch.undo()
     monkeypatch.setattr(runs_module, "fewest_robots_by_stages", searched)

@@ -56,7 +56,7 @@ def test_sensors_lose_the_margin_on_every_side() -> None:
 
 @pytest.mark.parametrize(("field", "value"), [("period_margin", 1.0), ("period_margin", -0.1), ("range_margin_m", 3.0)])
 def test_margins_that_leave_nothing_are_refused(field: str, value: float) -> None:
-    with pytest.raises(rota.MissionError, match=f"patrol.{field}: {value}"):
+    with pytest.raises(rota.MissionError, match=f"patrol.{field}: {value:g} is not allowed"):
         court(**{field: value})
 
 

@@ -82,8 +82,9 @@ def test_districts_searched_by_themselves_give_one_plan_and_always_the_same(monk
         assert np.array_equal(a.times_s, b.times_s)
 
 
-def test_districts_are_searched_where_lanes_take_many_more_robots_than_the_bound() -> None:
-    context = search_on(STREETS)
+def test_districts_are_searched_where_lanes_do_not_do() -> None:
+    # no lanes meet 25 s
+    context = search_on(replace(STREETS, period_s=25))
     districts = DistrictSettings(enough=0.0, most_area=25.0)
     context = replace(context, settings=replace(context.settings, districts=districts))
     asked: list[Mission] = []
@@ -95,7 +96,7 @@ def test_districts_are_searched_where_lanes_take_many_more_robots_than_the_bound
     fewest_on_large(context, search)
     assert len(asked) == 2
     asked.clear()
-    generous = replace(districts, enough=99.0)
-    lanes = fewest_on_large(replace(context, settings=replace(context.settings, districts=generous)), search)
+    # two robots in lanes meet 50 s, and each of two districts would take a robot
+    lanes = fewest_on_large(replace(search_on(STREETS), settings=context.settings), search)
     assert met(lanes.plan)
     assert asked == []

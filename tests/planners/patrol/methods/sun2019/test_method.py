@@ -205,9 +205,10 @@ def test_a_fixed_fleet_of_different_robots_is_planned_as_a_whole() -> None:
 
 
 def test_square_sensors_are_refused_by_name() -> None:
-    square = replace(YARD, fleet=Fleet(speed_m_s=4, sensor=SquareSensor(side_m=10)))
-    with pytest.raises(NoPlanFound, match=r"fleet\.sensor: a square of side 10 m .* patrol\.method sun2019"):
-        rota.make_plan(square)
+    fleet = Fleet(speed_m_s=4, sensor=SquareSensor(side_m=10))
+    told = r"fleet\.sensor\.shape: square is not allowed: patrol\.method sun2019 .*; give disc"
+    with pytest.raises(MissionError, match=told):
+        replace(YARD, fleet=fleet)
 
 
 def test_stopped_at_once_it_gives_the_first_plan_it_has() -> None:
@@ -220,7 +221,7 @@ def test_stopped_at_once_it_gives_the_first_plan_it_has() -> None:
 
 @pytest.mark.parametrize("name", ["deployment", "tour", "partition", "routes"])
 def test_unknown_stages_are_refused_by_name(name: str) -> None:
-    with pytest.raises(MissionError, match=rf"patrol\.sun2019\.{name}: 'best guess' is not allowed"):
+    with pytest.raises(MissionError, match=rf"patrol\.sun2019\.{name}: \"best guess\" is not allowed"):
         Sun2019(**{name: "best guess"})
 
 
