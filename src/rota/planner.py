@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -52,7 +53,7 @@ class Answer:
     checkpoint: Checkpoint | None = None
 
 
-class Planner:
+class Planner(ABC):
     """A planner as the rest of Rota sees it; each overrides what it has more of.
 
     ``methods``: the values of its setting ``method`` that can be compared side by side.
@@ -61,13 +62,13 @@ class Planner:
     methods: tuple[str, ...] = ()
 
     @property
+    @abstractmethod
     def settings(self) -> type[PlannerSettings]:
         """The type of its settings, which name it and say what it refuses of a mission."""
-        raise NotImplementedError
 
+    @abstractmethod
     def plan(self, request: Request) -> Answer:
         """A plan for the mission. Raises NoPlanFound, with the best there is, when none meets the demand."""
-        raise NotImplementedError
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """What is said below a new plan, paragraph by paragraph; None in place of what there is nothing to say of."""

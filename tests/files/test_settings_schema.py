@@ -32,28 +32,27 @@ def plan_fields() -> dict[str, Any]:
     return schema["$defs"][schema["properties"]["mission"]["$ref"].rpartition("/")[2]]
 
 
-def require_same(now: Any, before: Any, added: set[str]) -> None:
-    """Every key of a schema has the value that it had, in whatever order; some may be new."""
+def differences(now: Any, before: Any, added: set[str], where: str = "") -> list[str]:
+    """Where a schema differs from what it was, in whatever order its keys stand; some keys may be new."""
     if isinstance(before, dict):
         keys = {key for key in now if key not in ("description", "title")}
-        assert keys - set(before) <= added
-        assert set(before) <= keys
-        for key, value in before.items():
-            require_same(now[key], value, ADDED.get(key, added))
-    elif isinstance(before, list) and all(isinstance(value, str) for value in before):
-        assert sorted(now) == sorted(before)
-    elif isinstance(before, list):
-        assert len(now) == len(before)
-        for mine, other in zip(now, before, strict=True):
-            require_same(mine, other, added)
-    else:
-        assert now == before
+        found = [f"{where}.{key}" for key in (keys - set(before) - added) | (set(before) - keys)]
+        for key in set(before) & keys:
+            found += differences(now[key], before[key], ADDED.get(key, added), f"{where}.{key}")
+        return found
+    if isinstance(before, list) and all(isinstance(value, str) for value in before):
+        return [] if sorted(now) == sorted(before) else [where]
+    if isinstance(before, list):
+        pairs = zip(now, before, strict=False)
+        found = [] if len(now) == len(before) else [where]
+        return found + [d for mine, other in pairs for d in differences(mine, other, added, where)]
+    return [] if now == before else [where]
 
 
 @pytest.mark.parametrize("planner", PLANNERS)
 @pytest.mark.parametrize("file", ["mission", "plan"])
 def test_the_schema_of_settings_is_what_it_was(file: str, planner: str) -> None:
-    require_same(block_of(file, planner), BEFORE[file][planner], set())
+    assert differences(block_of(file, planner), BEFORE[file][planner], set()) == []
 
 
 @pytest.mark.parametrize("planner", PLANNERS)

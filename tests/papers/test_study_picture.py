@@ -11,10 +11,10 @@ from shapely import box
 
 from rota.draw.house_style import house_style
 from rota.draw.palette import OBSTACLE, ZONE_TINTS
+from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
+from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
+from rota.draw.panels.study_picture import study_figure, study_picture
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.papers.pictures.curve_panel import Curve, CurvePanel, Level
-from rota.papers.pictures.map_panel import Dots, MapPanel, Strokes
-from rota.papers.pictures.study_picture import study_figure, study_picture
 from rota.plan import Plan
 
 BLUE, GREEN = "#0072B2", "#009E73"

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rota.draw.palette import ROUTE_COLOURS
+from rota.draw.panels.curve_panel import Curve, CurvePanel
+from rota.draw.panels.map_panel import MapPanel
+from rota.draw.panels.study_picture import Panel, study_picture
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import (
     driven_verdict,
@@ -19,9 +22,6 @@ from rota.papers.alam2020.claims import (
 )
 from rota.papers.alam2020.panels import entries_panel, headings_panel, starts_panel, ways_panel
 from rota.papers.alam2020.runs import METHODS, CoverRuns, Runs, steps_until
-from rota.papers.pictures.curve_panel import Curve, CurvePanel
-from rota.papers.pictures.map_panel import MapPanel
-from rota.papers.pictures.study_picture import Panel, study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, counted, joined
 from rota.planners.bounce.planner_settings import BounceMethod

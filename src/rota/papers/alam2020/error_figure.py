@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import ROUTE_COLOURS
+from rota.draw.panels.curve_panel import Curve, CurvePanel
+from rota.draw.panels.study_picture import Panel, study_picture
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import angles_verdict
 from rota.papers.alam2020.panels import chances_panel
 from rota.papers.alam2020.runs import Runs
-from rota.papers.pictures.curve_panel import Curve, CurvePanel
-from rota.papers.pictures.study_picture import Panel, study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import Table, joined
 from rota.planners.bounce.cells import Cells, make_cells

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rota.draw.panels.study_picture import Panel, study_picture
 from rota.errors import NoPlanFound, PlanError
 from rota.files.create2_legs import drives_of
 from rota.make_plan import PlanSearch, search_plan
@@ -16,7 +17,6 @@ from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import apart_verdict, driven_verdict, groups_verdict
 from rota.papers.alam2020.panels import headings_panel, ways_panel
 from rota.papers.alam2020.runs import Runs
-from rota.papers.pictures.study_picture import Panel, study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, counted
 from rota.plan import Plan

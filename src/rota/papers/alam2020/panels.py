@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from rota.draw.entered_cells import entries_of_cells
 from rota.draw.palette import route_style
+from rota.draw.panels.cells_panel import HeadingsPanel, HeatPanel
+from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
 from rota.mission import Mission
-from rota.papers.pictures.cells_panel import HeadingsPanel, HeatPanel
-from rota.papers.pictures.map_panel import Dots, MapPanel, Strokes
 from rota.plan import Plan
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.planner_settings import BounceSettings

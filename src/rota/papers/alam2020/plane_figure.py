@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import ROUTE_COLOURS
+from rota.draw.panels.map_panel import MapPanel, Strokes
+from rota.draw.panels.study_picture import study_picture
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.grid_beside_plane import GridBesidePlane, compare_grid_and_plane
 from rota.papers.alam2020.runs import Runs
-from rota.papers.pictures.map_panel import MapPanel, Strokes
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table
 from rota.planners.bounce.bounce_map import cycles_and_basins, make_team, single_map

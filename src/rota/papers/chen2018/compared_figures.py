@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import OVER_PERIOD
+from rota.draw.panels.curve_panel import CurvePanel, Level
+from rota.draw.panels.map_panel import MapPanel
+from rota.draw.panels.study_picture import study_picture
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
@@ -27,9 +30,6 @@ from rota.papers.chen2018.runs import (
 )
 from rota.papers.chen2018.small_figures import SHOWN, coverage_cell, plus_minus
 from rota.papers.chen2018.verdicts import holds_if
-from rota.papers.pictures.curve_panel import CurvePanel, Level
-from rota.papers.pictures.map_panel import MapPanel
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import NOTHING, Table, joined
 from rota.planners.swarm.metrics import covered_share

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rota.draw.panels.study_picture import study_picture
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.panels import coverage_panel
 from rota.papers.chen2018.runs import EXACT, FILTERED, FORCES, SAMPLED, SETTLE, VORONOI, Outcome, Runs
 from rota.papers.chen2018.small_figures import coverage_cell, plus_minus, rest_cells
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import NOTHING, Table
 

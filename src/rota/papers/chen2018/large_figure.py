@@ -7,6 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from rota.draw.panels.curve_panel import Curve, CurvePanel
+from rota.draw.panels.map_panel import MapPanel
+from rota.draw.panels.study_picture import study_picture
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
@@ -26,9 +29,6 @@ from rota.papers.chen2018.runs import (
     covered_in,
 )
 from rota.papers.chen2018.small_figures import plus_minus
-from rota.papers.pictures.curve_panel import Curve, CurvePanel
-from rota.papers.pictures.map_panel import MapPanel
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import Table, joined
 from rota.planners.swarm.planner import make_swarm

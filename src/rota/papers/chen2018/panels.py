@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import COVERED, OVER_PERIOD, ROUTE_COLOURS
+from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
+from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
 from rota.mission import Mission
 from rota.papers.chen2018 import paper
 from rota.papers.chen2018.runs import (
@@ -21,8 +23,6 @@ from rota.papers.chen2018.runs import (
     Outcome,
     covered_in,
 )
-from rota.papers.pictures.curve_panel import Curve, CurvePanel, Level
-from rota.papers.pictures.map_panel import Dots, MapPanel, Strokes
 from rota.planners.swarm.planner import sensors_of, squares_of
 
 Floats = NDArray[np.float64]

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import ROUTE_COLOURS
+from rota.draw.panels.curve_panel import Curve, CurvePanel
+from rota.draw.panels.study_picture import study_picture
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.runs import EXACT, SAMPLED, Outcome, Runs
 from rota.papers.chen2018.velocity_set import VelocitySet
 from rota.papers.chen2018.verdicts import holds_if
-from rota.papers.pictures.curve_panel import Curve, CurvePanel
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import Table
 from rota.planners.swarm.planner import make_swarm

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rota.draw.panels.curve_panel import Curve, CurvePanel
+from rota.draw.panels.study_picture import study_picture
 from rota.papers.chen2018 import maps
 from rota.papers.chen2018.compared_figures import claimed
 from rota.papers.chen2018.decision_times import decision_times, times_verdict, told_times
@@ -13,8 +15,6 @@ from rota.papers.chen2018.panels import COLOURS
 from rota.papers.chen2018.runs import COMPARED, EXACT, FORCES, VORONOI, Job, Runs, StudySettings
 from rota.papers.chen2018.small_figures import SHOWN, plus_minus
 from rota.papers.chen2018.verdicts import holds_if
-from rota.papers.pictures.curve_panel import Curve, CurvePanel
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import Table, joined
 

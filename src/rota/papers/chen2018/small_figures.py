@@ -9,6 +9,9 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.draw.palette import route_style
+from rota.draw.panels.curve_panel import Curve, CurvePanel
+from rota.draw.panels.map_panel import MapPanel
+from rota.draw.panels.study_picture import study_picture
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.dense import TRIED, dense_contacts
@@ -27,9 +30,6 @@ from rota.papers.chen2018.runs import (
     Runs,
 )
 from rota.papers.chen2018.verdicts import convergence_verdicts, holds_if
-from rota.papers.pictures.curve_panel import Curve, CurvePanel
-from rota.papers.pictures.map_panel import MapPanel
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import NOTHING, Table
 

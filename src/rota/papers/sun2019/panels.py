@@ -11,11 +11,11 @@ from shapely import LineString
 from rota.check import Report
 from rota.compare import MethodOutcome
 from rota.draw.palette import OVER_PERIOD, ROUTE_COLOURS, route_style
+from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
+from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import AREA, Mission
-from rota.papers.pictures.curve_panel import Curve, CurvePanel, Level
-from rota.papers.pictures.map_panel import Dots, MapPanel, Strokes
 from rota.papers.sun2019.runs import Printed
 from rota.papers.tables import counted
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, ZoneDeployment

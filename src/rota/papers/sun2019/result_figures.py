@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rota.compare import MethodOutcome
-from rota.papers.pictures.curve_panel import CurvePanel
-from rota.papers.pictures.map_panel import MapPanel
-from rota.papers.pictures.study_picture import study_picture
+from rota.draw.panels.curve_panel import CurvePanel
+from rota.draw.panels.map_panel import MapPanel
+from rota.draw.panels.study_picture import study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.cases import DEFAULTS, Case, case_of, case_tables, unseen_and_late

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from rota.draw.panels.curve_panel import CurvePanel
+from rota.draw.panels.map_panel import MapPanel
+from rota.draw.panels.study_picture import study_picture
 from rota.mission import Mission
-from rota.papers.pictures.curve_panel import CurvePanel
-from rota.papers.pictures.map_panel import MapPanel
-from rota.papers.pictures.study_picture import study_picture
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.maps import RECONSTRUCTED

@@ -168,6 +168,7 @@ def run_crew(
     watched_zones = Zones(all_sides, first, periods_s)
 
     def part(k: int) -> None:
+        """Simulate one chunk of the runs, from the k-th on."""
         chosen = slice(k, k + CHUNK)
         results = entered_s[chosen], watched_s[chosen]
         run_inexact(

@@ -37,6 +37,7 @@ def race(runners: list[Runner[Result]], should_stop: Callable[[], bool]) -> Resu
     passed_after: list[float] = [math.inf] * len(runners)
 
     def run(turn: int) -> Result | None:
+        """The result of one runner; None, too, when another is ahead of it for good."""
         tries = 0
 
         def beaten() -> bool:

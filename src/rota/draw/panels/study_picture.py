@@ -18,9 +18,9 @@ from rota.draw.house_style import house_style
 from rota.draw.legends import axes_at, legend_height, place_legend
 from rota.draw.mission_picture import plain
 from rota.draw.palette import GROUND, OBSTACLE, OUTSIDE, OVER_PERIOD, ROUTE_COLOURS, ZONE_EDGE, ZONE_TINTS
-from rota.papers.pictures.cells_panel import HEAT, HeatPanel
-from rota.papers.pictures.curve_panel import CurvePanel
-from rota.papers.pictures.map_panel import MapPanel
+from rota.draw.panels.cells_panel import HEAT, HeatPanel
+from rota.draw.panels.curve_panel import CurvePanel
+from rota.draw.panels.map_panel import MapPanel
 
 Panel = MapPanel | CurvePanel
 

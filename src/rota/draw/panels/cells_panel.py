@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rota.draw.cells_picture import draw_headings
 from rota.draw.mission_picture import draw_mission, mission_legend, plain
 from rota.draw.palette import ink_on, route_style
-from rota.papers.pictures.map_panel import MapPanel
+from rota.draw.panels.map_panel import MapPanel
 
 Floats = NDArray[np.float64]
 
