@@ -9,11 +9,11 @@ import pytest
 from benchmarks.small_plans import covering, monitoring
 from shapely import box
 
+from rota import BounceSettings
 from rota.check import Report, check_plan, report_table, report_to_json
 from rota.check.bounce_floor import Floor, crossed, heading_moves
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.plan import Plan, Trajectory
-from rota.planners.bounce.planner_settings import BounceSettings
 
 
 def kinds(report: Report) -> list[str]:

@@ -10,12 +10,11 @@ import pytest
 from numpy.typing import NDArray
 from shapely import box
 
+from rota import BounceSettings, PatrolSettings
 from rota.check import Report, check_plan
 from rota.check.clocks import clock_margin_s
 from rota.mission import DiscSensor, Fleet, Mission, Zone
 from rota.plan import Plan, Trajectory
-from rota.planners.bounce.planner_settings import BounceSettings
-from rota.planners.patrol.planner_settings import PatrolSettings
 
 Floats = NDArray[np.float64]
 BODY_M = 0.5

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from shapely import MultiPolygon, box
 
+from rota import SwarmSettings
 from rota.check import check_plan
 from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
 from rota.plan import Plan, Trajectory
-from rota.planners.swarm.planner_settings import SwarmSettings
 
 SENSOR = DiscSensor(radius_m=10)
 

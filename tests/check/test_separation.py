@@ -10,12 +10,11 @@ import pytest
 from numpy.typing import NDArray
 from shapely import MultiPolygon, box
 
+from rota import PatrolSettings, SwarmSettings
 from rota.check.report import Violation
 from rota.check.separation import separation_violations
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan, Trajectory
-from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.swarm.planner_settings import SwarmSettings
 
 
 def violations(*trajectories: Trajectory, body: float = 0.5) -> list[Violation]:
