@@ -378,11 +378,13 @@ def test_a_search_that_does_not_stop_is_ended(yard: Path) -> None:
         "interrupt.GRACE_S = 1\n"
         "from rota.planner import Planner\n"
         "class Deaf(Planner):\n"
+        "  settings = None\n"
         "  def plan(self, request):\n"
         "    os.kill(os.getpid(), signal.SIGTERM)\n"
         "    while True:\n"
         "        pass\n"
-        "importlib.import_module('rota.make_plan').planner_of = lambda mission: Deaf()\n"
+        "for module in ('rota.planner', 'rota.make_plan'):\n"
+        "  importlib.import_module(module).planner_of = lambda mission: Deaf()\n"
         "sys.exit(run(['plan', 'yard.yaml']))\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False, timeout=60)
@@ -438,12 +440,14 @@ def test_the_second_signal_ends_at_once_and_leaves_the_old_file(end: str, yard: 
         "from rota.command.cli import run\n"
         "from rota.planner import Planner\n"
         "class Deaf(Planner):\n"
+        "  settings = None\n"
         "  def plan(self, request):\n"
         f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('still here\\n')\n"
         f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('deaf\\n')\n"
-        "importlib.import_module('rota.make_plan').planner_of = lambda mission: Deaf()\n"
+        "for module in ('rota.planner', 'rota.make_plan'):\n"
+        "  importlib.import_module(module).planner_of = lambda mission: Deaf()\n"
         "sys.exit(run(['plan', 'yard.yaml']))\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)
