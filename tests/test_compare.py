@@ -138,7 +138,7 @@ def test_seed_and_progress_reach_every_method() -> None:
 @pytest.mark.parametrize(
     ("listed", "told"),
     [
-        ("tours,spiral", "'spiral' is not known; tours, parallel, sequential, decomposition, sun2019 are"),
+        ("tours,spiral", f"'spiral' is not known; {', '.join(METHODS)} are"),
         ("tours,tours", "'tours' is given twice"),
         ("", "'' is not known"),
     ],
@@ -178,7 +178,8 @@ def test_a_picture_that_cannot_be_is_refused_before_any_planning(
 def test_captions_tell_what_a_plan_comes_to(yard: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = []
     monkeypatch.setattr("rota.draw.draw_comparison", lambda mission, panels, path: seen.extend(panels))
-    draw_outcomes(mission(), compare_methods(mission()), "plans.png")
+    methods = ("tours", "parallel", "sequential", "decomposition", "sun2019")
+    draw_outcomes(mission(), compare_methods(mission(), methods), "plans.png")
     assert [(panel.title, panel.caption, panel.met) for panel in seen] == [
         ("tours", "2 robots · loops 12 m · worst gap 0.00", True),
         ("parallel", "no plan: nobody can stand anywhere", False),

@@ -6,7 +6,6 @@ import importlib
 import importlib.util
 import re
 from pathlib import Path
-from typing import get_args
 
 import pytest
 from benchmarks.measured import KEPT, PAGE, page_of, read_kept, replaced, write_kept
@@ -14,7 +13,7 @@ from docs.house_picture import PICTURE, picture, reduced, rows_of
 
 import rota
 from rota.command.cli import app
-from rota.command.export import ExportFormat
+from rota.command.export import FORMATS
 from rota.command.study import app as study_app
 
 PROJECT = Path(__file__).parents[1]
@@ -124,7 +123,7 @@ def test_pages_name_all_commands_and_formats() -> None:
     names = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
     for page in (readme, usage):
         assert {name for name in names if f"`rota {name} " not in page} == set()
-    assert {f"`{to}`" for to in get_args(ExportFormat) if f"`{to}`" not in usage} == set()
+    assert {f"`{to}`" for to in FORMATS if f"`{to}`" not in usage} == set()
     studies = {command.name for command in study_app.registered_commands}
     assert {name for name in studies if f"`rota study {name} " not in usage} == set()
 

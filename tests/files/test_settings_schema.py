@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from rota.files.plan_schema import plan_schema
 from rota.planner import planner_named
 from rota.planner_registry import PLANNERS
 from rota.planner_settings import settings_of
+from rota.planners.patrol.method_table import METHODS
 
 # the blocks as they were written out by hand, with references resolved
 BEFORE = json.loads(Path(__file__).with_name("settings_of_version_1.json").read_text())
@@ -52,7 +54,12 @@ def differences(now: Any, before: Any, added: set[str], where: str = "") -> list
 @pytest.mark.parametrize("planner", PLANNERS)
 @pytest.mark.parametrize("file", ["mission", "plan"])
 def test_the_schema_of_settings_is_what_it_was(file: str, planner: str) -> None:
-    assert differences(block_of(file, planner), BEFORE[file][planner], set()) == []
+    before = deepcopy(BEFORE[file][planner])
+    if planner == "patrol":  # methods may be added
+        named = before["properties"]["method"]["enum"]
+        assert set(named) <= set(METHODS)
+        named[:] = METHODS
+    assert differences(block_of(file, planner), before, set()) == []
 
 
 @pytest.mark.parametrize("planner", PLANNERS)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 import typer
 
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
-from rota.command.export import ExportFormat, write_export
+from rota.command.export import FORMATS_HELP, export_format, write_export
 from rota.command.interrupt import Terminated, clean_end_on_terminate, stop_on_interrupt
 from rota.command.plan import plan_and_write
 from rota.command.study import app as study_app
@@ -258,22 +258,14 @@ def _plan_to_show(plan: str, output: str, suffixes: tuple[str, ...], what: str) 
 @app.command()
 def export(
     plan: PlanPath,
-    to: Annotated[
-        ExportFormat,
-        typer.Option(
-            metavar="FORMAT", help="geojson; qgroundcontrol (for ArduPilot) or qgroundcontrol-px4; create2-sketch."
-        ),
-    ],
+    to: Annotated[str, typer.Option(parser=export_format, metavar="FORMAT", help=FORMATS_HELP)],
     output: Annotated[
         str,
         typer.Option("-o", "--output", metavar="PATH", help="A file; a folder where each robot has one."),
     ],
 ) -> None:
     """Export a plan to what maps and robots read."""
-    answer = _read_plan(plan)
-    if to == "geojson":
-        _require_target(output, source=plan)
-    for path in write_export(answer, to, output):
+    for path in write_export(_read_plan(plan), plan, to, output):
         typer.echo(path)
 
 
