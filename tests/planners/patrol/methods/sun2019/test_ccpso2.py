@@ -12,7 +12,7 @@ from shapely import MultiPolygon, box
 
 from rota.errors import MissionError
 from rota.papers.sun2019.printed_settings import TABLE_7
-from rota.planners.patrol.methods.sun2019 import swarm_kernels, update_kernels
+from rota.planners.patrol.methods.sun2019 import rule_kernels, swarm_kernels, update_kernels
 from rota.planners.patrol.methods.sun2019.ccpso2 import (
     Evolution,
     evolve,
@@ -23,7 +23,9 @@ from rota.planners.patrol.methods.sun2019.ccpso2 import (
 )
 from rota.planners.patrol.methods.sun2019.cells import cells_of, ground_for, lattice_over
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
+from rota.planners.patrol.methods.sun2019.rule_kernels import Group, MovementLaw, Terrain
 from rota.planners.patrol.methods.sun2019.swarm_kernels import Particles, Swarms
+from rota.planners.patrol.methods.sun2019.update_kernels import VelocityLaw
 from rota.planners.patrol.methods.sun2019.zones import CoverTask, cover_tasks
 
 BOX = np.array([0.0, 0.0, 100.0, 100.0])
@@ -69,6 +71,11 @@ def sensors_at(*xy: tuple[float, float], flags: list[float] | None = None) -> np
     return p
 
 
+def first_of(count: int) -> Group:
+    """The first sensors as one group."""
+    return Group(np.arange(count), 0, count)
+
+
 # ---------------------------------------------------------------- the equations
 
 
@@ -85,10 +92,11 @@ def test_eq_1_one_swarm_keeps_the_best_of_each_particle_and_of_all() -> None:
 
 def test_eq_2_velocity_by_hand_and_its_limits() -> None:
     # 0.9 * 0.02 + 2 * 0.25 * (0.4 - 0.3) + 2 * 0.1 * (0.5 - 0.3) = 0.018 + 0.05 + 0.04
-    given = (0.02, 0.3, 0.4, 0.5, 0.9, 2.0, 2.0, 0.25, 0.1)
-    assert update_kernels.velocity_now(*given, -1.0, 1.0) == pytest.approx(0.108)
-    assert update_kernels.velocity_now(*given, -0.1, 0.1) == 0.1
-    assert update_kernels.velocity_now(*given, -1.0, 0.05) == 0.05
+    given = (0.02, 0.3, 0.4, 0.5, 0.25, 0.1)
+    law = VelocityLaw(inertia=0.9, c1=2.0, c2=2.0, least=-1.0, most=1.0)
+    assert update_kernels.velocity_now(*given, law) == pytest.approx(0.108)
+    assert update_kernels.velocity_now(*given, law._replace(least=-0.1, most=0.1)) == 0.1
+    assert update_kernels.velocity_now(*given, law._replace(most=0.05)) == 0.05
 
 
 def test_eq_3_samples_round_either_best_by_hand() -> None:
@@ -134,52 +142,54 @@ def test_eqs_5_and_6_a_particle_is_judged_in_the_place_of_its_swarm() -> None:
 
 
 def test_eq_7_addition_deploys_a_free_sensor_near_the_cell() -> None:
-    ground = open_task(100.0, 4.0).ground
+    task = open_task(100.0, 4.0)
+    terrain = Terrain(BOX, task.cells.table, task.ground)
     for seed in range(1, 20):
         p = sensors_at((10, 10), (90, 90), (50, 50), flags=[1.0, 0.0, 0.0])
-        d = update_kernels.add_sensor(p, 0, 3, np.arange(3), 30.0, 40.0, 8.0, BOX, ground, random_numbers(seed))
+        d = rule_kernels.add_sensor(p, first_of(3), 30.0, 40.0, 8.0, terrain, random_numbers(seed))
         assert d in (1, 2)
         assert p[d, 2] == 1.0
         assert math.hypot(p[d, 0] * 100 - 30, p[d, 1] * 100 - 40) <= 8.0
     p = sensors_at((10, 10), (90, 90))
     before = p.copy()
-    assert update_kernels.add_sensor(p, 0, 2, np.arange(2), 30.0, 40.0, 8.0, BOX, ground, random_numbers()) == -1
+    assert rule_kernels.add_sensor(p, first_of(2), 30.0, 40.0, 8.0, terrain, random_numbers()) == -1
     assert (p == before).all()
 
 
 def test_eq_8_movement_leads_the_nearest_sensor_a_short_way_to_the_cell() -> None:
     p = sensors_at((10, 10), (40, 40), (70, 40))
+    group, law = first_of(3), MovementLaw(around_m=25.0, step_m=5.0, in_range_m=8.0)
     # the cell is 22 m from sensor 1, in range within 8 m: 14 m are needed, and 5 m are allowed
-    d = update_kernels.move_sensor(p, 0, 3, np.arange(3), 40.0, 62.0, 25.0, 5.0, 8.0, BOX, random_numbers())
+    d = rule_kernels.move_sensor(p, group, 40.0, 62.0, law, BOX, random_numbers())
     assert d == 1
     assert (p[:, :2] * 100).tolist() == pytest.approx(np.array([[10, 10], [40, 45], [70, 40]]))
     # now 3 m are needed, for which up to 30 % more are gone
-    d = update_kernels.move_sensor(p, 0, 3, np.arange(3), 40.0, 56.0, 25.0, 5.0, 8.0, BOX, random_numbers())
+    d = rule_kernels.move_sensor(p, group, 40.0, 56.0, law, BOX, random_numbers())
     assert d == 1
     assert 48.0 <= p[1, 1] * 100 <= 48.9
-    assert update_kernels.move_sensor(p, 0, 3, np.arange(3), 5.0, 90.0, 25.0, 5.0, 8.0, BOX, random_numbers()) == -1
+    assert rule_kernels.move_sensor(p, group, 5.0, 90.0, law, BOX, random_numbers()) == -1
 
 
 def test_eq_9_deletion_withdraws_a_sensor_nearer_than_r_s_to_another_of_the_best() -> None:
     context = sensors_at((10, 10), (14, 10), (50, 50), (50, 57), flags=[1, 1, 1, 0])
     p = context.copy()
     p[3, 2] = 1.0
-    assert update_kernels.delete_sensor(p, context, 2, 4, np.arange(4), 5.0, BOX) == -1  # 7 m apart
-    assert update_kernels.delete_sensor(p, context, 0, 2, np.arange(4), 4.0, BOX) == -1  # 4 m is not less
-    assert update_kernels.delete_sensor(p, context, 0, 2, np.arange(4), 5.0, BOX) == 0
+    assert rule_kernels.delete_sensor(p, context, Group(np.arange(4), 2, 4), 5.0, BOX) == -1  # 7 m apart
+    assert rule_kernels.delete_sensor(p, context, first_of(2), 4.0, BOX) == -1  # 4 m is not less
+    assert rule_kernels.delete_sensor(p, context, first_of(2), 5.0, BOX) == 0
     assert p[:, 2].tolist() == [0, 1, 1, 1]
 
 
 def test_eq_10_fusion_puts_one_sensor_midway() -> None:
     p = sensors_at((10, 10), (50, 50), (16, 18), (80, 80))
-    both = update_kernels.fuse_sensors(p, 0, 4, np.arange(4), 10.5, BOX, random_numbers())
+    both = rule_kernels.fuse_sensors(p, first_of(4), 10.5, BOX, random_numbers())
     kept, gone = divmod(both, 4)
     assert {kept, gone} == {0, 2}
     assert (p[kept] * 100)[:2].tolist() == pytest.approx([13, 14])
     assert p[gone, 2] == 0.0
     assert p[[1, 3], 2].tolist() == [1.0, 1.0]
     far = sensors_at((10, 10), (16, 18))
-    assert update_kernels.fuse_sensors(far, 0, 2, np.arange(2), 10.0, BOX, random_numbers()) == -1  # 10 m is not less
+    assert rule_kernels.fuse_sensors(far, first_of(2), 10.0, BOX, random_numbers()) == -1  # 10 m is not less
 
 
 def test_eq_11_by_hand() -> None:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from rota.planners.patrol.methods.sun2019 import sight_kernels, swarm_kernels, update_kernels
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
+from rota.planners.patrol.methods.sun2019.rule_kernels import MovementLaw, Terrain
 from rota.planners.patrol.methods.sun2019.swarm_kernels import DEPLOYED, FLAG, Particles, Swarms
-from rota.planners.patrol.methods.sun2019.update_kernels import Rules, Scratch
+from rota.planners.patrol.methods.sun2019.update_kernels import Iteration, Rules, Scratch, VelocityLaw
 from rota.planners.patrol.methods.sun2019.zones import CoverTask
 
 Floats = NDArray[np.float64]
@@ -50,12 +51,11 @@ def evolve(
     particle has its own random numbers and moves when all others stand still.
     """
     rng = np.random.default_rng(seed)
-    box = np.array(task.box_m)
-    rules = _rules(task, settings)
+    terrain = Terrain(np.array(task.box_m), task.cells.table, task.ground)
+    box = terrain.box
     scratch = [_scratch(task) for _ in range(_threads(threads, settings.particles))]
     swarms = _first_swarms(task, settings, sensors, rng)
     states = rng.integers(1, 2**63, size=(settings.particles, 1), dtype=np.uint64)
-    cells, ground = task.cells.table, task.ground
     counts = np.zeros((settings.iterations + 1, 4), dtype=np.int64)
     cost = np.zeros(settings.iterations + 1)
     with ThreadPoolExecutor(len(scratch)) as pool:
@@ -64,7 +64,7 @@ def evolve(
             cuts = np.linspace(0, settings.particles, len(scratch) + 1).astype(np.int64)
             list(pool.map(lambda begin, end, own: work(begin, end, own, *given), cuts[:-1], cuts[1:], scratch))
 
-        shared(update_kernels.see_all, swarms.now, box, cells, ground)
+        shared(update_kernels.see_all, swarms.now, terrain)
         swarm_kernels.begin(swarms)
         cost[0], counts[0] = swarm_kernels.fitness(swarms.counts, swarms.weights), swarms.counts
         for t in range(settings.iterations):
@@ -74,8 +74,8 @@ def evolve(
             counts[t + 1] = swarms.counts
             if t + 1 == settings.iterations:
                 break
-            reach, inertia = neighbourhood(t, settings), inertia_at(t, settings)
-            shared(update_kernels.update, reach, inertia, swarms, rules, box, cells, ground, states)
+            iteration = Iteration(swarms, _rules(task, settings, t), terrain, neighbourhood(t, settings))
+            shared(update_kernels.update, iteration, states)
     return Evolution(positions_m=_deployed_m(swarms.context, box), counts=counts, cost=cost)
 
 
@@ -134,20 +134,26 @@ def _particles(count: int, sensors: int, most: int) -> Particles:
     )  # fmt: skip
 
 
-def _rules(task: CoverTask, settings: DeploySettings) -> Rules:
+def _rules(task: CoverTask, settings: DeploySettings, iteration: int) -> Rules:
+    """The settings as the kernels read them in an iteration, which the inertia depends on."""
     reach_m = task.ground.reach_m
     half_diagonal_m = task.cells.lattice.cell_m / np.sqrt(2)
     return Rules(
         rule_probability=float(settings.rule_probability if settings.has_rules else 0.0),
         velocity_probability=float(settings.velocity_probability),
         cauchy_probability=float(settings.cauchy_probability),
-        velocity_min=float(settings.velocity_min), velocity_max=float(settings.velocity_max),
-        c1=float(settings.c1), c2=float(settings.c2),
+        velocity=VelocityLaw(
+            inertia=inertia_at(iteration, settings), c1=float(settings.c1), c2=float(settings.c2),
+            least=float(settings.velocity_min), most=float(settings.velocity_max),
+        ),
         addition=int(settings.addition), movement=int(settings.movement),
         deletion=int(settings.deletion), fusion=int(settings.fusion),
         delete_m=reach_m / 2, fuse_m=settings.fusion_share * reach_m, near_m=settings.addition_share * reach_m,
-        step_m=settings.movement_share * reach_m, around_m=settings.movement_around * reach_m,
-        in_range_m=float(max(0.0, reach_m - half_diagonal_m)), repeats=int(settings.movement_repeats),
+        move=MovementLaw(
+            around_m=settings.movement_around * reach_m, step_m=settings.movement_share * reach_m,
+            in_range_m=float(max(0.0, reach_m - half_diagonal_m)),
+        ),
+        repeats=int(settings.movement_repeats),
         from_best=float(settings.rules_from_best),
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.methods.sun2019.genetic_kernels import evolve
+from rota.planners.patrol.methods.sun2019.genetic_kernels import Population, evolve
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,9 +42,9 @@ def genetic_tour(
     if n <= 3:
         return best.astype(np.int64), np.full(generations, distance[best, np.roll(best, -1)].sum())
     tours = rng.permuted(np.tile(best, (population, 1)), axis=1)
+    individuals = Population(tours, np.empty(population), np.empty(population, np.int64))
     best[:] = tours[0]
     history = np.empty(generations)
     lot = rng.integers(1, 2**64, 1, dtype=np.uint64)
-    length, drawn = np.empty(population), np.empty(population, np.int64)
-    evolve(distance, regroup_every, reversal_tries, tours, length, drawn, best, history, lot)
+    evolve(distance, regroup_every, reversal_tries, individuals, best, history, lot)
     return best.astype(np.int64), history

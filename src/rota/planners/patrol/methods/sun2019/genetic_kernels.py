@@ -3,10 +3,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.ground.sight_kernels import compiled
+
+
+class Population(NamedTuple):
+    """4 K individuals, in groups of four.
+
+    tours: (4 K, n) int32 waypoints of each individual in its order. length_m: (4 K,) of each closed tour; written by
+    ``evolve``. drawn: (4 K,) int64 individuals by group, four in a row of each; written by ``evolve``.
+    """
+
+    tours: Any
+    length_m: Any
+    drawn: Any
 
 
 @compiled
@@ -63,23 +75,26 @@ def reversal_gain(genes: Any, z1: int, z2: int, distance: Any) -> float:
 
 @compiled
 def evolve(
-    distance: Any, regroup_every: int, tries: int, population: Any, length: Any, drawn: Any, best: Any, history: Any,
-    rng: Any,
-) -> None:  # fmt: skip
-    """Run history.shape[0] generations on population (4 K, n); best (n,) is the shortest tour there ever was.
+    distance: Any, regroup_every: int, tries: int, population: Population, best: Any, history: Any, rng: Any
+) -> None:
+    """Run generations on the population, one for each place of history.
 
-    Every so many generations the individuals are put into groups of four by lot (drawn: (4 K,) room for it). In each
-    generation the fittest of a group goes on as it is, and in place of the others come copies of it: one mutated, one
-    reversed where that makes it fitter (so many stretches are drawn at most), one slid.
+    distance: (n, n) metres. best: (n,) a tour to begin with; becomes the shortest tour of all generations. history:
+    (generations,) metres, its length until each generation. rng: (1,) state of the random numbers.
+
+    Every ``regroup_every`` generations the individuals are put into groups of four by lot. In each generation the
+    fittest of a group stays. Copies of it replace the other three: one is mutated, one is reversed where a reversal
+    makes it fitter (at most ``tries`` stretches are drawn), one is slid.
     """
-    size, n = population.shape
+    tours, length, drawn = population.tours, population.length_m, population.drawn
+    size, n = tours.shape
     shortest = closed_length(best, distance)
     for k in range(size):
         drawn[k] = k
-        length[k] = closed_length(population[k], distance)
+        length[k] = closed_length(tours[k], distance)
         if length[k] < shortest:
             shortest = length[k]
-            copy_genes(population[k], best)
+            copy_genes(tours[k], best)
     for generation in range(history.shape[0]):
         if generation % regroup_every == 0:
             for k in range(size - 1, 0, -1):
@@ -89,9 +104,9 @@ def evolve(
             for k in range(1, 4):
                 if length[drawn[group + k]] < length[drawn[group]]:
                     drawn[group], drawn[group + k] = drawn[group + k], drawn[group]
-            fittest = population[drawn[group]]
+            fittest = tours[drawn[group]]
             for k in range(1, 4):
-                child = population[drawn[group + k]]
+                child = tours[drawn[group + k]]
                 copy_genes(fittest, child)
                 for _ in range(tries if k == 2 else 1):
                     z1, z2 = int(n * uniform(rng)), int(n * uniform(rng))

@@ -19,6 +19,7 @@ from rota.planners.patrol.methods.sun2019.cheapest_kernels import cheapest_parti
 from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TooFew
 from rota.planners.patrol.methods.sun2019.partition_kernels import (
     TIE,
+    Layers,
     Ring,
     best_partition,
     fewest_segments,
@@ -234,9 +235,10 @@ def _best(ring: Ring, margin_s: float, longest: Ints, segments: int) -> Ints:
     n = len(longest)
     late, uneven = np.empty((2, segments + 1, n + 1))
     chosen = np.zeros((segments + 1, n + 1), dtype=np.int64)
-    need, first = np.empty((2, segments + 1), dtype=np.int64)
-    best_partition(segments, margin_s, longest, ring, late, uneven, chosen, need, first)
-    return np.sort(first[:segments])
+    layers = Layers(late, uneven, chosen, least_at=np.empty(segments + 1, dtype=np.int64))
+    first = np.empty(segments, dtype=np.int64)
+    best_partition(segments, margin_s, longest, ring, layers, first)
+    return np.sort(first)
 
 
 def _cheapest(ring: Ring, settings: PartitionSettings, segments: int | None) -> Ints:

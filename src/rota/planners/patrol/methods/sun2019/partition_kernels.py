@@ -34,6 +34,21 @@ class Ring(NamedTuple):
     route_s: Any
 
 
+class Layers(NamedTuple):
+    """Room for the dynamic programming: the best way to cut the first ``at`` waypoints into k segments.
+
+    late: (segments + 1, n + 1) by k and at, seconds that its segments are late together; inf where there is none.
+    uneven: (segments + 1, n + 1) the sum of the squares of its (time + margin) / period. chosen: (segments + 1, n + 1)
+    waypoints of its last segment. least_at: (segments + 1,) by k, the smallest ``at`` from which the segments left can
+    still reach the end.
+    """
+
+    late: Any
+    uneven: Any
+    chosen: Any
+    least_at: Any
+
+
 @compiled
 def segment_period_s(first: int, count: int, ring: Ring) -> float:
     """Eq. 23: the smallest period of the segment's waypoints."""
@@ -127,38 +142,34 @@ def better(late: float, uneven: float, than_late: float, than_uneven: float) -> 
 
 
 @compiled
-def best_partition(
-    segments: int, margin_s: float, longest: Any, ring: Ring, late: Any, uneven: Any, chosen: Any, need: Any, first: Any
-) -> bool:  # fmt: skip
-    """Fill first (segments,) with the first waypoints of the best partition into so many segments; False without any.
+def best_partition(segments: int, margin_s: float, longest: Any, ring: Ring, layers: Layers, first: Any) -> bool:
+    """Find the best partition into ``segments`` segments by dynamic programming; False where there is none.
 
-    Best: the smallest sum of what segments are late (the margin counted), then the smallest sum of the squares of
-    (time + margin) / period. Dynamic programming from each waypoint where a segment may begin: late and uneven are
-    (segments + 1, n + 1) room for the two sums, chosen for the last segment's count, need (segments + 1,) for how far
-    so many segments must have come.
+    longest: (n,) the most waypoints of a segment, by its first one. first: (segments,) is filled with the segments'
+    first waypoints. Best is the smallest sum of what segments are late (the margin counted), then the smallest sum of
+    the squares of (time + margin) / period. Each waypoint where a segment may begin is tried as the start.
     """
     n = longest.shape[0]
     place = narrowest_place(longest)
     best_late, best_uneven = math.inf, math.inf
     for back in range(starts_before(place, longest)):
         start = (place - back) % n
-        lay_out_from(start, segments, margin_s, longest, ring, late, uneven, chosen, need)
-        found_late, found_uneven = late[segments, n], uneven[segments, n]
-        if better(found_late, found_uneven, best_late, best_uneven):
-            best_late, best_uneven = found_late, found_uneven
+        lay_out_from(start, segments, margin_s, longest, ring, layers)
+        late, uneven = layers.late[segments, n], layers.uneven[segments, n]
+        if better(late, uneven, best_late, best_uneven):
+            best_late, best_uneven = late, uneven
             at = n
             for k in range(segments, 0, -1):
-                at -= chosen[k, at]
+                at -= layers.chosen[k, at]
                 first[k - 1] = (start + at) % n
     return best_late < math.inf
 
 
 @compiled
-def lay_out_from(
-    start: int, segments: int, margin_s: float, longest: Any, ring: Ring, late: Any, uneven: Any, chosen: Any, need: Any
-) -> None:  # fmt: skip
-    """The best way to make up the first ``at`` waypoints from ``start`` on of exactly k segments, for all k and at."""
+def lay_out_from(start: int, segments: int, margin_s: float, longest: Any, ring: Ring, layers: Layers) -> None:
+    """Fill the layers with the best way to cut the first ``at`` waypoints from ``start`` on, for all at and k."""
     n = longest.shape[0]
+    late, uneven, chosen, least_at = layers
     for k in range(segments + 1):
         for at in range(n + 1):
             late[k, at], uneven[k, at] = math.inf, math.inf
@@ -166,20 +177,20 @@ def lay_out_from(
     # where the segments left can still reach the end; from farther on they can, too
     at = n
     for k in range(segments, -1, -1):
-        need[k] = at
-        while at > 0 and at - 1 + longest[(start + at - 1) % n] >= need[k]:
+        least_at[k] = at
+        while at > 0 and at - 1 + longest[(start + at - 1) % n] >= least_at[k]:
             at -= 1
-    if need[0] > 0:
+    if least_at[0] > 0:
         return
     highest = 0
     for k in range(segments):
         farthest = n - (segments - k - 1)  # a waypoint each for the segments left
         next_highest = 0
-        for at in range(max(k, need[k]), highest + 1):
+        for at in range(max(k, least_at[k]), highest + 1):
             if late[k, at] == math.inf:
                 continue
             first = (start + at) % n
-            for count in range(max(1, need[k + 1] - at), min(longest[first], farthest - at) + 1):
+            for count in range(max(1, least_at[k + 1] - at), min(longest[first], farthest - at) + 1):
                 time = segment_time_s(first, count, ring) + margin_s
                 period = segment_period_s(first, count, ring)
                 sum_late = late[k, at] + max(0.0, time - period)
