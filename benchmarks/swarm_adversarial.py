@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from benchmarks.row import Options, Row
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE
-from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.rollout import Beginning, Controller, Surroundings, Swarm
 from rota.planners.swarm.state import Hearing, Rule
 from rota.planners.swarm.world import kinds_of
 
@@ -154,7 +154,7 @@ def swarm_of(states: States, controller: str, hearing: Hearing | None, seed: int
     """All states in one swarm, side by side and each between walls of its own, with random velocities."""
     count, robots = states.bodies_m.shape
     offsets = offsets_m(states)[:, None]
-    kinds, kind = kinds_of(
+    fleet = kinds_of(
         count * robots,
         body_m=states.bodies_m.ravel(),
         sensor_m=5.0,
@@ -165,15 +165,13 @@ def swarm_of(states: States, controller: str, hearing: Hearing | None, seed: int
     corners = states.boxes_m[:, [[0, 1], [2, 1], [2, 3], [0, 3], [0, 1]]] + offsets
     walls = np.concatenate([corners[:, :-1], corners[:, 1:]], axis=2).reshape(-1, 4)
     neighbours = 4 if controller == "reciprocal" else ALL_NEIGHBOURS
+    velocities_m_s = np.random.default_rng(seed).uniform(-SPEED_M_S, SPEED_M_S, (count * robots, 2))
+    rule = Rule(neighbours, False, 1.0, 1.0, 0, seed, TIME_STEP_S)
     return Swarm(
-        (states.places_m + offsets).reshape(-1, 2),
-        kinds=kinds,
-        kind=kind,
-        walls=np.ascontiguousarray(walls),
-        decide=DECIDE[controller],
-        rule=Rule(neighbours, False, 1.0, 1.0, 0, seed, TIME_STEP_S),
-        velocities_m_s=np.random.default_rng(seed).uniform(-SPEED_M_S, SPEED_M_S, (count * robots, 2)),
-        hearing=hearing,
+        Beginning((states.places_m + offsets).reshape(-1, 2), velocities_m_s),
+        fleet,
+        Surroundings(np.ascontiguousarray(walls)),
+        Controller(DECIDE[controller], rule, hearing=hearing),
         threads=threads,
     )
 

@@ -14,6 +14,8 @@ from benchmarks.row import Options, Row
 from rota.files.mission_file import read_mission
 from rota.plan_summary import range_at_the_end
 from rota.planners.swarm.planner import run_mission
+from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.space_kernels import Band
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
@@ -61,9 +63,9 @@ def swarm_of(robots: int) -> SpaceSwarm:
     low, high = (1, 1, BAND_M[0]), (side_m - 1, side_m - 1, BAND_M[1])
     places = np.random.default_rng(0).uniform(low, high, (robots, 3))
     corners = np.array([[0, 0], [side_m, 0], [side_m, side_m], [0, side_m], [0, 0]])
-    kinds, kind = kinds_of(robots, body_m=0.5, sensor_m=25, speed_m_s=2, neighbour_range_m=51, wall_range_m=25)
+    fleet = kinds_of(robots, body_m=0.5, sensor_m=25, speed_m_s=2, neighbour_range_m=51, wall_range_m=25)
     rule = Rule(neighbours=4, circle=False, horizon_s=1.0, alpha=1.0, samples=0, seed=0, time_step_s=0.25)
+    walls = np.hstack([corners[:-1], corners[1:]])
     return SpaceSwarm(
-        places, kinds=kinds, kind=kind, full_m=np.full(robots, -np.inf), walls=np.hstack([corners[:-1], corners[1:]]),
-        band=BAND_M, rule=rule,
+        Beginning(places), fleet, walls, rule, band=Band(*BAND_M), full_m=np.full(robots, -np.inf)
     )  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.row import Options, Row
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.rollout import Beginning, Controller, Surroundings, Swarm
 from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 
@@ -62,10 +62,10 @@ def swarm_of(robots: int, threads: int = 1) -> Swarm:
     side_m = math.sqrt(robots * AREA_M2)
     places = np.random.default_rng(0).uniform(1, side_m - 1, (robots, 2))
     corners = np.array([[0, 0], [side_m, 0], [side_m, side_m], [0, side_m], [0, 0]])
-    kinds, kind = kinds_of(robots, body_m=0.5, sensor_m=25, speed_m_s=2, neighbour_range_m=51, wall_range_m=25)
+    fleet = kinds_of(robots, body_m=0.5, sensor_m=25, speed_m_s=2, neighbour_range_m=51, wall_range_m=25)
     rule = Rule(neighbours=4, circle=False, horizon_s=1.0, alpha=1.0, samples=0, seed=0, time_step_s=0.25)
     walls = np.hstack([corners[:-1], corners[1:]])
-    return Swarm(places, kinds=kinds, kind=kind, walls=walls, decide=decide_reciprocal, rule=rule, threads=threads)
+    return Swarm(Beginning(places), fleet, Surroundings(walls), Controller(decide_reciprocal, rule), threads=threads)
 
 
 def step_times(swarm: Swarm, robots: int) -> list[float]:

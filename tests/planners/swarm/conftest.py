@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.rollout import Beginning, Controller, Surroundings, Swarm
 from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 
@@ -26,9 +27,16 @@ def in_box(places_m: Any, size_m: tuple[float, float] = (250, 250), rule: Rule =
     places = np.array(places_m, float).reshape(-1, 2)
     like = {"body_m": 0.5, "sensor_m": 25, "speed_m_s": 2, "neighbour_range_m": 51, "wall_range_m": 25}
     like |= {key: changed.pop(key) for key in tuple(changed) if key in like}
-    kinds, kind = kinds_of(len(places), **like)
-    changed = {"decide": decide_reciprocal, "walls": box_walls(*size_m), **changed}
-    return Swarm(places, kinds=kinds, kind=kind, rule=rule, **changed)
+    changed = {"decide": decide_reciprocal, "walls": box_walls(*size_m), "rule": rule, **changed}
+    beginning = Beginning(places, **taken(changed, Beginning))
+    surroundings = Surroundings(**taken(changed, Surroundings))
+    controller = Controller(**taken(changed, Controller))
+    return Swarm(beginning, kinds_of(len(places), **like), surroundings, controller, **changed)
+
+
+def taken(values: dict[str, Any], kind: Any) -> dict[str, Any]:
+    """Those of the values that fields of a dataclass are named after, taken out of them."""
+    return {field.name: values.pop(field.name) for field in fields(kind) if field.name in values}
 
 
 def scattered(count: int, low: float, high: float, apart_m: float, seed: int) -> np.ndarray:

@@ -17,7 +17,7 @@ from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
 from rota.papers.chen2018.maps import square
 from rota.planners.swarm.metrics import covered_share
-from rota.planners.swarm.planner import ALL_NEIGHBOURS, make_swarm, run_mission
+from rota.planners.swarm.planner import ALL_NEIGHBOURS, beginning_of, make_swarm, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.rollout import deciding_room
 from rota.planners.swarm.settle_kernels import OVERLAP_SHARE, decide_settle, pushes
@@ -115,7 +115,7 @@ def test_heaps_in_corners_open_and_rest_for_ever(late: bool) -> None:
     if late:
         return
     state = run.state
-    swarm = make_swarm(asked, asked.area, state.places_m, seed=1, reserve_m=state.thinned_m, resume=state)
+    swarm = make_swarm(asked, asked.area, beginning_of(state), seed=1, reserve_m=state.thinned_m)
     assert max(swarm.step() for _ in range(1000)) == 0
 
 

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.spatial.distance import pdist
-from tests.planners.swarm.conftest import PAPER, box_walls, in_box, scattered
+from tests.planners.swarm.conftest import PAPER, box_walls, in_box, scattered, taken
 
+from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.space_kernels import Band
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.space_set_kernels import MOST_PLANES, centroid_in_ball
 from rota.planners.swarm.state import Outline, Rule
@@ -26,10 +28,9 @@ def in_space(
     places = np.array(places_m, float).reshape(-1, 3)
     like = {"body_m": 0.5, "sensor_m": 25, "speed_m_s": 2, "neighbour_range_m": 51, "wall_range_m": 25}
     like |= {key: changed.pop(key) for key in tuple(changed) if key in like}
-    kinds, kind = kinds_of(len(places), **like)
-    changed = {"walls": box_walls(250, 250), **changed}
-    return SpaceSwarm(places, kinds=kinds, kind=kind, full_m=np.full(len(places), full_m), band=band, rule=rule,
-                      **changed)  # fmt: skip
+    beginning, walls = Beginning(places, **taken(changed, Beginning)), changed.pop("walls", box_walls(250, 250))
+    return SpaceSwarm(beginning, kinds_of(len(places), **like), walls, rule, band=Band(*band),
+                      full_m=np.full(len(places), full_m), **changed)  # fmt: skip
 
 
 def first_velocities(swarm: SpaceSwarm) -> np.ndarray:

@@ -21,6 +21,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import make_swarm, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.sentences import covered_sentence, holding_sentence
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.thinning_kernels import thin
@@ -101,7 +102,7 @@ def test_the_same_seed_gives_the_same_plan_on_any_number_of_threads() -> None:
 
 def test_a_run_with_momentum_does_not_end_where_a_robot_turns() -> None:
     corridor = with_robots(robot("a", (15, 75)), area=MultiPolygon([box(0, 0, 40, 150)]))
-    swarm = make_swarm(corridor, free_ground(corridor), np.array([[15.0, 75.0]]), seed=0, reserve_m=0.05)
+    swarm = make_swarm(corridor, free_ground(corridor), Beginning(np.array([[15.0, 75.0]])), seed=0, reserve_m=0.05)
     moved = [swarm.step() for _ in range(40)]
     turn = next(k for k in range(1, 39) if moved[k - 1] > moved[k] < moved[k + 1])
     settings = SwarmSettings(stop_m=moved[turn])
@@ -123,7 +124,7 @@ def test_thinned_trajectories_stay_as_near_as_stated_to_every_step() -> None:
     plan = run_mission(asked, seed=5).plan
     ground = free_ground(asked)
     starts = place_starts(asked, ground, seed=5, reserve_m=0.05)
-    swarm = make_swarm(asked, ground, starts, seed=5, reserve_m=0.05)
+    swarm = make_swarm(asked, ground, Beginning(starts), seed=5, reserve_m=0.05)
     steps = [starts]
     while len(steps) <= 400 and swarm.step() > 1e-5:
         steps.append(swarm.places_m)

@@ -34,6 +34,7 @@ from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import NOTHING, Table, joined
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import make_swarm
+from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.starts import place_starts
 
 Floats = NDArray[np.float64]
@@ -119,7 +120,7 @@ def coverage_by_four(mission: Mission, controller: Controller, runs: Runs, step:
     for k in range(runs.settings.seeds):
         runs.stop_if_asked()
         starts = place_starts(mission, ground, seed=runs.seed + k, reserve_m=0.0)
-        swarm = make_swarm(mission, ground, starts, seed=runs.seed + k)
+        swarm = make_swarm(mission, ground, Beginning(starts), seed=runs.seed + k)
         swarm.rule = swarm.rule._replace(neighbours=paper.NEIGHBOURS)
         for _ in range(min(step, runs.settings.steps)):
             swarm.step()

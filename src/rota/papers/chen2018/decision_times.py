@@ -16,6 +16,7 @@ from rota.papers.section import Verdict
 from rota.papers.tables import NOTHING, Table, joined
 from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.starts import place_starts
 
 TIMED = (SAMPLED, *COMPARED)
@@ -61,7 +62,7 @@ def decision_us(
     starts = place_starts(mission, ground, seed=seed, reserve_m=0.0)
     least_s = np.inf
     for _ in range(3):
-        swarm = make_swarm(mission, ground, starts, seed=seed)
+        swarm = make_swarm(mission, ground, Beginning(starts), seed=seed)
         if neighbours is not None:
             swarm.rule = swarm.rule._replace(neighbours=neighbours)
         began_s = time.thread_time()

@@ -11,6 +11,7 @@ from rota.geometry.free_space import free_ground
 from rota.papers.chen2018 import maps, paper
 from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.rollout import Beginning
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +31,7 @@ def dense_contacts(settings: SwarmSettings, *, seed: int, tried: int = TRIED) ->
     contacts, least_m = 0, np.inf
     for _ in range(tried):
         places, velocities = dense_state(rng)
-        swarm = make_swarm(mission, ground, places, seed=seed, velocities_m_s=velocities)
+        swarm = make_swarm(mission, ground, Beginning(places, velocities), seed=seed)
         swarm.step()
         distance_m = closest_approach_m(places, swarm.places_m)
         contacts += distance_m < 2 * paper.BODY_M - 1e-9

@@ -15,6 +15,7 @@ from rota.planners.swarm.baseline_kernels import STIFFNESS, virtual_force
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.starts import place_starts
 
 GAINS = (0.1, 0.2, 0.25, 0.3, 0.4)
@@ -49,7 +50,7 @@ def forced(runs: Runs, mission: Mission, gain: float, seed: int) -> tuple[Histor
     mission = replace(mission, planning=FORCES.settings)
     ground = free_ground(mission)
     starts = place_starts(mission, ground, seed=seed, reserve_m=0.0)
-    swarm = make_swarm(mission, ground, starts, seed=seed, decide=virtual_force(gain))
+    swarm = make_swarm(mission, ground, Beginning(starts), seed=seed, decide=virtual_force(gain))
     observer = Observer(swarm, ground, SwarmSettings.of(mission).stop_m)
     while swarm.steps < runs.settings.steps:
         moved_m = swarm.step()

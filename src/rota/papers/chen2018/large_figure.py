@@ -32,6 +32,7 @@ from rota.papers.chen2018.small_figures import plus_minus
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import Table, joined
 from rota.planners.swarm.planner import make_swarm
+from rota.planners.swarm.rollout import Beginning
 from rota.planners.swarm.starts import place_starts
 
 CONTROLLERS = (SAMPLED, EXACT, FILTERED, VORONOI, FORCES, SETTLE)
@@ -157,7 +158,8 @@ def _ends(
     runs.tell(f"1,000 robots, {start}: {controller.name}, seed {seed}, to step {moments[-1]:,}")
     mission = replace(maps.large(runs.settings.large_robots, start), planning=controller.settings)
     ground = free_ground(mission)
-    swarm = make_swarm(mission, ground, place_starts(mission, ground, seed=seed, reserve_m=0.0), seed=seed)
+    starts = place_starts(mission, ground, seed=seed, reserve_m=0.0)
+    swarm = make_swarm(mission, ground, Beginning(starts), seed=seed)
     found, moved_m = [], np.inf
     for moment in moments:
         while swarm.steps < moment and moved_m > 0.0:

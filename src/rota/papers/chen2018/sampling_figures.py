@@ -21,6 +21,7 @@ from rota.papers.chen2018.verdicts import holds_if
 from rota.papers.section import Picture, Section, Verdict
 from rota.papers.tables import Table
 from rota.planners.swarm.planner import make_swarm
+from rota.planners.swarm.rollout import Beginning
 
 Floats = NDArray[np.float64]
 
@@ -76,9 +77,8 @@ def _decided_again(mission: Mission, outcome: Outcome, samples: int, seed: int) 
     away, missed, decisions = [], 0, 0
     for step in np.linspace(1, outcome.steps - 1, min(SNAPSHOTS, outcome.steps - 1)).astype(int):
         before, here, after = (outcome.places_m[k] for k in (step - 1, step, step + 1))
-        swarm = make_swarm(
-            by_samples, ground, here, seed=seed + int(step), velocities_m_s=(here - before) / paper.STEP_S
-        )
+        beginning = Beginning(here, velocities_m_s=(here - before) / paper.STEP_S)
+        swarm = make_swarm(by_samples, ground, beginning, seed=seed + int(step))
         swarm.step()
         exact, sampled = (after - here) / paper.STEP_S, swarm.velocities_m_s
         moves = np.hypot(*exact.T) > MOVES_M_S

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +21,9 @@ from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.presence import Presence, holding_from_joining, last_motion
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Swarm
+from rota.planners.swarm.rollout import Beginning, Controller, Surroundings, Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.space_kernels import Band
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.starts import place_starts, spare_room_m
 from rota.planners.swarm.state import Hearing, Rule
@@ -155,9 +155,7 @@ def _swarm_from(state: Checkpoint, mission: Mission, ground: MultiPolygon, threa
     reserve_m = state.thinned_m if SwarmSettings.of(mission).filter else 0.0
     if SwarmSettings.of(mission).altitudes_m is not None:
         return make_space_swarm(mission, ground, state, reserve_m=reserve_m)
-    return make_swarm(
-        mission, ground, state.places_m, seed=state.seed, reserve_m=reserve_m, threads=threads, resume=state
-    )
+    return make_swarm(mission, ground, beginning_of(state), seed=state.seed, reserve_m=reserve_m, threads=threads)
 
 
 def _log_from(state: Checkpoint) -> TrajectoryLog:
@@ -207,25 +205,23 @@ def _state_of(
 def make_swarm(
     mission: Mission,
     ground: MultiPolygon,
-    starts_m: Floats,
+    beginning: Beginning,
     *,
     seed: int,
     reserve_m: float = 0.0,
     threads: int = 1,
-    velocities_m_s: Floats | None = None,
-    resume: Checkpoint | None = None,
     decide: Callable[..., None] | None = None,
 ) -> Swarm:
-    """The mission's robots at their starts (n, 2), at rest without velocities, or as ``resume`` has them.
+    """The mission's robots where they begin; their bodies are wider by ``reserve_m``.
 
-    Their bodies are wider by ``reserve_m``. decide: a kernel in place of the controller's own.
+    decide: a kernel in place of the controller's own.
     """
     settings = SwarmSettings.of(mission)
     robots = mission.fleet.robots or ()
     sensors = sensors_of(mission)
     reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
     reciprocal = settings.controller == "reciprocal"
-    kinds, kind = kinds_of(
+    fleet = kinds_of(
         len(robots),
         body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
         sensor_m=sensors,
@@ -233,19 +229,15 @@ def make_swarm(
         neighbour_range_m=reach_m if reciprocal else sensors + sensors.max(),
         wall_range_m=settings.wall_range_m or sensors,
     )
-    return Swarm(
-        starts_m if resume is None else resume.places_m,
-        kinds=kinds,
-        kind=kind,
-        walls=walls_of(ground),
+    controller = Controller(
         decide=decide or DECIDE[settings.controller],
         rule=rule_of(settings, seed),
         safe=settings.filter,
-        moving=mission.moving_obstacles,
         hearing=hearing_of(settings),
         device=settings.device,
-        threads=threads,
-        **({"velocities_m_s": velocities_m_s} | _begun(resume)),
+    )
+    return Swarm(
+        beginning, fleet, Surroundings(walls_of(ground), mission.moving_obstacles), controller, threads=threads
     )
 
 
@@ -261,7 +253,7 @@ def make_space_swarm(
     robots = mission.fleet.robots or ()
     widest = sensors_of(mission)
     full = np.array([robot.sensor.full_height_m for robot in robots if isinstance(robot.sensor, DiscSensor)])
-    kinds, kind = kinds_of(
+    fleet = kinds_of(
         len(robots),
         body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
         sensor_m=widest,
@@ -270,27 +262,26 @@ def make_space_swarm(
         wall_range_m=settings.wall_range_m or widest,
     )
     return SpaceSwarm(
-        state.places_m,
-        kinds=kinds,
-        kind=kind,
+        beginning_of(state),
+        fleet,
+        walls_of(ground),
+        rule_of(settings, state.seed),
+        band=Band(*band),
         full_m=np.minimum(full, band[1]),
-        walls=walls_of(ground),
-        band=band,
-        rule=rule_of(settings, state.seed),
         safe=settings.filter,
-        velocities_m_s=state.velocities_m_s,
-        names=state.names,
-        steps=state.steps,
     )
 
 
-def _begun(state: Checkpoint | None) -> dict[str, Any]:
-    """Where a swarm begins that is not at its starts any more."""
-    if state is None:
-        return {}
-    begun = {"velocities_m_s": state.velocities_m_s, "names": state.names, "steps": state.steps}
-    begun |= {"past": state.past} if len(state.past) else {}
-    return begun | ({"news_m": state.news_m} if state.steps > 0 else {})
+def beginning_of(state: Checkpoint) -> Beginning:
+    """Where the swarm of a checkpoint goes on."""
+    return Beginning(
+        state.places_m,
+        velocities_m_s=state.velocities_m_s,
+        names=state.names,
+        steps=state.steps,
+        past=state.past if len(state.past) else None,
+        news_m=state.news_m if state.steps > 0 else None,
+    )
 
 
 def rule_of(settings: SwarmSettings, seed: int) -> Rule:

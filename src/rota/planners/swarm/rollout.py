@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +21,18 @@ from rota.planners.swarm.messages import Messages, most_unheard_m
 from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.planner_settings import Device
 from rota.planners.swarm.settle_kernels import decide_settle
-from rota.planners.swarm.state import Decisions, Grid, Hearing, Kinds, Near, Outline, Robots, Room, Rule, Snapshot
+from rota.planners.swarm.state import (
+    Decisions,
+    FleetKinds,
+    Grid,
+    Hearing,
+    Near,
+    Outline,
+    Robots,
+    Room,
+    Rule,
+    Snapshot,
+)
 from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
@@ -31,57 +43,91 @@ FEWEST_PER_CHUNK = 256
 EXACT = np.empty(0)  # nobody has gone on unheard
 
 
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """Where n robots begin: at their starts, or in the middle of a run that goes on; d is 2, in space 3.
+
+    places_m: (n, d). velocities_m_s: (n, d) before the first step; None: at rest. The rest tells of the run so far.
+    names: (n,) the numbers in the fleet of those at places_m, in the order in which they stood in ``Swarm.robots``;
+    None: 0 to n - 1. steps: how many the run has made. past, news_m: ``Swarm.past`` and ``Swarm.news_m`` then; None:
+    nothing has been told.
+    """
+
+    places_m: Floats
+    velocities_m_s: Floats | None = None
+    names: Ints | None = None
+    steps: int = 0
+    past: Floats | None = None
+    news_m: Floats | None = None
+
+    @property
+    def known_velocities_m_s(self) -> Floats:
+        """(n, d) velocities, 0 where none are given."""
+        return np.zeros(self.places_m.shape) if self.velocities_m_s is None else self.velocities_m_s
+
+    @property
+    def known_names(self) -> Ints:
+        """(n,) numbers in the fleet, a copy."""
+        return np.arange(len(self.places_m), dtype=np.int64) if self.names is None else self.names.copy()
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What robots move among: walls, (m, 4) segments, at least one; and discs that move and do not give way."""
+
+    walls: Floats
+    moving: tuple[MovingObstacle, ...] = ()
+
+
+@dataclass(frozen=True)
+class Controller:
+    """How robots decide.
+
+    decide: the compiled controller; rule: what it reads. safe: whether the last filter is applied. hearing: what robots
+    learn of each other; None: at every step where all others are. device: what decides, the processor or, "cuda", an
+    NVIDIA GPU, to within rounding.
+    """
+
+    decide: Callable[..., None]
+    rule: Rule
+    safe: bool = True
+    hearing: Hearing | None = None
+    device: Device = "cpu"
+
+
 class Swarm:
     """n robots, their places and velocities; ``step`` moves them. The same on any number of threads, bit for bit.
 
-    places_m: (n, 2) starts. kinds, kind: what robots are like, and which of it each robot is, (n,). walls: (m, 4)
-    segments, at least one. decide: the controller's kernel; rule: what it reads. safe: whether the last filter is
-    applied. moving: discs that do not give way. velocities_m_s: (n, 2) before the first step; None: at rest.
-
-    hearing: what robots learn of each other; None: at every step where all others are. device: what decides, the
-    processor or, "cuda", an NVIDIA GPU, to within rounding.
-
-    Robots may leave and join between two steps; those that have left are nobody's neighbours any more.
-
-    To go on with a run that was stopped after so many ``steps``: names (n,), the numbers in the fleet of those at
-    places_m, in the order in which they stood in ``robots``, past and news_m, what ``past`` and ``news_m`` were.
+    Robots may leave and join between two steps; those that have left are nobody's neighbours any more. Raises
+    MissionError for a device that is not there or does not do what is asked, CheckpointError for news of other places.
     """
 
     def __init__(
         self,
-        places_m: Floats,
+        beginning: Beginning,
+        fleet: FleetKinds,
+        surroundings: Surroundings,
+        controller: Controller,
         *,
-        kinds: Kinds,
-        kind: Ints,
-        walls: Floats,
-        decide: Callable[..., None],
-        rule: Rule,
-        safe: bool = True,
-        moving: tuple[MovingObstacle, ...] = (),
-        hearing: Hearing | None = None,
-        device: Device = "cpu",
-        velocities_m_s: Floats | None = None,
-        names: Ints | None = None,
-        steps: int = 0,
-        past: Floats | None = None,
-        news_m: Floats | None = None,
         threads: int = 1,
     ) -> None:
-        n = len(places_m)
-        speeds = np.zeros((n, 2)) if velocities_m_s is None else velocities_m_s
-        names = np.arange(n, dtype=np.int64) if names is None else names.copy()
-        self.steps = steps
-        self.moving = moving
+        n, names = len(beginning.places_m), beginning.known_names
+        kinds, kind = fleet
+        walls, decide, rule, hearing = surroundings.walls, controller.decide, controller.rule, controller.hearing
+        self.steps = beginning.steps
+        self.moving = surroundings.moving
         unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
         self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, unheard_m)
         if decide is decide_settle:
             self.grid = self.grid._replace(place_graph=place_graph_of(walls, kinds))
-        if news_m is not None:
-            self.grid.place_graph.away_m[steps % 2] = _require_places(news_m, len(self.grid.place_graph.x))
-        self.kinds, self.rule, self.safe = with_absent(kinds), rule, safe
+        if beginning.news_m is not None:
+            news_m = _require_places(beginning.news_m, len(self.grid.place_graph.x))
+            self.grid.place_graph.away_m[self.steps % 2] = news_m
+        self.kinds, self.rule, self.safe = with_absent(kinds), rule, controller.safe
         self._present_kind, self._member_kinds = kind.astype(np.int64), len(kinds.body_m)
         self._decide = decide
-        x, y, vx, vy = (np.array(values, np.float64) for values in (*places_m.T, *speeds.T))
+        starts = (*beginning.places_m.T, *beginning.known_velocities_m_s.T)
+        x, y, vx, vy = (np.array(values, np.float64) for values in starts)
         self._robots = Robots(x, y, vx, vy, self._present_kind[names], names, self._member_kinds)
         self._spare = room_for(n, self._member_kinds)
         self._cell = np.empty(n, np.int64)
@@ -92,14 +138,15 @@ class Swarm:
         self._cuts = [n * k // max(chunks, 1) for k in range(max(chunks, 1) + 1)]
         self._rooms = [deciding_room(rule) for _ in self._cuts[1:]]
         self._pool = ThreadPoolExecutor(threads) if len(self._cuts) > 2 else None
-        self._device = None if device == "cpu" else CudaStep(decide, self.kinds, rule)
+        self._device = None if controller.device == "cpu" else CudaStep(decide, self.kinds, rule)
         if self._device is not None and hearing is not None:
             raise MissionError("swarm.device: cuda is for robots that know all at once; no delay_steps, messages_lost")
         self._messages = None
         if hearing is not None:
             step_m = kinds.speed_m_s[self._present_kind] * rule.time_step_s
             told = np.stack([self._in_order(x, y), self._in_order(vx, vy)])
-            self._messages = Messages(hearing, step_m, told if past is None else past, len(self._rooms))
+            told = told if beginning.past is None else beginning.past
+            self._messages = Messages(hearing, step_m, told, len(self._rooms))
         self._sort(0.0)
 
     def __len__(self) -> int:

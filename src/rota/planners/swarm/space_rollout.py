@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.swarm.kernels import move_and_sort
-from rota.planners.swarm.rollout import deciding_room, in_fleet_order, room_for
+from rota.planners.swarm.rollout import Beginning, deciding_room, in_fleet_order, room_for
 from rota.planners.swarm.space_kernels import (
     Band,
     Heights,
@@ -17,46 +17,39 @@ from rota.planners.swarm.space_kernels import (
     filter_in_space,
 )
 from rota.planners.swarm.space_set_kernels import MOST_PLANES
-from rota.planners.swarm.state import Grid, Kinds, Robots, Rule
+from rota.planners.swarm.state import FleetKinds, Grid, Robots, Rule
 from rota.planners.swarm.world import make_grid
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class SpaceSwarm:
     """n robots in space, bodies and velocities balls; ``step`` moves them by the reciprocal controller, on one thread.
 
-    places_m: (n, 3) starts in the band, of heights low_m to high_m, which may be equal. kinds, kind: what robots are
-    like, and which of it each robot is, (n,). full_m: (n,) for each robot the height from which on its footprint grows
-    no more; -inf for one that never grows. walls: (m, 4) segments, at least one. rule: samples, circle and alpha are
-    of no use here. safe: whether the last filter is applied.
-
-    velocities_m_s (n, 3), names and steps: to go on with a run, as ``rollout.Swarm`` takes them.
+    beginning: places (n, 3) in the band, whose heights may be equal; robots in space tell each other nothing, so that
+    past and news_m are of no use. walls: (m, 4) segments, at least one. rule: samples, circle and alpha are of no use.
+    full_m: (n,) for each robot the height from which on its footprint grows no more; -inf for one that never grows.
+    safe: whether the last filter is applied.
     """
 
     def __init__(
         self,
-        places_m: Floats,
-        *,
-        kinds: Kinds,
-        kind: Ints,
-        full_m: Floats,
+        beginning: Beginning,
+        fleet: FleetKinds,
         walls: Floats,
-        band: tuple[float, float],
         rule: Rule,
+        *,
+        band: Band,
+        full_m: Floats,
         safe: bool = True,
-        velocities_m_s: Floats | None = None,
-        names: Ints | None = None,
-        steps: int = 0,
     ) -> None:
-        n = len(places_m)
-        speeds = np.zeros((n, 3)) if velocities_m_s is None else velocities_m_s
-        names = np.arange(n, dtype=np.int64) if names is None else names.copy()
-        self.steps, self.rule, self.kinds = steps, rule, kinds
+        n, names = len(beginning.places_m), beginning.known_names
+        kinds, kind = fleet
+        self.steps, self.rule, self.kinds = beginning.steps, rule, kinds
         self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s)
         self._band, self._safe, self._full_m = Band(*map(float, band)), safe, np.asarray(full_m, np.float64)
-        x, y, z, vx, vy, vz = (np.array(values, np.float64) for values in (*places_m.T, *speeds.T))
+        starts = (*beginning.places_m.T, *beginning.known_velocities_m_s.T)
+        x, y, z, vx, vy, vz = (np.array(values, np.float64) for values in starts)
         self._robots = Robots(x, y, vx, vy, kind.astype(np.int64)[names], names, len(kinds.body_m))
         self._spare = room_for(n, len(kinds.body_m))
         self._heights, self._new_vz = Heights(np.empty(n), np.empty(n)), np.empty(n)

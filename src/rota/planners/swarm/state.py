@@ -36,6 +36,13 @@ class Kinds(NamedTuple):
     wall_range_m: Floats
 
 
+class FleetKinds(NamedTuple):
+    """What a fleet of n robots is like: its kinds, and the row of ``kinds`` that each robot has, (n,)."""
+
+    kinds: Kinds
+    kind: Ints
+
+
 class PlaceGraph(NamedTuple):
     """Places on the map (k,), in the order of the cells of a lattice, and links between them; see ``place_graph``.
 

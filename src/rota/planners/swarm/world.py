@@ -14,7 +14,7 @@ from rota.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import ROUNDING_M
 from rota.planners.swarm.kernels import walls_of_cells
 from rota.planners.swarm.place_graph import empty_place_graph
-from rota.planners.swarm.state import Grid, Kinds, Moving
+from rota.planners.swarm.state import FleetKinds, Grid, Kinds, Moving
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -48,7 +48,7 @@ def kinds_of(
     speed_m_s: ArrayLike,
     neighbour_range_m: ArrayLike,
     wall_range_m: ArrayLike,
-) -> tuple[Kinds, Ints]:
+) -> FleetKinds:
     """The different rows of values, each a number or (count,), and which of them each robot has."""
     values = (body_m, sensor_m, speed_m_s, neighbour_range_m, wall_range_m)
     rows = np.stack([np.broadcast_to(np.asarray(value, float), (count,)) for value in values], axis=1)
@@ -59,7 +59,8 @@ def kinds_of(
         kinds, kind = rows[:1], np.zeros(count, np.int64)
     else:
         kinds, kind = np.unique(rows, axis=0, return_inverse=True)
-    return Kinds(*(np.ascontiguousarray(column) for column in kinds.T)), kind.ravel().astype(np.int64)
+    columns = (np.ascontiguousarray(column) for column in kinds.T)
+    return FleetKinds(Kinds(*columns), kind.ravel().astype(np.int64))
 
 
 def widest_m(kinds: Kinds, time_step_s: float) -> float:
