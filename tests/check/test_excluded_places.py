@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from rota.check.refine import Found
+from rota.check.refine import Findings
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -20,9 +20,9 @@ def test_parts_agree_with_image_labels(seed: int) -> None:
     # the same cell twice: pieces may be finer than the bins that join them
     rows = np.column_stack([cells + 0.25, areas_m2, np.ones(len(cells))])
     finer = rows + np.array([0.5, 0.5, 0.0, 0.0])
-    found = Found(excluded=[rows, finer])
+    findings = Findings(excluded=[rows, finer])
     expected = np.sort(2 * ndimage.sum_labels(areas_m2, labels[raster], np.arange(1, n + 1)))[::-1][:8]
-    places = found.excluded_places()
+    places = findings.excluded_places()
     np.testing.assert_allclose([area for _, _, area in places], expected)
     for x, y, area in places:
         part = labels[int(x), int(y)]
@@ -30,6 +30,6 @@ def test_parts_agree_with_image_labels(seed: int) -> None:
 
 
 def test_parts_of_nothing() -> None:
-    assert Found().excluded_places() == []
-    (only,) = Found(excluded=[np.array([[3.0, 4.0, 0.5, 0.1]])]).excluded_places()
+    assert Findings().excluded_places() == []
+    (only,) = Findings(excluded=[np.array([[3.0, 4.0, 0.5, 0.1]])]).excluded_places()
     assert only == (3.0, 4.0, 0.5)

@@ -63,9 +63,9 @@ class Floor:
     def free(self, cells: Ints) -> Flags:
         """Whether the widest body can stand at the centres of cells (n, 2); outside of the lattice none can."""
         inside = ((cells >= 0) & (cells < self.shape)).all(axis=1)
-        found = np.zeros(len(cells), np.bool_)
-        found[inside] = self._clear(shapely.points(self.centres_m(cells[inside])))
-        return found
+        free = np.zeros(len(cells), np.bool_)
+        free[inside] = self._clear(shapely.points(self.centres_m(cells[inside])))
+        return free
 
     def every_free_cell(self) -> Ints:
         """(n, 2) all cells at whose centre the widest body can stand."""
@@ -123,9 +123,9 @@ def heading_moves(headings: int) -> Ints:
 
 def crossed(dx: int, dy: int) -> list[tuple[int, int]]:
     """The cells besides both ends whose closed square meets the line from the middle of (0, 0) to that of (dx, dy)."""
-    found = []
+    cells = []
     for x in range(min(0, dx), max(0, dx) + 1):
         for y in range(min(0, dy), max(0, dy) + 1):
             if abs(dx * y - dy * x) * 2 <= abs(dx) + abs(dy) and (x, y) not in ((0, 0), (dx, dy)):
-                found.append((x, y))
-    return found
+                cells.append((x, y))
+    return cells

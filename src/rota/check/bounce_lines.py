@@ -58,7 +58,7 @@ def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> l
 
     if not looping:
         return [wrong("rests where nothing is in the way", len(places) - 1, 0.0, math.degrees(angle_rad), "degrees")]
-    found = []
+    violations = []
     directions = np.arctan2(ways[:, 1], ways[:, 0])
     for before, after in [*itertools.pairwise(moving), (looping[-1], looping[0])]:
         noise = BOUNCE_TOLERANCE_RAD + 8 * STILL_M * (1 / lengths[before] + 1 / lengths[after])
@@ -71,10 +71,12 @@ def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> l
         count = 1 if straight else _bounces(turned, angle_rad, noise)
         degrees = math.degrees(turned)
         if count is None:
-            found.append(wrong("turns by another angle", after, degrees, math.degrees(angle_rad), "degrees"))
+            violations.append(wrong("turns by another angle", after, degrees, math.degrees(angle_rad), "degrees"))
         elif not all(walls.stop(places[after], directions[before] + j * angle_rad) for j in range(count)):
-            found.append(wrong("turns where nothing is in the way", after, degrees, math.degrees(angle_rad), "degrees"))
-    return found
+            violations.append(
+                wrong("turns where nothing is in the way", after, degrees, math.degrees(angle_rad), "degrees")
+            )
+    return violations
 
 
 def _bounces(turned_rad: float, angle_rad: float, noise_rad: float) -> int | None:

@@ -86,15 +86,15 @@ def bounce_violations(plan: Plan) -> Bounced:
 
 def _without_cells(plan: Plan, rules: Bouncing) -> list[Violation]:
     """The same for robots on no grid, which touch walls exactly and come near no other robot."""
-    walls, found = Walls(plan.mission), []
+    walls, violations = Walls(plan.mission), []
     angles = rules.bouncing_angles_deg
     for k, trajectory in enumerate(plan):
         index = _index_in_fleet(plan, trajectory, k) if len(angles) > 1 else 0
         if index >= len(angles):
-            found.append(_no_angle(trajectory, index, len(angles)))
+            violations.append(_no_angle(trajectory, index, len(angles)))
         else:
-            found += line_violations(trajectory, walls, math.radians(angles[index]))[:MOST_PER_ROBOT]
-    return found
+            violations += line_violations(trajectory, walls, math.radians(angles[index]))[:MOST_PER_ROBOT]
+    return violations
 
 
 def _no_angle(trajectory: Trajectory, index: int, angles: int) -> Violation:
@@ -227,32 +227,32 @@ class _Robot:
             ways = [(after - self._bounce) % count, after] if stand else [after]
         waited = faced is None and bool(stand) and before == after
         by_clock = 0
-        for nth, (one, other) in enumerate(itertools.pairwise(ways)):
-            if one == other and not waited:
+        for nth, (heading, next_heading) in enumerate(itertools.pairwise(ways)):
+            if heading == next_heading and not waited:
                 if faced is not None and nth < len(stand) and not self._covers:
                     self._note_turn("waits where nothing is in the way", stand[nth], 0.0)
                 continue
-            bounces = self._bounces(one, other)
+            bounces = self._bounces(heading, next_heading)
             step_s = self._trajectory.times_s[leg] - self._trajectory.times_s[stand[0]] if stand else 0.0
             begin_s = float(self._trajectory.times_s[stand[min(nth, len(stand) - 1)] if stand else leg])
             if bounces is None:
                 by_clock += 1
                 if not self._covers:
-                    self._note_turn("turns by another angle", leg, (other - one) % count * 360 / count)
+                    self._note_turn("turns by another angle", leg, (next_heading - heading) % count * 360 / count)
                 continue
             for j in range(bounces):
                 time_s = begin_s if faced is not None else begin_s + step_s * j / bounces
-                if not self._stopped(leg, (one + j * self._bounce) % count, time_s):
+                if not self._stopped(leg, (heading + j * self._bounce) % count, time_s):
                     by_clock += 1
                     if not self._covers:
                         self._note_turn("turns where nothing is in the way", leg, self._bounce * 360 / count)
         return by_clock
 
-    def _bounces(self, one: int, other: int) -> int | None:
+    def _bounces(self, heading: int, next_heading: int) -> int | None:
         """How many bounces turn from one heading to another, a whole round for the same; None: no number does."""
         count = len(self._floor.moves)
         for n in range(1, count + 1):
-            if (one + n * self._bounce) % count == other:
+            if (heading + n * self._bounce) % count == next_heading:
                 return n
         return None
 

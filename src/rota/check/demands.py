@@ -69,16 +69,16 @@ def _polygonal(shape: Any) -> MultiPolygon:
 
 def visits(legs_m: Floats, region: Any, slack_m: float) -> list[tuple[int, float, float]]:
     """The parts (leg, from, to) of ``legs_m`` (m, 4) inside a region, its border counted in; from and to in 0..1."""
-    found: list[tuple[int, float, float]] = []
+    parts: list[tuple[int, float, float]] = []
     sides = segments_of(region)
     if not len(sides):
-        return found
+        return parts
     x0, y0, x1, y1 = region.bounds
     low, high = np.minimum(legs_m[:, :2], legs_m[:, 2:]), np.maximum(legs_m[:, :2], legs_m[:, 2:])
     near = (low <= [x1 + slack_m, y1 + slack_m]).all(axis=1) & (high >= [x0 - slack_m, y0 - slack_m]).all(axis=1)
     for m in np.flatnonzero(near):
-        found += [(int(m), lo, hi) for lo, hi in _inside(legs_m[m], region, sides, slack_m)]
-    return found
+        parts += [(int(m), lo, hi) for lo, hi in _inside(legs_m[m], region, sides, slack_m)]
+    return parts
 
 
 def _inside(leg: Floats, region: Any, sides: Floats, slack_m: float) -> list[tuple[float, float]]:

@@ -18,7 +18,7 @@ from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.pieces import Pieces, convex_pieces, joined
 from rota.check.presence import presence_violations
-from rota.check.refine import Found, refine
+from rota.check.refine import Findings, refine
 from rota.check.report import DemandVerdict, Outcome, Report, Violation, violation
 from rota.check.revisits import Sights, loop_gap, sights_of
 from rota.check.seeable import has_many_sides, seeable, standing_areas
@@ -56,14 +56,14 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     mission = plan.mission
     asked = demands_of(mission)
     sights = sights_of(plan, mission.area.bounds)
-    found = _tile_and_refine(mission, asked, sights, finest_m)
-    excluded_violation = _too_much_excluded(mission, asked, found)
+    findings = _tile_and_refine(mission, asked, sights, finest_m)
+    excluded_violation = _too_much_excluded(mission, asked, findings)
     verdicts = _Verdicts()
     for k, demand in enumerate(asked):
         if demand.demand == "visit":
             _judge_visits(verdicts, k, demand, sights, mission)
         else:
-            _judge_points(verdicts, k, demand, found[k], bool(excluded_violation))
+            _judge_points(verdicts, k, demand, findings[k], bool(excluded_violation))
     violations = verdicts.violations + excluded_violation
     violations += _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
     violations += moving_violations(plan) + presence_violations(plan)
@@ -103,7 +103,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     )
 
 
-def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights, finest_m: float) -> list[Found]:
+def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights, finest_m: float) -> list[Findings]:
     reach = float(sights.team.reaches_m.min(initial=math.inf))
     size = max(reach / 4 if math.isfinite(reach) else mission.fleet.sensor.reach_m / 4, finest_m)
     pieces, owners, size = _tiles(mission, size)
@@ -115,21 +115,21 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
 
     def is_seeable(points_m: Floats, spread_m: float, demands: Ints) -> NDArray[np.bool_]:
-        found = np.ones(len(points_m), np.bool_)
+        can_see = np.ones(len(points_m), np.bool_)
         with one_at_a_time:
             for k in np.unique(demands):
                 mine = np.flatnonzero(demands == k)
                 mine = mine[shapely.contains_xy(regions[k], *points_m[mine].T)]
-                found[mine] = seeable(mission, standing_areas(mission), points_m[mine], spread_m)
-        return found
+                can_see[mine] = seeable(mission, standing_areas(mission), points_m[mine], spread_m)
+        return can_see
 
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed
     few = FEW_PIECES if has_many_sides(mission) else 0
     coarse_m = max(finest_m, size / 4)
-    found = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
+    findings = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
     for k in _left_out(mission, asked, pieces, owners):
-        found[k].undecided_cells += 1
-    return found
+        findings[k].undecided_cells += 1
+    return findings
 
 
 def _left_out(mission: Mission, asked: tuple[Asked, ...], pieces: Pieces, owners: Ints) -> list[int]:
@@ -166,18 +166,18 @@ def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
     return joined(tiles), np.concatenate(owners), size
 
 
-def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], found: list[Found]) -> list[Violation]:
+def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], findings: list[Findings]) -> list[Violation]:
     total = sum(demand.region.area for demand in asked if demand.demand == "every_point")
-    excluded = sum(f.excluded_area_m2 for f in found)
+    excluded = sum(f.excluded_area_m2 for f in findings)
     limit = 0.0 if mission.unseeable == "refuse" else MOST_EXCLUDED * total
     if excluded <= limit:
         return []
-    k = max(range(len(found)), key=lambda k: found[k].excluded_area_m2)
-    x, y, _ = found[k].excluded_places()[0]
+    k = max(range(len(findings)), key=lambda k: findings[k].excluded_area_m2)
+    x, y, _ = findings[k].excluded_places()[0]
     return [
         Violation(
             kind="unseeable",
-            who=", ".join(asked[i].name for i in range(len(found)) if found[i].excluded_area_m2 > 0),
+            who=", ".join(asked[i].name for i in range(len(findings)) if findings[i].excluded_area_m2 > 0),
             place_m=(x, y),
             time_s=None,
             value=excluded,
@@ -187,23 +187,23 @@ def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], found: list[F
     ]
 
 
-def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, found: Found, refused: bool) -> None:
-    outcome: Outcome = "not proven" if found.undecided_cells else "met"
-    if found.worst_place_m is not None:
+def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, findings: Findings, refused: bool) -> None:
+    outcome: Outcome = "not proven" if findings.undecided_cells else "met"
+    if findings.worst_place_m is not None:
         outcome = "violated"
-        gap, begin = found.worst_s, found.worst_begin_s
+        gap, begin = findings.worst_s, findings.worst_begin_s
         verdicts.violations.append(
             Violation(
                 kind="gap",
                 who=demand.name,
-                place_m=found.worst_place_m,
+                place_m=findings.worst_place_m,
                 time_s=begin if math.isfinite(begin) and math.isfinite(gap) else None,
                 value=gap,
                 limit=demand.period_s,
                 unit="s",
             )
         )
-    elif refused and found.excluded_area_m2 > 0:
+    elif refused and findings.excluded_area_m2 > 0:
         outcome = "violated"
     verdicts.demands.append(
         DemandVerdict(
@@ -211,20 +211,20 @@ def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, found: Found, refu
             period_s=demand.period_s,
             demand=demand.demand,
             area_m2=float(demand.region.area),
-            worst_gap_s=found.upper_s,
-            worst_gap_at_least_s=found.lower_s,
-            unseen_area_m2=found.unseen_area_m2,
-            excluded_area_m2=found.excluded_area_m2,
-            excluded_places=tuple(found.excluded_places()),
-            undecided_cells=found.undecided_cells,
+            worst_gap_s=findings.upper_s,
+            worst_gap_at_least_s=findings.lower_s,
+            unseen_area_m2=findings.unseen_area_m2,
+            excluded_area_m2=findings.excluded_area_m2,
+            excluded_places=tuple(findings.excluded_places()),
+            undecided_cells=findings.undecided_cells,
             outcome=outcome,
         )
     )
-    verdicts.firsts_s.append(found.first_s)
-    points = found.unmet_points_m()
+    verdicts.firsts_s.append(findings.first_s)
+    points = findings.unmet_points_m()
     verdicts.unmet_m.append(points)
     verdicts.unmet_demand.append(np.full(len(points), k, np.int64))
-    shown = found.shown_unmet_m()
+    shown = findings.shown_unmet_m()
     verdicts.shown_m.append(shown)
     verdicts.shown_demand.append(np.full(len(shown), k, np.int64))
 
@@ -271,22 +271,22 @@ def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mi
 
 def _fleet_violations(plan: Plan) -> list[Violation]:
     """Robots of a fixed fleet without a trajectory, and robots that do not begin at their start."""
-    found = _common_start_violations(plan)
+    violations = _common_start_violations(plan)
     trajectories = {trajectory.robot: trajectory for trajectory in plan}
     for robot in plan.mission.fleet.robots or ():
         trajectory = trajectories.get(robot.name)
         if trajectory is None:
-            found.append(violation("no trajectory", robot.name, robot.start, 0.0, 0.0, 1.0, "trajectories"))
+            violations.append(violation("no trajectory", robot.name, robot.start, 0.0, 0.0, 1.0, "trajectories"))
         elif robot.start is not None:
             away = math.dist(robot.start, trajectory.positions_m[0, :2])
             if away > TOUCH_M:
-                found.append(violation("start", robot.name, robot.start, 0.0, away, TOUCH_M, "m"))
-    return found
+                violations.append(violation("start", robot.name, robot.start, 0.0, away, TOUCH_M, "m"))
+    return violations
 
 
 def _common_start_violations(plan: Plan) -> list[Violation]:
     """Robots without a start of their own that begin outside the fleet's box, or at no free one of its points."""
-    fleet, found = plan.mission.fleet, []
+    fleet, violations = plan.mission.fleet, []
     free = list(fleet.start.points_m) if isinstance(fleet.start, StartPoints) else []
     for trajectory in plan:
         if fleet.start is None or fleet.robot(trajectory.robot).start is not None:
@@ -298,14 +298,14 @@ def _common_start_violations(plan: Plan) -> list[Violation]:
         elif free:
             place = min(free, key=lambda point: math.dist(point, (x, y)))
         else:
-            found.append(violation("no start left", trajectory.robot, (x, y), 0.0, 0.0, 1.0, "starts"))
+            violations.append(violation("no start left", trajectory.robot, (x, y), 0.0, 0.0, 1.0, "starts"))
             continue
         away = math.dist(place, (x, y))
         if away > TOUCH_M:
-            found.append(violation("start", trajectory.robot, place, 0.0, away, TOUCH_M, "m"))
+            violations.append(violation("start", trajectory.robot, place, 0.0, away, TOUCH_M, "m"))
         elif place in free:
             free.remove(place)
-    return found
+    return violations
 
 
 def _capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:

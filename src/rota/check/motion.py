@@ -27,15 +27,15 @@ def motion_violations(plan: Plan) -> list[Violation]:
     """Everything wrong with the motion of each robot by itself, at most 20 of a kind for each robot."""
     mission = plan.mission
     blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
-    found: list[Violation] = []
+    violations: list[Violation] = []
     for trajectory in plan:
         robot = mission.fleet.robot(trajectory.robot)
-        found += place_violations(trajectory, robot, mission.area, "outside area")
-        found += place_violations(trajectory, robot, blocked, "obstacle")
-        found += speed_violations(trajectory, robot)
-        found += turn_violations(trajectory, robot)
-        found += altitude_violations(trajectory, robot, mission)
-    return found
+        violations += place_violations(trajectory, robot, mission.area, "outside area")
+        violations += place_violations(trajectory, robot, blocked, "obstacle")
+        violations += speed_violations(trajectory, robot)
+        violations += turn_violations(trajectory, robot)
+        violations += altitude_violations(trajectory, robot, mission)
+    return violations
 
 
 def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) -> list[Violation]:
@@ -48,13 +48,15 @@ def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) 
     low, high = mission.planning.altitudes_m
     places = trajectory.positions_m
     z = places[:, 2] if places.shape[1] == 3 else np.zeros(len(places))
-    found = []
+    violations = []
     kinds: tuple[ViolationKind, ViolationKind] = ("below altitudes", "above altitudes")
     for kind, out, limit in zip(kinds, (z < low - TOUCH_M, z > high + TOUCH_M), (low, high), strict=True):
         for m in np.flatnonzero(out)[:MOST_PER_ROBOT]:
             x, y = places[m, :2]
-            found.append(violation(kind, robot.name, (x, y), float(trajectory.times_s[m]), float(z[m]), limit, "m"))
-    return found
+            violations.append(
+                violation(kind, robot.name, (x, y), float(trajectory.times_s[m]), float(z[m]), limit, "m")
+            )
+    return violations
 
 
 def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: ViolationKind) -> list[Violation]:
@@ -73,14 +75,14 @@ def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: Vio
     at_once = max(1, MOST_PAIRS // len(sides))
     parts = [legs[k : k + at_once] for k in range(0, len(legs), at_once)]
     judged = [_deepest(part, tree, sides, shape, wrong_inside, robot.body_radius_m) for part in parts]
-    depth, place = (np.concatenate(found) for found in zip(*judged, strict=True))
-    found = []
+    depth, place = (np.concatenate(values) for values in zip(*judged, strict=True))
+    violations = []
     for m in np.flatnonzero(depth > TOUCH_M)[:MOST_PER_ROBOT]:
         x, y = legs[m, :2] + place[m] * (legs[m, 2:] - legs[m, :2])
         times = trajectory.times_s
         time = times[m] + place[m] * (times[min(m + 1, len(times) - 1)] - times[m])
-        found.append(violation(kind, robot.name, (x, y), time, float(depth[m]), TOUCH_M, "m"))
-    return found
+        violations.append(violation(kind, robot.name, (x, y), time, float(depth[m]), TOUCH_M, "m"))
+    return violations
 
 
 def _deepest(
@@ -170,13 +172,13 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     noise_s = 2 * FLOAT_EPS * trajectory.times_s[1:]
     with np.errstate(over="ignore"):  # the fastest robots may go anywhere at once
         allowed = robot.speed_m_s * (time * (1 + SPEED_TOLERANCE) + noise_s) + noise_m
-    found = []
+    violations = []
     for m in np.flatnonzero(length > allowed)[:MOST_PER_ROBOT]:
         x, y = trajectory.positions_m[m, :2]
         value = float(length[m] / time[m])
         when = float(trajectory.times_s[m])
-        found.append(violation("speed", robot.name, (x, y), when, value, robot.speed_m_s, "m/s"))
-    return found
+        violations.append(violation("speed", robot.name, (x, y), when, value, robot.speed_m_s, "m/s"))
+    return violations
 
 
 def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
@@ -187,13 +189,13 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     """
     if robot.turn_rate_rad_s is None:
         return []
-    found = _heading_violations(trajectory, robot, robot.turn_rate_rad_s)
+    violations = _heading_violations(trajectory, robot, robot.turn_rate_rad_s)
     xy, times = trajectory.positions_m[:, :2], trajectory.times_s
     steps = np.diff(xy, axis=0)
     length = np.hypot(steps[:, 0], steps[:, 1])
     moving = np.flatnonzero(length > STILL_M)
     if not len(moving):
-        return found
+        return violations
     before, after = moving[:-1], moving[1:]
     pause = times[after] - times[before + 1]
     looping = moving[moving >= trajectory.loop_index]
@@ -210,8 +212,8 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     for k in np.flatnonzero(pause < allowed)[:MOST_PER_ROBOT]:
         m = before[k] + 1
         place = (xy[m, 0], xy[m, 1])
-        found.append(violation("turn", robot.name, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
-    return found
+        violations.append(violation("turn", robot.name, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
+    return violations
 
 
 def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float) -> list[Violation]:
@@ -223,9 +225,11 @@ def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float)
     turn = np.abs((change + math.pi) % (2 * math.pi) - math.pi)
     time = np.append(np.diff(trajectory.times_s), 0.0)[: len(turn)]
     allowed = rate_rad_s * (time * (1 + SPEED_TOLERANCE) + 4 * FLOAT_EPS * trajectory.times_s[-1]) + TURN_TOLERANCE_RAD
-    found = []
+    violations = []
     for m in np.flatnonzero(turn > allowed)[:MOST_PER_ROBOT]:
         x, y = trajectory.positions_m[m, :2]
         value = float(turn[m] / time[m]) if time[m] > 0 else math.inf
-        found.append(violation("turn", robot.name, (x, y), float(trajectory.times_s[m]), value, rate_rad_s, "rad/s"))
-    return found
+        violations.append(
+            violation("turn", robot.name, (x, y), float(trajectory.times_s[m]), value, rate_rad_s, "rad/s")
+        )
+    return violations

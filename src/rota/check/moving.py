@@ -25,7 +25,7 @@ def moving_violations(plan: Plan) -> list[Violation]:
     Both are judged for ever: a loop is followed until the obstacle has come to a stand, and once round after that.
     Where these are very many turns, the robot is held against the obstacle's whole way, whenever it may be where.
     """
-    found = []
+    violations = []
     for trajectory in plan:
         body_m = plan.mission.fleet.robot(trajectory.robot).body_radius_m
         for k, obstacle in enumerate(plan.mission.moving_obstacles):
@@ -33,7 +33,7 @@ def moving_violations(plan: Plan) -> list[Violation]:
             closest = _closest_ever(trajectory, obstacle) if followed is None else _closest(*followed, obstacle)
             distance, time_s, place = closest
             if distance < body_m + obstacle.radius_m - TOUCH_M:
-                found.append(
+                violations.append(
                     Violation(
                         kind="moving obstacle",
                         who=f"{trajectory.robot}, moving obstacle {k + 1}",
@@ -44,7 +44,7 @@ def moving_violations(plan: Plan) -> list[Violation]:
                         unit="m between centres",
                     )
                 )
-    return found
+    return violations
 
 
 def _closest_ever(trajectory: Trajectory, obstacle: MovingObstacle) -> tuple[float, None, tuple[float, float]]:

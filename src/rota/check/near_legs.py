@@ -48,8 +48,8 @@ def _candidates(routes: Routes, lines: NDArray[np.object_], reach_m: float) -> I
         for a, b in _met(routes, lines, before[some], before[some], reach_m):
             # the slice in which the later of two legs begins has both
             start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0])
-            here = (a < b) & (start > after_s) & (start <= np.minimum(routes.times_s[a, 1], routes.times_s[b, 1]))
-            yield a[here], b[here]
+            in_slice = (a < b) & (start > after_s) & (start <= np.minimum(routes.times_s[a, 1], routes.times_s[b, 1]))
+            yield a[in_slice], b[in_slice]
     yield from ((a[a < b], b[a < b]) for a, b in _met(routes, lines, holds, holds, reach_m))
     yield from _met(routes, lines, before, holds, reach_m)
     for robot in np.unique(routes.robots[loops]):
@@ -91,22 +91,25 @@ def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float]]:
     leg = np.repeat(np.arange(len(times_s)), count)
     piece = np.arange(len(leg)) - np.repeat(np.cumsum(count) - count, count) + first[leg]
     order = np.argsort(piece, kind="stable")
-    for some in np.split(order, np.flatnonzero(np.diff(piece[order])) + 1):
-        if len(some):
-            yield leg[some], float(edges[piece[some[0]]])
+    for members in np.split(order, np.flatnonzero(np.diff(piece[order])) + 1):
+        if len(members):
+            yield leg[members], float(edges[piece[members[0]]])
 
 
 def _met(
-    routes: Routes, lines: NDArray[np.object_], one: Ints, other: Ints, reach_m: float
+    routes: Routes, lines: NDArray[np.object_], first_legs: Ints, second_legs: Ints, reach_m: float
 ) -> Iterator[tuple[Ints, Ints]]:
-    """Pairs of a leg of ``one`` and a leg of ``other`` of different robots, within a distance as lines."""
-    if not len(one) or not len(other):
+    """Pairs of a leg of ``first_legs`` and one of ``second_legs``, of different robots, within a distance as lines.
+
+    lines: (n,) every leg as a line. first_legs, second_legs: numbers of legs. Yields (p,) numbers of legs of each.
+    """
+    if not len(first_legs) or not len(second_legs):
         return
-    tree = shapely.STRtree(lines[one])
-    at_once = max(1, MOST_AT_ONCE // len(one))
-    for k in range(0, len(other), at_once):
-        some = other[k : k + at_once]
-        b, a = tree.query(lines[some], predicate="dwithin", distance=reach_m)
-        a, b = one[a], some[b]
+    tree = shapely.STRtree(lines[first_legs])
+    at_once = max(1, MOST_AT_ONCE // len(first_legs))
+    for k in range(0, len(second_legs), at_once):
+        batch = second_legs[k : k + at_once]
+        b, a = tree.query(lines[batch], predicate="dwithin", distance=reach_m)
+        a, b = first_legs[a], batch[b]
         different = routes.robots[a] != routes.robots[b]
         yield a[different], b[different]

@@ -45,7 +45,7 @@ def seeing_routes(routes: Routes, plan: Plan) -> Routes:
 
 def presence_violations(plan: Plan) -> list[Violation]:
     """Robots that move while they are away, and those whose loop begins before they join."""
-    found = []
+    violations = []
     joins, leaves = away_times_s(plan)
     for trajectory, join_s, leave_s in zip(plan, joins, leaves, strict=True):
         if join_s == 0 and math.isinf(leave_s):
@@ -59,11 +59,13 @@ def presence_violations(plan: Plan) -> list[Violation]:
         moves = np.flatnonzero(away & (ways > TOUCH_M))
         if len(moves):
             k = int(moves[0])
-            found.append(violation("moves while away", trajectory.robot, places[k], times[k], ways[k], 0.0, "m"))
+            violations.append(violation("moves while away", trajectory.robot, places[k], times[k], ways[k], 0.0, "m"))
         start_s = trajectory.loop_start_s
         if start_s < early_s:
-            found.append(violation("sees before it joins", trajectory.robot, places[-1], start_s, start_s, join_s, "s"))
-    return found
+            violations.append(
+                violation("sees before it joins", trajectory.robot, places[-1], start_s, start_s, join_s, "s")
+            )
+    return violations
 
 
 def _slack_s(times_s: Floats | float) -> Floats:

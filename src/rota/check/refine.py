@@ -28,7 +28,7 @@ FINER, MOST_FINER = 8, 2_000  # pieces so few are cut so many times smaller than
 
 
 @dataclass
-class Found:
+class Findings:
     """What refining found out about one demand: gaps in seconds, areas in square metres (see DemandVerdict)."""
 
     upper_s: float = 0.0
@@ -99,7 +99,7 @@ def refine(
     finest_m: float,
     coarse_m: float,
     few: int,
-) -> list[Found]:
+) -> list[Findings]:
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
     owners: (n,) index of each piece's demand into limits_s (demands,). ``is_seeable(points, spread, demands)``: whether
@@ -110,7 +110,7 @@ def refine(
     each by itself, so that memory and work for one piece do not grow with their number.
     """
 
-    def part(first: int) -> list[Found]:
+    def part(first: int) -> list[Findings]:
         some = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
         return _refined(sights, pieces.chosen(some), owners[some], limits_s, is_seeable, finest_m, coarse_m, few)
 
@@ -120,21 +120,25 @@ def refine(
         return [_together(alike) for alike in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
 
 
-def _together(parts: Iterable[Found]) -> Found:
+def _together(parts: Iterable[Findings]) -> Findings:
     """What was found out about one demand in all the parts."""
-    whole = Found()
-    for one in parts:
-        whole.upper_s = max(whole.upper_s, one.upper_s)
-        whole.lower_s = max(whole.lower_s, one.lower_s)
-        whole.first_s = max(whole.first_s, one.first_s)
-        if one.worst_place_m is not None and (whole.worst_place_m is None or one.worst_s > whole.worst_s):
-            whole.worst_s, whole.worst_begin_s, whole.worst_place_m = one.worst_s, one.worst_begin_s, one.worst_place_m
-        whole.unseen_area_m2 += one.unseen_area_m2
-        whole.excluded_area_m2 += one.excluded_area_m2
-        whole.undecided_cells += one.undecided_cells
-        whole.excluded += one.excluded
-        whole.unmet += one.unmet
-        whole.shown += one.shown
+    whole = Findings()
+    for part in parts:
+        whole.upper_s = max(whole.upper_s, part.upper_s)
+        whole.lower_s = max(whole.lower_s, part.lower_s)
+        whole.first_s = max(whole.first_s, part.first_s)
+        if part.worst_place_m is not None and (whole.worst_place_m is None or part.worst_s > whole.worst_s):
+            whole.worst_s, whole.worst_begin_s, whole.worst_place_m = (
+                part.worst_s,
+                part.worst_begin_s,
+                part.worst_place_m,
+            )
+        whole.unseen_area_m2 += part.unseen_area_m2
+        whole.excluded_area_m2 += part.excluded_area_m2
+        whole.undecided_cells += part.undecided_cells
+        whole.excluded += part.excluded
+        whole.unmet += part.unmet
+        whole.shown += part.shown
     return whole
 
 
@@ -147,34 +151,34 @@ def _refined(
     finest_m: float,
     coarse_m: float,
     few: int,
-) -> list[Found]:
+) -> list[Findings]:
     """The same for pieces that are looked at together."""
-    found = [Found() for _ in limits_s]
+    findings = [Findings() for _ in limits_s]
     while len(pieces):
         gaps = piece_gaps(sights, pieces, limits_s[owners])
         met = gaps.gaps_s <= limits_s[owners]
-        _note_met(found, sights, pieces.chosen(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])
+        _note_met(findings, sights, pieces.chosen(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])
         left = np.flatnonzero(~met)
         level = _Level(sights, pieces.chosen(left), owners[left], gaps.gaps_s[left], gaps.firsts_s[left], limits_s)
-        level.note_samples(found, is_seeable, finest_m)
-        open_pieces = level.settle(found, is_seeable, finest_m, coarse_m, few)
+        level.note_samples(findings, is_seeable, finest_m)
+        open_pieces = level.settle(findings, is_seeable, finest_m, coarse_m, few)
         chosen = level.pieces.chosen(open_pieces)
         pieces, parents = quartered(chosen, swath_cuts(sights, chosen), 2 * sights.slack_m)
         owners = level.owners[open_pieces][parents]
-    return found
+    return findings
 
 
 def _note_met(
-    found: list[Found], sights: Sights, pieces: Pieces, owners: Ints, gaps_s: Floats, firsts_s: Floats
+    findings: list[Findings], sights: Sights, pieces: Pieces, owners: Ints, gaps_s: Floats, firsts_s: Floats
 ) -> None:
     for k in np.unique(owners):
         mine = np.flatnonzero(owners == k)
-        found[k].upper_s = max(found[k].upper_s, float(gaps_s[mine].max()))
-        found[k].first_s = max(found[k].first_s, float(firsts_s[mine].max()))
+        findings[k].upper_s = max(findings[k].upper_s, float(gaps_s[mine].max()))
+        findings[k].first_s = max(findings[k].first_s, float(firsts_s[mine].max()))
         worst = mine[np.argsort(-gaps_s[mine], kind="stable")[:SAMPLED_MET]]
         samples = piece_gaps(sights, point_pieces(pieces.chosen(worst).centres_m()), np.zeros(len(worst)))
         known = samples.gaps_s[samples.exact & np.isfinite(samples.gaps_s)]
-        found[k].lower_s = max(found[k].lower_s, float(known.max(initial=0.0)))
+        findings[k].lower_s = max(findings[k].lower_s, float(known.max(initial=0.0)))
 
 
 class _Level:
@@ -194,7 +198,7 @@ class _Level:
         self.unseen = np.isinf(self.gaps_s)
         self.hidden = np.zeros(len(pieces), bool)
 
-    def note_samples(self, found: list[Found], is_seeable: IsSeeable, finest_m: float) -> None:
+    def note_samples(self, findings: list[Findings], is_seeable: IsSeeable, finest_m: float) -> None:
         """Find the middles that nobody can see, and the worst of the others for each demand."""
         unseen = np.flatnonzero(self.unseen)
         self.hidden[unseen] = ~is_seeable(self.middles[unseen], 0.0, self.owners[unseen])
@@ -209,22 +213,24 @@ class _Level:
             mine = np.flatnonzero(counted & (self.owners == k))
             worst = mine[np.argmax(self.gaps_s[mine])]
             if self.bad[mine].any():
-                found[k].shown.append(self.middles[mine[self.bad[mine]]])
+                findings[k].shown.append(self.middles[mine[self.bad[mine]]])
             if self.bad[worst]:
-                self._note_worst(found[k], self.gaps_s[worst], self.begins_s[worst], self.middles[worst])
+                self._note_worst(findings[k], self.gaps_s[worst], self.begins_s[worst], self.middles[worst])
             else:
-                found[k].lower_s = max(found[k].lower_s, float(self.gaps_s[worst]))
+                findings[k].lower_s = max(findings[k].lower_s, float(self.gaps_s[worst]))
 
-    def settle(self, found: list[Found], is_seeable: IsSeeable, finest_m: float, coarse_m: float, few: int) -> Ints:
+    def settle(
+        self, findings: list[Findings], is_seeable: IsSeeable, finest_m: float, coarse_m: float, few: int
+    ) -> Ints:
         """Sum up the pieces that need no further cut; the indices of those that do."""
-        violated = np.array([f.worst_place_m is not None for f in found])[self.owners]
+        violated = np.array([f.worst_place_m is not None for f in findings])[self.owners]
         finest = self.sizes_m <= finest_m * (1 + ROUNDING)
         out = np.zeros(len(self.pieces), bool)
         out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
-        passed = self._passed(found, np.flatnonzero(finest & ~out & ~self.bad))
+        passed = self._passed(findings, np.flatnonzero(finest & ~out & ~self.bad))
         some = np.flatnonzero(finest & ~out & ~passed)
         out[some] = self.hidden[some] | self._partly_hidden(some, is_seeable)
-        self._note_corners(found, np.flatnonzero(finest & ~out & ~passed & ~self.bad))
+        self._note_corners(findings, np.flatnonzero(finest & ~out & ~passed & ~self.bad))
         coarse = violated & (self.sizes_m <= coarse_m) & ~self.hidden & ~out & ~finest
         done = ~out & (finest | (coarse & (np.count_nonzero(coarse) > few)))
         # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
@@ -236,8 +242,8 @@ class _Level:
         if 4 * len(still) > MOST_PIECES:
             done[still] = True
             still = still[:0]
-        self._note_excluded(found, np.flatnonzero(out))
-        self._note_unmet(found, np.flatnonzero(done & ~passed))
+        self._note_excluded(findings, np.flatnonzero(out))
+        self._note_unmet(findings, np.flatnonzero(done & ~passed))
         return still
 
     def _inner_corners(self, index: Ints) -> tuple[Floats, Ints]:
@@ -255,14 +261,14 @@ class _Level:
         np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
         return ~is_seeable(self.middles[index], float(radii.max()) * (1 + ROUNDING), self.owners[index])
 
-    def _passed(self, found: list[Found], index: Ints) -> Flags:
+    def _passed(self, findings: list[Findings], index: Ints) -> Flags:
         """Which of all pieces are met since robots see each of their points as they pass: of those in ``index``."""
         passed = np.zeros(len(self.pieces), bool)
         gaps = passing_gaps(self.sights, self.pieces.chosen(index), self.limits_s[index])
         met = gaps.gaps_s <= self.limits_s[index]
         passed[index[met]] = True
         _note_met(
-            found, self.sights, self.pieces.chosen(index[met]), self.owners[index[met]],
+            findings, self.sights, self.pieces.chosen(index[met]), self.owners[index[met]],
             gaps.gaps_s[met], gaps.firsts_s[met],
         )  # fmt: skip
         return passed
@@ -282,7 +288,7 @@ class _Level:
             np.logical_or.at(hidden, owner[never], ~is_seeable(corners[never], 0.0, demands))
         return hidden
 
-    def _note_corners(self, found: list[Found], index: Ints) -> None:
+    def _note_corners(self, findings: list[Findings], index: Ints) -> None:
         """Let the corners of pieces too fine to be cut speak where their middles were met."""
         if not len(index):
             return
@@ -292,14 +298,14 @@ class _Level:
         for row in np.flatnonzero(over):
             piece = index[owner[row]]
             self.bad[piece] = True
-            found[self.owners[piece]].shown.append(corners[row : row + 1])
-            self._note_worst(found[self.owners[piece]], samples.gaps_s[row], samples.begins_s[row], corners[row])
+            findings[self.owners[piece]].shown.append(corners[row : row + 1])
+            self._note_worst(findings[self.owners[piece]], samples.gaps_s[row], samples.begins_s[row], corners[row])
 
-    def _note_worst(self, found: Found, gap_s: float, begin_s: float, place_m: Floats) -> None:
-        found.lower_s = max(found.lower_s, float(gap_s))
-        if found.worst_place_m is None or gap_s > found.worst_s:
-            found.worst_s, found.worst_begin_s = float(gap_s), float(begin_s)
-            found.worst_place_m = (float(place_m[0]), float(place_m[1]))
+    def _note_worst(self, findings: Findings, gap_s: float, begin_s: float, place_m: Floats) -> None:
+        findings.lower_s = max(findings.lower_s, float(gap_s))
+        if findings.worst_place_m is None or gap_s > findings.worst_s:
+            findings.worst_s, findings.worst_begin_s = float(gap_s), float(begin_s)
+            findings.worst_place_m = (float(place_m[0]), float(place_m[1]))
 
     def _corners_bad(self, index: Ints) -> Flags:
         """Whether all corners of pieces with a bad middle are bad too: no cut would tell more."""
@@ -313,18 +319,18 @@ class _Level:
             np.logical_and.at(bad, owner, same)
         return bad
 
-    def _note_excluded(self, found: list[Found], index: Ints) -> None:
+    def _note_excluded(self, findings: list[Findings], index: Ints) -> None:
         rows = np.column_stack([self.middles, self.areas_m2, self.sizes_m])[index]
         for k in np.unique(self.owners[index]):
             mine = rows[self.owners[index] == k]
-            found[k].excluded_area_m2 += float(mine[:, 2].sum())
-            found[k].excluded.append(mine)
+            findings[k].excluded_area_m2 += float(mine[:, 2].sum())
+            findings[k].excluded.append(mine)
 
-    def _note_unmet(self, found: list[Found], index: Ints) -> None:
+    def _note_unmet(self, findings: list[Findings], index: Ints) -> None:
         for k in np.unique(self.owners[index]):
             mine = index[self.owners[index] == k]
-            found[k].upper_s = max(found[k].upper_s, float(self.uppers_s[mine].max()))
-            found[k].first_s = max(found[k].first_s, float(self.firsts_s[mine].max()))
-            found[k].undecided_cells += int((~self.bad[mine] | self.hidden[mine]).sum())
-            found[k].unseen_area_m2 += float(self.areas_m2[mine][self.unseen[mine] & ~self.hidden[mine]].sum())
-            found[k].unmet += [self.pieces.chosen(mine).corners_m, self.middles[mine]]
+            findings[k].upper_s = max(findings[k].upper_s, float(self.uppers_s[mine].max()))
+            findings[k].first_s = max(findings[k].first_s, float(self.firsts_s[mine].max()))
+            findings[k].undecided_cells += int((~self.bad[mine] | self.hidden[mine]).sum())
+            findings[k].unseen_area_m2 += float(self.areas_m2[mine][self.unseen[mine] & ~self.hidden[mine]].sum())
+            findings[k].unmet += [self.pieces.chosen(mine).corners_m, self.middles[mine]]

@@ -123,11 +123,11 @@ def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
     A piece across the edges of two swaths looks unseen until it is cut there, however thin the swaths' overlap.
     """
     corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
-    found: Floats = tiling_kernels.swath_cuts(
+    lines: Floats = tiling_kernels.swath_cuts(
         pieces.offsets, corners, sights.grid, sights.legs, sights.team, 100 * sights.slack_m
     )
-    found[:, 2] += found[:, :2] @ sights.origin_m
-    return found
+    lines[:, 2] += lines[:, :2] @ sights.origin_m
+    return lines
 
 
 def point_pieces(points_m: Floats) -> Pieces:

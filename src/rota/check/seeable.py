@@ -86,8 +86,8 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
         return mine, _seen_from_any(*near, points_m[mine], spread_m, slack_m)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for mine, found in pool.map(in_box, range(len(boxes))):
-            known.update((keys[at], seen) for at, seen in zip(mine, found.tolist(), strict=True))
+        for mine, sight in pool.map(in_box, range(len(boxes))):
+            known.update((keys[at], seen) for at, seen in zip(mine, sight.tolist(), strict=True))
     return np.array([known[key] for key in keys], dtype=np.bool_)
 
 
@@ -124,21 +124,21 @@ def _cut_to(frame: Any, shape: Any) -> Any:
 def _seen_from_any(
     areas: tuple[StandingArea, ...], hidden: Any, points_m: Floats, spread_m: float, slack_m: float
 ) -> Flags:
-    found = np.zeros(len(points_m), np.bool_)
+    sight = np.zeros(len(points_m), np.bool_)
     thin = shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
     for area in areas:
-        left = np.flatnonzero(~found)
+        left = np.flatnonzero(~sight)
         if not len(left) or area.shape.is_empty:
             continue
-        found[left] = _seen_from(area, thin, points_m[left], spread_m, slack_m)
-    return found
+        sight[left] = _seen_from(area, thin, points_m[left], spread_m, slack_m)
+    return sight
 
 
 def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: float, slack_m: float) -> Flags:
     points = shapely.points(points_m)
     shapely.prepare(area.shape)
-    found: Flags = shapely.dwithin(area.shape, points, spread_m + SLACK_M)
-    left = np.flatnonzero(~found)
+    sight: Flags = shapely.dwithin(area.shape, points, spread_m + SLACK_M)
+    left = np.flatnonzero(~sight)
     square = not isinstance(area.sensor, DiscSensor)
     half = area.sensor.radius_m if isinstance(area.sensor, DiscSensor) else area.sensor.side_m / 2
     if len(left):
@@ -148,13 +148,13 @@ def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: floa
         far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
         core = shapely.buffer(hidden, -slack_m, join_style="mitre")
         shapely.prepare(core)
-        found[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
+        sight[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
         # where the nearest place to stand is out of range, all are (a square's corner is the farthest it reaches)
         corner = half * math.sqrt(2) if square else half
-        left = left[~found[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + SLACK_M)]
+        left = left[~sight[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + SLACK_M)]
     if len(left):
-        found[left] = _ray_test(area.shape, hidden, points_m[left], half + spread_m, square)
-    return found
+        sight[left] = _ray_test(area.shape, hidden, points_m[left], half + spread_m, square)
+    return sight
 
 
 def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:

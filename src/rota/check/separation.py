@@ -54,9 +54,9 @@ def separation_violations(plan: Plan) -> list[Violation]:
     for a, b in near_legs(routes, bodies):
         for k in range(0, len(a), CHUNK):
             _note_pairs(closest, routes, bodies, a[k : k + CHUNK], b[k : k + CHUNK])
-    found = []
+    violations = []
     for (i, j), close in sorted(closest.items()):
-        found.append(
+        violations.append(
             Violation(
                 kind="bodies touch",
                 who=f"{plan.trajectories[i].robot}, {plan.trajectories[j].robot}",
@@ -67,7 +67,7 @@ def separation_violations(plan: Plan) -> list[Violation]:
                 unit="m between centres",
             )
         )
-    return found
+    return violations
 
 
 def _note_pairs(closest: dict[tuple[int, int], _Closest], routes: Routes, bodies: Floats, a: Ints, b: Ints) -> None:
@@ -105,8 +105,8 @@ def _shift_range(routes: Routes, a: Ints, b: Ints, step: Floats, both: NDArray[n
     b1 = np.where(routes.kinds[b] == HOLD, np.inf, b1)
     size = np.where(step == 0, 1.0, np.abs(step))
     with np.errstate(invalid="ignore"):
-        one, two = (a0 - b1) / np.where(step < 0, -size, size), (a1 - b0) / np.where(step < 0, -size, size)
-    low, high = np.ceil(np.minimum(one, two) - SAME_TURN), np.floor(np.maximum(one, two) + SAME_TURN)
+        begin, end = (a0 - b1) / np.where(step < 0, -size, size), (a1 - b0) / np.where(step < 0, -size, size)
+    low, high = np.ceil(np.minimum(begin, end) - SAME_TURN), np.floor(np.maximum(begin, end) + SAME_TURN)
     low = np.where(both, low, np.maximum(low, 0.0))
     return np.where(step == 0, 0.0, low), np.where(step == 0, 0.0, high)
 

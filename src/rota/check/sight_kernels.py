@@ -90,9 +90,9 @@ def _span(segment, x, y):
     length2 = wx * wx + wy * wy
     along = min(1.0, max(0.0, -(ux * wx + uy * wy) / length2)) if length2 > 0.0 else 0.0
     near, far = math.hypot(ux + along * wx, uy + along * wy), max(math.hypot(ux, uy), math.hypot(vx, vy))
-    one, other = math.atan2(uy, ux), math.atan2(vy, vx)
-    turn = (other - one) % (2 * math.pi)
-    begin = one if turn <= math.pi else other
+    first_rad, second_rad = math.atan2(uy, ux), math.atan2(vy, vx)
+    turn = (second_rad - first_rad) % (2 * math.pi)
+    begin = first_rad if turn <= math.pi else second_rad
     turn = min(turn, 2 * math.pi - turn)
     return near, far, begin + math.pi, math.pi if near < GRID_MARGIN_M or turn > math.pi - FLAT_RAD else turn
 

@@ -153,7 +153,7 @@ def cycles_and_basins(successor: Any) -> Decomposition:
     return Decomposition(cycle=labels.view(np.int32), first=first, length=length, basin=basin)
 
 
-def told_apart(team: Team, found: Decomposition) -> tuple[Longs, Longs, Longs]:
+def told_apart(team: Team, decomposition: Decomposition) -> tuple[Longs, Longs, Longs]:
     """Cycles of robots that are told apart, from those of the unordered map of three bytes a state and more less.
 
     Going once round a cycle of sets may exchange robots; r rounds bring each back to its own state. m! / r cycles of
@@ -161,8 +161,8 @@ def told_apart(team: Team, found: Decomposition) -> tuple[Longs, Longs, Longs]:
     many they are, their length and their basin.
     """
     m, s = len(team.bumped), len(team.x)
-    cycles = np.ascontiguousarray(np.column_stack([found.first, found.length]))
+    cycles = np.ascontiguousarray(np.column_stack([decomposition.first, decomposition.length]))
     states, after, begin = (np.empty(m, np.int32) for _ in range(3))
     rounds = np.empty(len(cycles), np.int64)
     rounds_to_order(team, binomials(s, m), cycles, states, after, np.empty(m, np.int8), begin, rounds)
-    return math.factorial(m) // rounds, found.length * rounds, found.basin * rounds
+    return math.factorial(m) // rounds, decomposition.length * rounds, decomposition.basin * rounds

@@ -74,8 +74,8 @@ class Cells:
     def at(self, place_m: tuple[float, float]) -> int | None:
         """The free cell that holds a place; None where there is none."""
         column, row = (math.floor((place_m[k] - self.corner_m[k]) / self.cell_m) for k in (0, 1))
-        found = np.flatnonzero((self.column == column) & (self.row == row))
-        return int(found[0]) if len(found) else None
+        cells = np.flatnonzero((self.column == column) & (self.row == row))
+        return int(cells[0]) if len(cells) else None
 
 
 def heading_moves(headings: int) -> Ints:
@@ -166,14 +166,14 @@ def cells_of(
 def crossed_cells(move: tuple[int, int]) -> list[tuple[int, int]]:
     """The cells between both ends of a move that it crosses or whose corners it touches."""
     dx, dy = move
-    found = []
+    cells = []
     for x in range(min(0, dx), max(0, dx) + 1):
         for y in range(min(0, dy), max(0, dy) + 1):
             # the corners nearest to the line on either side of it; 0: the line runs through a corner
             off = dx * y - dy * x
             if abs(off) <= (abs(dx) + abs(dy)) / 2 and (x, y) not in ((0, 0), (dx, dy)):
-                found.append((x, y))
-    return found
+                cells.append((x, y))
+    return cells
 
 
 def _targets(number: Ints, column: NDArray[np.int64], row: NDArray[np.int64], move: Ints, corners: Corners) -> Ints:

@@ -90,9 +90,9 @@ def choose_group(
     if settings.purpose == "basin":
         return _largest_basin(watch, team, mission, cells, seed)
     enough = 1.0 if settings.purpose == "periods" else 0.0
-    found = best_group(watch, enough=enough, should_stop=should_stop)
-    chosen = None if found.group is None else begin_there(watch, found.group.nodes, found.group.ratio)
-    return Choice(chosen=chosen, proved=found.proved, unproved=found.unproved)
+    outcome = best_group(watch, enough=enough, should_stop=should_stop)
+    chosen = None if outcome.group is None else begin_there(watch, outcome.group.nodes, outcome.group.ratio)
+    return Choice(chosen=chosen, proved=outcome.proved, unproved=outcome.unproved)
 
 
 def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Choice:
@@ -132,10 +132,10 @@ def _may_go_together(cycles: LimitCycles, nodes: tuple[int, ...]) -> bool:
     return all(cycles.compatible[p, q] for p, q in itertools.combinations(nodes, 2))
 
 
-def _best_of(watch: Watch, found: Iterator[tuple[int, ...]], purpose: str) -> Chosen | None:
+def _best_of(watch: Watch, groups: Iterator[tuple[int, ...]], purpose: str) -> Chosen | None:
     """The first group that meets all periods; or the one with the smallest worst ratio."""
     best: Chosen | None = None
-    for nodes in found:
+    for nodes in groups:
         if not _may_go_together(watch.cycles, nodes):
             continue
         ratio = watch.ratio(nodes)

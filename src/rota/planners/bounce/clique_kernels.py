@@ -207,10 +207,10 @@ def count_sets(graph: Graph, room: Room, depth: int, most: int, prime: np.uint64
             times(graph.total, poly, room.polynomials[0, depth + 1], product, prime)
             continue
         place = hash_of(members, len(room.known_for))
-        found = room.known_for[place] >= most
+        is_known = room.known_for[place] >= most
         for k in range(words):
-            found = found and room.known[place, k] == members[k]
-        if found:
+            is_known = is_known and room.known[place, k] == members[k]
+        if is_known:
             times(graph.total, poly, room.worth[place], product, prime)
             return
         below[v // 64] &= ~(ONE << np.uint64(v % 64))

@@ -68,10 +68,10 @@ def printed(team: Team, inside: Flags, headings: int) -> tuple[int, JointGroups]
     for _ in range(m - 1):
         zones = (single[:, None] | zones[None, :]).ravel()
     group, path = np.zeros(count, np.int32), np.empty(count, np.int64)
-    found = np.empty((MOST_PRINTED, 3), np.int64)
+    groups = np.empty((MOST_PRINTED, 3), np.int64)
     every = np.uint64((1 << len(inside)) - 1)
-    kept = printed_groups(successor, touch, zones, every, group, path, found)
-    first, length, basin = found[: min(kept, MOST_PRINTED)].T.copy()
+    kept = printed_groups(successor, touch, zones, every, group, path, groups)
+    first, length, basin = groups[: min(kept, MOST_PRINTED)].T.copy()
     return kept, JointGroups(states=unpacked(first, s, m), length=length, basin=basin)
 
 

@@ -85,11 +85,11 @@ def _signed_choices(divides: Flags, seen: Flags, work: Work) -> dict[bytes, int]
 
 def _common_periods(lengths: list[int], robots: int, work: Work) -> list[int]:
     """Least common multiples of at most so many of the lengths, rising."""
-    found = {1}
+    periods = {1}
     for _ in range(min(robots, len(set(lengths)))):
-        work.spend(len(found) * len(set(lengths)) // 4)
-        found |= {math.lcm(period, length) for period in found for length in set(lengths)}
-    return sorted(found)
+        work.spend(len(periods) * len(set(lengths)) // 4)
+        periods |= {math.lcm(period, length) for period in periods for length in set(lengths)}
+    return sorted(periods)
 
 
 def _joint_states(cycles: LimitCycles, allowed: Flags, wanted: NDArray[np.int64], work: Work) -> int:

@@ -43,9 +43,9 @@ def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
     crew, starts = _crew(plan), _starts(plan)
     errors = (TurningError(), TurningError(angle_rad=math.radians(settings.turning_error_deg)))
     if settings.task == "cover":
-        cells, until_s = make_cells(mission), max(float(one.times_s[-1]) for one in plan)
-        found = [run_crew(crew, error, starts, duration_s=until_s, seed=plan.seed, cells=cells) for error in errors]
-        exact, inexact = (runs.mean_seen(until_s) for runs in found)
+        cells, until_s = make_cells(mission), max(float(trajectory.times_s[-1]) for trajectory in plan)
+        both_runs = [run_crew(crew, error, starts, duration_s=until_s, seed=plan.seed, cells=cells) for error in errors]
+        exact, inexact = (runs.mean_seen(until_s) for runs in both_runs)
         return (Kept(name=None, exact=exact, inexact=inexact),)
     zones = [(zone.shape, zone.period_s) for zone in mission.zones if zone.period_s is not None]
     lasting_s = PERIODS * max(period_s for _, period_s in zones)
@@ -56,7 +56,8 @@ def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
     exact_shares, shares = (watched(error).watched_shares() for error in errors)
     names = [zone.name for zone in mission.zones if zone.period_s is not None]
     return tuple(
-        Kept(name=name, exact=one, inexact=other) for name, one, other in zip(names, exact_shares, shares, strict=True)
+        Kept(name=name, exact=trajectory, inexact=other)
+        for name, trajectory, other in zip(names, exact_shares, shares, strict=True)
     )
 
 
@@ -83,8 +84,8 @@ def _turn_s(mission: Mission, plan: Plan) -> float:
 
 
 def _starts(plan: Plan) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    one = [
+    poses = [
         (*trajectory.positions_m[0, :2], 0.0 if trajectory.headings_rad is None else trajectory.headings_rad[0])
         for trajectory in plan
     ]
-    return np.repeat(np.array([one], dtype=np.float64), RUNS, axis=0)
+    return np.repeat(np.array([poses], dtype=np.float64), RUNS, axis=0)

@@ -68,7 +68,7 @@ def limit_cycles(team: Team) -> LimitCycles:
         if like == len(first_like):
             first_like.append(i)
         kinds.append(like)
-    found, starts, lengths, basins, kind = [], [], [], [], []
+    cycle_states, starts, lengths, basins, kind = [], [], [], [], []
     node_of = np.full((len(first_like), len(team.x)), -1, np.int32)
     count = 0
     for k, robot in enumerate(first_like):
@@ -79,7 +79,7 @@ def limit_cycles(team: Team) -> LimitCycles:
             node_of[k, states] = np.arange(count, count + length)
             starts.append(count)
             count += int(length)
-            found.append(states)
+            cycle_states.append(states)
             lengths.append(int(length))
             basins.append(int(size))
             kind += [k] * int(length)
@@ -88,7 +88,7 @@ def limit_cycles(team: Team) -> LimitCycles:
             f"bounce.cell_m: {count} states of the robots are periodic and at most {MOST_PERIODIC} are possible; larger"
             " cells, or other bouncing angles, are needed"
         )
-    state, length_of = np.concatenate(found), np.array(lengths, np.int64)
+    state, length_of = np.concatenate(cycle_states), np.array(lengths, np.int64)
     start = np.array(starts, np.int64)
     cycle = np.repeat(np.arange(len(length_of), dtype=np.int32), length_of)
     apart2 = np.ascontiguousarray(_apart_of_kinds(team, kinds, first_like))

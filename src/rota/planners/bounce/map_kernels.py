@@ -22,13 +22,13 @@ MOST_STATES = 0x7FFFFFFE
 @inlined
 def any_too_near(team: Team, states: Ints) -> bool:
     """Whether two of the robots cannot be in these states at once."""
-    found = False
+    overlap = False
     for i in range(len(states)):
         for j in range(i):
             a, b = states[i], states[j]
             if too_near(team.x[a], team.y[a], team.x[b], team.y[b], team.apart2[j, i]):
-                found = True
-    return found
+                overlap = True
+    return overlap
 
 
 @compiled
@@ -164,16 +164,16 @@ def printed_groups(
     successor: Words,
     touch: NDArray[np.uint8],
     zones: NDArray[np.uint64],
-    every: np.uint64,
+    all_zones: np.uint64,
     group: Ints,
     path: Longs,
-    found: Longs,
+    groups: Longs,
 ) -> int:
     """Algorithm 2 as it is printed: how many groups are kept, in the order of packed states.
 
-    touch: (n,) whether a state's step has a contact. zones: (n,) bits of the zones in which its robots are. every: all
-    bits. group: (n,) zeros, written: the group of each state, -1 for none. path: (n,) scratch. found: (most, 3), the
-    first state, cycle length and all states of as many groups as fit.
+    touch: (n,) whether a state's step has a contact. zones: (n,) bits of the zones in which its robots are. all_zones:
+    all bits. group: (n,) zeros, written: the group of each state, -1 for none. path: (n,) scratch. groups: (most, 3),
+    written: the first state, the cycle length and the number of states of as many groups as fit.
     """
     kept = 0
     for start in range(len(successor)):
@@ -187,15 +187,15 @@ def printed_groups(
             contact = contact or touch[at] != 0
             seen |= zones[at]
             at = np.int64(successor[at])
-        if group[at] != -1 or contact or seen != every:
+        if group[at] != -1 or contact or seen != all_zones:
             continue
         first = depth - 1
         while first >= 0 and path[first] != at:
             first -= 1
         if first < 0:  # it ran into a trajectory that was not kept
             continue
-        if kept < len(found):
-            found[kept, 0], found[kept, 1], found[kept, 2] = at, depth - first, depth
+        if kept < len(groups):
+            groups[kept, 0], groups[kept, 1], groups[kept, 2] = at, depth - first, depth
         kept += 1
         for k in range(depth):
             group[path[k]] = kept

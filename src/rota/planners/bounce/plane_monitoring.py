@@ -86,9 +86,9 @@ def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[lis
     owners: list[int] = []
     for k, kind in enumerate(_kinds(mission, robots)):
         if kind == k:
-            found = tracks_of(mission, robots[k], each[k], zones, seed)
-            tracks += found
-            owners += [k] * len(found)
+            own_tracks = tracks_of(mission, robots[k], each[k], zones, seed)
+            tracks += own_tracks
+            owners += [k] * len(own_tracks)
     missed = [zone.name for z, zone in enumerate(zones) if not any(len(track.visits[z]) for track in tracks)]
     if missed:
         raise MissionError(
@@ -167,17 +167,17 @@ class _Search:
 def _apart(tracks: list[Track], radii_m: list[float]) -> NDArray[np.bool_]:
     """(t, t) whether robots on two tracks can never touch."""
     lines = [shapely.linestrings(track.places_m) for track in tracks]
-    found = np.zeros((len(tracks),) * 2, np.bool_)
+    apart = np.zeros((len(tracks),) * 2, np.bool_)
     for i, j in itertools.combinations(range(len(tracks)), 2):
-        found[i, j] = found[j, i] = shapely.distance(lines[i], lines[j]) >= radii_m[i] + radii_m[j]
-    return found
+        apart[i, j] = apart[j, i] = shapely.distance(lines[i], lines[j]) >= radii_m[i] + radii_m[j]
+    return apart
 
 
 def _trajectories(team: PlaneTeam) -> list[Trajectory]:
     """Each robot's, those on one track evenly spaced in time."""
-    found, placed = [], dict.fromkeys(team.on, 0)
+    trajectories, placed = [], dict.fromkeys(team.on, 0)
     for robot, t in zip(team.robots, team.on, strict=True):
         track = team.tracks[t]
-        found.append(track.trajectory(robot.name, placed[t] * track.round_s / team.on.count(t)))
+        trajectories.append(track.trajectory(robot.name, placed[t] * track.round_s / team.on.count(t)))
         placed[t] += 1
-    return found
+    return trajectories

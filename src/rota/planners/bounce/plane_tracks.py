@@ -89,14 +89,14 @@ def tracks_of(mission: Mission, robot: Robot, angle_deg: float, zones: Sequence[
 
     The widest body of the fleet counts at walls. Cycles longer than LONGEST contacts are not looked for.
     """
-    widest_m = max(one.body_radius_m for one in (mission.fleet.robots or (robot,)))
+    widest_m = max(member.body_radius_m for member in (mission.fleet.robots or (robot,)))
     rim = make_rim(free_ground(mission), widest_m)
     rule = BounceRule(angle_rad=math.radians(angle_deg))
     frames = [k * 2 * math.pi / FRAMES for k in range(FRAMES)]
     places, headings = random_starts(rim, STARTS, seed, frames)
-    found = limit_cycles(rim, rule, places, headings, bounces=BOUNCES, longest=LONGEST)
+    long_run = limit_cycles(rim, rule, places, headings, bounces=BOUNCES, longest=LONGEST)
     shapes = [zone.shape for zone in zones]
-    return [track(cycle, robot, shapes) for cycle in found.cycles if cycle.stability == "attracting"]
+    return [track(cycle, robot, shapes) for cycle in long_run.cycles if cycle.stability == "attracting"]
 
 
 def track(cycle: PolygonCycle, robot: Robot, zones: Sequence[MultiPolygon]) -> Track:
@@ -128,13 +128,13 @@ def track(cycle: PolygonCycle, robot: Robot, zones: Sequence[MultiPolygon]) -> T
 
 def _visits(times_s: Floats, places_m: Floats, zone: MultiPolygon) -> Floats:
     """(k, 2) when a round is in the zone, leg by leg."""
-    found: list[tuple[float, float]] = []
+    visits: list[tuple[float, float]] = []
     for k in range(len(times_s) - 1):
         begin, end = places_m[k], places_m[k + 1]
         lasts_s, length_m = times_s[k + 1] - times_s[k], math.dist(begin, end)
         if length_m == 0:
             if shapely.covers(zone, shapely.Point(begin)):
-                found.append((times_s[k], times_s[k + 1]))
+                visits.append((times_s[k], times_s[k + 1]))
             continue
         line = shapely.linestrings(np.stack([begin, end]))
         for part in shapely.get_parts(shapely.intersection(line, zone)):
@@ -142,5 +142,5 @@ def _visits(times_s: Floats, places_m: Floats, zone: MultiPolygon) -> Floats:
             if not len(corners):
                 continue
             along = shapely.line_locate_point(line, shapely.points(corners)) / length_m
-            found.append((times_s[k] + along.min() * lasts_s, times_s[k] + along.max() * lasts_s))
-    return np.array(found, dtype=np.float64).reshape(-1, 2)
+            visits.append((times_s[k] + along.min() * lasts_s, times_s[k] + along.max() * lasts_s))
+    return np.array(visits, dtype=np.float64).reshape(-1, 2)

@@ -86,26 +86,26 @@ def plan_bounce(
 def plan_coverage(mission: Mission, *, seed: int) -> Answer:
     """A plan by which the robots cover the area once and then stay; raises NoPlanFound with it when it misses cells."""
     bouncing = bouncing_robots(mission, make_cells(mission))
-    found = covered_by(bouncing, seed=seed)
-    plan = coverage_plan(bouncing, found, seed)
+    coverage = covered_by(bouncing, seed=seed)
+    plan = coverage_plan(bouncing, coverage, seed)
     headings = bouncing.cells.headings
-    times_s = bouncing.pace.times_s(found.states, headings)
+    times_s = bouncing.pace.times_s(coverage.states, headings)
     facts = (
-        entered_sentence(found, len(bouncing.robots), float(times_s[-1])),
-        pace_sentence(bouncing.pace.own_s(found.states, headings), np.diff(times_s)),
+        entered_sentence(coverage, len(bouncing.robots), float(times_s[-1])),
+        pace_sentence(bouncing.pace.own_s(coverage.states, headings), np.diff(times_s)),
     )
-    if not found.complete:
-        raise NoPlanFound(uncovered_reason(bouncing, found), best=plan, facts=facts)
+    if not coverage.complete:
+        raise NoPlanFound(uncovered_reason(bouncing, coverage), best=plan, facts=facts)
     return Answer(plan=plan, facts=facts)
 
 
-def coverage_plan(bouncing: Bouncing, found: Coverage, seed: int) -> Plan:
+def coverage_plan(bouncing: Bouncing, coverage: Coverage, seed: int) -> Plan:
     """The plan in which the robots take a joint trajectory and then stay."""
-    times_s = bouncing.pace.times_s(found.states, bouncing.cells.headings)
+    times_s = bouncing.pace.times_s(coverage.states, bouncing.cells.headings)
     trajectories = (
         trajectory(
-            robot.name, bouncing.cells, found.states[:, k], times_s=times_s, loop_from=found.steps,
-            jumps=found.jumps == k,
+            robot.name, bouncing.cells, coverage.states[:, k], times_s=times_s, loop_from=coverage.steps,
+            jumps=coverage.jumps == k,
         )
         for k, robot in enumerate(bouncing.robots)
     )  # fmt: skip
@@ -119,20 +119,22 @@ def covered_by(bouncing: Bouncing, *, seed: int) -> Coverage:
     return cover(bouncing.cells, bouncing.team, starts.tolist(), method=settings.method, most_steps=settings.most_steps)
 
 
-def uncovered_reason(bouncing: Bouncing, found: Coverage) -> str:
+def uncovered_reason(bouncing: Bouncing, coverage: Coverage) -> str:
     """How much stays uncovered, where, and why."""
     settings, cells, parts = BounceSettings.of(bouncing.mission), bouncing.cells, []
-    if found.walled_off.any():
-        begins = found.states[0] // cells.headings
-        parts += unreached_parts(bouncing.mission, cells, found.walled_off, begins)
-    if found.missed.any():
+    if coverage.walled_off.any():
+        begins = coverage.states[0] // cells.headings
+        parts += unreached_parts(bouncing.mission, cells, coverage.walled_off, begins)
+    if coverage.missed.any():
         why = f"after bounce.most_steps: {settings.most_steps}"
-        if found.steps < settings.most_steps:
+        if coverage.steps < settings.most_steps:
             why = "when no robot could turn into a way to more"
             if settings.method == "as_printed":
                 why = "when all joint states that robots can jump to had been there before"
-        parts.append(f"{int(found.missed.sum())} cells were not entered {why}, at {places_of(cells, found.missed)}")
-    return f"{found.share:.1%} of {cells.count} cells are covered in {found.steps} steps; " + "; ".join(parts)
+        parts.append(
+            f"{int(coverage.missed.sum())} cells were not entered {why}, at {places_of(cells, coverage.missed)}"
+        )
+    return f"{coverage.share:.1%} of {cells.count} cells are covered in {coverage.steps} steps; " + "; ".join(parts)
 
 
 # ---------------------------------------------------------------- monitoring

@@ -125,10 +125,10 @@ def limit_cycles(
     for number, count in enumerate(counts):
         # of a neutral family a member away from corners, if one is among the first found
         for k in settled[inverse.ravel() == number][:_MEMBERS]:
-            found = _cycle(rim, rule, float(first[k]), ints[k], floats[k], int(count) / n, n)
-            if _of_slope(found.multiplier) != "neutral" or found.stability == "neutral":
+            cycle = _cycle(rim, rule, float(first[k]), ints[k], floats[k], int(count) / n, n)
+            if _of_slope(cycle.multiplier) != "neutral" or cycle.stability == "neutral":
                 break
-        cycles.append(found)
+        cycles.append(cycle)
     order = sorted(range(len(cycles)), key=lambda c: (-cycles[c].share, cycles[c].period, cycles[c].length_m))
     place = np.empty(len(cycles), dtype=np.int64)
     place[order] = np.arange(len(cycles))

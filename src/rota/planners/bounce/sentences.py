@@ -47,15 +47,15 @@ def proof_sentence(mission: Mission, choice: Choice) -> str | None:
     return f"The worst gap, in steps, is the best found, not proved to be the shortest {among}: {choice.unproved}."
 
 
-def entered_sentence(found: Coverage, robots: int, duration_s: float) -> str:
+def entered_sentence(coverage: Coverage, robots: int, duration_s: float) -> str:
     """How many of their cells bouncing robots enter, and what that takes."""
-    entered, count = int(found.covered.sum()), len(found.covered)
+    entered, count = int(coverage.covered.sum()), len(coverage.covered)
     who = f"{robots} robot" + ("s enter" if robots != 1 else " enters")
-    touched, jumped = int(found.contacts.sum()), int((found.jumps >= 0).sum())
+    touched, jumped = int(coverage.contacts.sum()), int((coverage.jumps >= 0).sum())
     contacts = f"{touched} contact" + "s" * (touched != 1) + " of two robots"
     turns = f"{jumped} turn" + "s" * (jumped != 1) + " by the clock"
-    taken = f"{found.steps} steps, {duration_s:.1f} s, with {contacts} and {turns}"
-    return f"{who} {entered} of {count} cells ({found.share:.1%}) in {taken}."
+    taken = f"{coverage.steps} steps, {duration_s:.1f} s, with {contacts} and {turns}"
+    return f"{who} {entered} of {count} cells ({coverage.share:.1%}) in {taken}."
 
 
 def pace_sentence(own_s: Floats, lasts_s: Floats) -> str:

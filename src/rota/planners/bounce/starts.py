@@ -29,10 +29,10 @@ def start_cells(cells: Cells, robots: tuple[Robot, ...]) -> list[int | None]:
 
     Raises MissionError for starts that are no centre of a free cell, and for two robots in one cell.
     """
-    found: list[int | None] = []
+    occupied: list[int | None] = []
     for robot in robots:
         if robot.start is None:
-            found.append(None)
+            occupied.append(None)
             continue
         cell = cells.at(robot.start)
         if cell is None or math.dist(cells.centres_m[cell], robot.start) > TOUCH_M:
@@ -42,11 +42,11 @@ def start_cells(cells: Cells, robots: tuple[Robot, ...]) -> list[int | None]:
                 f"robot {robot.name}: start: [{x:.9g}, {y:.9g}] is not allowed; bouncing robots start at the centre of"
                 f" a free cell, the nearest is [{near_x:.9g}, {near_y:.9g}]"
             )
-        if cell in found:
-            other = robots[found.index(cell)].name
+        if cell in occupied:
+            other = robots[occupied.index(cell)].name
             raise MissionError(f"robot {robot.name}: start: is in one cell with robot {other}; each needs its own")
-        found.append(cell)
-    return found
+        occupied.append(cell)
+    return occupied
 
 
 def start_headings(mission: Mission, robots: int) -> list[int] | None:

@@ -107,7 +107,7 @@ def _joined(cells: Cells, room: MultiPolygon) -> bool:
     points = shapely.points(cells.centres_m)
     for part in room.geoms:
         shapely.prepare(part)
-        here = np.flatnonzero(shapely.dwithin(part, points, TOUCH_M)).astype(np.int32)
-        if len(here) == 0 or not reachable_cells(cells, here[:1])[here].all():
+        inside = np.flatnonzero(shapely.dwithin(part, points, TOUCH_M)).astype(np.int32)
+        if len(inside) == 0 or not reachable_cells(cells, inside[:1])[inside].all():
             return False
     return True

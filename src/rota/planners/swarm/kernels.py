@@ -83,7 +83,7 @@ def find_neighbours(i: int, most: int, robots: Any, grid: Any, range_m: float, n
     """
     x, y = robots.x[i], robots.y[i]
     range2 = range_m * range_m
-    found, nearest2, stride = 0, np.inf, grid.columns + 2
+    count, nearest2, stride = 0, np.inf, grid.columns + 2
     below = cell_of(x, y, grid) - stride
     for row in range(3):
         c = below + row * stride
@@ -95,20 +95,20 @@ def find_neighbours(i: int, most: int, robots: Any, grid: Any, range_m: float, n
             nearest2 = min(nearest2, distance2)
             if distance2 > range2 or robots.kind[j] >= robots.member_kinds:
                 continue
-            if found == most:
+            if count == most:
                 if most == 0 or not comes_before(distance2, robots.name[j], most - 1, near, robots.name):
                     continue
                 k = most - 1
             else:
-                k = found
-                found += 1
+                k = count
+                count += 1
             while k > 0 and comes_before(distance2, robots.name[j], k - 1, near, robots.name):
                 near.robot[k] = near.robot[k - 1]
                 near.distance2[k] = near.distance2[k - 1]
                 k -= 1
             near.robot[k] = j
             near.distance2[k] = distance2
-    return found, nearest2
+    return count, nearest2
 
 
 @compiled

@@ -40,9 +40,9 @@ def lattice_starts(
     low_m, high_m, best = least_m, least_m + math.hypot(x1 - x0, y1 - y0), tight
     for _ in range(LOOSENINGS):
         middle_m = (low_m + high_m) / 2
-        found = fitting(middle_m)
-        if len(found) >= count:
-            low_m, best = middle_m, found
+        lattice = fitting(middle_m)
+        if len(lattice) >= count:
+            low_m, best = middle_m, lattice
         else:
             high_m = middle_m
     places = best[np.sort(rng.permutation(len(best))[:count])]

@@ -91,15 +91,15 @@ def _pieces(room: BaseGeometry, low: Floats, side_m: float, i: int, j: int, cell
 
 def _turning_points(room: BaseGeometry) -> Floats:
     """Corners (k, 2) of a room that stand out into it."""
-    found = [np.empty((0, 2))]
+    corners = [np.empty((0, 2))]
     for part in shapely.get_parts(room):
         if not isinstance(part, Polygon):
             continue
         for ring in shapely.get_rings(shapely.orient_polygons(part)):  # so that the room is on the left
             points = shapely.get_coordinates(ring)[:-1]
             before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-            found.append(points[before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0])
-    return np.vstack(found)
+            corners.append(points[before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0])
+    return np.vstack(corners)
 
 
 def _linked(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> PlaceGraph:

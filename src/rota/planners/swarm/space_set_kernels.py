@@ -106,9 +106,9 @@ def outer(
     r2 = radius * radius
     ball = math.sqrt(r2 + height * height)
     angle = math.atan2(px * qy - py * qx, px * qx + py * qy)
-    one = radius / math.sqrt(px * px + py * py)
-    two = radius / math.sqrt(qx * qx + qy * qy)
-    ax, ay, bx, by = one * px, one * py, two * qx, two * qy
+    p_scale = radius / math.sqrt(px * px + py * py)
+    q_scale = radius / math.sqrt(qx * qx + qy * qy)
+    ax, ay, bx, by = p_scale * px, p_scale * py, q_scale * qx, q_scale * qy
     scale = 1.0 / (ball * pole[3])
     over = angle * (1.0 - height / ball)
     over += seen_from(pole, bx, by, scale, height) - seen_from(pole, ax, ay, scale, height)
@@ -183,7 +183,7 @@ def centroid_in_ball(
     planes: unit vectors e and bounds, v . e <= bound. Exact but for rounding: 1e-15 R over the volume in R^3, or so.
     A set without volume has the centroid of its area, and one without area that of its length.
     """
-    r2, whole, found, nearest = radius * radius, True, False, radius
+    r2, whole, has_face, nearest = radius * radius, True, False, radius
     length = math.sqrt(POLE[0] * POLE[0] + POLE[1] * POLE[1] + POLE[2] * POLE[2])
     volume, over, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0
     area, ax, ay, az = 0.0, 0.0, 0.0, 0.0
@@ -205,12 +205,12 @@ def centroid_in_ball(
             POLE[0] * nx + POLE[1] * ny + POLE[2] * nz,
             length,
         )
-        some, size, fx, fy, angle, long, px, py = face_moments(
+        is_face, size, fx, fy, angle, long, px, py = face_moments(
             spare if swapped else outline, corners, math.sqrt(r2 - d * d), d, pole
         )
-        if not some:
+        if not is_face:
             continue
-        found, nearest = True, min(nearest, d)
+        has_face, nearest = True, min(nearest, d)
         gx = size * d * nx + fx * tx0 + fy * ty0
         gy = size * d * ny + fx * tx1 + fy * ty1
         gz = size * d * nz + fx * tx2 + fy * ty2
@@ -224,7 +224,7 @@ def centroid_in_ball(
         sx += long * d * nx + px * tx0 + py * ty0
         sy += long * d * ny + px * tx1 + py * ty1
         sz += long * d * nz + px * tx2 + py * ty2
-    if whole or not found:
+    if whole or not has_face:
         return whole, 0.0, 0.0, 0.0
     volume += r2 * radius / 3.0 * sphere_left(over, nearest >= 0.5 * radius and area <= r2)
     if volume > SLIVER_VOLUME * r2 * radius:

@@ -43,18 +43,18 @@ def cut(outline: Any, corners: int, ex: float, ey: float, bound: float, result: 
         return corners
     m = 0
     px, py = outline.x[corners - 1], outline.y[corners - 1]
-    before = px * ex + py * ey - bound
+    beyond_before = px * ex + py * ey - bound
     for k in range(corners):
         qx, qy = outline.x[k], outline.y[k]
-        here = qx * ex + qy * ey - bound
-        if (before < 0.0 and here > 0.0) or (before > 0.0 and here < 0.0):
-            t = before / (before - here)
+        beyond = qx * ex + qy * ey - bound
+        if (beyond_before < 0.0 and beyond > 0.0) or (beyond_before > 0.0 and beyond < 0.0):
+            t = beyond_before / (beyond_before - beyond)
             result.x[m], result.y[m] = px + t * (qx - px), py + t * (qy - py)
             m += 1
-        if here <= 0.0:
+        if beyond <= 0.0:
             result.x[m], result.y[m] = qx, qy
             m += 1
-        px, py, before = qx, qy, here
+        px, py, beyond_before = qx, qy, beyond
     return m
 
 

@@ -24,11 +24,11 @@ FEWEST_CELLS = 1024
 
 def moving_at(discs: tuple[MovingObstacle, ...], time_s: float, time_step_s: float) -> Moving:
     """Places of all discs at a time, and the velocities that bring them to their places one step later."""
-    here = np.array([disc.at(time_s) for disc in discs]).reshape(-1, 2)
-    there = np.array([disc.at(time_s + time_step_s) for disc in discs]).reshape(-1, 2)
-    vx, vy = (there - here).T / time_step_s
+    places = np.array([disc.at(time_s) for disc in discs]).reshape(-1, 2)
+    next_places = np.array([disc.at(time_s + time_step_s) for disc in discs]).reshape(-1, 2)
+    vx, vy = (next_places - places).T / time_step_s
     radius = np.array([disc.radius_m for disc in discs])
-    return Moving(*(np.ascontiguousarray(values) for values in (*here.T, vx, vy, radius)))
+    return Moving(*(np.ascontiguousarray(values) for values in (*places.T, vx, vy, radius)))
 
 
 def walls_of(ground: MultiPolygon) -> Floats:

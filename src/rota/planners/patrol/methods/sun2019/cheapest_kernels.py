@@ -25,18 +25,18 @@ def cheapest_partition(segments: int, rules: Rules, ring: Ring, price: Any, cost
         for count in range(1, n + 1):
             price[at, count - 1] = cost_of(late_s(at, count, rules.margin_s, ring), rules)
     step = 1 if segments > 0 else 0
-    best, found = math.inf, 0
+    best, filled = math.inf, 0
     for start in range(n):
         sum_up_from(start, segments, price, cost, chosen)
         if cost[segments, n] < best:
-            best, found = cost[segments, n], 0
+            best, filled = cost[segments, n], 0
             at, layer = n, segments
             while at > 0:
                 at -= chosen[layer, at]
                 layer -= step
-                first[found] = (start + at) % n
-                found += 1
-    return found
+                first[filled] = (start + at) % n
+                filled += 1
+    return filled
 
 
 @compiled

@@ -40,15 +40,15 @@ def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int) -> tup
         return greedy[:0], 0
     rows = sees[places][:, wanted].T.tocsr()
     count = len(places)
-    found = milp(
+    solution = milp(
         np.ones(count), constraints=LinearConstraint(rows, 1, np.inf), integrality=np.ones(count), bounds=Bounds(0, 1),
         options={"node_limit": node_limit},
     )  # fmt: skip
-    proved = found.mip_dual_bound
+    proved = solution.mip_dual_bound
     bound = max(1, math.ceil(proved - 1e-6)) if proved is not None and math.isfinite(proved) else 1
-    if found.x is None or round(found.fun) >= len(greedy):
+    if solution.x is None or round(solution.fun) >= len(greedy):
         return greedy, min(bound, len(greedy))
-    chosen = places[np.flatnonzero(found.x > 0.5)]
+    chosen = places[np.flatnonzero(solution.x > 0.5)]
     return chosen, min(bound, len(chosen))
 
 
@@ -71,17 +71,17 @@ def undominated(sees: csr_matrix) -> tuple[Ints, Ints]:
 
 def _within_another(rows: csr_matrix) -> Flags:
     """Rows whose set lies in another row's; of equal rows all but the first, and all that are empty."""
-    one, other, size = _subsets(rows)
+    inner, outer, size = _subsets(rows)
     drop: Flags = size == 0
-    drop[one[(size[one] < size[other]) | (one > other)]] = True
+    drop[inner[(size[inner] < size[outer]) | (inner > outer)]] = True
     return drop
 
 
 def _holds_another(rows: csr_matrix) -> Flags:
     """Rows whose set holds another row's; of equal rows all but the first."""
-    one, other, size = _subsets(rows)
+    inner, outer, size = _subsets(rows)
     drop = np.zeros(len(size), dtype=bool)
-    drop[other[(size[one] < size[other]) | (one < other)]] = True
+    drop[outer[(size[inner] < size[outer]) | (inner < outer)]] = True
     return drop
 
 

@@ -119,16 +119,16 @@ def deploy_sensors(
     zones = list(zones_to_deploy(mission, cell_m=settings.cell_m, border=settings.border_cells))
     cells = sum(len(task.cells) for zone in zones for task in zone.tasks)
     seeds = np.random.SeedSequence(seed).spawn(len(zones))
-    found = []
+    deployed = []
     for zone, zone_seed in zip(zones, seeds, strict=True):
         parts = [
             _covered(task, settings, share=len(task.cells) / cells, seed=own, threads=threads)
             for task, own in zip(zone.tasks, zone_seed.spawn(len(zone.tasks)), strict=True)
         ]
-        found.append(_joined(zone, parts))
-    if not any(len(zone.positions_m) for zone in found):
+        deployed.append(_joined(zone, parts))
+    if not any(len(zone.positions_m) for zone in deployed):
         raise NoPlanFound("none of the ground that is asked for can be seen from anywhere a robot can stand")
-    return Deployment(zones=tuple(found), virtual_radius_m=virtual_radius_m(mission))
+    return Deployment(zones=tuple(deployed), virtual_radius_m=virtual_radius_m(mission))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -119,15 +119,15 @@ def graph_distances(graph: ProximityGraph) -> Floats:
     differ: no path through other sensors could be shorter. A search from each sensor without a goal (the heuristic 0)
     finds what A* finds for each pair, in far less time.
     """
-    found = np.empty((len(graph.zone), len(graph.zone)))
-    search_from_each(graph.steps, graph.frontier, found)
-    found = np.minimum(found, found.T)  # the two directions add up the same steps in another order
+    distances = np.empty((len(graph.zone), len(graph.zone)))
+    search_from_each(graph.steps, graph.frontier, distances)
+    distances = np.minimum(distances, distances.T)  # the two directions add up the same steps in another order
     torn = graph.part[:, None] != graph.part[None]
     if torn.any():
         apart = graph.paths.all_pairs(graph.positions_m)
         apart += graph.alpha * changes_zone(graph.zone[:, None], graph.zone[None])
-        found[torn] = apart[torn]
-    return found
+        distances[torn] = apart[torn]
+    return distances
 
 
 def shortest_sequence(graph: ProximityGraph, first: int, last: int, weights: AStarWeights | None = None) -> Ints | None:

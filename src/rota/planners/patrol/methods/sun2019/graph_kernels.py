@@ -85,29 +85,29 @@ def search(
     count = push(0.0, first, 0, f)
     taken = 0
     while count > 0:
-        here = f.node[0]
+        waypoint = f.node[0]
         count = pop(count, f)
-        if f.closed[here]:
+        if f.closed[waypoint]:
             continue
-        f.closed[here] = True
+        f.closed[waypoint] = True
         taken += 1
-        if here == goal:
+        if waypoint == goal:
             break
-        for e in range(s.start[here], s.start[here + 1]):
-            there = s.items[e]
-            cost = tau_before * f.cost[here] + tau_step * s.cost[e]
-            if f.closed[there] or cost >= f.cost[there]:
+        for e in range(s.start[waypoint], s.start[waypoint + 1]):
+            neighbour = s.items[e]
+            cost = tau_before * f.cost[waypoint] + tau_step * s.cost[e]
+            if f.closed[neighbour] or cost >= f.cost[neighbour]:
                 continue
-            f.cost[there], f.before[there] = cost, here
-            rest = norm(s.x[there] - s.x[goal], s.y[there] - s.y[goal]) if goal != ANYWHERE else 0.0
-            count = push(cost + tau_rest * rest, there, count, f)
+            f.cost[neighbour], f.before[neighbour] = cost, waypoint
+            rest = norm(s.x[neighbour] - s.x[goal], s.y[neighbour] - s.y[goal]) if goal != ANYWHERE else 0.0
+            count = push(cost + tau_rest * rest, neighbour, count, f)
     return taken
 
 
 @compiled
-def search_from_each(s: Steps, f: Frontier, found: Any) -> None:
-    """Fill found (n, n) with the cost of the cheapest way from each waypoint to each; inf where none leads."""
+def search_from_each(s: Steps, f: Frontier, distances: Any) -> None:
+    """Fill distances (n, n) with the cost of the cheapest way from each waypoint to each; inf where none leads."""
     for k in range(s.x.shape[0]):
         search(k, ANYWHERE, 1.0, 1.0, 0.0, s, f)
         for m in range(s.x.shape[0]):
-            found[k, m] = f.cost[m]
+            distances[k, m] = f.cost[m]

@@ -232,9 +232,9 @@ def kick(longest: int, s: Search) -> float:
     """Swap two neighbouring stretches of at most ``longest`` waypoints each (a double bridge); the change of length."""
     n = s.order.shape[0]
     first = int(n * uniform(s.rng))
-    one, two = 1 + int(longest * uniform(s.rng)), 1 + int(longest * uniform(s.rng))
-    s0, s1 = s.order[first], s.order[(first + one - 1) % n]
-    b0, b1 = s.order[(first + one) % n], s.order[(first + one + two - 1) % n]
+    first_length, second_length = 1 + int(longest * uniform(s.rng)), 1 + int(longest * uniform(s.rng))
+    s0, s1 = s.order[first], s.order[(first + first_length - 1) % n]
+    b0, b1 = s.order[(first + first_length) % n], s.order[(first + first_length + second_length - 1) % n]
     before, after = beside(s0, -1, s), beside(b1, 1, s)
     taken = s.d[before, s0] + s.d[s1, b0] + s.d[b1, after]
     swap_stretches(s0, b1, b0, b1, s0, s1, False, s)

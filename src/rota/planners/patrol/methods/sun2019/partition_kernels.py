@@ -104,12 +104,12 @@ def fewest_segments(longest: Any) -> int:
     n = longest.shape[0]
     best = n
     for first in range(n):
-        at, found = 0, 0
-        while at < n and found < best:
+        at, segments = 0, 0
+        while at < n and segments < best:
             at += longest[(first + at) % n]
-            found += 1
-        if at >= n and found < best:
-            best = found
+            segments += 1
+        if at >= n and segments < best:
+            best = segments
     return best
 
 

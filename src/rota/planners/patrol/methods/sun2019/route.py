@@ -57,10 +57,10 @@ def route_round(
     Where the space has no width, the route is the segment, there and back. Raises PlanError for a line outside.
     """
     settings = settings or RouteSettings()
-    here = int(paths.part_of(line_m[:1])[0])
-    if here < 0:
+    part = int(paths.part_of(line_m[:1])[0])
+    if part < 0:
         raise PlanError(f"the segment at {line_m[0].tolist()} lies outside the space where robots can be")
-    space = MultiPolygon([paths.parts[here]])
+    space = MultiPolygon([paths.parts[part]])
     line = as_line(line_m)
     widened = shapely.intersection(line.buffer(radius_m, quad_segs=settings.arc_corners), space)
     rings = borders_of(widened, line, space, hole_m2=settings.hole * np.pi * radius_m**2)

@@ -46,14 +46,14 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
     # covers have no chance in them, but the tours past their places have
     ways = [(turn, deploy) for turn in range(settings.frames) for deploy in settings.deployments]
     for k, (turn, deploy) in enumerate(ways):
-        here = replace(context, progress=part_of(context.progress, k, len(ways)))
-        here.progress(0.0, f"deploying sensors ({deploy.method}) and finding a frame past them")
+        turn_context = replace(context, progress=part_of(context.progress, k, len(ways)))
+        turn_context.progress(0.0, f"deploying sensors ({deploy.method}) and finding a frame past them")
         seed = context.seed + 1000 * turn
         framed = framed_sensors(problem.mission, problem.paths, deploy, settings, seed=seed)
         first = first or framed
         if settings.route.routes == "printed":
             return as_printed(context, framed, settings)
-        best = with_fewer(here, framed, settings, best)
+        best = with_fewer(turn_context, framed, settings, best)
         if context.should_stop() or (is_good(best) and robots_of(best) <= context.enough_robots):
             break
     assert best is not None
@@ -74,14 +74,14 @@ def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best:
     robots = len(stages.segments)
     while best is None or (stages.load <= settings.route.most_load and not context.should_stop()):
         context.progress(0.5, f"leading {robots} robots round their segments")
-        found = settled(context, stages, settings)
-        if not is_better(found, best):
-            return best if best is not None else found
-        best = found
+        plan = settled(context, stages, settings)
+        if not is_better(plan, best):
+            return best if best is not None else plan
+        best = plan
         least = max(len(framed.parts), context.enough_robots)
-        if not is_good(found) or min(robots, robots_of(found)) <= least:
+        if not is_good(plan) or min(robots, robots_of(plan)) <= least:
             break
-        robots = min(robots, robots_of(found)) - 1
+        robots = min(robots, robots_of(plan)) - 1
         stages = cut(context, framed, settings, robots)
     return best
 
@@ -93,8 +93,8 @@ def with_more(context: Context, framed: Framed, settings: MethodSettings, best: 
         if context.should_stop():
             return best
         context.progress(0.9, f"leading {robots} robots round their segments")
-        found = settled(context, cut(context, framed, settings, robots), settings)
-        best = found if is_better(found, best) else best
+        plan = settled(context, cut(context, framed, settings, robots), settings)
+        best = plan if is_better(plan, best) else best
         if is_good(best):
             return best
     context.progress(0.9, "finishing with the robots that the repair asks for")
@@ -119,16 +119,16 @@ def settled(context: Context, stages: Stages, settings: MethodSettings) -> Repai
         return repair_until_feasible(context, tours, no_points(), may_add=False, rounds=rounds)
     robots = len(stages.segments)
     best = repair_until_feasible(context, tours, no_points(), may_add=True, rounds=rounds)
-    found = best
+    plan = best
     for _ in range(settings.route.recuts):
-        if (best.met and robots_of(best) <= robots) or context.should_stop() or len(found.tours) < robots:
+        if (best.met and robots_of(best) <= robots) or context.should_stop() or len(plan.tours) < robots:
             break
-        driven_m = np.array([tour_length_m(tour) for tour in found.tours[:robots]])
+        driven_m = np.array([tour_length_m(tour) for tour in plan.tours[:robots]])
         stages = cut(context, measured(stages, driven_m, context.problem.robot), settings, robots)
-        found = repair_until_feasible(
+        plan = repair_until_feasible(
             context, tours_of(context.problem, stages), no_points(), may_add=True, rounds=rounds
         )
-        best = found if is_better(found, best) else best
+        best = plan if is_better(plan, best) else best
     return best
 
 
@@ -141,13 +141,15 @@ def as_printed(context: Context, framed: Framed, settings: MethodSettings) -> Re
 
 def tours_of(problem: Problem, stages: Stages) -> list[Tour]:
     """The segments' routes as tours of a robot each, which serve what has the segment's period or a longer one."""
-    period_classes = [int(np.argmin(np.abs(np.array(problem.periods_s) - one.period_s))) for one in stages.segments]
+    period_classes = [
+        int(np.argmin(np.abs(np.array(problem.periods_s) - segment.period_s))) for segment in stages.segments
+    ]
     return [
         Tour(
-            vertices_m=one.route_m, period_class=k, period_s=problem.periods_s[k], robots=1, robot=problem.robot,
-            component=one.part,
+            vertices_m=segment.route_m, period_class=k, period_s=problem.periods_s[k], robots=1, robot=problem.robot,
+            component=segment.part,
         )
-        for k, one in zip(period_classes, stages.segments, strict=True)
+        for k, segment in zip(period_classes, stages.segments, strict=True)
     ]  # fmt: skip
 
 
@@ -156,11 +158,11 @@ def is_good(settled: Repaired) -> bool:
     return settled.met and settled.within_budgets
 
 
-def is_better(found: Repaired, best: Repaired | None) -> bool:
+def is_better(plan: Repaired, best: Repaired | None) -> bool:
     """Whether a plan is better than the best so far: one that passes, then fewer robots."""
-    if best is None or not is_good(found):
+    if best is None or not is_good(plan):
         return best is None
-    return not is_good(best) or robots_of(found) < robots_of(best)
+    return not is_good(best) or robots_of(plan) < robots_of(best)
 
 
 def robots_of(settled: Repaired) -> int:

@@ -92,31 +92,31 @@ def framed_sensors(
     deployment = deploy_sensors(mission, deploy, seed=seed, threads=threads)
     positions_m, zone, periods_s = deployment.positions_m, deployment.zone_of, deployment.periods_s
     parts, robot = paths.part_of(positions_m), common_robot(mission.fleet)
-    found = []
+    frames = []
     for part in np.unique(parts).tolist():
-        here = np.flatnonzero(parts == part)
+        members = np.flatnonzero(parts == part)
         frame = find_frame(
-            positions_m[here], zone[here], paths, virtual_radius_m=deployment.virtual_radius_m,
+            positions_m[members], zone[members], paths, virtual_radius_m=deployment.virtual_radius_m,
             settings=settings.tour, seed=seed,
         )  # fmt: skip
-        along_s = periods_s[here][frame.order]
+        along_s = periods_s[members][frame.order]
         lengths_m = None
         if settings.partition.times == "routes":
             lengths_m = route_lengths_m(
                 frame, along_s, paths, speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
                 joining_legs=settings.partition.joining_legs, settings=settings.route,
             )  # fmt: skip
-        found.append(
+        frames.append(
             PartFrame(
                 frame=frame,
-                sensors=here,
+                sensors=members,
                 waypoint_periods_s=along_s,
                 part=int(part),
                 legs_m=frame.legs_m,
                 route_lengths_m=lengths_m,
             )
         )
-    return Framed(deployment=deployment, parts=tuple(found), seed=seed)
+    return Framed(deployment=deployment, parts=tuple(frames), seed=seed)
 
 
 def cut_in_segments(
@@ -165,8 +165,8 @@ def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: i
     if len(framed.parts) == 1:
         return [min(max(robots, 1), len(framed.parts[0].sensors))]
     needed = [partition_of(part, robot, settings, seed=framed.seed) for part in framed.parts]
-    loads = [float((one.times_s / one.periods_s).sum()) for one in needed]
-    counts, most = [len(one.first) for one in needed], [len(part.sensors) for part in framed.parts]
+    loads = [float((partition.times_s / partition.periods_s).sum()) for partition in needed]
+    counts, most = [len(partition.first) for partition in needed], [len(part.sensors) for part in framed.parts]
     while sum(counts) > robots and max(counts) > 1:
         some = [k for k, count in enumerate(counts) if count > 1]
         counts[min(some, key=lambda k: loads[k] / (counts[k] - 1))] -= 1
@@ -182,7 +182,7 @@ def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
     The next partition then gives shorter segments where repair made routes long, and longer ones where it did not.
     """
     around_m = route_length_m(0.0, radius_m(robot))
-    found, at = [], 0
+    frames, at = [], 0
     for part, partition in zip(stages.framed.parts, stages.partitions, strict=True):
         legs_m = part.legs_m.copy()
         for k in range(len(partition.first)):
@@ -194,8 +194,8 @@ def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
             if long_m > 0:
                 legs_m[inner] *= np.clip(really_m / long_m, 1 / MOST_SCALED, MOST_SCALED)
             at += 1
-        found.append(replace(part, legs_m=legs_m))
-    return replace(stages.framed, parts=tuple(found))
+        frames.append(replace(part, legs_m=legs_m))
+    return replace(stages.framed, parts=tuple(frames))
 
 
 def radius_m(robot: Robot) -> float:

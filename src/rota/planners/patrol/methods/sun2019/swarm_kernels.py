@@ -170,14 +170,14 @@ def list_bare(s: Swarms) -> None:
 
     Twice as many entries as there are cells are enough: no cell is seen by one swarm alone and by another one, too.
     """
-    found = 0
+    listed = 0
     for cell in range(s.times.shape[0]):
         if s.times[cell] == 0:
-            s.bare_item[found] = cell
-            found += 1
+            s.bare_item[listed] = cell
+            listed += 1
     seen, seen_n = s.context.seen, s.context.seen_n
     for j in range(s.group_start.shape[0] - 1):
-        s.bare_start[j] = found
+        s.bare_start[j] = listed
         for step in (-1, 1):
             change = np.int32(step)
             for k in range(s.group_start[j], s.group_start[j + 1]):
@@ -186,9 +186,9 @@ def list_bare(s: Swarms) -> None:
                     cell = seen[0, d, n]
                     s.times[cell] += change
                     if step < 0 and s.times[cell] == 0:
-                        s.bare_item[found] = cell
-                        found += 1
-        s.bare_start[j + 1] = found
+                        s.bare_item[listed] = cell
+                        listed += 1
+        s.bare_start[j + 1] = listed
 
 
 @compiled
@@ -213,18 +213,18 @@ def near_groups(place: Any, box: Any, seeds: Any, size: int) -> Any:
     n = place.shape[0]
     order = np.empty(n, np.int64)
     left = np.ones(n, np.bool_)
-    found = 0
+    placed = 0
     for seed in seeds:
         if not left[seed]:
             continue
-        for member in range(min(size, n - found)):
+        for member in range(min(size, n - placed)):
             nearest, chosen = math.inf, seed
             for e in range(n):
                 if left[e] and member > 0:
                     dx, dy = (place[e, X] - place[seed, X]) * box[2], (place[e, Y] - place[seed, Y]) * box[3]
                     if dx * dx + dy * dy < nearest:
                         nearest, chosen = dx * dx + dy * dy, e
-            order[found] = chosen
+            order[placed] = chosen
             left[chosen] = False
-            found += 1
+            placed += 1
     return order
