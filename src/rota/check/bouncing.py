@@ -98,6 +98,7 @@ def _without_cells(plan: Plan, rules: Bouncing) -> list[Violation]:
 
 
 def _no_angle(trajectory: Trajectory, index: int, angles: int) -> Violation:
+    """The violation of a robot whose number ``index`` has none of the mission's ``angles`` bouncing angles."""
     return violation("no bouncing angle", trajectory.robot, None, None, float(index), float(angles), "angles")
 
 
@@ -279,10 +280,12 @@ class _Robot:
         self._note_turn("rests where nothing is in the way", len(self._cells) - 1, 0.0)
 
     def _note_turn(self, kind: ViolationKind, leg: int, angle_deg: float) -> None:
+        """Note a wrong turn by ``angle_deg`` where the leg begins; the limit is the bouncing angle."""
         allowed = self._bounce * 360 / len(self._floor.moves)
         self._found.append(self._wrong(kind, leg, angle_deg, allowed, "degrees"))
 
     def _wrong(self, kind: ViolationKind, leg: int, value: float, limit: float, unit: str) -> Violation:
+        """A violation of this robot at the place and time at which the leg begins."""
         x, y = self._places[leg]
         time_s = float(self._trajectory.times_s[leg])
         return violation(kind, self._trajectory.robot, (x, y), time_s, float(value), float(limit), unit)

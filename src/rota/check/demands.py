@@ -82,6 +82,7 @@ def visits(legs_m: Floats, region: Any, slack_m: float) -> list[tuple[int, float
 
 
 def _inside(leg: Floats, region: Any, sides: Floats, slack_m: float) -> list[tuple[float, float]]:
+    """The parts from..to, in 0..1 and rising, of a leg (4,) within slack_m of a region; sides: (s, 4) of its border."""
     start, along = leg[:2], leg[2:] - leg[:2]
     across = sides[:, 2:] - sides[:, :2]
     offset = sides[:, :2] - start

@@ -78,6 +78,7 @@ def pair_gap(times, a, b, period_a, period_b, shared_s):
 
 @njit(cache=True)
 def _divisor(a, b):
+    """The greatest common divisor of two whole numbers."""
     while b:
         a, b = b, a % b
     return a

@@ -104,6 +104,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
 
 
 def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights, finest_m: float) -> list[Findings]:
+    """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined."""
     reach = float(sights.team.reaches_m.min(initial=math.inf))
     size = max(reach / 4 if math.isfinite(reach) else mission.fleet.sensor.reach_m / 4, finest_m)
     pieces, owners, size = _tiles(mission, size)
@@ -167,6 +168,7 @@ def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
 
 
 def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], findings: list[Findings]) -> list[Violation]:
+    """One violation where more ground is seen by nobody than the mission lets a plan leave out; else none."""
     total = sum(demand.region.area for demand in asked if demand.demand == "every_point")
     excluded = sum(f.excluded_area_m2 for f in findings)
     limit = 0.0 if mission.unseeable == "refuse" else MOST_EXCLUDED * total
@@ -188,6 +190,7 @@ def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], findings: lis
 
 
 def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, findings: Findings, refused: bool) -> None:
+    """Add the verdict on demand number k of every point; ``refused``: too much ground is seen by nobody."""
     outcome: Outcome = "not proven" if findings.undecided_cells else "met"
     if findings.worst_place_m is not None:
         outcome = "violated"
@@ -230,6 +233,7 @@ def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, findings: Findings
 
 
 def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mission: Mission) -> None:
+    """Add the verdict on demand number k of visits to its zone."""
     routes = sights.routes
     inside = visits(routes.legs_m, demand.region, slack_of(mission))
     gap, begin = loop_gap(routes, inside)

@@ -157,6 +157,7 @@ def segment_distances(a: Floats, b: Floats) -> tuple[Floats, Floats]:
 
 
 def _point_distance(point: Floats, start: Floats, along: Floats) -> tuple[Floats, Floats]:
+    """Distance (n,) of points from segments, all (n, 2), and where along the segments it is reached, (n,) in 0..1."""
     length2 = (along**2).sum(axis=1)
     u = ((point - start) * along).sum(axis=1) / np.where(length2 > 0, length2, 1.0)
     u = np.clip(u, 0.0, 1.0)
@@ -217,6 +218,7 @@ def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
 
 
 def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float) -> list[Violation]:
+    """Headings that turn faster than the rate from one timed point to the next, the seam of the loop included."""
     if trajectory.headings_rad is None:
         return []
     change = np.diff(trajectory.headings_rad)

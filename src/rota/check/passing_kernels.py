@@ -63,6 +63,7 @@ class Stretch(NamedTuple):
 
 @njit(cache=True)
 def _cross(ax, ay, bx, by):
+    """The cross product of two vectors in the plane."""
     return ax * by - ay * bx
 
 

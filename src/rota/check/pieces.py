@@ -143,5 +143,6 @@ def _convex_parts(shapes: NDArray[np.object_]) -> Pieces:
 
 
 def _polygons(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
+    """All polygons (p,) in shapes (n,) of any kind, without those of no area."""
     parts = shapely.get_parts(shapely.get_parts(shapes))
     return np.asarray(parts[(shapely.get_type_id(parts) == 3) & (shapely.area(parts) > 0)])

@@ -171,6 +171,7 @@ def _refined(
 def _note_met(
     findings: list[Findings], sights: Sights, pieces: Pieces, owners: Ints, gaps_s: Floats, firsts_s: Floats
 ) -> None:
+    """Note pieces that are shown met: bounds of their gaps from above, and samples at the worst of them from below."""
     for k in np.unique(owners):
         mine = np.flatnonzero(owners == k)
         findings[k].upper_s = max(findings[k].upper_s, float(gaps_s[mine].max()))
@@ -254,6 +255,7 @@ class _Level:
         return middles + INSIDE * (chosen.corners_m - middles), owner
 
     def _wholly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
+        """Which pieces nobody can see any of: (k,) flags for the pieces ``index`` (k,)."""
         if not len(index):
             return np.zeros(0, bool)
         corners, owner = self._inner_corners(index)
@@ -274,6 +276,7 @@ class _Level:
         return passed
 
     def _partly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
+        """Which pieces, or ground beside them, have a corner that nobody can see: (k,) flags for ``index``, (k,)."""
         hidden = np.zeros(len(index), bool)
         if len(index):
             corners, owner = self._inner_corners(index)
@@ -302,6 +305,7 @@ class _Level:
             self._note_worst(findings[self.owners[piece]], samples.gaps_s[row], samples.begins_s[row], corners[row])
 
     def _note_worst(self, findings: Findings, gap_s: float, begin_s: float, place_m: Floats) -> None:
+        """Note a gap that is too long, and its place if it is the worst so far."""
         findings.lower_s = max(findings.lower_s, float(gap_s))
         if findings.worst_place_m is None or gap_s > findings.worst_s:
             findings.worst_s, findings.worst_begin_s = float(gap_s), float(begin_s)
@@ -320,6 +324,7 @@ class _Level:
         return bad
 
     def _note_excluded(self, findings: list[Findings], index: Ints) -> None:
+        """Note the pieces ``index`` (k,) as seen by nobody."""
         rows = np.column_stack([self.middles, self.areas_m2, self.sizes_m])[index]
         for k in np.unique(self.owners[index]):
             mine = rows[self.owners[index] == k]
@@ -327,6 +332,7 @@ class _Level:
             findings[k].excluded.append(mine)
 
     def _note_unmet(self, findings: list[Findings], index: Ints) -> None:
+        """Note the pieces ``index`` (k,) as not shown met."""
         for k in np.unique(self.owners[index]):
             mine = index[self.owners[index] == k]
             findings[k].upper_s = max(findings[k].upper_s, float(self.uppers_s[mine].max()))

@@ -185,10 +185,12 @@ def report_to_json(report: Report) -> dict[str, Any]:
 
 
 def _finite(value: float) -> float | None:
+    """The number, or None, JSON's null, for one that JSON does not have."""
     return value if math.isfinite(value) else None
 
 
 def _object(**properties: Any) -> dict[str, Any]:
+    """A JSON schema of an object that has all of these properties and no others."""
     return {
         "type": "object",
         "properties": properties,
@@ -327,11 +329,13 @@ def _demand_rows(report: Report) -> list[str]:
 
 
 def _bracket(d: DemandVerdict) -> str:
+    """The worst gap as text: one number, or the bracket that holds it."""
     low, high = _number(d.worst_gap_at_least_s), _number(d.worst_gap_s)
     return low if low == high else f"{low} to {high}"
 
 
 def _number(value: float) -> str:
+    """A number as text with three decimals, or nine digits where it is small; never: inf."""
     if math.isinf(value):
         return "never"
     return f"{value:.9g}" if abs(value) < 0.01 else f"{value:.3f}".rstrip("0").rstrip(".")

@@ -106,6 +106,7 @@ def passing_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
 
 
 def _never(n: int) -> Gaps:
+    """Gaps of n pieces that nobody sees."""
     never = np.full(n, np.inf)
     return Gaps(gaps_s=never, begins_s=np.full(n, np.nan), firsts_s=never, exact=np.ones(n, np.bool_))
 

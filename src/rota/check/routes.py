@@ -149,6 +149,7 @@ def segments_of(shape: Any) -> Floats:
 
 
 def _ring_sides(shape: Any) -> Iterator[Floats]:
+    """The sides (s, 4) of each ring of a geometry."""
     for ring in get_rings(get_parts(shape)):
         xy = get_coordinates(ring)
         sides = np.hstack([xy[:-1], xy[1:]])

@@ -99,6 +99,7 @@ def _known(mission: Mission, areas: tuple[StandingArea, ...], spread_m: float) -
 
 @functools.lru_cache(maxsize=4)
 def _hidden(mission: Mission) -> Any:
+    """All obstacles that block sight as one geometry."""
     return shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
 
 
@@ -117,6 +118,7 @@ def _near_box(
 
 
 def _cut_to(frame: Any, shape: Any) -> Any:
+    """The polygons of what the frame and the shape have in common."""
     parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shapely.intersection(shape, frame))))
     return shapely.multipolygons(parts[shapely.get_type_id(parts) == 3])
 
@@ -124,6 +126,7 @@ def _cut_to(frame: Any, shape: Any) -> Any:
 def _seen_from_any(
     areas: tuple[StandingArea, ...], hidden: Any, points_m: Floats, spread_m: float, slack_m: float
 ) -> Flags:
+    """Whether each point (n, 2) is seen from any of the areas, within the spread: (n,) flags."""
     sight = np.zeros(len(points_m), np.bool_)
     thin = shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
     for area in areas:
@@ -135,6 +138,10 @@ def _seen_from_any(
 
 
 def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: float, slack_m: float) -> Flags:
+    """Whether each point (n, 2) is seen from one area, within the spread: (n,) flags.
+
+    The nearest place to stand decides most; rays decide the rest.
+    """
     points = shapely.points(points_m)
     shapely.prepare(area.shape)
     sight: Flags = shapely.dwithin(area.shape, points, spread_m + SLACK_M)
@@ -158,6 +165,7 @@ def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: floa
 
 
 def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:
+    """Whether each point (n, 2) sees ground within the reach, by rays between all walls: (n,) flags."""
     low, high = points_m.min(axis=0), points_m.max(axis=0)
     origin = (low + high) / 2
     margin = reach_m * (math.sqrt(2) if square else 1.0) + GRID_MARGIN_M

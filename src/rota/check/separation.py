@@ -237,6 +237,7 @@ def _note(
     place_m: Floats,
     time_s: float | None,
 ) -> None:
+    """Keep this distance, place and time of legs a and b where it is the least so far of their two robots."""
     pair = (int(routes.robots[a]), int(routes.robots[b]))
     if pair not in closest or distance_m < closest[pair].distance_m:
         closest[pair] = _Closest(distance_m, (float(place_m[0]), float(place_m[1])), time_s)

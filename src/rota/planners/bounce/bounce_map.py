@@ -131,6 +131,7 @@ def binomials(states: int, robots: int) -> Longs:
 
 
 def _require_equal(team: Team) -> None:
+    """Raise ValueError unless all robots turn alike and are equally wide."""
     apart2 = team.apart2[~np.eye(len(team.apart2), dtype=bool)]
     if (team.bumped != team.bumped[0]).any() or (apart2 != apart2[0]).any():
         raise ValueError("robots that turn by different angles, or differ in width, cannot be taken as unordered")

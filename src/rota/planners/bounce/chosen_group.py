@@ -164,6 +164,7 @@ def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, see
 
 
 def _by_basin(cycles: LimitCycles, listed: JointGroups) -> Iterator[tuple[int, ...]]:
+    """The listed groups as nodes, those with the largest basin first."""
     for k in np.argsort(-listed.basin, kind="stable"):
         yield nodes_of(cycles, listed.states[k])
 

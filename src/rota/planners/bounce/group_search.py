@@ -129,6 +129,7 @@ class _Search:
                 low, high = middle + 1, high + 1
 
     def _team_within(self, limit: float, most: int) -> bool:
+        """Whether a team is found in which one robot alone keeps the limit in each zone, in at most so many steps."""
         budget = [most]
         return self._give({}, np.ones(len(self.watch.cycles.state), np.bool_), list(range(self.zones)), limit, budget)
 
@@ -250,6 +251,7 @@ class _Search:
     # ---------------------------------------------------------------- what both need
 
     def _period(self, chosen: dict[int, int]) -> int:
+        """The common period, in steps, of the robots chosen so far."""
         return self.watch.cycles.common_period(list(chosen.values()))
 
     def _distinct(self, nodes: Longs, period: int) -> Longs:
@@ -258,6 +260,7 @@ class _Search:
         return nodes[cycles.phase[nodes] < np.gcd(period, cycles.length[cycles.cycle[nodes]])]
 
     def _same(self, node: int, period: int) -> Longs:
+        """The nodes of the same cycle that make the same team with robots of this common period, at other times."""
         cycles = self.watch.cycles
         cycle = int(cycles.cycle[node])
         start, length = int(cycles.start[cycle]), int(cycles.length[cycle])
@@ -273,6 +276,7 @@ class _Search:
         return self._known[key]
 
     def _new_gaps(self, visiting: tuple[int, ...], zone: int) -> _Gaps | None:
+        """The gaps that these nodes leave in a zone; a lower estimate where their common period is too long."""
         if not visiting:
             return None
         period = self.watch.cycles.common_period(visiting)
@@ -284,6 +288,7 @@ class _Search:
         return _Gaps(steps=steps, counts=counts, period=period)
 
     def _note(self, chosen: dict[int, int]) -> None:
+        """Keep a whole team if it is better than the best so far."""
         nodes = tuple(chosen[k] for k in range(self.robots))
         worst = 0.0
         for z, period in enumerate(self.watch.period_steps):

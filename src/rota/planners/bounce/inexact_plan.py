@@ -62,6 +62,7 @@ def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
 
 
 def _crew(plan: Plan) -> Crew:
+    """The plan's robots as the simulation in the plane has them."""
     mission = plan.mission
     robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
     angles = BounceSettings.of(mission).bouncing_angles_deg
@@ -76,6 +77,7 @@ def _crew(plan: Plan) -> Crew:
 
 
 def _turn_s(mission: Mission, plan: Plan) -> float:
+    """Seconds that a turn takes in the simulation: a step on the grid, the slowest robot's longest turn without."""
     if BounceSettings.of(mission).cells == "grid":
         return step_duration_s(mission, make_cells(mission))
     rates = [mission.fleet.robot(trajectory.robot).turn_rate_rad_s for trajectory in plan]
@@ -84,6 +86,7 @@ def _turn_s(mission: Mission, plan: Plan) -> float:
 
 
 def _starts(plan: Plan) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """(RUNS, m, 3) x, y in metres and heading in radians of each robot at the plan's start, the same in each run."""
     poses = [
         (*trajectory.positions_m[0, :2], 0.0 if trajectory.headings_rad is None else trajectory.headings_rad[0])
         for trajectory in plan

@@ -116,6 +116,7 @@ def _equal(team: Team, i: int, j: int) -> bool:
 
 
 def _apart_of_kinds(team: Team, kinds: list[int], first_like: list[int]) -> NDArray[np.float64]:
+    """(k, k) squared least distances of robots of two kinds, in cells."""
     apart2 = np.zeros((len(first_like),) * 2)
     for i, a in enumerate(kinds):
         for j, b in enumerate(kinds):
@@ -125,6 +126,7 @@ def _apart_of_kinds(team: Team, kinds: list[int], first_like: list[int]) -> NDAr
 
 
 def _round(successor: Ints, first: int, length: int) -> Ints:
+    """(length,) states of a cycle from its first one on."""
     states = np.empty(length, np.int32)
     state = first
     for k in range(length):

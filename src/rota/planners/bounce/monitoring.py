@@ -67,6 +67,7 @@ class Watch:
         return tuple(node for node in nodes if len(self._visits(int(self.cycles.cycle[node]), zone)))
 
     def _visits(self, cycle: int, zone: int) -> Longs:
+        """Phases of a cycle at which the robot is in the zone."""
         start, length = self.cycles.start[cycle], self.cycles.length[cycle]
         return np.flatnonzero(self.sees[start : start + length, zone])
 
@@ -100,6 +101,7 @@ def groups(watch: Watch, *, unordered: bool = False) -> Iterator[tuple[int, ...]
 
 
 def _covers(watch: Watch, nodes: Sequence[int]) -> bool:
+    """Whether the cycles of these nodes together enter every zone."""
     seen = np.zeros(watch.sees.shape[1], np.bool_)
     for node in nodes:
         start = watch.cycles.start[watch.cycles.cycle[node]]

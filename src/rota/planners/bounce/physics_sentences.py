@@ -53,6 +53,7 @@ def errors_sentence(plan: Plan) -> str | None:
 
 
 def _percent(share: float) -> str:
+    """A share as a percentage with one decimal."""
     return f"{100 * share:.1f}"
 
 

@@ -218,6 +218,7 @@ def _angle_faults(headings: int, values: Mapping[str, Any]) -> Iterator[tuple[Wh
 
 
 def _is_multiple(angle: float, step: float) -> bool:
+    """Whether an angle is a multiple of a step, to within a millionth of the step."""
     return abs(angle / step - round(angle / step)) < 1e-6
 
 

@@ -159,6 +159,7 @@ def _first_headings(rule: BounceRule, headings: Floats) -> tuple[Floats, Ints]:
 def _cycle(
     rim: Rim, rule: BounceRule, first_heading: float, ints: Ints, floats: Floats, share: float, starts: int
 ) -> PolygonCycle:
+    """The limit cycle that ``cycles_reached`` wrote for one start: ints (4,) and floats (4,)."""
     out = np.empty((int(ints[3]), 6))
     follow(rim.compiled, rule.compiled, first_heading, int(ints[1]), float(floats[0]), int(ints[2]), out)
     element, s_m = out[:, 0].astype(np.int64), out[:, 1]

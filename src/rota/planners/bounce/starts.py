@@ -87,6 +87,7 @@ def random_starts(
 
 
 def _apart(cells: Cells, chosen: list[int], apart_m: NDArray[np.float64]) -> bool:
+    """Whether the centres of the chosen cells (m,) are as far apart as apart_m (m, m) asks."""
     centres = cells.centres_m[chosen]
     gaps = np.hypot(*(centres[:, None] - centres).transpose(2, 0, 1))
     return bool(((gaps >= apart_m - TOUCH_M) | np.eye(len(chosen), dtype=bool)).all())

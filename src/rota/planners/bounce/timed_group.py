@@ -45,6 +45,7 @@ class TimedGroup:
         return worst
 
     def _visits(self, watch: Watch, chosen: Chosen, t: int, zone: int) -> bool:
+        """Whether any robot is in the zone t steps after the loops begin."""
         return any(watch.sees[chosen.cycles.later(node, t), zone] for node in chosen.nodes)
 
 

@@ -66,6 +66,7 @@ def body_room(mission: Mission) -> MultiPolygon:
 
 
 def _advice(mission: Mission, cells: Cells, room: MultiPolygon) -> str:
+    """How to change the grid so that its cells are joined."""
     other = joined_grid(mission, cells, room)
     if other is None:
         return "smaller cells (bounce.cell_m) or another origin of the grid (bounce.cell_origin) may join them"

@@ -55,6 +55,7 @@ class CudaStep:
 
 
 def _require_kernels() -> Any:
+    """The module of the kernels for the GPU; raises MissionError where there is no GPU."""
     try:
         from rota.planners.swarm import cuda_kernels
     except ImportError as error:

@@ -64,6 +64,7 @@ def place_graph_of(walls: Floats, kinds: Kinds) -> PlaceGraph:
 
 
 def _power(cells: int) -> int:
+    """The least power of two that is not below a number of cells."""
     return 1 << (cells - 1).bit_length()
 
 
@@ -103,6 +104,7 @@ def _turning_points(room: BaseGeometry) -> Floats:
 
 
 def _linked(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats, shape: tuple[int, int]) -> PlaceGraph:
+    """The graph of places (n, 2) and links, pairs (l, 2) of places; the lattice begins at ``low`` (2,)."""
     n, (columns, rows) = len(places), shape
     both = np.vstack([pairs, pairs[:, ::-1]])
     both = both[np.lexsort((both[:, 1], both[:, 0]))]

@@ -184,6 +184,7 @@ def _resumed(state: Checkpoint, mission: Mission, seed: int) -> Checkpoint:
 def _state_of(
     before: Checkpoint, mission: Mission, swarm: Swarm | SpaceSwarm, log: TrajectoryLog, still: int
 ) -> Checkpoint:
+    """What it takes to go on from where the swarm is now."""
     names, kept = swarm.robots.name.copy(), log.kept
     return replace(
         before,

@@ -68,6 +68,7 @@ def holding_from_joining(trajectories: tuple[Trajectory, ...], mission: Mission)
 
 
 def _holding_from(trajectory: Trajectory, time_s: float) -> Trajectory:
+    """The trajectory with one point more at which the robot holds, from that time on."""
     return replace(
         trajectory,
         times_s=np.append(trajectory.times_s, time_s),

@@ -297,15 +297,18 @@ class Swarm:
             filter_velocities(begin, end, snapshot, self._widest_m, EXACT, decisions, room)
 
     def _sort(self, time_step_s: float) -> float:
+        """Move the robots for that time and sort them by cell; returns the longest way in metres."""
         farthest2 = move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
         self._robots, self._spare = self._spare, self._robots
         return float(np.sqrt(farthest2))
 
     def _in_order(self, x: Floats, y: Floats) -> Floats:
+        """(n, 2) values in the order of the fleet, from two (n,) in the order of the grid."""
         return in_fleet_order(self._robots, x, y)
 
 
 def _require_places(news_m: Floats, places: int) -> Floats:
+    """The numbers (k,) of places; raises CheckpointError where their count is another."""
     if len(news_m) != places:
         raise CheckpointError(f"news_m: numbers of {len(news_m)} places; {places} are needed")
     return news_m

@@ -110,8 +110,10 @@ class SpaceSwarm:
         return float(np.sqrt(farthest2.max())) * time_step_s
 
     def _sort(self, time_step_s: float) -> None:
+        """Move the robots in the plane for that time and sort them by cell."""
         move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
         self._robots, self._spare = self._spare, self._robots
 
     def _in_order(self, x: Floats, y: Floats, of_fleet: Floats) -> Floats:
+        """(n, 3) values in the order of the fleet; x, y (n,) in that of the grid, of_fleet: in that of the fleet."""
         return np.column_stack([in_fleet_order(self._robots, x, y), of_fleet])

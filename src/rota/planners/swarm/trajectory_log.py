@@ -67,6 +67,7 @@ class TrajectoryLog:
         self._filled = 1
 
     def _thinned(self) -> Kept:
+        """What thinning keeps of the places of this block."""
         places = self.recent_m
         marks: Any = np.zeros(places.shape[:2], np.int8)
         thin(places, self._allowed_m, marks)

@@ -127,6 +127,7 @@ def _first_swarms(task: CoverTask, settings: DeploySettings, sensors: int, rng: 
 
 
 def _particles(count: int, sensors: int, most: int) -> Particles:
+    """Room for so many particles of so many sensors, each of which sees at most so many cells."""
     shape = (count, sensors)
     return Particles(
         place=np.zeros((*shape, 3)), seen=np.zeros((*shape, most), dtype=np.int32),
@@ -159,6 +160,7 @@ def _rules(task: CoverTask, settings: DeploySettings, iteration: int) -> Rules:
 
 
 def _scratch(task: CoverTask) -> Scratch:
+    """What one thread writes on while it moves the particles of a task."""
     return Scratch(
         known=np.zeros(1 + len(task.cells.table.corners), dtype=np.int64),
         marks=np.zeros(1 + len(task.cells), dtype=np.int64),
@@ -167,6 +169,7 @@ def _scratch(task: CoverTask) -> Scratch:
 
 
 def _threads(asked: int | None, particles: int) -> int:
+    """How many threads share the particles out: as many as asked for, or one a core, but one particle each at least."""
     return max(1, min(particles, asked or os.cpu_count() or 1))
 
 

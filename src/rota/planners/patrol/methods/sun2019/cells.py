@@ -170,6 +170,7 @@ def _solid_parts(shapes: NDArray[np.object_], cell_m: float) -> tuple[NDArray[np
 
 
 def _cells(lattice: Lattice, shapes: NDArray[np.object_], square: Ints) -> Cells:
+    """The cells of polygons (m,), each in the square of the lattice of that number (m,), sorted by their squares."""
     order = np.argsort(square, kind="stable")
     shapes, square = shapes[order], square[order]
     xy, of = shapely.get_coordinates(shapes, return_index=True)

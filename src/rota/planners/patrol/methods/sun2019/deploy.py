@@ -191,6 +191,7 @@ def _joined(zone: ZoneTasks, parts: list[_Part]) -> ZoneDeployment:
 
 
 def _added(histories: list[History]) -> History:
+    """The history of several deployments together."""
     return History(
         cost=np.sum([history.cost for history in histories], axis=0),
         counts=np.sum([history.counts for history in histories], axis=0),

@@ -14,6 +14,7 @@ Grouping = Literal["near", "random"]
 
 
 def _require(ok: bool, name: str, value: object, allowed: str) -> None:
+    """Raise MissionError that names a setting, its value and what is allowed, unless ok."""
     if not ok:
         raise MissionError(f"deploy.{name}: {value!r} is not allowed; {allowed}")
 

@@ -131,11 +131,13 @@ class PartitionSettings:
 
 
 def _require(ok: bool, name: str, value: object, allowed: str) -> None:
+    """Raise ValueError that names a setting, its value and what is allowed, unless ok."""
     if not ok:
         raise ValueError(f"{name}: {value!r} is not allowed; must be {allowed}")
 
 
 def _require_share(name: str, value: float) -> None:
+    """Raise ValueError unless the value is a finite number, 0 or more."""
     _require(math.isfinite(value) and value >= 0, name, value, "a finite number, 0 or more")
 
 

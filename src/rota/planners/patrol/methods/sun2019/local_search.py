@@ -89,6 +89,10 @@ def shortest_of_all(distance: Floats) -> Ints:
 
 
 def _laid_out(distance: Floats, near: Ints, seed: int) -> Search:
+    """The search before its first move, from the nearest neighbour tour.
+
+    distance: (n, n). near: (n, k) waypoints near each.
+    """
     n = len(distance)
     order = nearest_neighbour_tour(distance)
     place = np.empty(n, dtype=np.int64)

@@ -232,6 +232,7 @@ def ring_of(
 
 
 def _best(ring: Ring, margin_s: float, longest: Ints, segments: int) -> Ints:
+    """The first waypoints (m,) of the best partition whose segments are no longer than longest (n,) allows."""
     n = len(longest)
     late, uneven = np.empty((2, segments + 1, n + 1))
     chosen = np.zeros((segments + 1, n + 1), dtype=np.int64)
@@ -252,6 +253,7 @@ def _cheapest(ring: Ring, settings: PartitionSettings, segments: int | None) -> 
 
 
 def _times_and_periods(first: Ints, ring: Ring) -> tuple[Floats, Floats]:
+    """Times (Eq. 26) and periods (Eq. 23) in seconds, (m,) each, of the segments with these first waypoints (m,)."""
     n = len(ring.level) - 1
     counts = (np.roll(first, -1) - first - 1) % n + 1
     pairs = list(zip(first.tolist(), counts.tolist(), strict=True))
@@ -260,6 +262,7 @@ def _times_and_periods(first: Ints, ring: Ring) -> tuple[Floats, Floats]:
 
 
 def _judged(first: Ints, ring: Ring, settings: PartitionSettings, history: Floats | None) -> Partition:
+    """The partition with these first waypoints (m,), and what it costs."""
     first = np.sort(first)
     times_s, periods_s = _times_and_periods(first, ring)
     rules = rules_of(settings)

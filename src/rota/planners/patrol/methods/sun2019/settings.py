@@ -63,6 +63,7 @@ def settings_for(planning: PatrolSettings) -> MethodSettings:
 
 
 def _deployments(asked: DeploymentMethod, effort: Effort) -> tuple[DeploySettings, ...]:
+    """The settings of the deployments that are tried."""
     if asked == "best":
         return BEST[effort]
     return (replace(TABLE_2, sensors_max=None),) if asked == "ccpso2" else (DeploySettings(method=asked),)

@@ -207,6 +207,7 @@ def radius_m(robot: Robot) -> float:
 def _segment(
     part: PartFrame, partition: Partition, k: int, robot: Robot, paths: ShortestPaths, settings: MethodSettings
 ) -> Segment:
+    """Segment number k of a partition with the route round it."""
     line_m = segment_line(part.frame, partition, k, joining_legs=settings.partition.joining_legs)
     return Segment(
         line_m=line_m,

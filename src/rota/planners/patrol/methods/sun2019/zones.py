@@ -118,6 +118,7 @@ def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCel
 
 
 def _visited(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -> ZoneTasks:
+    """The task of a zone that asks for visits; raises NoPlanFound where no robot can be inside."""
     where = polygons_of(region.shape.intersection(standing), SLIVER)
     if where.is_empty:
         spot = region.shape.representative_point()
