@@ -27,7 +27,7 @@ class Runs:
         self.asked += 1
         self.tell(f"run {self.asked}")
         told = f"{self.settings}, seed {self.seed}, run {self.asked}"
-        return Section(figure=figure, heading="", pictures=(), caption="", paper="", found=told)
+        return Section(figure=figure, heading="", pictures=(), caption="", paper="", ours=told)
 
 
 class Told(NamedTuple):
@@ -49,7 +49,7 @@ STUDY = PaperStudy(
 
 def test_all_figures_are_made_from_one_set_of_runs_unless_some_are_asked_for() -> None:
     found = STUDY(seed=4)
-    assert [section.found for section in found.sections] == [f"as in docs, seed 4, run {k}" for k in (1, 2, 3)]
+    assert [section.ours for section in found.sections] == [f"as in docs, seed 4, run {k}" for k in (1, 2, 3)]
     assert found.files == {"page.md": b"[2, 5, 7] with 4, as in docs"}
     assert STUDY((7,), settings="less").page == "[7] with 0, less"
 

@@ -67,14 +67,14 @@ def patrol_progress(
     started_s = time.perf_counter()
     plan: Plan | None
     try:
-        found = search_plan(
+        search = search_plan(
             mission,
             seed=seed,
             progress=progress,
             should_stop=should_stop,
             watch=lambda state: told.append((time.perf_counter() - started_s, state)),
         )
-        plan, reason, early = found.plan, None, found.stopped_early
+        plan, reason, early = search.plan, None, search.stopped_early
     except NoPlanFound as failure:
         plan = failure.best if isinstance(failure.best, Plan) else None
         reason, early = str(failure), False
@@ -89,63 +89,63 @@ def patrol_progress(
     )
 
 
-def progress_table(found: PatrolProgress) -> str:
+def progress_table(search: PatrolProgress) -> str:
     """A row for each number of robots that was tried, in the order of the first try, and a line on the outcome."""
     rows = [HEAD]
-    for robots in dict.fromkeys(point.state.robots for point in found.points):
-        here = [point for point in found.points if point.state.robots == robots]
-        met_s = [point.time_s for point in here if point.state.met]
+    for robots in dict.fromkeys(point.state.robots for point in search.points):
+        own_points = [point for point in search.points if point.state.robots == robots]
+        met_s = [point.time_s for point in own_points if point.state.met]
         rows.append(
             (
                 str(robots),
-                f"{here[0].time_s:.1f}",
-                f"{here[-1].time_s:.1f}",
-                str(len(here)),
-                str(sum(point.state.stage == "checked" for point in here)),
-                f"{100 * min(point.state.unseen_share for point in here):.3g} %",
+                f"{own_points[0].time_s:.1f}",
+                f"{own_points[-1].time_s:.1f}",
+                str(len(own_points)),
+                str(sum(point.state.stage == "checked" for point in own_points)),
+                f"{100 * min(point.state.unseen_share for point in own_points):.3g} %",
                 f"{met_s[0]:.1f}" if met_s else "-",
             )
         )
     widths = [max(len(row[k]) for row in rows) for k in range(len(HEAD))]
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
-    return "\n".join([*lines, outcome_sentence(found)])
+    return "\n".join([*lines, outcome_sentence(search)])
 
 
-def outcome_sentence(found: PatrolProgress) -> str:
+def outcome_sentence(search: PatrolProgress) -> str:
     """What the search came to, when, and how far from the proved bound."""
-    bound = "" if found.lower_bound_robots is None else f" (proved: no fewer than {found.lower_bound_robots})"
-    early = ", stopped early" if found.stopped_early else ""
-    ended = f"the search ended after {found.search_s:.1f} s{early}"
-    if found.reason is not None:
-        return f"no plan{bound}; {ended}: {found.reason}"
-    best = found.points[-1].best
-    first_s = next(point.time_s for point in found.points if point.best == best)
+    bound = "" if search.lower_bound_robots is None else f" (proved: no fewer than {search.lower_bound_robots})"
+    early = ", stopped early" if search.stopped_early else ""
+    ended = f"the search ended after {search.search_s:.1f} s{early}"
+    if search.reason is not None:
+        return f"no plan{bound}; {ended}: {search.reason}"
+    best = search.points[-1].best
+    first_s = next(point.time_s for point in search.points if point.best == best)
     robots = "1 robot" if best.robots == 1 else f"{best.robots} robots"
     return f"{robots}{bound} after {first_s:.1f} s; {ended}"
 
 
-def progress_to_json(found: PatrolProgress) -> dict[str, Any]:
+def progress_to_json(search: PatrolProgress) -> dict[str, Any]:
     """The numbers as plain values for JSON: times in seconds, shares in 0..1."""
     return {
         "rota_patrol_progress": 1,
-        "mission": found.mission.name,
-        "effort": PatrolSettings.of(found.mission).effort,
-        "seed": found.seed,
-        "lower_bound_robots": found.lower_bound_robots,
-        "met": found.reason is None,
-        "reason": found.reason,
-        "stopped_early": found.stopped_early,
-        "search_s": found.search_s,
-        "points": [dict(zip(COLUMNS, _row(point), strict=True)) for point in found.points],
+        "mission": search.mission.name,
+        "effort": PatrolSettings.of(search.mission).effort,
+        "seed": search.seed,
+        "lower_bound_robots": search.lower_bound_robots,
+        "met": search.reason is None,
+        "reason": search.reason,
+        "stopped_early": search.stopped_early,
+        "search_s": search.search_s,
+        "points": [dict(zip(COLUMNS, _row(point), strict=True)) for point in search.points],
     }
 
 
-def progress_to_csv(found: PatrolProgress) -> str:
+def progress_to_csv(search: PatrolProgress) -> str:
     """The points as CSV with a line of names: true and false in lower case, times in seconds, shares in 0..1."""
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     lines.writerow(COLUMNS)
-    for point in found.points:
+    for point in search.points:
         lines.writerow([str(cell).lower() if isinstance(cell, bool) else cell for cell in _row(point)])
     return text.getvalue()
 
@@ -158,18 +158,18 @@ def _row(point: ProgressPoint) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def write_progress(found: PatrolProgress, path: str | Path) -> None:
+def write_progress(search: PatrolProgress, path: str | Path) -> None:
     """Write a picture (.png, .svg, .pdf) or the numbers (.csv, .json), by the suffix; the file appears whole or not.
 
     Raises RotaError for another suffix or a folder that cannot be written to.
     """
     suffix = require_suffix(path, OUTPUTS, "a progress curve")
     if suffix == ".csv":
-        write_atomically(path, progress_to_csv(found))
+        write_atomically(path, progress_to_csv(search))
     elif suffix == ".json":
-        write_atomically(path, json.dumps(progress_to_json(found), indent=1) + "\n")
+        write_atomically(path, json.dumps(progress_to_json(search), indent=1) + "\n")
     else:
         from rota.draw import draw_progress
 
-        title = f"{found.mission.name}, effort {PatrolSettings.of(found.mission).effort}, seed {found.seed}"
-        draw_progress(found.points, path, title=title, bound=found.lower_bound_robots, search_s=found.search_s)
+        title = f"{search.mission.name}, effort {PatrolSettings.of(search.mission).effort}, seed {search.seed}"
+        draw_progress(search.points, path, title=title, bound=search.lower_bound_robots, search_s=search.search_s)

@@ -29,7 +29,7 @@ class Verdict(NamedTuple):
 class Section:
     """One figure of the paper beside ours. The texts are Markdown; ``caption`` stands below the pictures.
 
-    paper: what the paper says. found: what we find; it takes its numbers from the run. extra: the paper has no such
+    paper: what the paper says. ours: what we find; it takes its numbers from the run. extra: the paper has no such
     figure. verdicts: on the paper's claims that the figure is evidence for.
     """
 
@@ -38,7 +38,7 @@ class Section:
     pictures: tuple[Picture, ...]
     caption: str
     paper: str
-    found: str
+    ours: str
     tables: tuple[Table, ...] = ()
     extra: bool = False
     verdicts: tuple[Verdict, ...] = ()
@@ -48,5 +48,5 @@ class Section:
         """The section under a heading of the second level."""
         parts = [f"## {'Extra figure' if self.extra else 'Figure'} {self.figure}: {self.heading}"]
         parts += [f"![{picture.shows}]({picture.file})" for picture in self.pictures]
-        parts += [f"*{self.caption}*", f"**The paper.** {self.paper}", f"**Here.** {self.found}"]
+        parts += [f"*{self.caption}*", f"**The paper.** {self.paper}", f"**Here.** {self.ours}"]
         return "\n\n".join([*parts, *(table.markdown for table in self.tables)])

@@ -40,8 +40,8 @@ class Study:
     @property
     def files(self) -> dict[str, bytes]:
         """Name and bytes of every file: pictures first, the page that shows them last."""
-        found = {picture.file: picture.png for section in self.sections for picture in section.pictures}
-        return found | {self.page_file: self.page.encode()}
+        pictures = {picture.file: picture.png for section in self.sections for picture in section.pictures}
+        return pictures | {self.page_file: self.page.encode()}
 
 
 class RunsMaker(Protocol[SettingsTaken, RunsMade]):
@@ -121,7 +121,7 @@ def require_study_folder(folder: str | Path, page_file: str, pictures: str) -> N
     pictures: a pattern that the names of its pictures match.
     """
     require_writable_folder(folder)
-    for name in (page_file, *(found.name for found in Path(folder).glob(pictures))):
+    for name in (page_file, *(path.name for path in Path(folder).glob(pictures))):
         if (Path(folder) / name).exists():
             require_writable(Path(folder) / name)
 

@@ -47,11 +47,11 @@ class Table:
 
     def _wrapped(self) -> list[tuple[str, ...]]:
         """Head and rows, with as many lines for each as its longest cell needs."""
-        found: list[tuple[str, ...]] = []
+        lines: list[tuple[str, ...]] = []
         for row in (self.head, *self.rows):
             cells = [textwrap.wrap(cell, LONGEST_CELL) or [""] for cell in row]
-            found += itertools.zip_longest(*cells, fillvalue="")
-        return found
+            lines += itertools.zip_longest(*cells, fillvalue="")
+        return lines
 
 
 def _piped(cells: tuple[str, ...]) -> str:
@@ -63,9 +63,9 @@ def number(value: float | None, form: str = ",.2f") -> str:
     return NOTHING if value is None else format(value, form)
 
 
-def counted(count: int, one: str, many: str | None = None) -> str:
+def counted(count: int, singular: str, plural: str | None = None) -> str:
     """``1 robot``, ``3 robots``."""
-    return f"{count:,} {one if count == 1 else many or one + 's'}"
+    return f"{count:,} {singular if count == 1 else plural or singular + 's'}"
 
 
 def joined(words: list[str]) -> str:

@@ -136,10 +136,10 @@ def test_the_papers_odd_route_is_told_with_sub_region_3(make_runs, without_searc
 def test_the_texts_tell_the_numbers_of_the_run(make_runs, without_search: list[Mission], case: Case) -> None:
     section = figure_13_section(make_runs())
     frame = case.printed.stages.framed.parts[0].frame
-    assert f"{frame.tour_length:,.2f} long, {frame.length_m:,.2f} of it way" in section.found
-    assert f"{len(case.printed.stages.framed.deployment.positions_m)} sensors (" in section.found
-    assert f"{case.unseen_m2:,.0f} m²" in section.found
-    assert "61,025.99 is 6 crossings and 1,025.99 of way, where its text has 1,027.40" in section.found
+    assert f"{frame.tour_length:,.2f} long, {frame.length_m:,.2f} of it way" in section.ours
+    assert f"{len(case.printed.stages.framed.deployment.positions_m)} sensors (" in section.ours
+    assert f"{case.unseen_m2:,.0f} m²" in section.ours
+    assert "61,025.99 is 6 crossings and 1,025.99 of way, where its text has 1,027.40" in section.ours
     assert [picture.file for picture in section.pictures] == ["sun2019-figure-13.png", "sun2019-figure-13-plans.png"]
 
 
@@ -160,8 +160,8 @@ def test_figure_14_has_the_cases_of_table_6(
     assert len(routes.rows) == 6
     assert "8 and 11 robots" in section.paper
     assert "but 4 of Case 6" in section.paper
-    assert "the paper 19" in section.found
-    assert re.search(r"sun2019 \d+ \(0 of 2 cases met\)", section.found)
+    assert "the paper 19" in section.ours
+    assert re.search(r"sun2019 \d+ \(0 of 2 cases met\)", section.ours)
     assert [mission.name for mission in without_search] == ["sun2019-12-10-20"] * 5 + ["sun2019-12-10-10"] * 5
     assert [picture.file for picture in section.pictures] == ["sun2019-figure-14.png", "sun2019-figure-14-mended.png"]
     # the paper, its swarms, and two readings of legs with four weights; sums are of Section 5.1 and the two cases

@@ -40,7 +40,7 @@ def test_sensors_in_the_table_are_those_of_the_runs(study: Study, settings: Stud
     for row, under, paper in zip(table.rows, (deploy, deploy.without_rules()), ("99", "103"), strict=True):
         zones = [len(zone.positions_m) for zone in deploy_sensors(mission, under, seed=2).zones]
         assert row[1:] == (paper, str(sum(zones)), *map(str, zones))
-        assert f"{sum(zones)} " in study.sections[0].found
+        assert f"{sum(zones)} " in study.sections[0].ours
         other = len(deploy_sensors(mission, under, seed=3).positions_m)
         assert additions.rows[0][1 if under is deploy else 2] == f"{sum(zones)}, {other}"
     assert [row[0] for row in additions.rows[::4]] == ["as here", "all three, the letter of Algorithm 1"]

@@ -47,7 +47,7 @@ def figure_6_verdicts(
 def fewer_steps_verdict(means: Sequence[float], others: Sequence[Sequence[float]]) -> Verdict:
     """Section 5.1, Figure 7: more robots take fewer steps."""
     falls = all(after < before for before, after in itertools.pairwise(means))
-    elsewhere = sum(all(after < before for before, after in itertools.pairwise(one)) for one in others)
+    elsewhere = sum(all(after < before for before, after in itertools.pairwise(layout)) for layout in others)
     return Verdict(
         "The number of steps decreases with the number of robots", "5.1, Figure 7", _holds(falls),
         f"On our layout the mean {'falls' if falls else 'does not fall'} with every robot; it falls on {elsewhere} of "
@@ -57,15 +57,15 @@ def fewer_steps_verdict(means: Sequence[float], others: Sequence[Sequence[float]
 
 def more_robots_verdict(means: Sequence[float], others: Sequence[Sequence[float]]) -> Verdict:
     """Section 5.1, Figure 8: more robots need not take fewer steps, five take more than four."""
-    here = means[-1] > means[-2]
-    five = sum(one[-1] > one[-2] for one in others)
-    some = sum(any(after > before for before, after in itertools.pairwise(one)) for one in others)
+    last_rises = means[-1] > means[-2]
+    five = sum(layout[-1] > layout[-2] for layout in others)
+    some = sum(any(after > before for before, after in itertools.pairwise(layout)) for layout in others)
     return Verdict(
         "More robots need not take fewer steps: five take more than four", "5.1, Figure 8",
-        "holds" if five + here > 0 else "cannot be told",
+        "holds" if five + last_rises > 0 else "cannot be told",
         f"Not on every map: five take more than four on {five} of {len(others)} random layouts and "
-        f"{'also' if here else 'not'} on ours; on {some} some team takes more than a smaller one. Runs are cut, so "
-        "that means of the hardest layouts are too small.",
+        f"{'also' if last_rises else 'not'} on ours; on {some} some team takes more than a smaller one. Runs are cut, "
+        "so that means of the hardest layouts are too small.",
     )  # fmt: skip
 
 
@@ -96,8 +96,10 @@ def apart_verdict(plan: Plan, figure: int) -> Verdict:
     assert margin_s is not None
     asked = replace(BounceSettings.of(plan.mission), turning_error_deg=WATCH_ERROR_DEG)
     kept = kept_with_errors(replace(plan, mission=replace(plan.mission, planning=asked)))
-    watched = joined([f"{one.name} {_percent(one.inexact)} (exact turns in the plane {100 * one.exact.value:.0f}%)"
-                      for one in kept])  # fmt: skip
+    watched = joined([
+        f"{share.name} {_percent(share.inexact)} (exact turns in the plane {100 * share.exact.value:.0f}%)"
+        for share in kept
+    ])  # fmt: skip
     clocks = "by any time" if math.isinf(margin_s) else f"by {margin_s:.2g} s"
     return Verdict(
         "Robots on overlapping ways never collide and watch for ever, without a word between them",
@@ -180,5 +182,5 @@ def _holds(ok: bool) -> Literal["holds", "does not hold"]:
     return "holds" if ok else "does not hold"
 
 
-def _percent(one: Estimate) -> str:
-    return f"{100 * one.value:.0f} ± {max(100 * one.error, 0.5):.0f}%"
+def _percent(estimate: Estimate) -> str:
+    return f"{100 * estimate.value:.0f} ± {max(100 * estimate.error, 0.5):.0f}%"

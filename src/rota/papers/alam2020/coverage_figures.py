@@ -46,7 +46,7 @@ def least_to_most(values: Sequence[float] | np.typing.NDArray[np.int64]) -> str:
 def _row(runs: CoverRuns) -> tuple[str, ...]:
     """Complete runs, steps, and what robots meet with on the way, on average."""
     return (
-        f"{runs.complete} of {len(runs.found)}", plus_minus(runs.steps), least_to_most(runs.steps),
+        f"{runs.complete} of {len(runs.coverages)}", plus_minus(runs.steps), least_to_most(runs.steps),
         f"{runs.contacts.mean():,.1f}", f"{runs.jumps.mean():,.1f}",
     )  # fmt: skip
 
@@ -58,25 +58,24 @@ def figure_6_section(runs: Runs) -> Section:
     """Figure 6: two robots cover a laboratory, in their configuration space and in the workspace."""
     mission = maps.lab(maps.LAB_1, 2, paper.COVER_ANGLE_DEG)
     by_method = {method: runs.cover(mission, method) for method in METHODS}
+    printed, improved = (by_method[method] for method in METHODS)
     panels: list[Panel] = []
     for letters, method in zip((("a", "b"), ("c", "d")), METHODS, strict=True):
-        one, two = letters
-        found = by_method[method]
-        plan = found.plan(found.shortest)
-        contacts = int(found.contacts[found.shortest])
-        note = f"{found.steps[found.shortest]:,} steps, {counted(contacts, 'contact')}"
-        panels.append(headings_panel(f"({one}) {TOLD[method].capitalize()}: cells and headings", plan, note))
-        panels.append(ways_panel(f"({two}) {TOLD[method].capitalize()}: ways", plan, note))
+        cover_runs = by_method[method]
+        plan = cover_runs.plan(cover_runs.shortest)
+        contacts = int(cover_runs.contacts[cover_runs.shortest])
+        note = f"{cover_runs.steps[cover_runs.shortest]:,} steps, {counted(contacts, 'contact')}"
+        panels.append(headings_panel(f"({letters[0]}) {TOLD[method].capitalize()}: cells and headings", plan, note))
+        panels.append(ways_panel(f"({letters[1]}) {TOLD[method].capitalize()}: ways", plan, note))
     table = Table(
-        title=f"Two robots cover the laboratory, {len(by_method['improved'].found)} random starts, mean ± deviation",
+        title=f"Two robots cover the laboratory, {len(improved.coverages)} random starts, mean ± deviation",
         head=("Algorithm 1", *HEAD),
         rows=(
             ("**the paper**", "1 of 1", "not printed", "", f"{paper.CONTACTS_FIGURE_6} contact", "not printed"),
-            *((TOLD[method], *_row(found)) for method, found in by_method.items()),
+            *((TOLD[method], *_row(cover_runs)) for method, cover_runs in by_method.items()),
         ),
     )
-    printed, improved = (by_method[method] for method in METHODS)
-    few = [int((found.contacts <= paper.CONTACTS_FIGURE_6).sum()) for found in (printed, improved)]
+    few = [int((cover_runs.contacts <= paper.CONTACTS_FIGURE_6).sum()) for cover_runs in (printed, improved)]
     return Section(
         figure=6,
         heading="two robots cover a laboratory",
@@ -92,16 +91,16 @@ def figure_6_section(runs: Runs) -> Section:
         "ways are drawn a little apart.",
         paper="One joint trajectory of two robots by 135° that covers the laboratory, with one contact of both robots "
         "(Section 5.1). Neither the map nor the number of steps is printed.",
-        found=f"As printed, all cells are covered from {printed.complete} of {len(printed.found)} starts, after "
+        ours=f"As printed, all cells are covered from {printed.complete} of {len(printed.coverages)} starts, after "
         f"{plus_minus(printed.steps)} steps; improved, from {improved.complete}, after {plus_minus(improved.steps)}. "
         f"Runs with no more than one step of contact, as the paper's: {few[0]} as printed, {few[1]} improved.",
         tables=(table,),
         verdicts=figure_6_verdicts(
-            {method: found.complete for method, found in by_method.items()},
-            len(printed.found),
+            {method: cover_runs.complete for method, cover_runs in by_method.items()},
+            len(printed.coverages),
             few,
             driven_verdict(
-                {f"{m} {k}": one.plan(k) for m, one in by_method.items() for k in range(len(one.found))},
+                {f"{m} {k}": each.plan(k) for m, each in by_method.items() for k in range(len(each.coverages))},
                 "5.1, Figure 6d-f",
             ),
         ),
@@ -138,26 +137,26 @@ SAID = {
 
 
 def _by_robots(runs: Runs, grid: _Grid) -> Section:
-    found = {
+    by_team = {
         (method, robots): runs.cover(maps.room(grid.text, robots, paper.COVER_ANGLE_DEG), method)
         for robots in paper.TEAMS
         for method in METHODS
     }
-    shown = found["as_printed", paper.TEAMS[0]]
-    panels: list[Panel] = [starts_panel("(a) The map, and two starts", shown.plan(0)), _curves(found)]
+    shown = by_team["as_printed", paper.TEAMS[0]]
+    panels: list[Panel] = [starts_panel("(a) The map, and two starts", shown.plan(0)), _curves(by_team)]
     others = _other_layouts(runs, grid)
     other_means = [[float(team.steps.mean()) for team in teams] for teams in others]
-    rows = [(str(robots), TOLD[method], *_row(found[method, robots])) for robots in paper.TEAMS for method in METHODS]
-    printed = [found["as_printed", robots] for robots in paper.TEAMS]
-    count = len(shown.found)
+    rows = [(str(robots), TOLD[method], *_row(by_team[method, robots])) for robots in paper.TEAMS for method in METHODS]
+    printed = [by_team["as_printed", robots] for robots in paper.TEAMS]
+    count = len(shown.coverages)
     table = Table(
         title=f"Steps to cover {grid.size} cells by 135°, {count} random starts, mean ± deviation",
         head=("robots", "Algorithm 1", *HEAD),
         rows=(("2 to 5", "**the paper**", "all", *["not printed"] * 4), *rows),
         words=(0, 1),
     )
-    means = {method: [float(found[method, robots].steps.mean()) for robots in paper.TEAMS] for method in METHODS}
-    complete = sum(one.complete for one in found.values())
+    means = {method: [float(by_team[method, robots].steps.mean()) for robots in paper.TEAMS] for method in METHODS}
+    complete = sum(one.complete for one in by_team.values())
     return Section(
         figure=grid.figure,
         heading=f"steps to cover {grid.size} cells",
@@ -170,7 +169,7 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
         ),
         caption=f"Figure {grid.figure}. The layout is ours. Lines are means, bands go from least to most; logarithmic.",
         paper=SAID[grid.figure],
-        found=f"{complete} of {len(found) * count} runs cover all cells. Mean steps for "
+        ours=f"{complete} of {len(by_team) * count} runs cover all cells. Mean steps for "
         f"{joined([str(robots) for robots in paper.TEAMS])} robots: "
         f"{_slashed(means['as_printed'])} as printed, {_slashed(means['improved'])} improved. "
         + _trend(means["as_printed"], "As printed")
@@ -189,7 +188,7 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
 
 def _other_layouts(runs: Runs, grid: _Grid) -> list[list[CoverRuns]]:
     """Runs as printed by number of robots, for each of some random layouts with as many blocked cells."""
-    found = []
+    by_layout = []
     blocked = grid.text.count("#")
     for layout in range(runs.settings.layouts):
         text = maps.random_room(grid.cells, grid.cells, blocked, np.random.default_rng([runs.seed, layout]))
@@ -197,17 +196,17 @@ def _other_layouts(runs: Runs, grid: _Grid) -> list[list[CoverRuns]]:
             maps.room(text, robots, paper.COVER_ANGLE_DEG, most_steps=runs.settings.layout_steps)
             for robots in paper.TEAMS
         )
-        found.append([runs.cover(mission, "as_printed") for mission in missions])
-    return found
+        by_layout.append([runs.cover(mission, "as_printed") for mission in missions])
+    return by_layout
 
 
 def _layouts_table(grid: _Grid, others: list[list[CoverRuns]], shown: list[CoverRuns], most_steps: int) -> Table:
-    by_robots = np.array([[one.steps.mean() for one in teams] for teams in others]).T
-    rows = [("the layout above", *(f"{one.steps.mean():,.0f}" for one in shown))]
+    by_robots = np.array([[team_runs.steps.mean() for team_runs in teams] for teams in others]).T
+    rows = [("the layout above", *(f"{team_runs.steps.mean():,.0f}" for team_runs in shown))]
     for told, choose in (("least", np.min), ("median", np.median), ("most", np.max)):
         rows.append((f"random layouts, {told}", *(f"{choose(means):,.0f}" for means in by_robots)))
-    complete = np.array([[one.complete for one in teams] for teams in others]).sum(axis=0)
-    count = sum(len(teams[0].found) for teams in others)
+    complete = np.array([[team_runs.complete for team_runs in teams] for teams in others]).sum(axis=0)
+    count = sum(len(teams[0].coverages) for teams in others)
     rows.append((f"runs that cover all in {most_steps:,} steps", *(f"{number} of {count}" for number in complete)))
     return Table(
         title=f"Algorithm 1 as printed on {len(others)} random layouts of {grid.size} cells: "
@@ -229,11 +228,11 @@ def _trend(means: Sequence[float], who: str) -> str:
     return f"{who} it rises from {rises[0] - 1} to {rises[0]} robots" + (";" if who[0].isupper() else "")
 
 
-def _curves(found: dict[tuple[BounceMethod, int], CoverRuns]) -> CurvePanel:
+def _curves(by_team: dict[tuple[BounceMethod, int], CoverRuns]) -> CurvePanel:
     at = np.array(paper.TEAMS, float)
     curves = []
     for method in METHODS:
-        steps = [found[method, robots].steps for robots in paper.TEAMS]
+        steps = [by_team[method, robots].steps for robots in paper.TEAMS]
         band = np.array([[values.min() for values in steps], [values.max() for values in steps]], float)
         mean = np.array([values.mean() for values in steps])
         curves.append(Curve(TOLD[method], mean, COLOURS[method], at=at, band=band))
@@ -257,27 +256,27 @@ def figure_9_section(runs: Runs) -> Section:
         method: [
             [
                 step
-                for run in found.found
-                if (step := steps_until(run, found.bouncing.cells.headings, share)) is not None
+                for run in method_runs.coverages
+                if (step := steps_until(run, method_runs.bouncing.cells.headings, share)) is not None
             ]
             for share in shares
         ]
-        for method, found in by_method.items()
+        for method, method_runs in by_method.items()
     }
     panels: list[MapPanel] = [starts_panel("(a) Random starts of ten robots", printed.plan(0))]
     for letter, method in zip("bc", METHODS, strict=True):
-        found = by_method[method]
-        run = found.found[0]
-        note = f"{run.share:.1%} of {found.bouncing.cells.count} free cells after {run.steps:,} steps"
-        panels.append(entries_panel(f"({letter}) Times entered, {TOLD[method]}", found.plan(0), note))
+        method_runs = by_method[method]
+        run = method_runs.coverages[0]
+        note = f"{run.share:.1%} of {method_runs.bouncing.cells.count} free cells after {run.steps:,} steps"
+        panels.append(entries_panel(f"({letter}) Times entered, {TOLD[method]}", method_runs.plan(0), note))
     rows = [
-        (TOLD[method], f"{len(until[method][0])} of {len(found.found)}", plus_minus(until[method][0]), *_row(found))
-        for method, found in by_method.items()
+        (TOLD[method], f"{len(until[method][0])} of {len(each.coverages)}", plus_minus(until[method][0]), *_row(each))
+        for method, each in by_method.items()
     ]
     early = float(np.mean(until["as_printed"][0])) if until["as_printed"][0] else np.inf
     reached = f"{paper.COVERED_FIGURE_9:.0%}"
     table = Table(
-        title=f"Ten robots on 20 x 12 cells by 135°, {len(printed.found)} random starts, mean ± deviation",
+        title=f"Ten robots on 20 x 12 cells by 135°, {len(printed.coverages)} random starts, mean ± deviation",
         head=("Algorithm 1", f"runs to {reached}", f"steps to {reached}", "complete", "steps to all", *HEAD[2:]),
         rows=(("**the paper**", "1 of 1", "not printed", "0 of 1", *["not printed"] * 4), *rows),
     )
@@ -293,11 +292,11 @@ def figure_9_section(runs: Runs) -> Section:
         ),
         caption="Figure 9, on a layout of ours. The first start of the table's runs; dark cells are entered seldom.",
         paper=f"Ten robots from a random start cover {reached} (Figure 9b); how many steps that takes is not printed.",
-        found=f"As printed, {printed.complete} of {len(printed.found)} starts lead to full coverage: {reached} after "
-        f"{plus_minus(until['as_printed'][0])} steps, everything after {plus_minus(printed.steps)}. "
+        ours=f"As printed, {printed.complete} of {len(printed.coverages)} starts lead to full coverage: {reached} "
+        f"after {plus_minus(until['as_printed'][0])} steps, everything after {plus_minus(printed.steps)}. "
         + ("Most of the time goes into the last cells. " if 2 * early < float(printed.steps.mean()) else "")
         + f"Improved: {plus_minus(until['improved'][0])} and {plus_minus(improved.steps)} "
-        f"({improved.complete} of {len(improved.found)} complete).",
+        f"({improved.complete} of {len(improved.coverages)} complete).",
         tables=(table,),
-        verdicts=(large_room_verdict({m: found.complete for m, found in by_method.items()}, len(printed.found)),),
+        verdicts=(large_room_verdict({m: each.complete for m, each in by_method.items()}, len(printed.coverages)),),
     )

@@ -73,18 +73,18 @@ def figure_12_section(runs: Runs) -> Section:
     mission = maps.room(maps.ROOM_10, 1, SHOWN_ANGLE_DEG)
     room = _Room(mission=mission, cells=make_cells(mission), step_s=STEP_CELLS * maps.ROOM_CELL_M / maps.SPEED_M_S)
     steps = runs.settings.error_steps
-    found: dict[tuple[float, str], InexactRuns] = {}
+    simulated: dict[tuple[float, str], InexactRuns] = {}
     for angle in ALL_ANGLES_DEG:
         for told, error in ERRORS.items():
             runs.now(f"figure 12: {angle:g}°, turns {told}")
-            found[angle, told] = room.run(runs, angle, error, steps)
+            simulated[angle, told] = room.run(runs, angle, error, steps)
     teams = {}
     for team in TEAMS:
         runs.now(f"figure 12: teams of {team}")
         teams[team] = room.run(runs, SHOWN_ANGLE_DEG, ERRORS[SHOWN], COVER_STEPS, team=team, share=COVER_SHARE)
     after_s = steps * room.step_s
-    mean = {key: one.mean_seen(after_s) for key, one in found.items()}
-    least = {key: one.least_seen(after_s) for key, one in found.items()}
+    mean = {key: one.mean_seen(after_s) for key, one in simulated.items()}
+    least = {key: one.least_seen(after_s) for key, one in simulated.items()}
     return Section(
         figure=12,
         extra=True,
@@ -93,7 +93,7 @@ def figure_12_section(runs: Runs) -> Section:
             Picture(
                 "alam2020-figure-12.png",
                 "Chances that each cell of a room is seen by an exact and an inexact robot, and their mean by step",
-                study_picture(_panels(room, found, steps)),
+                study_picture(_panels(room, simulated, steps)),
             ),
         ),
         caption=f"The room of Figure 7; a disc of radius {maps.ROOM_BODY_M:g} m in the continuous plane, from the "
@@ -103,13 +103,13 @@ def figure_12_section(runs: Runs) -> Section:
         paper="Section 6 leaves “a bounded uncertainty for both rotation and translation” and “a probabilistic "
         "variant of our method” to the future; no numbers. Of exact robots: “135° and 45° angles provide better "
         "coverage” than 90° and 180° (Section 6).",
-        found=_found(mean, least, runs.settings.walks),
+        ours=_ours(mean, least, runs.settings.walks),
         tables=(_angles_table(mean, least, steps), _cover_table(teams, room.step_s)),
         verdicts=(angles_verdict(mean, EXACT, SHOWN),),
     )  # fmt: skip
 
 
-def _found(mean: dict[tuple[float, str], Estimate], least: dict[tuple[float, str], Estimate], runs: int) -> str:
+def _ours(mean: dict[tuple[float, str], Estimate], least: dict[tuple[float, str], Estimate], runs: int) -> str:
     exact, inexact = mean[SHOWN_ANGLE_DEG, EXACT], mean[SHOWN_ANGLE_DEG, SHOWN]
     by_angle = {angle: mean[angle, EXACT].value for angle in (45.0, 90.0, 135.0, 180.0)}
     holds = min(by_angle[135.0], by_angle[45.0]) > max(by_angle[90.0], by_angle[180.0])
@@ -123,25 +123,26 @@ def _found(mean: dict[tuple[float, str], Estimate], least: dict[tuple[float, str
     )
 
 
-def _percent(one: Estimate) -> str:
-    return f"{100 * one.value:.1f} ± {100 * one.error:.1f}%"
+def _percent(estimate: Estimate) -> str:
+    return f"{100 * estimate.value:.1f} ± {100 * estimate.error:.1f}%"
 
 
-def _best(found: dict[tuple[float, str], Estimate], by: str) -> str:
+def _best(shares: dict[tuple[float, str], Estimate], by: str) -> str:
     """The angles from the best to the worst for the shown error, and which the runs cannot tell from the best."""
-    order = sorted(ALL_ANGLES_DEG, key=lambda angle: -found[angle, SHOWN].value)
-    top = found[order[0], SHOWN]
-    equal = [angle for angle in order if found[angle, SHOWN].value + found[angle, SHOWN].error >= top.value - top.error]
-    told = ", ".join(f"{angle:g}° {100 * found[angle, SHOWN].value:.1f}%" for angle in order)
+    order = sorted(ALL_ANGLES_DEG, key=lambda angle: -shares[angle, SHOWN].value)
+    top = shares[order[0], SHOWN]
+    highest = {angle: shares[angle, SHOWN].value + shares[angle, SHOWN].error for angle in order}
+    equal = [angle for angle in order if highest[angle] >= top.value - top.error]
+    told = ", ".join(f"{angle:g}° {100 * shares[angle, SHOWN].value:.1f}%" for angle in order)
     more = f"; the runs cannot tell {joined([f'{angle:g}°' for angle in equal])} apart" if len(equal) > 1 else ""
     return f"{by} with turns {SHOWN}, from the best angle: {told}{more}."
 
 
-def _panels(room: _Room, found: dict[tuple[float, str], InexactRuns], steps: int) -> list[Panel]:
+def _panels(room: _Room, simulated: dict[tuple[float, str], InexactRuns], steps: int) -> list[Panel]:
     panels: list[Panel] = []
     after_s = steps * room.step_s
     for letter, told in zip("ab", (EXACT, SHOWN), strict=True):
-        chances = found[SHOWN_ANGLE_DEG, told].seen(after_s)
+        chances = simulated[SHOWN_ANGLE_DEG, told].seen(after_s)
         note = f"mean {chances.mean():.1%}, least {chances.min():.1%}"
         title = f"({letter}) {SHOWN_ANGLE_DEG:g}°, turns {told}: seen, %"
         panels.append(chances_panel(title, room.mission, room.cells, chances, note))
@@ -149,7 +150,7 @@ def _panels(room: _Room, found: dict[tuple[float, str], InexactRuns], steps: int
     curves = tuple(
         Curve(
             f"{angle:g}°, {told}",
-            np.array([100 * found[angle, told].mean_seen(step * room.step_s).value for step in at]),
+            np.array([100 * simulated[angle, told].mean_seen(step * room.step_s).value for step in at]),
             ROUTE_COLOURS[k], "solid" if told == SHOWN else (0.0, (4.0, 2.0)), at=at, marked=False,
         )
         for k, angle in enumerate((*paper.ANGLES_DEG, 180.0))
@@ -167,7 +168,7 @@ def _angles_table(
     rows = [
         (f"{angle:g}°", *(_pair(mean[angle, told], least[angle, told]) for told in ERRORS)) for angle in ALL_ANGLES_DEG
     ]
-    widest = (max(one.error for one in of.values()) for of in (mean, least))
+    widest = (max(estimate.error for estimate in of.values()) for of in (mean, least))
     errors = " and ".join(f"{100 * error:.1f}" for error in widest)
     return Table(
         title=f"Chance that a cell was seen after {steps} steps, %: mean of all cells / the least of any "
@@ -183,8 +184,8 @@ def _pair(mean: Estimate, least: Estimate) -> str:
 
 def _cover_table(teams: dict[int, InexactRuns], step_s: float) -> Table:
     rows = []
-    for team, found in teams.items():
-        times = np.sort(found.cover_times_s()) / step_s
+    for team, team_runs in teams.items():
+        times = np.sort(team_runs.cover_times_s()) / step_s
         quantiles = [times[min(int(share * len(times)), len(times) - 1)] for share in (0.1, 0.5, 0.9)]
         told = [f"{value:,.0f}" if math.isfinite(value) else f"> {COVER_STEPS:,}" for value in quantiles]
         complete = np.isfinite(times).mean()

@@ -50,8 +50,8 @@ def compare_grid_and_plane(
     if cells.headings > 8:
         raise MissionError(f"bounce.headings: {cells.headings} is not allowed; the plane has 4 or 8 to compare with")
     successor = single_map(make_team(cells, [turn]))
-    found = cycles_and_basins(successor.copy())
-    lengths_m, bumps = _rounds(cells, successor, found.first)
+    basins = cycles_and_basins(successor.copy())
+    lengths_m, bumps = _rounds(cells, successor, basins.first)
     rim = make_rim(ground, body_radius_m)
     step = 2 * np.pi / cells.headings
     plane = limit_cycles(
@@ -61,14 +61,14 @@ def compare_grid_and_plane(
         np.tile(step * np.arange(cells.headings), cells.count),
         bounces=bounces,
     )
-    on_grid_m = lengths_m[found.cycle]
+    on_grid_m = lengths_m[basins.cycle]
     same = np.abs(plane.lengths_m - on_grid_m) <= _SAME_LENGTH * np.maximum(on_grid_m, cells.cell_m)
     go_round = (plane.lengths_m > 0) & (on_grid_m > 0)
     return GridBesidePlane(
         lengths_m=lengths_m,
         bumps=bumps,
-        shares=found.basin / cells.states,
-        cycle_of=found.cycle,
+        shares=basins.basin / cells.states,
+        cycle_of=basins.cycle,
         plane=plane,
         same_share=float(same.mean()),
         length_ratios=plane.lengths_m[go_round] / on_grid_m[go_round],

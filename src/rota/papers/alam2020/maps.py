@@ -158,9 +158,9 @@ def random_room(columns: int, rows: int, blocked: int, rng: np.random.Generator)
 def wide_rooms(angle_deg: float) -> dict[str, Mission]:
     """Rooms for one robot as wide as a cell, by name: it turns at a wall along the cells where the grid does, too."""
     typed = {"open room": OPEN, "two pillars": PILLARS}
-    found = {name: _mission(text, 1, angle_deg, ROOM_CELL_M, ROOM_CELL_M / 2, {}) for name, text in typed.items()}
-    slanted = replace(found["open room"], area=MultiPolygon([Polygon(SLANTED_M)]))
-    return {**found, "slanted wall": slanted}
+    rooms = {name: _mission(text, 1, angle_deg, ROOM_CELL_M, ROOM_CELL_M / 2, {}) for name, text in typed.items()}
+    slanted = replace(rooms["open room"], area=MultiPolygon([Polygon(SLANTED_M)]))
+    return {**rooms, "slanted wall": slanted}
 
 
 def watching(mission: Mission, regions: Regions) -> Mission:
@@ -176,11 +176,11 @@ def _mission(
     text: str, robots: int, angle_deg: float, cell_m: float, body_radius_m: float, settings: dict[str, Any]
 ) -> Mission:
     area, walls = text_map(text, cell_m)
-    one = Fleet(speed_m_s=SPEED_M_S, sensor=DiscSensor(radius_m=cell_m / 2), body_radius_m=body_radius_m)
+    fleet = Fleet(speed_m_s=SPEED_M_S, sensor=DiscSensor(radius_m=cell_m / 2), body_radius_m=body_radius_m)
     return Mission(
         name=f"{robots} robots, {angle_deg:g}°",
         area=area,
         obstacles=() if walls.is_empty else (Obstacle(shape=walls),),
-        fleet=replace(one, robots=tuple(one.equal_robot(f"robot-{k + 1}") for k in range(robots))),
+        fleet=replace(fleet, robots=tuple(fleet.equal_robot(f"robot-{k + 1}") for k in range(robots))),
         planning=BounceSettings(cell_m=cell_m, bouncing_angles_deg=(angle_deg,), **{"task": "cover", **settings}),
     )

@@ -106,7 +106,7 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
     told = f"Ours has {ours.apart:,} told apart, {ours.unordered:,} without names, {ours.printed:,} as printed"
     verdicts = [groups_verdict(place.figure, told, spread), apart_verdict(shown[angle_deg], place.figure)]
     if place.figure == 11:
-        by_purpose = {f"{angle:g} {told}": found.plan for (angle, told), found in plans.items() if found is not None}
+        by_purpose = {f"{angle:g} {told}": search.plan for (angle, told), search in plans.items() if search is not None}
         verdicts.append(driven_verdict(by_purpose, "5.2, Figure 11d-f"))
     return Section(
         figure=place.figure,
@@ -126,7 +126,7 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
         "on their cycles, and never leave them.",
         paper=f"r = {said} periodic groups of two robots by {angle_deg:g}° (Section 5.2). Map, regions, and whether "
         "robots are told apart, are not printed.",
-        found=f"By {angle_deg:g}° one robot has {counted(ours.cycles, 'limit cycle')} of {ours.states:,} states "
+        ours=f"By {angle_deg:g}° one robot has {counted(ours.cycles, 'limit cycle')} of {ours.states:,} states "
         f"together; {ours.apart:,} groups watch both regions with robots told apart, {ours.unordered:,} without "
         f"names, and Algorithm 2 in the order of its cells keeps {ours.printed:,}. "
         + (f"The paper's number is ours {' and '.join(same)}, by chance. " if same else "")
@@ -144,12 +144,12 @@ def _shown(runs: Runs, place: _Place, angle_deg: float) -> tuple[list[Panel], di
     panels: list[Panel] = []
     shown: dict[float, Plan] = {}
     for letters, angle in zip((("a", "b"), ("c", "d")), (angle_deg, OTHER_ANGLE_DEG), strict=True):
-        one, two = letters
+        first_letter, second_letter = letters
         runs.now(f"figure {place.figure}: groups by {angle:g}°")
         plan, note = shown_group(place.mission(angle), runs.seed)
         shown[angle] = plan
-        panels.append(headings_panel(f"({one}) {angle:g}°: cells and headings", plan, note))
-        panels.append(ways_panel(f"({two}) {angle:g}°: ways", plan, note, named_zones=True))
+        panels.append(headings_panel(f"({first_letter}) {angle:g}°: cells and headings", plan, note))
+        panels.append(ways_panel(f"({second_letter}) {angle:g}°: ways", plan, note, named_zones=True))
     return panels, shown
 
 
@@ -158,11 +158,11 @@ def _groups_table(place: _Place, counts: dict[float, _Counts]) -> Table:
     angle_deg, said = paper.GROUPS[place.figure]
     rows = [
         (
-            f"{angle:g}°", f"{said}" if angle == angle_deg else "", f"{one.printed:,}", f"{one.apart:,}",
-            f"{one.unordered:,}", f"{one.anywhere:,}", f"{one.cycles:,} ({one.states:,})", f"{one.basin:.1%}",
-            f"{one.free_basin:.1%}",
+            f"{angle:g}°", f"{said}" if angle == angle_deg else "", f"{count.printed:,}", f"{count.apart:,}",
+            f"{count.unordered:,}", f"{count.anywhere:,}", f"{count.cycles:,} ({count.states:,})", f"{count.basin:.1%}",
+            f"{count.free_basin:.1%}",
         )
-        for angle, one in counts.items()
+        for angle, count in counts.items()
     ]  # fmt: skip
     return Table(
         title=f"Periodic groups of two robots that watch A and B, {place.where}",
@@ -209,7 +209,7 @@ def group_counts(mission: Mission) -> _Counts:
     headings = bouncing.cells.headings
     inside = zone_cells(bouncing.cells, mission.zones)
     joint = float(bouncing.cells.states) ** ROBOTS
-    found = {
+    listed = {
         free: enumerate_groups(bouncing.team, inside, headings, contact_free=free) for free in ("cycle", "trajectory")
     }
     return _Counts(
@@ -219,8 +219,8 @@ def group_counts(mission: Mission) -> _Counts:
         apart=count_groups(watch.cycles, watch.sees),
         unordered=sum(1 for _ in groups(watch, unordered=True)),
         anywhere=count_groups(watch.cycles, watch.sees[:, :0]),
-        basin=float(found["cycle"].basin.sum()) / joint,
-        free_basin=float(found["trajectory"].basin.sum()) / joint,
+        basin=float(listed["cycle"].basin.sum()) / joint,
+        free_basin=float(listed["trajectory"].basin.sum()) / joint,
     )
 
 
@@ -228,30 +228,30 @@ def random_region_counts(mission: Mission, pairs: int, seed: int) -> list[int]:
     """How many groups, robots told apart, watch pairs of random square regions; (pairs,)."""
     bouncing, watch = _watch(mission)
     cells, rng = bouncing.cells, np.random.default_rng(seed)
-    found = []
+    counts = []
     for _ in range(pairs):
         inside = np.zeros((2, cells.count), np.bool_)
         for region in inside:
             corner = int(rng.integers(cells.count))
             across, up = cells.column - cells.column[corner], cells.row - cells.row[corner]
             region[:] = (across >= 0) & (across < REGION_CELLS) & (up >= 0) & (up < REGION_CELLS)
-        found.append(count_groups(watch.cycles, seen_by_cycles(watch.cycles, inside, cells.headings)))
-    return found
+        counts.append(count_groups(watch.cycles, seen_by_cycles(watch.cycles, inside, cells.headings)))
+    return counts
 
 
 def _plans(runs: Runs, mission_by_angle: Callable[[float], Mission]) -> dict[tuple[float, str], PlanSearch | None]:
     """What ``rota plan`` finds for each angle and purpose; None: no plan."""
-    found: dict[tuple[float, str], PlanSearch | None] = {}
+    searches: dict[tuple[float, str], PlanSearch | None] = {}
     for angle in paper.ANGLES_DEG:
         mission = mission_by_angle(angle)
         for purpose, told in PURPOSES.items():
             runs.now(f"plans that watch by {angle:g}°: {told}")
             asked = replace(mission, planning=replace(BounceSettings.of(mission), purpose=purpose))
             try:
-                found[angle, told] = search_plan(asked, seed=runs.seed)
+                searches[angle, told] = search_plan(asked, seed=runs.seed)
             except NoPlanFound:
-                found[angle, told] = None
-    return found
+                searches[angle, told] = None
+    return searches
 
 
 def purposes_table(plans: dict[tuple[float, str], PlanSearch | None]) -> Table:

@@ -56,12 +56,13 @@ LEFT_OPEN = (
 def claims_table(sections: Sequence[Section]) -> Table:
     """A verdict for each claim that the sections are evidence for, then for those that need no figure."""
     rows = [
-        (one.claim, one.place, one.outcome, one.why, str(section.figure))
+        (verdict.claim, verdict.place, verdict.outcome, verdict.why, str(section.figure))
         for section in sections
-        for one in section.verdicts
+        for verdict in section.verdicts
     ]
     two_robots = maps.lab(maps.LAB_2, 2, paper.GROUPS[11][0])
-    rows += [(one.claim, one.place, one.outcome, one.why, NOTHING) for one in standing_verdicts(two_robots)]
+    standing = standing_verdicts(two_robots)
+    rows += [(verdict.claim, verdict.place, verdict.outcome, verdict.why, NOTHING) for verdict in standing]
     counts = Counter(row[2] for row in rows)
     told = ", ".join(f"{outcome}: {count}" for outcome, count in counts.items())
     return Table(

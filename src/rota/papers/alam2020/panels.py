@@ -30,11 +30,11 @@ def ways_panel(title: str, plan: Plan, note: str = "", *, named_zones: bool = Fa
     apart_m = 0.06 * BounceSettings.of(plan.mission).cell_m
     shifts = (np.arange(len(plan.trajectories)) - (len(plan.trajectories) - 1) / 2) * apart_m
     strokes, dots = [], []
-    for k, one in enumerate(plan):
+    for k, trajectory in enumerate(plan):
         colour, _ = route_style(k)
-        places = one.positions_m[:, :2] + shifts[k]
-        strokes.append(Strokes(one.robot, (places,), colour, width_pt=0.9))
-        dots.append(Dots(f"start of {one.robot}", places[:1], colour, size_pt=START_PT))
+        places = trajectory.positions_m[:, :2] + shifts[k]
+        strokes.append(Strokes(trajectory.robot, (places,), colour, width_pt=0.9))
+        dots.append(Dots(f"start of {trajectory.robot}", places[:1], colour, size_pt=START_PT))
     return MapPanel(
         title=title, note=note, mission=plan.mission, strokes=tuple(strokes), dots=tuple(dots), named_zones=named_zones,
         brief_zones=True,
@@ -43,8 +43,8 @@ def ways_panel(title: str, plan: Plan, note: str = "", *, named_zones: bool = Fa
 
 def starts_panel(title: str, plan: Plan, note: str = "") -> MapPanel:
     """Where the robots of a plan begin and how they face."""
-    places = np.array([one.positions_m[0, :2] for one in plan])
-    facing = np.array([0.0 if one.headings_rad is None else one.headings_rad[0] for one in plan])
+    places = np.array([trajectory.positions_m[0, :2] for trajectory in plan])
+    facing = np.array([0.0 if trajectory.headings_rad is None else trajectory.headings_rad[0] for trajectory in plan])
     ahead = HEADING * BounceSettings.of(plan.mission).cell_m * np.column_stack([np.cos(facing), np.sin(facing)])
     strokes = Strokes("heading", tuple(np.array([a, a + way]) for a, way in zip(places, ahead, strict=True)), "#222222")
     dots = Dots("start", places, route_style(0)[0], size_pt=START_PT)

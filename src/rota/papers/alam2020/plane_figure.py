@@ -70,7 +70,7 @@ def figure_13_section(runs: Runs) -> Section:
         "limit cycles the one that most starts come to; right: where the same start ends in the plane. Lines are the "
         "ways of the disc's centre. The plane counts a neutral family as one cycle.",
         paper="The paper bounces on a grid; its references [13,14] have closed forms for single robots in polygons.",
-        found=("Every start comes to a cycle as long in both: " + " and ".join(exact) + ". " if exact else "")
+        ours=("Every start comes to a cycle as long in both: " + " and ".join(exact) + ". " if exact else "")
         + ("Elsewhere not: by the worst angle only " + ", ".join(others) + " come to a cycle as long as on the "
            "grid, since a disc goes on until it touches a corner or a slanted wall, where the grid turns at a cell's "
            "centre. " if others else "")
@@ -126,8 +126,8 @@ def _pair(name: str, mission: Mission, cells: Cells, turn: int, both: GridBeside
 def _grid_round(cells: Cells, turn: int, number: int) -> Longs:
     """(n + 1,) states that one round of a limit cycle of the grid goes through."""
     successor = single_map(make_team(cells, [turn]))
-    found = cycles_and_basins(successor.copy())
-    states = [int(found.first[number])]
-    for _ in range(int(found.length[number])):
+    basins = cycles_and_basins(successor.copy())
+    states = [int(basins.first[number])]
+    for _ in range(int(basins.length[number])):
         states.append(int(successor[states[-1]]))
     return np.array(states)

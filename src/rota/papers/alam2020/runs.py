@@ -45,28 +45,28 @@ class CoverRuns:
     """A team's runs by one method, one for each start."""
 
     bouncing: Bouncing
-    found: tuple[Coverage, ...]
+    coverages: tuple[Coverage, ...]
     seeds: tuple[int, ...]
 
     @property
     def steps(self) -> Longs:
         """(starts,) steps that each takes."""
-        return np.array([run.steps for run in self.found])
+        return np.array([run.steps for run in self.coverages])
 
     @property
     def complete(self) -> int:
         """How many cover all free cells."""
-        return sum(run.complete for run in self.found)
+        return sum(run.complete for run in self.coverages)
 
     @property
     def contacts(self) -> Longs:
         """(starts,) steps of each in which robots are in contact."""
-        return np.array([int((run.contacts > 0).sum()) for run in self.found])
+        return np.array([int((run.contacts > 0).sum()) for run in self.coverages])
 
     @property
     def jumps(self) -> Longs:
         """(starts,) turns of each by the clock."""
-        return np.array([int((run.jumps >= 0).sum()) for run in self.found])
+        return np.array([int((run.jumps >= 0).sum()) for run in self.coverages])
 
     @property
     def shortest(self) -> int:
@@ -75,7 +75,7 @@ class CoverRuns:
 
     def plan(self, run: int) -> Plan:
         """A run as a plan."""
-        return coverage_plan(self.bouncing, self.found[run], self.seeds[run])
+        return coverage_plan(self.bouncing, self.coverages[run], self.seeds[run])
 
 
 class Runs:
@@ -107,18 +107,18 @@ class Runs:
         if key not in self._known:
             bouncing = bouncing_robots(mission, make_cells(mission))
             seeds = tuple(range(self.seed, self.seed + self.settings.starts))
-            found = []
+            coverages = []
             for start in seeds:
                 self.now(f"covering by {mission.name}, {method}, start {start}")
-                found.append(covered_by(bouncing, seed=start))
-            self._known[key] = CoverRuns(bouncing=bouncing, found=tuple(found), seeds=seeds)
+                coverages.append(covered_by(bouncing, seed=start))
+            self._known[key] = CoverRuns(bouncing=bouncing, coverages=tuple(coverages), seeds=seeds)
         return self._known[key]
 
 
-def steps_until(found: Coverage, headings: int, share: float) -> int | None:
+def steps_until(coverage: Coverage, headings: int, share: float) -> int | None:
     """The step after which so large a share of the free cells is covered; None: it never is. headings: of the cells."""
-    cells = found.states // headings
+    cells = coverage.states // headings
     _, first = np.unique(cells.ravel(), return_index=True)
     entered = np.sort(first // cells.shape[1])
-    wanted = math.ceil(share * len(found.covered) - 1e-9)
+    wanted = math.ceil(share * len(coverage.covered) - 1e-9)
     return int(entered[wanted - 1]) if len(entered) >= wanted else None

@@ -68,7 +68,7 @@ def figure_24_section(runs: Runs) -> Section:
     table = Table(
         title=f"RD, {runs.settings.claim_seeds} seeds, from the box between centre and corner",
         head=("what", "at rest", "steps", "covered %", "runs in which bodies touch"),
-        rows=tuple(one.row for one in tried.values()),
+        rows=tuple(tries.row for tries in tried.values()),
     )
     return Section(
         figure=24,
@@ -83,7 +83,7 @@ def figure_24_section(runs: Runs) -> Section:
         "asynchronous (5.2) and may be unlike (abstract); moving obstacles are avoided (Eq. 15); nothing is to be "
         "tuned "
         "(Section 6); a KD-tree makes decisions cheap (4.3).",
-        found=f"One decision takes {small:.2f} µs with 25 robots and {large:.2f} µs with "
+        ours=f"One decision takes {small:.2f} µs with 25 robots and {large:.2f} µs with "
         f"{runs.settings.large_robots:,}, with a grid of cells in place of the KD-tree.",
         tables=(table,),
         extra=True,
@@ -97,7 +97,7 @@ Made = tuple[Callable[[int], Mission], SwarmSettings]
 def experiments(runs: Runs) -> dict[str, Made]:
     """What is run, by name: a mission for each seed, and the settings."""
     plain, bare, safe = maps.small("between"), EXACT.settings, FILTERED.settings
-    found: dict[str, Made] = {
+    made: dict[str, Made] = {
         "all 25 robots": (lambda _: plain, bare),
         "20 robots": (lambda _: _with(plain, lambda k, robot: robot if k >= COMING else None), bare),
         "5 of 25 leave, filter": (lambda _: _coming(plain, {"leaves_s": CHANGE_S}), safe),
@@ -111,8 +111,8 @@ def experiments(runs: Runs) -> dict[str, Made]:
     }
     for count in NEIGHBOURS:
         if count != paper.NEIGHBOURS:
-            found[f"{count} neighbours"] = (lambda _: plain, replace(bare, neighbours=count))
-    return found
+            made[f"{count} neighbours"] = (lambda _: plain, replace(bare, neighbours=count))
+    return made
 
 
 def _with(mission: Mission, change: Callable[[int, Robot], Robot | None]) -> Mission:
@@ -137,35 +137,35 @@ def unlike(mission: Mission, seed: int) -> Mission:
 
 
 def _tried(runs: Runs, what: str, make: Callable[[int], Mission], settings: SwarmSettings) -> Tried:
-    found = []
+    outcomes = []
     for k in range(runs.settings.claim_seeds):
         runs.stop_if_asked()
         runs.tell(f"{what}, seed {runs.seed + k}")
         mission = replace(make(runs.seed + k), planning=replace(settings, most_steps=runs.settings.steps))
-        found.append(run_mission(mission, seed=runs.seed + k))
+        outcomes.append(run_mission(mission, seed=runs.seed + k))
     runs.stop_if_asked()
     return Tried(
         what=what,
-        rested=[run.steps for run in found if run.at_rest],
-        covered=[100 * _covered(run) for run in found],
-        touched=sum(bool(check_plan(run.plan).violations) for run in found),
+        rested=[run.steps for run in outcomes if run.at_rest],
+        covered=[100 * _covered(run) for run in outcomes],
+        touched=sum(bool(check_plan(run.plan).violations) for run in outcomes),
     )
 
 
 def _covered(run: SwarmRun) -> float:
     """Share in range, in the end, of those that have not left."""
     mission = run.plan.mission
-    here = [k for k, robot in enumerate(mission.fleet.robots or ()) if robot.leaves_s is None]
-    places = np.array([run.plan.trajectories[k].positions_m[-1] for k in here])
-    return covered_in(_with(mission, lambda k, robot: robot if k in here else None), places)
+    present = [k for k, robot in enumerate(mission.fleet.robots or ()) if robot.leaves_s is None]
+    places = np.array([run.plan.trajectories[k].positions_m[-1] for k in present])
+    return covered_in(_with(mission, lambda k, robot: robot if k in present else None), places)
 
 
 def _verdicts(tried: dict[str, Tried], small_us: float, large_us: float, large: int) -> tuple[Verdict, ...]:
     def told(*names: str) -> str:
         return "; ".join(
-            f"{name}: at rest in {len(one.rested)} of {len(one.covered)} runs, {np.mean(one.covered):.1f} % covered, "
-            f"contact in {one.touched}"
-            for name, one in ((name, tried[name]) for name in names)
+            f"{name}: at rest in {len(tries.rested)} of {len(tries.covered)} runs, {np.mean(tries.covered):.1f} % "
+            f"covered, contact in {tries.touched}"
+            for name, tries in ((name, tried[name]) for name in names)
         )
 
     coming = ("5 of 25 leave, filter", "5 of 25 join, filter")
@@ -174,7 +174,7 @@ def _verdicts(tried: dict[str, Tried], small_us: float, large_us: float, large: 
     counts = {
         count: tried["all 25 robots" if count == paper.NEIGHBOURS else f"{count} neighbours"] for count in NEIGHBOURS
     }
-    means = {count: float(np.mean(one.covered)) for count, one in counts.items()}
+    means = {count: float(np.mean(attempts.covered)) for count, attempts in counts.items()}
     return (
         Verdict(
             "Any UAV can join or quit without influencing the others", "2",

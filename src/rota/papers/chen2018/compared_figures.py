@@ -56,11 +56,12 @@ def figure_17_section(runs: Runs) -> Section:
             ways_panel(f"({letters[1]}) {controller.name}: ways", mission, outcome, step, COLOURS[controller.name]),
             coverage_panel(f"({letters[2]}) {controller.name}", mission, outcome, step),
         ]
-    at = {one.name: _coverage_at(runs.seeds(mission, one), step) for one in COMPARED}
+    at = {compared.name: _coverage_at(runs.seeds(mission, compared), step) for compared in COMPARED}
     told = {EXACT.name: "most", SETTLE.name: NOTHING}
-    for one in (VORONOI, FORCES):
-        at[f"{one.name}, 4 neighbours"] = coverage_by_four(mission, one, runs, step)
-    better = [one.name for one in (VORONOI, FORCES) if np.mean(at[one.name]) > np.mean(at[EXACT.name])]
+    baselines = [VORONOI.name, FORCES.name]
+    for baseline in (VORONOI, FORCES):
+        at[f"{baseline.name}, 4 neighbours"] = coverage_by_four(mission, baseline, runs, step)
+    better = [name for name in baselines if np.mean(at[name]) > np.mean(at[EXACT.name])]
     table = Table(
         title=f"Coverage at k = {step}, %, {len(at[EXACT.name])} seeds",
         head=("controller", "paper", "covered %", "least", "most"),
@@ -86,12 +87,12 @@ def figure_17_section(runs: Runs) -> Section:
         paper=f"At k = {step} RD is superior in convergence speed and coverage to the V-based method and VFA, which "
         "can "
         "“be easily found visually” (Section 5.1); no values are told.",
-        found=claimed(not better, "RD covers more", f"{joined(better)} cover more than RD")
+        ours=claimed(not better, "RD covers more", f"{joined(better)} cover more than RD")
         + " Both baselines are made as well as we can: over-relaxed steps, a gain from a sweep (Figure 18), all "
         "neighbours in range, the last filter. That they heed all neighbours in range matters little: with “the "
         "same parameters as RD”, its 4 "
         "neighbours, they cover "
-        + joined([f"{np.mean(at[f'{one.name}, 4 neighbours']):.1f} %" for one in (VORONOI, FORCES)])
+        + joined([f"{np.mean(at[f'{name}, 4 neighbours']):.1f} %" for name in baselines])
         + ". How the paper's were made is not told.",
         tables=(table,),
         verdicts=(
@@ -116,7 +117,7 @@ def coverage_by_four(mission: Mission, controller: Controller, runs: Runs, step:
     mission = replace(mission, planning=controller.settings)
     ground = free_ground(mission)
     sensors = np.full(len(mission.fleet.robots or ()), paper.SENSOR_M)
-    found = []
+    percents = []
     for k in range(runs.settings.seeds):
         runs.stop_if_asked()
         starts = place_starts(mission, ground, seed=runs.seed + k, reserve_m=0.0)
@@ -124,8 +125,8 @@ def coverage_by_four(mission: Mission, controller: Controller, runs: Runs, step:
         swarm.rule = swarm.rule._replace(neighbours=paper.NEIGHBOURS)
         for _ in range(min(step, runs.settings.steps)):
             swarm.step()
-        found.append(100 * covered_share(swarm.places_m, sensors, ground))
-    return found
+        percents.append(100 * covered_share(swarm.places_m, sensors, ground))
+    return percents
 
 
 def _coverage_at(outcomes: Sequence[Outcome], step: int) -> list[float]:
@@ -169,7 +170,7 @@ def figure_18_section(runs: Runs) -> Section:
         "robots at random, so that it is not the robot of the paper. A reversal is a velocity at more than a right "
         "angle to the one before, counted of all robots in all steps; robots at rest turn no more.",
         paper="RD's trajectories are smoother and oscillate less than those of the V-based method and VFA.",
-        found=claimed(
+        ours=claimed(
             holds,
             "RD turns back least",
             f"of RD's velocities {means[EXACT]:.2f} % are reversals, of the V-based method's {means[VORONOI]:.2f} "
@@ -221,16 +222,16 @@ def _straight_m(run: Outcome, step: int) -> float:
 def figure_19_section(runs: Runs) -> Section:
     """Figure 19: coverage and deadweight loss by step."""
     mission = maps.small(SHOWN)
-    found = [(controller, runs.seeds(mission, controller)) for controller in COMPARED]
+    compared = [(controller, runs.seeds(mission, controller)) for controller in COMPARED]
     rows, early = [], {}
-    for controller, outcomes in found:
+    for controller, outcomes in compared:
         early[controller] = [float(np.mean(_coverage_at(outcomes, step))) for step in MOMENTS]
         loss = [100 * (1 - run.coverage * 100 / MOST_PERCENT) for run in outcomes]
         told = "most" if controller is EXACT else NOTHING if controller is SETTLE else "less"
         cells = (f"{value:.1f}" for value in early[controller])
         rows.append((controller.name, told, *cells, coverage_cell(outcomes), plus_minus(loss, ".2f")))
     table = Table(
-        title=f"Coverage %, mean of {len(found[0][1])} seeds, and deadweight loss % in the end",
+        title=f"Coverage %, mean of {len(compared[0][1])} seeds, and deadweight loss % in the end",
         head=("controller", "paper", *(f"k = {step}" for step in MOMENTS), "end", "loss in the end"),
         rows=tuple(rows),
         words=(0, 1),
@@ -239,7 +240,7 @@ def figure_19_section(runs: Runs) -> Section:
     ahead = (
         f"at k = {', '.join(map(str, first))} RD is ahead of both" if first else "at none of these steps RD is ahead"
     )
-    ends = {controller: float(np.mean([run.coverage for run in outcomes])) for controller, outcomes in found}
+    ends = {controller: float(np.mean([run.coverage for run in outcomes])) for controller, outcomes in compared}
     return Section(
         figure=19,
         heading="coverage rate and deadweight loss",
@@ -247,7 +248,7 @@ def figure_19_section(runs: Runs) -> Section:
             Picture(
                 "chen2018-figure-19.png",
                 "Coverage and deadweight loss by step, mean and range of the seeds, for four controllers",
-                study_picture(_curves_of(found)),
+                study_picture(_curves_of(compared)),
             ),
         ),
         caption="Figure 19: means over the seeds, and from the least to the most. Curves count pixels of 0.5 m, which "
@@ -256,7 +257,7 @@ def figure_19_section(runs: Runs) -> Section:
         "1 − area covered / sum of the discs' areas.",
         paper="RD has a higher coverage rate and less deadweight loss than the other two “at the same time”; no values "
         "are told.",
-        found=claimed(
+        ours=claimed(
             ends[EXACT] > max(ends[VORONOI], ends[FORCES]),
             "RD covers most",
             f"in the end RD covers {ends[EXACT]:.1%}, the V-based method {ends[VORONOI]:.1%}, VFA "
@@ -266,20 +267,20 @@ def figure_19_section(runs: Runs) -> Section:
         + " What RD does not cover lies in gaps that no robot is drawn to: with 4 neighbours a robot heeds "
         "half-planes, not areas, and rests as soon as they surround it.",
         tables=(table,),
-        verdicts=(_ahead_verdict(ends, first), _loss_verdict(found), _growth_verdict(found[0][1])),
+        verdicts=(_ahead_verdict(ends, first), _loss_verdict(compared), _growth_verdict(compared[0][1])),
     )
 
 
-def _curves_of(found: Sequence[tuple[Controller, list[Outcome]]]) -> list[CurvePanel]:
+def _curves_of(compared: Sequence[tuple[Controller, list[Outcome]]]) -> list[CurvePanel]:
     """Coverage and deadweight loss by step, for each controller."""
     most = Level(f"most possible, {MOST_PERCENT:.2f} %", MOST_PERCENT, OVER_PERIOD)
     return [
         CurvePanel(
-            title="(a) Coverage rate", curves=mean_curves(found, "coverage", CURVE_STEPS), across="step k", up="%",
+            title="(a) Coverage rate", curves=mean_curves(compared, "coverage", CURVE_STEPS), across="step k", up="%",
             levels=(most,), wide=True,
         ),
         CurvePanel(
-            title="(b) Deadweight loss", curves=mean_curves(found, "deadweight_loss", CURVE_STEPS), across="step k",
+            title="(b) Deadweight loss", curves=mean_curves(compared, "deadweight_loss", CURVE_STEPS), across="step k",
             up="%", wide=True,
         ),
     ]  # fmt: skip
@@ -297,13 +298,16 @@ def _ahead_verdict(ends: dict[Controller, float], first: Sequence[int]) -> Verdi
     )  # fmt: skip
 
 
-def _loss_verdict(found: Sequence[tuple[Controller, list[Outcome]]]) -> Verdict:
-    loss = {one: np.mean([100 - 1e4 * run.coverage / MOST_PERCENT for run in outcomes]) for one, outcomes in found}
+def _loss_verdict(compared: Sequence[tuple[Controller, list[Outcome]]]) -> Verdict:
+    loss = {
+        controller: np.mean([100 - 1e4 * run.coverage / MOST_PERCENT for run in outcomes])
+        for controller, outcomes in compared
+    }
     return Verdict(
         "RD has less deadweight loss", "5.1, Figure 19",
         holds_if(loss[EXACT] < min(loss[VORONOI], loss[FORCES])),
         "The paper does not define it. By ours, in the end: "
-        + joined([f"{one.name} {value:.1f} %" for one, value in loss.items()]) + ".",
+        + joined([f"{controller.name} {value:.1f} %" for controller, value in loss.items()]) + ".",
     )  # fmt: skip
 
 

@@ -77,9 +77,9 @@ def told_times(means: dict[str, float]) -> str:
     exact, sampled = means[EXACT.name], means[SAMPLED.name]
     paper_rd = paper.TABLE_3_MS["RD"][-1]
     ratios = [
-        f"{one.name} takes {means[one.name] / exact:.2f} times as long (in the paper "
-        f"{paper.TABLE_3_MS[one.name][-1] / paper_rd:.1f} times)"
-        for one in (VORONOI, FORCES)
+        f"{controller.name} takes {means[controller.name] / exact:.2f} times as long (in the paper "
+        f"{paper.TABLE_3_MS[controller.name][-1] / paper_rd:.1f} times)"
+        for controller in (VORONOI, FORCES)
     ]
     return (
         f"Table 3, all with 4 neighbours and without the filter: by the exact centroid RD decides in {exact:.2f} µs; "
@@ -90,7 +90,7 @@ def told_times(means: dict[str, float]) -> str:
 
 
 def _place(means: dict[str, float]) -> str:
-    others = [means[one.name] for one in (VORONOI, FORCES)]
+    others = [means[controller.name] for controller in (VORONOI, FORCES)]
     sampled = means[SAMPLED.name]
     return "slower than both" if sampled > max(others) else "faster than both" if sampled < min(others) else "between"
 
@@ -98,7 +98,7 @@ def _place(means: dict[str, float]) -> str:
 def times_verdict(means: dict[str, float]) -> Verdict:
     """Whether RD decides fastest of the three."""
     exact, sampled = means[EXACT.name], means[SAMPLED.name]
-    others = {one.name: means[one.name] for one in (VORONOI, FORCES)}
+    others = {controller.name: means[controller.name] for controller in (VORONOI, FORCES)}
     holds = sampled < min(others.values())
     told = joined([f"{name} {value:.2f} µs" for name, value in others.items()])
     return Verdict(

@@ -27,13 +27,13 @@ def gain_table(runs: Runs) -> Table:
     for gain in GAINS:
         cells = []
         for mission in (maps.small("between"), maps.with_obstacle("between")):
-            found = [forced(runs, mission, gain, runs.seed + k) for k in range(runs.settings.gain_seeds)]
-            turned = [100 * float(history.reversals[1 : paper.STEPS_FIGURE_12 + 1].mean()) for history, _ in found]
-            at = [100 * history.coverage[min(paper.STEPS_FIGURE_12, history.steps)] for history, _ in found]
-            end = [100 * history.coverage[-1] for history, _ in found]
-            rested = sum(rest for _, rest in found)
+            histories = [forced(runs, mission, gain, runs.seed + k) for k in range(runs.settings.gain_seeds)]
+            turned = [100 * float(history.reversals[1 : paper.STEPS_FIGURE_12 + 1].mean()) for history, _ in histories]
+            at = [100 * history.coverage[min(paper.STEPS_FIGURE_12, history.steps)] for history, _ in histories]
+            end = [100 * history.coverage[-1] for history, _ in histories]
+            rested = sum(rest for _, rest in histories)
             cells += [f"{np.mean(turned):.2f} (at most {max(turned):.2f})", f"{np.mean(at):.2f}", f"{np.mean(end):.2f}",
-                      f"{rested} of {len(found)}"]  # fmt: skip
+                      f"{rested} of {len(histories)}"]  # fmt: skip
         rows.append((f"{gain:g}" + (", taken" if gain == STIFFNESS else ""), *cells))
     columns = ("reversals %", f"covered % at k = {paper.STEPS_FIGURE_12}", "covered % in the end", "at rest")
     return Table(

@@ -23,8 +23,9 @@ MOST = paper.GAZEBO_ROBOTS * paper.GAZEBO_SENSOR_M**2 / paper.GAZEBO_SIDE_M**2
 def figure_23_section(runs: Runs) -> Section:
     """Figure 23: the run of Section 5.3."""
     mission = maps.gazebo()
-    found = {controller.name: runs.seeds(mission, controller, runs.settings.claim_seeds) for controller in CONTROLLERS}
-    shown = found[EXACT.name][0]
+    seeds = runs.settings.claim_seeds
+    by_controller = {controller.name: runs.seeds(mission, controller, seeds) for controller in CONTROLLERS}
+    shown = by_controller[EXACT.name][0]
     steps = [round(time_s / paper.STEP_S) for time_s in SHOWN_S]
     panels = [
         coverage_panel(f"({letter}) RD, t = {time_s:g} s", mission, shown, step)
@@ -32,11 +33,11 @@ def figure_23_section(runs: Runs) -> Section:
     ]
     rows = [
         (name, *rest_cells(outcomes), plus_minus(_covered_at(outcomes, steps[-1]), ".1f"), coverage_cell(outcomes))
-        for name, outcomes in found.items()
+        for name, outcomes in by_controller.items()
     ]
     table = Table(
-        title=f"16 robots, square sensors, {len(found[EXACT.name])} seeds, at most {runs.settings.steps:,} steps of "
-        f"{paper.STEP_S:g} s",
+        title=f"16 robots, square sensors, {len(by_controller[EXACT.name])} seeds, at most {runs.settings.steps:,} "
+        f"steps of {paper.STEP_S:g} s",
         head=("controller", "at rest", "steps", "least to most", f"covered % at {paper.GAZEBO_REST_S:g} s",
               "covered % in the end"),
         rows=(("**the paper**", "1 of 1", f"{paper.GAZEBO_REST_S / paper.STEP_S:.0f}", "", "not "
@@ -51,13 +52,12 @@ def figure_23_section(runs: Runs) -> Section:
         "planner spreads the discs within the squares; squares are what is measured.",
         paper="In ROS and Gazebo 16 UAVs at up to 20 m/s reach “steady state” and “their maximum coverage” at 10 s; no "
         "values are told, nor where they start, nor the step.",
-        found=f"{_told(found[EXACT.name])} At most {MOST:.1%} can be covered. With a step of 0.25 s a robot goes up "
-        f"to 5 m "
-        "in one, a third of its sensor's reach, so that neighbours overshoot each other. Robots here decide all at "
-        "once in "
-        "one process; 16 ROS nodes do not. Flights in Gazebo, with their dynamics, are not made again.",
+        ours=f"{_told(by_controller[EXACT.name])} At most {MOST:.1%} can be covered. With a step of 0.25 s a robot "
+        "goes up to 5 m in one, a third of its sensor's reach, so that neighbours overshoot each other. Robots here "
+        "decide all at once in one process; 16 ROS nodes do not. Flights in Gazebo, with their dynamics, are not made "
+        "again.",
         tables=(table,),
-        verdicts=(_verdict(found[EXACT.name]),),
+        verdicts=(_verdict(by_controller[EXACT.name]),),
     )  # fmt: skip
 
 

@@ -47,8 +47,8 @@ def figure_21_section(runs: Runs) -> Section:
     mission = maps.large(runs.settings.large_robots)
     steps = runs.settings.large_steps
     jobs = [Job(mission, controller, runs.seed, steps) for controller in CONTROLLERS]
-    found = dict(zip((controller.name for controller in CONTROLLERS), runs.all(jobs), strict=True))
-    shown = found[EXACT.name]
+    by_controller = dict(zip((controller.name for controller in CONTROLLERS), runs.all(jobs), strict=True))
+    shown = by_controller[EXACT.name]
     places, ends = by_start(runs)
     least_m = float(shown.history.body_gap_m.min()) + 2 * paper.BODY_M
     stuck = float(shown.history.way_m[-1])
@@ -59,7 +59,7 @@ def figure_21_section(runs: Runs) -> Section:
             Picture(
                 "chen2018-figure-21.png",
                 "A thousand robots in a corner box, and what they cover in the end by four controllers",
-                study_picture(_panels(mission, found, steps)),
+                study_picture(_panels(mission, by_controller, steps)),
             ),
         ),
         caption="Figure 21, from a box in the corner, which is our choice, as are the four obstacles: the paper's "
@@ -70,46 +70,47 @@ def figure_21_section(runs: Runs) -> Section:
         paper=f"The algorithm is converged at {paper.STEPS_FIGURE_21:,} (“t”, which must be steps) and has "
         "collision-free "
         "interaction and excellent scalability.",
-        found=("By our reading RD all but jams: it covers " if shown.coverage < JAMMED else "RD covers ")
+        ours=("By our reading RD all but jams: it covers " if shown.coverage < JAMMED else "RD covers ")
         + f"{shown.coverage:.1%} "
         + (f"at rest after {shown.steps:,} steps" if shown.at_rest else f"after {shown.steps:,} steps, not at rest")
-        + f", with ways of {stuck:,.0f} m on average; V-based {found[VORONOI.name].coverage:.1%}, VFA "
-        f"{found[FORCES.name].coverage:.1%}, settle {found[SETTLE.name].coverage:.1%}. Inside the box a robot is "
-        "surrounded by its 4 nearest from the start: its set is empty, Algorithm 2 gives it velocity 0, and it stays "
-        "until those outside have gone; (b) shows that only the outer robots move. It is no standstill: it creeps on, "
+        + f", with ways of {stuck:,.0f} m on average; V-based {by_controller[VORONOI.name].coverage:.1%}, VFA "
+        f"{by_controller[FORCES.name].coverage:.1%}, settle {by_controller[SETTLE.name].coverage:.1%}. Inside the box "
+        "a robot is surrounded by its 4 nearest from the start: its set is empty, Algorithm 2 gives it velocity 0, and "
+        "it stays until those outside have gone; (b) shows that only the outer robots move. It is no standstill: it "
+        "creeps on, "
         f"{_creeping(runs)} (the same seed, from the corner). The start box decides how far it comes by step "
         f"{steps:,} (last table). "
         + ("By RD no two bodies touch" if least_m >= 2 * paper.BODY_M else "By RD bodies touch")
         + f": the least distance of middles is {least_m:.3f} m. What else the "
         "paper's program did with empty sets is not told.",
-        tables=(_table(found), places),
-        verdicts=(_verdict(ends, found[SETTLE.name], steps),),
+        tables=(_table(by_controller), places),
+        verdicts=(_verdict(ends, by_controller[SETTLE.name], steps),),
     )
 
 
-def _panels(mission: Mission, found: dict[str, Outcome], steps: int) -> list[MapPanel | CurvePanel]:
+def _panels(mission: Mission, by_controller: dict[str, Outcome], steps: int) -> list[MapPanel | CurvePanel]:
     """The start, what each controller comes to, and how the coverage grows."""
-    shown = found[EXACT.name]
+    shown = by_controller[EXACT.name]
     panels: list[MapPanel | CurvePanel] = [
         coverage_panel("(a) Start", mission, shown, 0),
         ways_panel("(b) RD: ways", mission, shown, steps),
         coverage_panel("(c) RD: end", mission, shown, steps),
-        coverage_panel("(d) V-based: end", mission, found[VORONOI.name], steps),
-        coverage_panel("(e) VFA: end", mission, found[FORCES.name], steps),
-        coverage_panel("(f) settle: end", mission, found[SETTLE.name], steps),
+        coverage_panel("(d) V-based: end", mission, by_controller[VORONOI.name], steps),
+        coverage_panel("(e) VFA: end", mission, by_controller[FORCES.name], steps),
+        coverage_panel("(f) settle: end", mission, by_controller[SETTLE.name], steps),
     ]
     curves = [
-        Curve(name, 100 * found[name].history.coverage, COLOURS[name])
+        Curve(name, 100 * by_controller[name].history.coverage, COLOURS[name])
         for name in (SAMPLED.name, EXACT.name, VORONOI.name, FORCES.name, SETTLE.name)
     ]
     panels.append(CurvePanel(title="(g) Coverage rate", curves=tuple(curves), across="step k", up="%", wide=True))
     return panels
 
 
-def _table(found: dict[str, Outcome]) -> Table:
+def _table(by_controller: dict[str, Outcome]) -> Table:
     """What each controller comes to by which step."""
-    rows, robots = [], len(found[EXACT.name].places_m[0])
-    for name, outcome in found.items():
+    rows, robots = [], len(by_controller[EXACT.name].places_m[0])
+    for name, outcome in by_controller.items():
         at = (f"{100 * outcome.history.coverage[min(step, outcome.steps)]:.1f}" for step in MOMENTS)
         least = float(outcome.history.body_gap_m.min()) + 2 * paper.BODY_M
         rest = f"{outcome.steps:,}" if outcome.at_rest else "not by then"
@@ -127,20 +128,21 @@ def _table(found: dict[str, Outcome]) -> Table:
 def by_start(runs: Runs) -> tuple[Table, dict[str, list[float]]]:
     """Coverage at the last step by the place of the start box, two seeds each; and RD's by the place."""
     steps = runs.settings.large_steps
-    jobs = [(start, one, runs.seed + k) for start in maps.LARGE_STARTS_M for one in PLACED for k in range(SEEDS)]
+    seeds = [runs.seed + k for k in range(SEEDS)]
+    jobs = [(start, controller, seed) for start in maps.LARGE_STARTS_M for controller in PLACED for seed in seeds]
     with ThreadPoolExecutor(AT_A_TIME) as pool:
         ends = dict(
             zip(jobs, pool.map(lambda job: _ends(runs, job[0], job[1], job[2], (steps,))[0], jobs), strict=True)
         )
     rows = tuple(
         (
-            one.name,
+            controller.name,
             *(
-                plus_minus([ends[start, one, runs.seed + k] for k in range(SEEDS)], ".1f")
+                plus_minus([ends[start, controller, runs.seed + k] for k in range(SEEDS)], ".1f")
                 for start in maps.LARGE_STARTS_M
             ),
         )
-        for one in PLACED
+        for controller in PLACED
     )
     table = Table(
         title=f"Coverage % at k = {steps:,} by the place of the start box, {SEEDS} seeds",
@@ -160,14 +162,14 @@ def _ends(
     ground = free_ground(mission)
     starts = place_starts(mission, ground, seed=seed, reserve_m=0.0)
     swarm = make_swarm(mission, ground, Beginning(starts), seed=seed)
-    found, moved_m = [], np.inf
+    percents, moved_m = [], np.inf
     for moment in moments:
         while swarm.steps < moment and moved_m > 0.0:
             moved_m = swarm.step()
             if swarm.steps % 100 == 0:
                 runs.stop_if_asked()
-        found.append(100 * covered_in(mission, swarm.places_m))
-    return found
+        percents.append(100 * covered_in(mission, swarm.places_m))
+    return percents
 
 
 def _creeping(runs: Runs) -> str:

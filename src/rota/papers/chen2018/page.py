@@ -56,14 +56,14 @@ def _claims(sections: Sequence[Section]) -> str:
         head=("claim", "section", "verdict", "why", "figure"),
         rows=tuple(
             (
-                one.claim,
-                one.place,
-                f"**{one.outcome}**",
-                one.why,
+                verdict.claim,
+                verdict.place,
+                f"**{verdict.outcome}**",
+                verdict.why,
                 f"{'extra ' if section.extra else ''}{section.figure}",
             )
             for section in sections
-            for one in section.verdicts
+            for verdict in section.verdicts
         ),
         words=(0, 1, 2, 3, 4),
     ).markdown.split("\n", 2)[2]

@@ -49,10 +49,10 @@ def errors_and_misses(velocities: VelocitySet, seed: int) -> tuple[Floats, Float
     errors, misses = np.full(len(COUNTS), np.nan), np.zeros(len(COUNTS))
     for k, count in enumerate(COUNTS):
         means = velocities.sampled_centroids(count, tries=TRIES, seed=seed)
-        found = ~np.isnan(means[:, 0])
-        misses[k] = 1 - found.mean()
-        if found.any() and centroid is not None:
-            errors[k] = np.hypot(*(means[found] - centroid).T).mean()
+        is_mean = ~np.isnan(means[:, 0])
+        misses[k] = 1 - is_mean.mean()
+        if is_mean.any() and centroid is not None:
+            errors[k] = np.hypot(*(means[is_mean] - centroid).T).mean()
     return errors, misses
 
 
@@ -76,11 +76,11 @@ def _decided_again(mission: Mission, outcome: Outcome, samples: int, seed: int) 
     ground = free_ground(mission)
     away, missed, decisions = [], 0, 0
     for step in np.linspace(1, outcome.steps - 1, min(SNAPSHOTS, outcome.steps - 1)).astype(int):
-        before, here, after = (outcome.places_m[k] for k in (step - 1, step, step + 1))
-        beginning = Beginning(here, velocities_m_s=(here - before) / paper.STEP_S)
+        before, places, after = (outcome.places_m[k] for k in (step - 1, step, step + 1))
+        beginning = Beginning(places, velocities_m_s=(places - before) / paper.STEP_S)
         swarm = make_swarm(by_samples, ground, beginning, seed=seed + int(step))
         swarm.step()
-        exact, sampled = (after - here) / paper.STEP_S, swarm.velocities_m_s
+        exact, sampled = (after - places) / paper.STEP_S, swarm.velocities_m_s
         moves = np.hypot(*exact.T) > MOVES_M_S
         idle = moves & ~sampled.any(axis=1)
         decisions, missed = decisions + int(moves.sum()), missed + int(idle.sum())
@@ -90,8 +90,8 @@ def _decided_again(mission: Mission, outcome: Outcome, samples: int, seed: int) 
 
 def _rows(runs: Runs, column: int) -> dict[str, Floats]:
     """Errors (column 0) or misses (1) for the three shapes and for the decisions of a run."""
-    found = {name: errors_and_misses(velocities, runs.seed)[column] for name, velocities in shapes().items()}
-    return found | {IN_A_RUN: in_a_run(runs)[column]}
+    by_shape = {name: errors_and_misses(velocities, runs.seed)[column] for name, velocities in shapes().items()}
+    return by_shape | {IN_A_RUN: in_a_run(runs)[column]}
 
 
 def _curves(rows: dict[str, Floats], scale: float = 1.0) -> tuple[Curve, ...]:
@@ -129,7 +129,7 @@ def figure_9_section(runs: Runs) -> Section:
         "the run of Figure 12, each made once more by random velocities.",
         paper="The error decreases with the number of random points and is “very close to zero with a large number” "
         "(Section 4.4.1); no values are told.",
-        found=f"Holds: the error falls with the root of the number, to at most {shaped:.3f} m/s at "
+        ours=f"Holds: the error falls with the root of the number, to at most {shaped:.3f} m/s at "
         f"{paper.SAMPLES:,} for the shapes and {rows[IN_A_RUN][k]:.3f} m/s in a run. It is not small enough to come to "
         f"rest: {rows[IN_A_RUN][k] * paper.STEP_S:.4f} m a step, where the stop rule asks for {paper.STOP_M:.5f} m.",
         tables=(_table("Mean distance to the centroid, m/s", rows, lambda value: f"{value:.4f}"),),
@@ -160,7 +160,7 @@ def figure_11_section(runs: Runs) -> Section:
         caption="Figure 11. As Figure 9. A set with the share p of the square round the speed disc is missed with the "
         "probability (1 − p)ᴺ.",
         paper=f"The error “nearly reaches zero after {paper.SAMPLES_ENOUGH} random points” (Section 4.4.2).",
-        found=f"Holds for the shapes of Figure 8: {shaped:.1%} at {paper.SAMPLES_ENOUGH}. In a run it does not: "
+        ours=f"Holds for the shapes of Figure 8: {shaped:.1%} at {paper.SAMPLES_ENOUGH}. In a run it does not: "
         f"{enough:.1%} of the decisions at {paper.SAMPLES_ENOUGH} and {all_of_it:.1%} at {paper.SAMPLES:,} find no "
         "velocity where the exact set has one. When robots are nearly in place, their neighbours leave them slivers.",
         tables=(_table("Share of sets taken for empty that are not", rows, lambda value: f"{value:.2%}"),),

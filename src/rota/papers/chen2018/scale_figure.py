@@ -28,7 +28,7 @@ def figure_20_section(runs: Runs) -> Section:
         across="robots", up="steps", logarithmic=True, logarithmic_across=True, wide=True,
     )  # fmt: skip
     largest = settings.scales[-1]
-    fastest = min((one.name for one in COMPARED[:3]), key=lambda name: settled[name, largest])
+    fastest = min((controller.name for controller in COMPARED[:3]), key=lambda name: settled[name, largest])
     table = Table(
         title=f"Steps until coverage is within half a point / until rest, mean of {settings.scale_seeds} seeds",
         head=("controller", *(f"{scale} robots" for scale in settings.scales)),
@@ -52,7 +52,7 @@ def figure_20_section(runs: Runs) -> Section:
         "off before its coverage had stayed for a quarter of the run. Rest alone would say nothing of methods that "
         "creep or tremble around a good place for long.",
         paper="RD is more scalable than the other two (Section 5.1); no values are told.",
-        found=claimed(
+        ours=claimed(
             fastest == EXACT.name,
             f"with {largest} robots the coverage of RD settles first of the three",
             f"with {largest} robots the coverage of {fastest} settles first of the three, "
@@ -114,7 +114,7 @@ def _after(step: float, most: int) -> str:
 
 def _scale_verdict(settled: dict[tuple[str, int], float], settings: StudySettings) -> Verdict:
     """Whether RD's coverage settles first with every number of robots."""
-    names = [one.name for one in (EXACT, VORONOI, FORCES)]
+    names = [controller.name for controller in (EXACT, VORONOI, FORCES)]
     first = {scale: min(names, key=lambda name: settled[name, scale]) for scale in settings.scales}
     ahead = [str(scale) for scale, name in first.items() if name == EXACT.name]
     largest = settings.scales[-1]

@@ -84,11 +84,11 @@ def figure_12_section(runs: Runs) -> Section:
     by_start: dict[tuple[str, str], list[Outcome]] = {}
     for start in maps.STARTS:
         for reading in READINGS:
-            found = by_start[start, reading.name] = runs.seeds(maps.small(start), reading)
-            left = sum(run.history.outside.max() > 0 for run in found)
-            rows.append((start, reading.name, *rest_cells(found), coverage_cell(found), str(left)))
+            outcomes = by_start[start, reading.name] = runs.seeds(maps.small(start), reading)
+            left = sum(run.history.outside.max() > 0 for run in outcomes)
+            rows.append((start, reading.name, *rest_cells(outcomes), coverage_cell(outcomes), str(left)))
     table = Table(
-        title=f"Readings of the published controller: steps to rest and coverage, {len(found)} seeds",
+        title=f"Readings of the published controller: steps to rest and coverage, {len(outcomes)} seeds",
         head=("start box", "reading", "at rest", "steps", "least to most", "covered %", "runs that lose robots"),
         rows=(("not printed", "**the paper**", "1 of 1", f"{paper.STEPS_FIGURE_12}", "", "not printed", ""), *rows),
         words=(0, 1),
@@ -107,7 +107,7 @@ def figure_12_section(runs: Runs) -> Section:
         "both sides. Darker ground is covered by several robots.",
         paper=f"The algorithm is convergent at k = {paper.STEPS_FIGURE_12} (one run). Where the start box is, τ, and "
         "whether the set ends at the tangent or the circle are not told.",
-        found=f"From the box between centre and corner RD {rests(steps[SHOWN])}, and "
+        ours=f"From the box between centre and corner RD {rests(steps[SHOWN])}, and "
         f"covers {covered:.1%} of at most 78.5 %. The paper's {paper.STEPS_FIGURE_12} is "
         f"{_within(within)}. The place of the start box explains the number: the nearer to the corner, the longer. By "
         "1,000 random velocities, as printed, runs hardly ever come to rest: their noise (Figure 9) moves robots by "
@@ -174,14 +174,15 @@ def figure_13_section(runs: Runs) -> Section:
     shown = runs(maps.small(SHOWN), EXACT)
     rows, dense, touched = [], {}, {}
     for reading in READINGS:
-        found = [run for start in maps.STARTS for run in runs.seeds(maps.small(start), reading)]
-        touching = sum(float(run.history.body_gap_m.min()) < 0 for run in found)
-        least = _least_m(found)
+        outcomes = [run for start in maps.STARTS for run in runs.seeds(maps.small(start), reading)]
+        touching = sum(float(run.history.body_gap_m.min()) < 0 for run in outcomes)
+        least = _least_m(outcomes)
         runs.stop_if_asked()
         dense[reading.name] = dense_contacts(reading.settings, seed=runs.seed)
         contacts, smallest = dense[reading.name]
         touched[reading.name] = touching
-        rows.append((reading.name, f"{touching} of {len(found)}", f"{least:.3f}", f"{contacts:,}", f"{smallest:.3f}"))
+        runs_touching = f"{touching} of {len(outcomes)}"
+        rows.append((reading.name, runs_touching, f"{least:.3f}", f"{contacts:,}", f"{smallest:.3f}"))
     table = Table(
         title="Contact: runs of Figure 12 from all three starts, and single steps from dense states in motion",
         head=("reading", "runs with contact", "least m", f"contacts in {TRIED:,} dense states", "least m"),
@@ -195,7 +196,7 @@ def figure_13_section(runs: Runs) -> Section:
         ),
         caption="Figure 13, for the run of Figure 12. Bodies touch at r_A + r_B = 1 m.",
         paper="Robots avoid collisions; Corollary 1 is said to prove it.",
-        found="Holds for runs that start at rest with the tangent, without any filter: no contact in any run. It does "
+        ours="Holds for runs that start at rest with the tangent, without any filter: no contact in any run. It does "
         f"not hold in general: from dense states in motion bodies touch in {dense[EXACT.name][0]:,} of {TRIED:,} "
         "single steps, since a fifth neighbour, and a robot whose own set is empty, are not reckoned with; and with "
         "the "
@@ -237,14 +238,14 @@ def figure_14_section(runs: Runs) -> Section:
     """Figure 14: the small case with an obstacle."""
     mission = maps.with_obstacle(SHOWN)
     shown = runs(mission, EXACT)
-    found = {controller.name: runs.seeds(mission, controller) for controller in AROUND}
-    rows = [(name, *rest_cells(outcomes), coverage_cell(outcomes)) for name, outcomes in found.items()]
+    by_controller = {controller.name: runs.seeds(mission, controller) for controller in AROUND}
+    rows = [(name, *rest_cells(outcomes), coverage_cell(outcomes)) for name, outcomes in by_controller.items()]
     table = Table(
-        title=f"With an obstacle: steps to rest and coverage, {len(found[EXACT.name])} seeds",
+        title=f"With an obstacle: steps to rest and coverage, {len(by_controller[EXACT.name])} seeds",
         head=("controller", "at rest", "steps", "least to most", "covered %"),
         rows=(("**the paper**", "1 of 1", f"{paper.STEPS_FIGURE_14:,}", "", "not printed"), *rows),
     )
-    taken = _steps_at_rest(found[EXACT.name])
+    taken = _steps_at_rest(by_controller[EXACT.name])
     inside = _is_among(paper.STEPS_FIGURE_14, taken)
     return Section(
         figure=14,
@@ -256,7 +257,7 @@ def figure_14_section(runs: Runs) -> Section:
         "middle "
         "of the area is our choice.",
         paper=f"The algorithm is convergent at k = {paper.STEPS_FIGURE_14:,}; robots go round the obstacle.",
-        found=f"RD {rests(taken)}; the paper's {paper.STEPS_FIGURE_14:,} is "
+        ours=f"RD {rests(taken)}; the paper's {paper.STEPS_FIGURE_14:,} is "
         f"{'among' if inside else 'outside'} ours. Robots go round the obstacle. A wall within sensor range takes "
         "away half of all velocities, so that robots near it wait for others: it costs RD steps and coverage, "
         "and the methods that push by overlaps hardly anything.",
@@ -264,8 +265,8 @@ def figure_14_section(runs: Runs) -> Section:
         verdicts=(
             Verdict(
                 f"RD converges with an obstacle (k = {paper.STEPS_FIGURE_14:,})", "5.1, Figure 14",
-                holds_if(len(taken) == len(found[EXACT.name])),
-                f"{len(taken)} of {len(found[EXACT.name])} runs come to rest, "
+                holds_if(len(taken) == len(by_controller[EXACT.name])),
+                f"{len(taken)} of {len(by_controller[EXACT.name])} runs come to rest, "
                 f"{'' if not taken else plus_minus(taken, ',.0f')} "
                 f"steps; where the obstacle stands is not told.",
             ),
@@ -276,19 +277,19 @@ def figure_14_section(runs: Runs) -> Section:
 def figure_15_section(runs: Runs) -> Section:
     """Figure 15: the least distance between bodies with the obstacle."""
     shown = runs(maps.with_obstacle(SHOWN), EXACT)
-    found = runs.seeds(maps.with_obstacle(SHOWN), EXACT)
-    least = _least_m(found)
+    outcomes = runs.seeds(maps.with_obstacle(SHOWN), EXACT)
+    least = _least_m(outcomes)
     return Section(
         figure=15,
         heading="the least distance between robots, with the obstacle",
         pictures=_distances(15, "The least distance between two robots stays above 1 m", shown),
         caption="Figure 15, for the run of Figure 14.",
         paper="No two robots touch.",
-        found=f"Holds: {least:.3f} m is the least in {len(found)} runs, where 1 m is contact.",
+        ours=f"Holds: {least:.3f} m is the least in {len(outcomes)} runs, where 1 m is contact.",
         verdicts=(
             Verdict(
                 "No two robots touch with an obstacle", "5.1, Figure 15", holds_if(least >= 2 * paper.BODY_M),
-                f"{least:.3f} m between middles is the least in {len(found)} runs.",
+                f"{least:.3f} m between middles is the least in {len(outcomes)} runs.",
             ),
         ),
     )  # fmt: skip
@@ -324,7 +325,7 @@ def figure_16_section(runs: Runs) -> Section:
         caption="Figure 16, for the run of Figure 14: from a robot's middle to the obstacle, while that is in range. "
         "Bodies touch it at 0.5 m, far below.",
         paper=f"Only robots {told} have the obstacle in range, and none touches it.",
-        found=f"None touches it: {distances.min():.2f} m is the least. {len(near)} robots have it in range at some "
+        ours=f"None touches it: {distances.min():.2f} m is the least. {len(near)} robots have it in range at some "
         f"time, in the paper {len(paper.ROBOTS_AT_OBSTACLE)}. They keep near the border of their range: as soon as "
         "a wall "
         "is in it, all velocities towards it are ruled out.",

@@ -50,8 +50,8 @@ class VelocitySet:
             return means
         for k in range(tries):
             key = np.uint64(sample_key(seed, 0, k))
-            found, x, y = sampled_mean(key, samples, self._speed, self._outline, self._corners)
-            if found:
+            any_inside, x, y = sampled_mean(key, samples, self._speed, self._outline, self._corners)
+            if any_inside:
                 means[k] = x, y
         return means
 

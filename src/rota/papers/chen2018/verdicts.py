@@ -21,8 +21,8 @@ def convergence_verdicts(by_start: dict[tuple[str, str], list[Outcome]], printed
     """
     told = {}
     for reading in (EXACT, SAMPLED):
-        found = [run for start in maps.STARTS for run in by_start[start, reading.name]]
-        told[reading.name] = (sum(run.at_rest for run in found), len(found))
+        outcomes = [run for start in maps.STARTS for run in by_start[start, reading.name]]
+        told[reading.name] = (sum(run.at_rest for run in outcomes), len(outcomes))
     (exact, tried), (sampled, _) = told[EXACT.name], told[SAMPLED.name]
     return (
         Verdict(

@@ -43,7 +43,7 @@ class Case:
     @property
     def lower_bound(self) -> int | None:
         """Robots below which no plan exists, proved."""
-        bounds = [one.lower_bound_robots for one in self.outcomes.values()]
+        bounds = [outcome.lower_bound_robots for outcome in self.outcomes.values()]
         return max((bound for bound in bounds if bound is not None), default=None)
 
     @property
@@ -67,7 +67,8 @@ class Case:
     @property
     def late(self) -> int:
         """Routes that Eq. 26 has no shorter than their period."""
-        return sum(int((one.times_s >= one.periods_s).sum()) for one in self.printed.stages.partitions)
+        partitions = self.printed.stages.partitions
+        return sum(int((partition.times_s >= partition.periods_s).sum()) for partition in partitions)
 
     @property
     def segments(self) -> int:
@@ -137,7 +138,7 @@ def gaps_table(title: str, cases: Sequence[Case]) -> Table:
     rows = []
     for case in cases:
         partitions = case.printed.stages.partitions
-        worst = max(float((one.times_s / one.periods_s).max()) for one in partitions)
+        worst = max(float((partition.times_s / partition.periods_s).max()) for partition in partitions)
         rows.append(
             (
                 case.paper.name,
@@ -205,14 +206,14 @@ def segment_times_s(printed: Printed, name: str) -> list[tuple[float, float]]:
     """
     framed = printed.stages.framed
     names = [zone.name for zone in framed.deployment.zones]
-    found: list[tuple[float, float]] = []
+    pairs: list[tuple[float, float]] = []
     for part, partition in zip(framed.parts, printed.stages.partitions, strict=True):
         zone_of = framed.deployment.zone_of[part.sensors][part.frame.order]
         for k, times in enumerate(zip(partition.times_s.tolist(), partition.periods_s.tolist(), strict=True)):
             # zones were deployed from the smallest period up
             if names[int(zone_of[partition.places(k, len(zone_of))].min())] == name:
-                found.append(times)
-    return sorted(found)
+                pairs.append(times)
+    return sorted(pairs)
 
 
 def loop_times(plan: Plan | None, name: str) -> list[str]:

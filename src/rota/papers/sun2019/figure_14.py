@@ -40,7 +40,7 @@ def figure_14_section(runs: Runs) -> Section:
         "zone 1, zone 2 and the rest. Zones are tinted by the order of their periods, so that a zone's tint differs "
         f"between cases. Worst gaps are shares of the period. {RECONSTRUCTED}",
         paper=_cases_told(),
-        found=_cases_found(cases),
+        ours=_ours_of_cases(cases),
         tables=(*case_tables("Table 6", cases), reading_table(runs)),
         verdicts=verdicts_of_cases(cases),
     )
@@ -64,18 +64,18 @@ def _cases_told() -> str:
     )
 
 
-def _cases_found(cases: Sequence[Case]) -> str:
-    theirs, here = sum(len(case.paper.routes) for case in cases), sum(case.segments for case in cases)
+def _ours_of_cases(cases: Sequence[Case]) -> str:
+    theirs, ours = sum(len(case.paper.routes) for case in cases), sum(case.segments for case in cases)
     sums = []
     for way in ("mended", *DEFAULTS):
         outcomes = [case.outcomes[way] for case in cases]
-        met, robots = sum(one.met for one in outcomes), sum(one.robots or 0 for one in outcomes)
+        met, robots = sum(outcome.met for outcome in outcomes), sum(outcome.robots or 0 for outcome in outcomes)
         sums.append(f"{way} {robots}" + ("" if met == len(cases) else f" ({met} of {len(cases)} cases met)"))
     bounds = [case.lower_bound for case in cases if case.lower_bound is not None]
     unseen, late = [case.unseen_m2 for case in cases], sum(case.late for case in cases)
     seldom = [case.late_m2 for case in cases]
     return (
-        f"Robots of all {len(cases)} cases together: the paper {theirs}; its algorithms here {here} by Eq. 26, of "
+        f"Robots of all {len(cases)} cases together: the paper {theirs}; its algorithms here {ours} by Eq. 26, of "
         f"which {late} miss their period; {', '.join(sums)}; proved: at least {sum(bounds)}. Routes as printed leave "
         f"{min(unseen):,.0f} to {max(unseen):,.0f} m² unseen, and see {min(seldom):,.0f} to {max(seldom):,.0f} m² too "
         "seldom."

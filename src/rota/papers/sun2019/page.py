@@ -115,9 +115,9 @@ def page_markdown(sections: Sequence[Section], *, seed: int, settings: StudySett
 def _verdicts(sections: Sequence[Section]) -> list[str]:
     """A row for each claim, under a heading; nothing where no figure has any."""
     rows = tuple(
-        (one.claim, one.place, f"**{one.outcome}**", one.why, str(section.figure))
+        (verdict.claim, verdict.place, f"**{verdict.outcome}**", verdict.why, str(section.figure))
         for section in sections
-        for one in section.verdicts
+        for verdict in section.verdicts
     )
     if not rows:
         return []

@@ -78,7 +78,7 @@ def cost_panel(title: str, deployments: Sequence[tuple[str, Deployment]], *, wid
 
     The random start, of which half the sensors are deployed, costs so much that it would squeeze all else: it is told.
     """
-    known = [(label, one.history.cost) for label, one in deployments if one.history is not None]
+    known = [(label, deployment.history.cost) for label, deployment in deployments if deployment.history is not None]
     curves = tuple(
         Curve(label, cost[1:], ZONE_COLOURS[k], at=np.arange(1.0, len(cost)), marked=False)
         for k, (label, cost) in enumerate(known)

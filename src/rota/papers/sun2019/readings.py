@@ -41,7 +41,7 @@ def counts_by_addition(runs: Runs) -> Counts:
 
     def counts(settings: DeploySettings) -> tuple[int, ...]:
         deployed = [runs.deployment(runs.map_13, settings, seed=seed) for seed in runs.seeds]
-        return tuple(len(one.positions_m) for one in deployed)
+        return tuple(len(zone.positions_m) for zone in deployed)
 
     changed = additions_left_out(runs.settings.figure_13.deployments[0])
     return {name: (counts(settings), counts(settings.without_rules())) for name, settings in changed.items()}
@@ -94,14 +94,14 @@ def reading_table(runs: Runs) -> Table:
     framed = [[runs.framed(mission, under, seed=seed) for seed in runs.seeds] for _, mission, under in asked]
     for joining in (True, False):
         for weight in WEIGHTS:
-            found = []
+            by_case = []
             for (_, mission, under), frames in zip(asked, framed, strict=True):
                 cuts = [runs.cheapest(frame, mission, under, Reading(joining, weight)) for frame in frames]
-                found.append([(len(one.first), int((one.times_s >= one.periods_s).sum())) for one in cuts])
-            sums = [sum(pairs[k][0] for pairs in found[:-1]) for k in range(len(runs.seeds))]
+                by_case.append([(len(cut.first), int((cut.times_s >= cut.periods_s).sum())) for cut in cuts])
+            sums = [sum(pairs[k][0] for pairs in by_case[:-1]) for k in range(len(runs.seeds))]
             late = "never late" if weight == NEVER_LATE else f"ξ₁ = {weight:g}"
             name = f"legs {'kept' if joining else 'left out'}, {late}"
-            rows.append(_row(name, [pairs[0] for pairs in found], spread(sums)))
+            rows.append(_row(name, [pairs[0] for pairs in by_case], spread(sums)))
     names = [case.name.replace("Section ", "").replace("Case ", "C") for case, _, _ in asked]
     return Table(
         title="Tables 5, 6 and 8 by readings of Eq. 26: robots of the partition that Eq. 28 costs least",
@@ -110,22 +110,22 @@ def reading_table(runs: Runs) -> Table:
     )
 
 
-def _row(name: str, found: Sequence[tuple[int, int]], sums: str = "") -> tuple[str, ...]:
+def _row(name: str, counts: Sequence[tuple[int, int]], sums: str = "") -> tuple[str, ...]:
     """Robots, and how many of them are late, of each case; the sum is that of Tables 5 and 6, without the last one."""
-    robots, late = (sum(pair[k] for pair in found[:-1]) for k in (0, 1))
-    return (name, *(with_late(*pair) for pair in found), with_late(robots, late), sums)
+    robots, late = (sum(pair[k] for pair in counts[:-1]) for k in (0, 1))
+    return (name, *(with_late(*pair) for pair in counts), with_late(robots, late), sums)
 
 
 def _swarms_row(runs: Runs, asked: Sequence[Asked]) -> tuple[str, ...]:
     """What Algorithm 3's swarms find by the reading of the tables above."""
-    found = []
+    counts = []
     for _, mission, settings in asked:
         partitions = runs.printed(mission, settings).stages.partitions
-        late = sum(int((one.times_s >= one.periods_s).sum()) for one in partitions)
-        found.append((sum(len(one.first) for one in partitions), late))
+        late = sum(int((partition.times_s >= partition.periods_s).sum()) for partition in partitions)
+        counts.append((sum(len(partition.first) for partition in partitions), late))
     under = asked[0][2].partition
     return _row(
-        f"Eq. 26: swarms; legs {'kept' if under.joining_legs else 'left out'}, ξ₁ = {under.weight_late:g}", found
+        f"Eq. 26: swarms; legs {'kept' if under.joining_legs else 'left out'}, ξ₁ = {under.weight_late:g}", counts
     )
 
 

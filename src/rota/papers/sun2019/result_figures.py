@@ -48,7 +48,7 @@ def figure_13_section(runs: Runs) -> Section:
         caption="Figure 13, (a) to (f) as in the paper, made with Tables 2 to 4, and (g), (h) the plans of two "
         f"methods. {SCALES} {RECONSTRUCTED}",
         paper=f"{_run_told(paper.FIGURE_13)} Five routes keep the periods of Table 1 (Table 5).",
-        found=f"{_found(case, paper.FIGURE_13)} At effort {runs.settings.proving_effort} tours takes "
+        ours=f"{_ours(case, paper.FIGURE_13)} At effort {runs.settings.proving_effort} tours takes "
         f"{_robots(proving)}; at least {bound} are needed, proved. {_alpha_told(case.printed)}",
         tables=(*case_tables("Table 5 (Section 5.1)", [case]), tour_table(runs, case.printed)),
         verdicts=run_verdicts(case, proving, runs.settings.proving_effort),
@@ -65,7 +65,7 @@ def figure_16_section(runs: Runs) -> Section:
         caption=f"Figure 16, (a) to (f) as in the paper, made with Tables 7, 3 and 4, and (g), (h) the plans of two "
         f"methods. {SCALES} {RECONSTRUCTED} The tour's {paper.FIGURE_16.tour_length:,.2f} is copied from Section 5.1.",
         paper=f"{_run_told(paper.FIGURE_16)} Seven routes keep the periods (Table 8).",
-        found=_found(case, paper.FIGURE_16),
+        ours=_ours(case, paper.FIGURE_16),
         tables=case_tables("Table 8 (Section 5.3)", [case]),
         verdicts=(coverage_verdict(case, "5.3"), NOT_RUN),
     )
@@ -128,7 +128,7 @@ def _run_told(run: paper.PaperRun) -> str:
     )
 
 
-def _found(case: Case, run: paper.PaperRun) -> str:
+def _ours(case: Case, run: paper.PaperRun) -> str:
     """What comes of the three algorithms here, and how the plans compare."""
     stages = case.printed.stages
     deployment, frame, partition = stages.framed.deployment, stages.framed.parts[0].frame, stages.partitions[0]

@@ -126,13 +126,13 @@ class Runs:
     def framed(self, mission: Mission, settings: MethodSettings, *, seed: int | None = None) -> Framed:
         """Algorithms 1 and 2."""
         seed = self.seed if seed is None else seed
-        for known, under, found in self._framed:
-            if known is mission and under == settings and found.seed == seed:
-                return found
+        for known, under, framed in self._framed:
+            if known is mission and under == settings and framed.seed == seed:
+                return framed
         self._begin(f"{mission.name}: deploying sensors and finding the frame, seed {seed}")
-        found = framed_sensors(mission, _paths(mission), settings.deployments[0], settings, seed=seed)
-        self._framed.append((mission, settings, found))
-        return found
+        framed = framed_sensors(mission, _paths(mission), settings.deployments[0], settings, seed=seed)
+        self._framed.append((mission, settings, framed))
+        return framed
 
     def cheapest(self, framed: Framed, mission: Mission, settings: MethodSettings, reading: Reading) -> Partition:
         """The partition that Eq. 28 costs least, by one reading of what the paper leaves open; ground in one part."""
@@ -157,9 +157,9 @@ class Runs:
         stages = cut_in_segments(framed, mission.fleet.equal_robot("robot-1"), _paths(mission), settings)
         plan = driven(mission, stages, seed=self.seed)
         self._begin(f"{mission.name}: checking the routes")
-        found = Printed(mission, stages, plan, check_plan(plan))
-        self._printed.append((settings, found))
-        return found
+        printed = Printed(mission, stages, plan, check_plan(plan))
+        self._printed.append((settings, printed))
+        return printed
 
     def _lengths_m(
         self, part: PartFrame, mission: Mission, settings: MethodSettings, joining_legs: bool
@@ -167,23 +167,23 @@ class Runs:
         """Metres of the routes round all stretches of a frame, with or without the leg that leads to each."""
         if part.route_lengths_m is not None and joining_legs == settings.partition.joining_legs:
             return part.route_lengths_m
-        for known, joined, found in self._lengths:
+        for known, joined, lengths_m in self._lengths:
             if known is part and joined == joining_legs:
-                return found
+                return lengths_m
         self._begin(f"{mission.name}: measuring routes")
         robot = mission.fleet.equal_robot("robot-1")
-        found = route_lengths_m(
+        lengths_m = route_lengths_m(
             part.frame, part.waypoint_periods_s, _paths(mission), speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
             joining_legs=joining_legs, settings=settings.route,
         )  # fmt: skip
-        self._lengths.append((part, joining_legs, found))
-        return found
+        self._lengths.append((part, joining_legs, lengths_m))
+        return lengths_m
 
     def mended(self, mission: Mission, settings: MethodSettings) -> MethodOutcome:
         """A checked plan by the same settings, but that routes are mended until all is seen in time."""
-        for known, under, found in self._mended:
+        for known, under, outcome in self._mended:
             if known is mission and under == settings:
-                return found
+                return outcome
         doing = f"{mission.name}: mending the paper's routes"
         self._begin(doing)
         planning = PatrolSettings(effort=self.settings.effort, method="sun2019", sun2019=AS_THE_PAPER)
@@ -195,35 +195,35 @@ class Runs:
         route = replace(settings.route, routes="repaired")
         best = fewest_robots_by_stages(context, replace(settings, route=route))
         self._begin(doing)  # what was stopped early is not shown
-        found = MethodOutcome(
+        outcome = MethodOutcome(
             method="sun2019", plan=best.plan, report=check_plan(best.plan), planning_s=time.perf_counter() - began_s,
             reason=None if is_good(best) else unmet_reason(best.plan, best.verdict),
         )  # fmt: skip
-        self._mended.append((mission, settings, found))
-        return found
+        self._mended.append((mission, settings, outcome))
+        return outcome
 
     def by_method(self, mission: Mission, method: Method, *, effort: Effort | None = None) -> MethodOutcome:
         """A checked plan by a method as it is by default, at the study's effort or another one."""
         return self._outcome(mission, PatrolSettings(effort=effort or self.settings.effort, method=method))
 
     def _outcome(self, mission: Mission, planning: PatrolSettings) -> MethodOutcome:
-        for known, under, found in self._outcomes:
+        for known, under, outcome in self._outcomes:
             if known is mission and under == planning:
-                return found
+                return outcome
         if not self._outcomes:
             self._begin("loading")
             load_compiled_loops()
         doing = f"{mission.name}: {planning.method}"
         self._begin(doing)
-        found = outcome_of(
+        outcome = outcome_of(
             replace(mission, planning=planning),
             seed=self.seed,
             progress=lambda _, what: self._tell(f"{doing}: {what}"),
             should_stop=self._should_stop,
         )
         self._begin(doing)  # what was stopped early is not shown
-        self._outcomes.append((mission, planning, found))
-        return found
+        self._outcomes.append((mission, planning, outcome))
+        return outcome
 
     def _begin(self, doing: str) -> None:
         if self._should_stop():

@@ -71,7 +71,7 @@ def figure_6_section(runs: Runs) -> Section:
         paper="CCPSO2 with the rules (addition, movement, deletion, fusion) takes "
         f"{paper.SENSORS_WITH_RULES} sensors, standard CCPSO2 {paper.SENSORS_WITHOUT_RULES}; the rules make it converge"
         " faster (Section 4.2).",
-        found=f"{counted(ours, 'sensor')} with the rules, {theirs} without. "
+        ours=f"{counted(ours, 'sensor')} with the rules, {theirs} without. "
         f"{_saved(theirs - ours, paper.SENSORS_WITHOUT_RULES - paper.SENSORS_WITH_RULES)} "
         f"{_by_the_letter(counts)} {_convergence(with_rules, without)}",
         tables=(table, addition_table(runs, counts)),
@@ -154,7 +154,7 @@ def figure_8_section(runs: Runs) -> Section:
         "that of Figure 13 with one zone. Red rings: where the frame crosses from one to the other.",
         paper=f"The frame crosses {paper.CROSSINGS_EUCLIDEAN} times with Euclidean distances and "
         f"{paper.CROSSINGS_GRAPH} times with those of Eq. 14 (Section 4.3).",
-        found=f"{counted(straight.zone_crossings, 'crossing')} and {graph.zone_crossings}. "
+        ours=f"{counted(straight.zone_crossings, 'crossing')} and {graph.zone_crossings}. "
         + ("The claim holds. " if fewer else "The claim does not hold here. ")
         + _blocked(straight, graph)
         + f" The frame is {100 * abs(longer):.1f} % {'longer' if longer >= 0 else 'shorter'} for that.",
@@ -209,7 +209,7 @@ def figure_12_section(runs: Runs) -> Section:
         paper="Sensors are deployed zone by zone, from the smallest period up, joined to a closed frame, and the frame "
         "is cut into one segment for each robot (Section 4.5). The text says T₁ > T₂ > T₃, Table 1 the contrary, which "
         "we follow: the smallest period is the most important.",
-        found=f"{_by_zone(ours)} = {counted(sum(ours), 'sensor')} where the paper has {_by_zone(theirs)} = "
+        ours=f"{_by_zone(ours)} = {counted(sum(ours), 'sensor')} where the paper has {_by_zone(theirs)} = "
         f"{sum(theirs)}, a graph of {len(edges)} edges, a frame of {frame.length_m:,.0f} m that changes zones "
         f"{frame.zone_crossings} times, and {counted(len(partition.first), 'segment')}.",
     )
@@ -237,7 +237,7 @@ def figure_15_section(runs: Runs) -> Section:
         caption=f"Figure 15. {RECONSTRUCTED} Sizes, places and the sensors' radius are ours.",
         paper="A pentagon with a hexagonal and a circular sub-region and two obstacles; periods are told by Table 8 "
         "only, the radius of the sensors is not told again (Section 5.3).",
-        found=f"{_ground(mission)}; {periods}, the rest {mission.period_s:g} s; robots go "
+        ours=f"{_ground(mission)}; {periods}, the rest {mission.period_s:g} s; robots go "
         f"{mission.fleet.speed_m_s:g} m/s and see {mission.fleet.sensor.reach_m:g} m.",
     )
 

@@ -80,19 +80,19 @@ def _mended_verdict(case: Case) -> Verdict:
 
 def verdicts_of_cases(cases: Sequence[Case]) -> tuple[Verdict, ...]:
     """Section 5.2, and Section 4.1's judgement on traditional methods."""
-    theirs, here = [len(case.paper.routes) for case in cases], [case.segments for case in cases]
-    apart = [abs(a - b) for a, b in zip(theirs, here, strict=True)]
+    theirs, ours = [len(case.paper.routes) for case in cases], [case.segments for case in cases]
+    apart = [abs(a - b) for a, b in zip(theirs, ours, strict=True)]
     adapts = Verdict(
         "The method adapts the number of robots to the periods", "5.2, 6",
         "holds" if max(apart) <= 2 else "cannot be told",
-        f"Eq. 26 gives {joined([str(n) for n in here])} where the paper has {joined([str(n) for n in theirs])}: "
-        f"{sum(here)} for {sum(theirs)}, at most {max(apart)} apart.",
+        f"Eq. 26 gives {joined([str(n) for n in ours])} where the paper has {joined([str(n) for n in theirs])}: "
+        f"{sum(ours)} for {sum(theirs)}, at most {max(apart)} apart.",
     )  # fmt: skip
     kept = [case.paper.name for case in cases if case.late == 0]
     in_time = Verdict(
         "Every route keeps its period, but in Case 6", "5.2, Table 6",
         "holds" if all(case.late == 0 for case in cases[:-1]) else "does not hold",
-        f"By Eq. 26 here {with_late(sum(here), sum(case.late for case in cases))}; "
+        f"By Eq. 26 here {with_late(sum(ours), sum(case.late for case in cases))}; "
         f"{'none in ' + joined(kept) if kept else 'some in every case'}. ξ₁ decides, and no ξ₁ gives "
         "all of the paper's counts.",
     )  # fmt: skip
@@ -105,7 +105,7 @@ def _named(cases: Sequence[Case], name: str) -> Case | None:
 
 def _fewest(case: Case) -> str:
     """The fewest robots of any method, and which one took them."""
-    met = {way: one.robots for way, one in case.outcomes.items() if one.met and one.robots is not None}
+    met = {way: outcome.robots for way, outcome in case.outcomes.items() if outcome.met and outcome.robots is not None}
     if not met:
         return "no method found a plan"
     least = min(met.values())
@@ -117,7 +117,7 @@ def _case_2(cases: Sequence[Case]) -> Verdict:
     case = _named(cases, "Case 2")
     if case is None:
         return Verdict(claim, "5.2", "cannot be told", "Not run.")
-    met = [one.robots for one in case.outcomes.values() if one.met and one.robots is not None]
+    met = [outcome.robots for outcome in case.outcomes.values() if outcome.met and outcome.robots is not None]
     fewer = bool(met) and min(met) < len(case.paper.routes)
     return Verdict(
         claim, "5.2", "bettered" if fewer else "holds" if case.segments <= 5 else "cannot be told",
@@ -131,7 +131,7 @@ def _case_6(cases: Sequence[Case]) -> Verdict:
     case = _named(cases, "Case 6")
     if case is None:
         return Verdict(claim, "5.2", "cannot be told", "Not run.")
-    met = [one.robots for one in case.outcomes.values() if one.met and one.robots is not None]
+    met = [outcome.robots for outcome in case.outcomes.values() if outcome.met and outcome.robots is not None]
     needless = bool(met) and min(met) <= len(case.paper.routes)
     return Verdict(
         claim, "5.2", "bettered" if needless else "cannot be told",
@@ -146,8 +146,8 @@ def _traditional(cases: Sequence[Case]) -> Verdict:
     told, beats = [], False
     for way in TRADITIONAL:
         outcomes = [case.outcomes[way] for case in cases]
-        robots = [one.robots or 0 for one in outcomes]
-        met = all(one.met for one in outcomes)
+        robots = [outcome.robots or 0 for outcome in outcomes]
+        met = all(outcome.met for outcome in outcomes)
         no_more = met and all(n <= len(case.paper.routes) for n, case in zip(robots, cases, strict=True))
         beats = beats or no_more
         told.append(f"{way} {sum(robots)}" + ("" if met else ", not all met") + (", never more" if no_more else ""))
