@@ -24,10 +24,10 @@ class Around:
         self._swept = rules is not None and rules.contact == "swept"
 
     def meets(self, robot: Trajectory, cell: Ints, heading: int, time_s: float) -> bool:
-        """Whether the robot's move would bring it in contact with another one, in the step that begins at ``time_s``.
+        """Whether the robot's move would bring it in contact with another one in the step that begins at ``time_s``.
 
-        The other is taken as it goes on, and also as it would have gone on where it stays: both are stopped then.
-        Contact: one target, one middle of the way, or bodies that touch where the mission says "swept".
+        Contact is one target, one middle of the way, or bodies that touch where the mission says "swept". Another robot
+        counts with the move that it makes and, where it stays, also with the move that it wanted: a contact stops both.
         """
         fleet = self._plan.mission.fleet
         mine_m = fleet.robot(robot.robot).body_radius_m

@@ -103,10 +103,11 @@ class Floor:
 
 
 def heading_moves(headings: int) -> Ints:
-    """(headings, 2): lattice vectors of the headings, from east on counterclockwise, as ``BounceSettings`` has them.
+    """(headings, 2) lattice vectors of the headings, from east on counterclockwise, as ``BounceSettings`` has them.
 
-    Of 4 and 8 the neighbours; of more the vector nearest in direction among those of at most R cells along each axis,
-    for the least R by which none is off by more than a quarter of the heading step.
+    With 4 and 8 headings the moves lead to the neighbours. With more, each heading takes the vector nearest in
+    direction among those of at most R cells along each axis. R is the least number by which no heading is off by more
+    than a quarter of the heading step.
     """
     step = math.tau / headings
     wanted = step * np.arange(headings)
@@ -122,7 +123,7 @@ def heading_moves(headings: int) -> Ints:
 
 
 def crossed(dx: int, dy: int) -> list[tuple[int, int]]:
-    """The cells besides both ends whose closed square meets the line from the middle of (0, 0) to that of (dx, dy)."""
+    """The cells whose closed square meets the line from the middle of (0, 0) to that of (dx, dy), without both ends."""
     cells = []
     for x in range(min(0, dx), max(0, dx) + 1):
         for y in range(min(0, dy), max(0, dy) + 1):

@@ -44,7 +44,7 @@ class Bounced:
 
 
 def bounce_violations(plan: Plan) -> Bounced:
-    """Judge a plan of the bounce planner by its mission alone; nothing is found of other missions."""
+    """Judge a plan of the bounce planner by its mission alone; plans of other planners have no violations here."""
     rules = plan.mission.planning.bouncing
     if rules is None:
         return Bounced()
@@ -85,7 +85,7 @@ def bounce_violations(plan: Plan) -> Bounced:
 
 
 def _without_cells(plan: Plan, rules: Bouncing) -> list[Violation]:
-    """The same for robots on no grid, which touch walls exactly and come near no other robot."""
+    """Violations of robots without a grid, which touch walls exactly and never come near another robot."""
     walls, violations = Walls(plan.mission), []
     angles = rules.bouncing_angles_deg
     for k, trajectory in enumerate(plan):
@@ -218,7 +218,12 @@ class _Robot:
         return np.asarray(np.abs(off).argmin(axis=1))
 
     def _judge_stand(self, stand: list[int], before: int, after: int, leg: int, faced: Ints | None) -> int:
-        """The legs on which it stands before a move; the number of turns that only the clock explains."""
+        """Judge the turns between two moves; returns how many of them only the clock explains.
+
+        stand: legs on which the robot stands. before, after: headings of the moves round it, before is -1 where there
+        is none. leg: the one that begins with the move after. faced: headings that the file gives, by timed point;
+        None: it gives none.
+        """
         count = len(self._floor.moves)
         ways = [before, after]
         if faced is not None:
@@ -250,7 +255,7 @@ class _Robot:
         return by_clock
 
     def _bounces(self, heading: int, next_heading: int) -> int | None:
-        """How many bounces turn from one heading to another, a whole round for the same; None: no number does."""
+        """How many bounces turn the robot to the next heading, a whole round for the same one; None: no number does."""
         count = len(self._floor.moves)
         for n in range(1, count + 1):
             if (heading + n * self._bounce) % count == next_heading:

@@ -27,10 +27,11 @@ CHUNK = 500_000
 
 
 def clock_margin_s(plan: Plan) -> float | None:
-    """The largest difference of any two robots' clocks, either way, up to which no bodies touch; inf: they never do.
+    """The largest difference of two robots' clocks, in seconds, up to which no bodies touch; inf: they never touch.
 
-    None for plans of robots that do not bounce, and for fewer than two. A robot whose clock is late does everything so
-    much later. Robots whose loops have no common period meet in every phase: 0 where their ways come near.
+    A robot whose clock is late does everything by that much later. Robots whose loops have no common period meet in
+    every phase, so that the margin is 0 where their ways come near. None for plans of robots that do not bounce, and
+    for fewer than two robots.
     """
     if plan.mission.planning.bouncing is None or len(plan.trajectories) < 2:
         return None
@@ -45,7 +46,7 @@ def clock_margin_s(plan: Plan) -> float | None:
 
 
 def clock_violations(plan: Plan, margin_s: float | None) -> list[Violation]:
-    """What is wrong where clocks may drift farther apart, from one common signal to the next, than bodies allow."""
+    """The violation of clocks that may drift farther apart between two common signals than the margin allows."""
     rules = plan.mission.planning.bouncing
     if margin_s is None or rules is None:
         return []
@@ -101,14 +102,14 @@ def _margin(routes: Routes, bodies: Floats, a: Ints, b: Ints) -> float:
 
 
 def _distance(at: Floats, low: Floats, high: Floats) -> Floats:
-    """From numbers to open intervals; 0 inside."""
+    """Distances (n,) of numbers from open intervals; 0 inside."""
     return np.maximum(np.maximum(low - at, at - high), 0.0)
 
 
 def touching_shifts(routes: Routes, a: Ints, b: Ints, apart_m: Floats) -> tuple[Floats, Floats]:
-    """The least and the largest time on leg a minus time on leg b, (n,) each, at which centres are nearer than apart_m.
+    """The least and the largest time on leg a minus time on leg b, (n,) seconds, at which centres are within apart_m.
 
-    Equal where they never are.
+    a, b: (n,) legs. apart_m: (n,). Both are equal where the centres are never that near.
     """
     p, v, length_a = _motion(routes, a)
     q, w, length_b = _motion(routes, b)

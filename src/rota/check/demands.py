@@ -28,11 +28,12 @@ class Asked:
 
 @functools.lru_cache(maxsize=4)
 def demands_of(mission: Mission) -> tuple[Asked, ...]:
-    """The demands of a mission, zones in their order and then the rest of the area, which is called "area".
+    """The demands of a mission: the zones in their order, then the rest of the area, which is called "area".
 
-    Regions of every_point demands are disjoint: among overlapping zones the smallest period rules (the first of equal
-    ones), a zone without a period or one that asks only for visits takes its ground from the area's period alone. All
-    lie in the area and outside of what blocks sight; a region may be empty. A visit zone's region is zone and area.
+    Regions of every_point demands are disjoint: among overlapping zones the smallest period rules, of equal ones the
+    first. A zone without a period, or one that asks only for visits, takes its ground from the area's period alone. All
+    regions lie in the area and outside of what blocks sight; a region may be empty. A visit zone's region is the part
+    of the zone in the area.
     """
     ground_in_sight = open_ground(mission)
     strict = [z for z in mission.zones if z.demand == "every_point" and z.period_s is not None]
@@ -68,7 +69,7 @@ def _polygonal(shape: Any) -> MultiPolygon:
 
 
 def visits(legs_m: Floats, region: Any, slack_m: float) -> list[tuple[int, float, float]]:
-    """The parts (leg, from, to) of ``legs_m`` (m, 4) inside a region, its border counted in; from and to in 0..1."""
+    """The parts (leg, from, to) of legs (m, 4) inside a region, border included; from and to in 0..1 of the leg."""
     parts: list[tuple[int, float, float]] = []
     sides = segments_of(region)
     if not len(sides):

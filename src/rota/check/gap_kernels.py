@@ -55,9 +55,10 @@ def _shared_gap(times, members, parts, unit_s, common):
 
 @njit(cache=True)
 def pair_gap(times, a, b, period_a, period_b, shared_s):
-    """Worst gap of robots a and b whose phases differ by any multiple of ``shared_s`` (their periods' common measure).
+    """Worst gap in seconds of robots a and b whose phases differ by any multiple of ``shared_s``.
 
-    A gap of the two is the overlap of a gap of each; the overlap is largest when their middles are nearest.
+    ``shared_s`` is the common measure of both periods. A gap of the two is the overlap of a gap of each; the overlap is
+    largest when their middles are nearest.
     """
     starts, ends = times.starts_s, times.ends_s
     lo_a, hi_a, lo_b, hi_b = times.bounds[a], times.bounds[a + 1], times.bounds[b], times.bounds[b + 1]
@@ -125,10 +126,10 @@ def _class_gap(times, members, parts, unit_s, limit_s):
 
 @njit(cache=True)
 def team_gap(times, n, loops, limit_s):
-    """Worst gap of the n robots in ``times``, the time at which it begins (nan: not known) and whether it is exact.
+    """Worst gap in seconds of the n robots in ``times``, the time at which it begins, and whether it is exact.
 
-    Classes of loops without a common period meet in every phase, so together they are as bad as the best of them. A gap
-    of at most ``limit_s`` seconds need not be exact.
+    The time is nan where it is not known. Classes of loops without a common period meet in every phase, so that
+    together they are as bad as the best of them. A gap of at most ``limit_s`` seconds need not be exact.
     """
     best, when, exact = math.inf, math.nan, True
     heads = 0

@@ -134,10 +134,10 @@ def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights,
 
 
 def _left_out(mission: Mission, asked: tuple[Asked, ...], pieces: Pieces, owners: Ints) -> list[int]:
-    """Demands of whose region the pieces leave out more than slivers along its border, and all where there is no piece.
+    """Numbers of the demands whose region the pieces do not fill, slivers along its border aside.
 
-    Slivers thinner than the check's tolerance have no area to speak of, but a region that is nothing else was not
-    looked at.
+    Slivers thinner than the check's tolerance have no area to speak of. A region that is nothing else was not looked
+    at. Where there is no piece at all, every demand is left out.
     """
     points = [k for k, demand in enumerate(asked) if demand.demand == "every_point" and not demand.region.is_empty]
     tiled_m2 = np.bincount(owners, pieces.areas_m2(), len(asked))
@@ -274,7 +274,7 @@ def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mi
 
 
 def _fleet_violations(plan: Plan) -> list[Violation]:
-    """Robots of a fixed fleet without a trajectory, and robots that do not begin at their start."""
+    """Robots of a fixed fleet that have no trajectory, or begin away from their start."""
     violations = _common_start_violations(plan)
     trajectories = {trajectory.robot: trajectory for trajectory in plan}
     for robot in plan.mission.fleet.robots or ():
@@ -289,7 +289,7 @@ def _fleet_violations(plan: Plan) -> list[Violation]:
 
 
 def _common_start_violations(plan: Plan) -> list[Violation]:
-    """Robots without a start of their own that begin outside the fleet's box, or at no free one of its points."""
+    """Robots without a start of their own that begin outside the fleet's box, or at none of its free points."""
     fleet, violations = plan.mission.fleet, []
     free = list(fleet.start.points_m) if isinstance(fleet.start, StartPoints) else []
     for trajectory in plan:

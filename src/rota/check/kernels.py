@@ -23,7 +23,10 @@ FIRST_ROOM = 64  # parts and times that there is room for at first
 
 @njit(cache=True)
 def shrunk(corners, start, stop, slack_m):
-    """The piece with all its sides moved inwards by at least ``slack_m``, by scaling about the mean of its corners."""
+    """The piece with all its sides moved inwards by at least ``slack_m``, (c, 2): scaled about the mean of its corners.
+
+    corners[start:stop] are its corners in metres. A point or a segment stays as it is.
+    """
     piece = corners[start:stop].copy()
     if stop - start < 3:
         return piece
@@ -37,7 +40,10 @@ def shrunk(corners, start, stop, slack_m):
 
 @njit(cache=True)
 def part_in_range(piece, leg, reach_m, square):
-    """The part (lo, hi) of a leg, in 0..1, from which every corner is in range; lo > hi when there is none."""
+    """The part (lo, hi) of a leg, in 0..1, from which every corner of a piece is in range; lo > hi when there is none.
+
+    piece: (c, 2) metres. leg: (4,) x0, y0, x1, y1. reach_m: a disc's radius, or half the side of a square.
+    """
     lo, hi = 0.0, 1.0
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
     length2 = dx * dx + dy * dy
@@ -68,11 +74,12 @@ def part_in_range(piece, leg, reach_m, square):
 
 @njit(cache=True)
 def _shadow(piece, wall, slack_m, shadow):
-    """Half-planes (nx, ny, c: n.p > c) whose intersection holds the positions from which ``wall`` cuts the piece.
+    """Fill ``shadow`` with the half-planes in whose intersection ``wall`` cuts the piece from every position.
 
-    The positions p whose hull with the piece Q meets the wall W are W + cone(W - Q), which is convex: two sides along
-    the extreme directions of the cone and, when Q lies on one side of the wall's line, that line. Returns 0 when the
-    wall hides nothing, 1 when ``shadow`` was filled, 2 when the wall cuts the piece itself (it is never seen whole).
+    shadow: (9,) three times nx, ny, c: n.p > c. piece Q: (c, 2) metres. wall W: (4,). The positions p whose hull with Q
+    meets W are W + cone(W - Q), which is convex. Two of its sides run along the extreme directions of the cone; the
+    third is the wall's line where Q lies on one side of it. Returns 0 when the wall hides nothing, 1 when ``shadow``
+    was filled, 2 when the wall cuts the piece itself, which is then never seen whole.
     """
     ax, ay = wall[0], wall[1]
     wx, wy = wall[2] - ax, wall[3] - ay
@@ -127,7 +134,7 @@ def _shadow(piece, wall, slack_m, shadow):
 
 @njit(cache=True)
 def shadows_of(piece, walls, cell, slack_m, reach_m):
-    """The ``Shadows`` of the walls near a cell that may hide part of the piece (c, 2) within a reach, nearest first."""
+    """The ``Shadows`` of the walls near a cell that may hide part of the piece (c, 2) within reach_m, nearest first."""
     x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
     near = in_cell(walls, cell)
     sides, boxes, distances = np.empty((len(near), 9)), np.empty((len(near), 4)), np.empty(len(near))
@@ -156,7 +163,7 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
 
 @njit(cache=True)
 def blocked_part(shadow, leg, lo, hi):
-    """The open part of lo..hi of a leg inside a shadow; empty when the first is not below the second."""
+    """The open part from, to of lo..hi of a leg (4,) inside a shadow (9,); empty when from is not below to."""
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
     for k in range(0, 9, 3):
         inside = shadow[k] * leg[0] + shadow[k + 1] * leg[1] - shadow[k + 2]
@@ -233,7 +240,10 @@ def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
 
 @njit(cache=True)
 def room_for_parts(parts, shadows):
-    """``parts``, or larger ones: a leg is one part, each shadow makes one more at most, one is free while it cuts."""
+    """``parts`` where it has room for the parts of one leg among these shadows, else larger ones.
+
+    A leg begins as one part. Each shadow adds at most one. Cutting needs room for one more.
+    """
     if shadows.number + 4 > len(parts.starts):
         return Parts(np.empty(2 * shadows.number + 4), np.empty(2 * shadows.number + 4))
     return parts
@@ -285,11 +295,12 @@ def _times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
 
 @njit(cache=True, nogil=True)
 def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
-    """Worst gap of each piece (upper bound for its points, exact for a single point), where it begins, first sight.
+    """Worst gap of each piece: an upper bound for its points, exact for a single point.
 
     offsets (n + 1,), corners (c, 2): the pieces. limits_s (n,): gaps above it are worth more effort. grid, legs, team,
-    walls: ``Grid``, ``Legs``, ``Team`` and ``Binned``. Returns (n,) gaps_s (inf: never seen whole), begin_s (nan: not
-    known), first_s (inf: never), and exact (combined exactly).
+    walls: ``Grid``, ``Legs``, ``Team`` and ``Binned``. Returns (n,) gaps_s (inf: never seen whole), begins_s, the time
+    at which the gap begins (nan: not known), firsts_s, the time of the first sight (inf: never), and whether gaps are
+    exact.
     """
     n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
     gaps, begins, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.nan), np.full(n_pieces, np.inf)

@@ -62,8 +62,8 @@ def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) 
 def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: ViolationKind) -> list[Violation]:
     """Legs on which the body reaches more than 1e-6 m out of the area (kind "outside area") or into an obstacle.
 
-    ``shape`` is the area or what blocks motion. One violation for each leg: its deepest place, when and how deep. Where
-    the centre itself is on the wrong side, that is the deepest of 65 places along the stretch, refined three times.
+    ``shape`` is the area or what blocks motion. Each leg has one violation: its deepest place, when and how deep. Where
+    the centre itself is on the wrong side, the deepest of 65 places along the stretch counts, refined three times.
     """
     xy = trajectory.positions_m[:, :2]
     legs = np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy])
@@ -88,7 +88,10 @@ def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: Vio
 def _deepest(
     legs: Floats, tree: Any, sides: Floats, shape: Any, wrong_inside: bool, body_m: float
 ) -> tuple[Floats, Floats]:
-    """Depth (m,) to which the body enters the wrong side of the border on each leg, and where (m,) in 0..1."""
+    """Depth (m,) in metres to which the body enters the wrong side of the border on each leg, and where, (m,) in 0..1.
+
+    legs: (m, 4). sides: (s, 4) of the border, also in the tree. wrong_inside: whether the shape is the wrong side.
+    """
     leg, side = tree.query(lines_of(legs), predicate="dwithin", distance=body_m + 2 * TOUCH_M)
     depth, place = np.full(len(legs), -math.inf), np.zeros(len(legs))
     distance, along = segment_distances(legs[leg], sides[side])
@@ -107,7 +110,10 @@ def _deepest(
 
 
 def _centre_depth(leg: Floats, near: Floats, shape: Any, tree: Any, wrong_inside: bool) -> tuple[float, float]:
-    """Largest depth of the centre on the wrong side along a leg (0: never there), and where."""
+    """Largest depth in metres of the centre on the wrong side along a leg (4,), and where in 0..1; 0: never there.
+
+    near: (s, 4) sides of the border near the leg.
+    """
     start, along = leg[:2], leg[2:] - leg[:2]
     stops = [0.0, 1.0]
     if len(near) and along.any():
@@ -166,7 +172,7 @@ def _point_distance(point: Floats, start: Floats, along: Floats) -> tuple[Floats
 
 
 def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
-    """Legs faster than the robot, by more than 1e-9 of its speed and what float64 times and places can express."""
+    """Legs faster than the robot by more than 1e-9 of its speed and what float64 times and places can express."""
     steps = np.diff(trajectory.positions_m, axis=0)
     length, time = np.sqrt((steps**2).sum(axis=1)), np.diff(trajectory.times_s)
     noise_m = 4 * FLOAT_EPS * np.abs(trajectory.positions_m).max()
@@ -185,8 +191,8 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
 def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
     """Corners without the pause that turning takes, the seam of the loop included, and headings that turn too fast.
 
-    The value is the pause in seconds and the limit what it must at least be; for headings the rate in rad/s and its
-    limit. Steps of up to 1e-9 m count as standing still.
+    The value of a corner is its pause in seconds, the limit the least pause. The value of headings is their rate in
+    rad/s. Steps of up to 1e-9 m count as standing still.
     """
     if robot.turn_rate_rad_s is None:
         return []

@@ -189,10 +189,10 @@ def _gap_of_followers(first, passing, legs, team, limit_s):
 
 @njit(cache=True, nogil=True)
 def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
-    """For each piece a time (n,) that none of its points waits longer for a look, and a first look (n,); inf: not told.
+    """Times (n,) that no point of each piece waits longer for a look, and first looks (n,), in seconds; inf: not told.
 
-    What it is given is what ``kernels.worst_gaps`` is given. A point is seen at the same moment of each turn of a loop,
-    though another point is seen at another: robots that drive the same leg count together, all others by themselves.
+    The arguments are those of ``kernels.worst_gaps``. A point is seen at the same moment of each turn of a loop, but
+    another point at another moment. So robots that drive the same leg count together, and all others by themselves.
     """
     n_pieces = len(offsets) - 1
     gaps, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.inf)

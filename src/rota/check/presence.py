@@ -24,9 +24,10 @@ def away_times_s(plan: Plan) -> tuple[Floats, Floats]:
 
 
 def seeing_routes(routes: Routes, plan: Plan) -> Routes:
-    """The legs on which robots see: none of one that leaves, since plans are for ever; none begun before it joins.
+    """The legs on which robots see.
 
-    Loops are kept: that they begin in time, ``presence_violations`` finds out.
+    A robot that leaves sees nothing, since plans are for ever. No leg counts that begins before its robot joins. Loops
+    are kept: ``presence_violations`` finds those that begin too early.
     """
     joins, leaves = away_times_s(plan)
     if (joins == 0).all() and np.isinf(leaves).all():

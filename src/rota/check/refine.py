@@ -102,12 +102,16 @@ def refine(
 ) -> list[Findings]:
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
-    owners: (n,) index of each piece's demand into limits_s (demands,). ``is_seeable(points, spread, demands)``: whether
-    a body can stand where it sees the point (within the spread), or nothing is asked of the point by that demand, so
-    that ground of no demand, or of another, is not held against a piece; it is asked from several threads. Pieces of a
-    demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``. When more than
-    600,000 pieces would be open at once, all are left undecided as they are. Very many pieces are refined in parts,
-    each by itself, so that memory and work for one piece do not grow with their number.
+    owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: the size below which no piece
+    is cut.
+
+    is_seeable(points (k, 2), spread_m, demands (k,)): whether a body can stand where it sees a point within the spread.
+    It is also true of points of which that demand asks nothing, so that ground of other demands is not held against a
+    piece. Several threads ask it.
+
+    Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``. When more
+    than 600,000 pieces would be open at once, all are left undecided as they are. Very many pieces are refined in
+    parts, each by itself, so that memory and work for one piece do not grow with their number.
     """
 
     def part(first: int) -> list[Findings]:
@@ -152,7 +156,7 @@ def _refined(
     coarse_m: float,
     few: int,
 ) -> list[Findings]:
-    """The same for pieces that are looked at together."""
+    """Findings (demands,) on pieces that are refined together; the arguments are those of ``refine``."""
     findings = [Findings() for _ in limits_s]
     while len(pieces):
         gaps = piece_gaps(sights, pieces, limits_s[owners])
@@ -223,7 +227,7 @@ class _Level:
     def settle(
         self, findings: list[Findings], is_seeable: IsSeeable, finest_m: float, coarse_m: float, few: int
     ) -> Ints:
-        """Sum up the pieces that need no further cut; the indices of those that do."""
+        """Sum up the pieces that need no further cut; returns the indices of those that do."""
         violated = np.array([f.worst_place_m is not None for f in findings])[self.owners]
         finest = self.sizes_m <= finest_m * (1 + ROUNDING)
         out = np.zeros(len(self.pieces), bool)
@@ -248,7 +252,7 @@ class _Level:
         return still
 
     def _inner_corners(self, index: Ints) -> tuple[Floats, Ints]:
-        """Corners of some pieces, a little inside, and the place in ``index`` of each one's piece."""
+        """Corners (c, 2) of some pieces, a little inwards, and for each the place in ``index`` of its piece, (c,)."""
         chosen = self.pieces.chosen(index)
         owner = chosen.owners()
         middles = self.middles[index][owner]
@@ -292,7 +296,7 @@ class _Level:
         return hidden
 
     def _note_corners(self, findings: list[Findings], index: Ints) -> None:
-        """Let the corners of pieces too fine to be cut speak where their middles were met."""
+        """Judge the corners of pieces too fine to be cut whose middles were met."""
         if not len(index):
             return
         corners, owner = self._inner_corners(index)

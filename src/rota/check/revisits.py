@@ -94,9 +94,10 @@ def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
 
 
 def passing_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
-    """The same for pieces that no one view may take in: each of their points is seen at a moment of its own.
+    """Worst gap of each piece that no single view may take in: each of its points is seen at a moment of its own.
 
-    Told for robots that drive one leg again and again; inf where that does not show that all of a piece is seen.
+    Only robots that drive one leg again and again count. The gap is inf where that does not show that all of a piece is
+    seen.
     """
     if not len(sights.team.reaches_m) or not len(pieces):
         return _never(len(pieces))
@@ -119,9 +120,9 @@ def _arguments(sights: Sights, pieces: Pieces, limits_s: Floats) -> tuple[Any, .
 
 
 def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
-    """For each piece a line (n, 3) nx, ny, c: n.p = c along the edge of what some leg sees; nan: none crosses it.
+    """For each piece a line (n, 3) nx, ny, c: n.p = c, along the edge of what some leg sees; nan: none crosses it.
 
-    A piece across the edges of two swaths looks unseen until it is cut there, however thin the swaths' overlap.
+    A piece across the edges of two swaths looks unseen until it is cut there, however thin the swaths' overlap is.
     """
     corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
     lines: Floats = tiling_kernels.swath_cuts(

@@ -59,7 +59,7 @@ def standing_areas(mission: Mission) -> tuple[StandingArea, ...]:
 
 
 def has_many_sides(mission: Mission) -> bool:
-    """Whether walls have so many sides, as on a scanned floor, that most pieces of the ground are cut by some."""
+    """Whether walls have so many sides, as on a scanned floor, that they cut most pieces of the ground."""
     return int(shapely.get_num_coordinates(_hidden(mission))) > RAGGED_SIDES
 
 
@@ -93,7 +93,7 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
 
 @functools.lru_cache(maxsize=16)
 def _known(mission: Mission, areas: tuple[StandingArea, ...], spread_m: float) -> dict[tuple[float, float], bool]:
-    """What was found out about places on ragged ground: a search has hundreds of plans of one mission checked."""
+    """The answers so far about places on ragged ground; a search has hundreds of plans of one mission checked."""
     return {}
 
 
@@ -107,9 +107,9 @@ def _hidden(mission: Mission) -> Any:
 def _near_box(
     mission: Mission, areas: tuple[StandingArea, ...], reach_m: float, i: int, j: int
 ) -> tuple[tuple[StandingArea, ...], Any]:
-    """What of the areas, and of what blocks sight, can matter to points in one box of a lattice.
+    """The parts of the areas, and of what blocks sight, that can matter to points in one box of a lattice.
 
-    Where it is cut off, it is out of reach of them, even when it is made thinner by the largest spread from there on.
+    They are cut off out of reach of these points, even when what hides is made thinner by the largest spread.
     """
     low, wide = BOX * reach_m, NEAR * reach_m
     frame = shapely.box(i * low - wide, j * low - wide, (i + 1) * low + wide, (j + 1) * low + wide)

@@ -37,10 +37,9 @@ class _Closest:
 def separation_violations(plan: Plan) -> list[Violation]:
     """Pairs of robots whose bodies overlap by more than 1e-6 m at some time, each at its closest approach.
 
-    Bouncing robots are a thousandth of a cell wide at least, so that no two are in one place.
-
-    Before the loops: by time. In the loops: in every phase that occurs, which are shifts by multiples of the periods'
-    common measure, or all shifts where there is none. ``time_s`` None: at some time in the loops.
+    Before the loops robots are compared by time. In the loops they are compared in every phase that occurs: shifts by
+    multiples of the periods' common measure, or all shifts where there is none. ``time_s`` None: at some time in the
+    loops. Bouncing robots count as a thousandth of a cell wide at least, so that no two are in one place.
     """
     routes = routes_of(plan)
     bodies = np.array([plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan])
@@ -194,7 +193,7 @@ def _line_distances(routes: Routes, a: Ints, b: Ints) -> tuple[Floats, Floats]:
 
 
 def _absolute_time(routes: Routes, a: int, b: int, time_s: float, shift_s: float) -> float | None:
-    """A time at which both robots are in their loops and in this phase; None when it is far beyond their first turn."""
+    """A time at which both robots are in their loops and in that phase; None when it is far beyond their first turn."""
     period_a, period_b = routes.durations_s[routes.robots[[a, b]]]
     unit = routes.units_s[routes.classes[routes.robots[a]]]
     turns = int(routes.parts[routes.robots[b]]) // math.gcd(

@@ -46,7 +46,10 @@ def _first_hit(nearby, x, y, cx, cy):
 
 @njit(cache=True)
 def _directions(x, y, walls, ground, crossings, square):
-    """Angles between which neither the first wall nor the first side of the ground changes, ascending, with middles."""
+    """Angles (n,) in radians: where the first wall or the first side of the ground may change, and the middles between.
+
+    (x, y): the place that looks, in metres. The changes come first, ascending; then the middles in the same order.
+    """
     # two for each wall, three for each side of the ground, one for each crossing, and eight: all that is written below
     angles = np.empty(2 * len(walls.items) + 3 * len(ground.items) + len(crossings.items) + 8)
     n = 0
@@ -81,9 +84,10 @@ def _directions(x, y, walls, ground, crossings, square):
 
 @njit(cache=True)
 def _span(segment, x, y):
-    """Nearest and farthest distance of a segment, where it begins as one turns left, and the angle that it spans.
+    """Nearest and farthest distance of a segment (4,) in metres, the angle at which it begins, and the angle it spans.
 
-    The angle is below pi, and pi where rounding leaves it unclear on which side of it (x, y) lies.
+    It begins at its right end as seen from (x, y). The spanned angle is below pi radians; it is pi where rounding
+    leaves it unclear on which side of the segment (x, y) lies.
     """
     ux, uy, vx, vy = segment[0] - x, segment[1] - y, segment[2] - x, segment[3] - y
     wx, wy = vx - ux, vy - uy
@@ -99,9 +103,9 @@ def _span(segment, x, y):
 
 @njit(cache=True)
 def _blocked_at(x, y, walls):
-    """For each sector of directions the distance beyond which nothing is seen, since one wall spans all of it.
+    """(SECTORS,) metres beyond which nothing is seen in each sector of directions, since a single wall spans all of it.
 
-    Such a wall is hit by each ray in the sector, no farther away than its farther end.
+    Each ray in the sector hits such a wall no farther away than its farther end.
     """
     width = 2 * math.pi / SECTORS
     blocked_at = np.full(SECTORS, math.inf)
@@ -116,7 +120,11 @@ def _blocked_at(x, y, walls):
 
 @njit(cache=True)
 def _not_beyond(x, y, blocked_at, nearby):
-    """The segments without those that lie beyond what is seen in every sector they reach into: none is hit first."""
+    """The segments of ``nearby`` that a ray may hit first.
+
+    A segment is left out where something nearer blocks every sector that it reaches into. blocked_at: (SECTORS,)
+    metres.
+    """
     width = 2 * math.pi / SECTORS
     kept = np.empty_like(nearby.items)
     count = 0
@@ -136,7 +144,7 @@ def _not_beyond(x, y, blocked_at, nearby):
 
 @njit(cache=True)
 def _sees_along(angles, x, y, reach_m, square, walls, ground):
-    """Whether (x, y) sees some of the ground in reach in one of the directions."""
+    """Whether (x, y) sees ground within reach_m in any of the directions, angles (n,) in radians."""
     for angle in angles:
         cx, cy = math.cos(angle), math.sin(angle)
         far = reach_m / max(abs(cx), abs(cy)) if square else reach_m
@@ -149,14 +157,14 @@ def _sees_along(angles, x, y, reach_m, square, walls, ground):
 
 @njit(cache=True, nogil=True)
 def sees_ground(points, reach_m, square, grid, walls, ground, crossings):
-    """Whether each point (n, 2), outside of the ground, sees some of the ground in reach, past walls that it may touch.
+    """Whether each point (n, 2), outside of the ground, sees some of the ground within reach_m: (n,) bool.
 
-    walls: ``Binned`` sides of what blocks sight; ground: those of the ground; crossings: where the two cross, as
-    segments of no length. Returns (n,) bool.
+    Sight lines may touch walls. walls: ``Binned`` sides of what blocks sight; ground: those of the ground; crossings:
+    where the two cross, as segments of no length.
 
-    The first wall and the first side of the ground change only at their corners and where they cross; the distance to
-    a side is smallest at a corner or a foot (for a square: at a diagonal or an axis). So those directions and the
-    middles between them decide.
+    The first wall and the first side of the ground change only at their corners and where they cross. The distance to a
+    side is smallest at a corner or a foot, for a square at a diagonal or an axis. So those directions and the middles
+    between them decide.
     """
     seen = np.zeros(len(points), np.bool_)
     for p in range(len(points)):

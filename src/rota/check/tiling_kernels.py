@@ -19,7 +19,7 @@ from rota.check.tolerances import STILL_M
 
 @njit(cache=True)
 def cell_along(offset_m, size_m, count):
-    """The cell (0 to count - 1) of a grid along one axis; the nearest for what is outside of it, the first for nan."""
+    """The cell of a grid along one axis, 0 to count - 1; the nearest for an offset outside, the first for nan."""
     cells = offset_m / size_m
     if not cells >= 1.0:
         return 0
@@ -42,7 +42,7 @@ def in_cell(binned, cell):
 
 @njit(cache=True)
 def _cells_between(low_m, high_m, size_m, count):
-    """The first and the last cell of a grid that an interval along one axis meets; the last is before: none."""
+    """The first and last cell that an interval along one axis meets; last is before first where it meets none."""
     if not (high_m >= 0.0 and low_m < size_m * count):
         return 0, -1
     return cell_along(low_m, size_m, count), cell_along(high_m, size_m, count)
@@ -50,7 +50,7 @@ def _cells_between(low_m, high_m, size_m, count):
 
 @njit(cache=True)
 def rasterise(segments, margin_m, grid):
-    """Segments (n, 4) sorted into the cells of a ``Grid`` that they come within ``margin_m`` of (or a little more)."""
+    """Sort segments (n, 4) into the cells of a ``Grid`` that they come within ``margin_m`` of, or a little more."""
     nx, ny = grid.columns, grid.rows
     offsets = np.zeros(nx * ny + 1, np.int64)
     index = np.empty(0, np.int64)
@@ -85,10 +85,10 @@ def rasterise(segments, margin_m, grid):
 
 @njit(cache=True, nogil=True)
 def swath_cuts(offsets, corners, grid, legs, team, margin_m):
-    """A line (n, 3) nx, ny, c: n.p = c through each piece along the edge of what a leg sees; nan where there is none.
+    """For each piece a line (n, 3) nx, ny, c: n.p = c, along the edge of what a leg sees; nan where there is none.
 
-    offsets (n + 1,), corners (c, 2): the pieces. Of several edges the one nearest to the middle counts; ``margin_m`` of
-    the piece must lie on either side.
+    offsets (n + 1,), corners (c, 2): the pieces. Of several edges the nearest to the piece's middle counts. At least
+    ``margin_m`` of the piece must lie on either side.
     """
     cuts = np.full((len(offsets) - 1, 3), np.nan)
     for k in range(len(cuts)):
@@ -129,9 +129,10 @@ def swath_cuts(offsets, corners, grid, legs, team, margin_m):
 
 @njit(cache=True, nogil=True)
 def halve(offsets, corners, cuts, narrowest_m):
-    """Each convex piece cut in two along its line, or across the longer side of its box where the line is nan.
+    """Cut each convex piece in two along its line, or across the longer side of its box where the line is nan.
 
-    Returns offsets, corners and parent of the parts; slivers are dropped.
+    offsets (n + 1,), corners (c, 2): the pieces. cuts: (n, 3) nx, ny, c. Returns offsets and corners of the parts, and
+    the index of each part's piece. Slivers are dropped.
     """
     n = len(offsets) - 1
     # of c corners z lie on the line and x sides cross it, x <= c - z: both parts have c + z + 2 x <= 3 c corners
@@ -174,7 +175,7 @@ def halve(offsets, corners, cuts, narrowest_m):
 
 @njit(cache=True)
 def half_width(corners, start, stop):
-    """Distance from the mean of the corners to the nearest side; 0 for less than a triangle."""
+    """Distance in metres from the mean of corners[start:stop] to the nearest side; 0 for less than a triangle."""
     if stop - start < 3:
         return 0.0
     cx, cy = corners[start:stop, 0].mean(), corners[start:stop, 1].mean()
