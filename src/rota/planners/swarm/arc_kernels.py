@@ -18,9 +18,9 @@ SAME_PLACE_M = 1e-9
 
 @compiled
 def toggle(angle: float, count: int, ends: Any) -> int:
-    """Add an angle to ascending ones, or take it out where it is among them; returns how many there are then.
+    """Add an angle in radians to ascending ones, ends (m,), or take it out where it is among them.
 
-    Where there is no room for another one they stay as they are.
+    count: how many of ``ends`` are in use; returns how many are then. Where there is no room for another one they stay.
     """
     k = count
     while k > 0 and ends[k - 1] > angle:
@@ -39,11 +39,12 @@ def toggle(angle: float, count: int, ends: Any) -> int:
 
 @compiled
 def arcs_in_ground(x: float, y: float, sensor: float, grid: Any, arcs: Any) -> int:
-    """The arcs of the circle round (x, y), a place in the ground, that lie in the ground; returns how many.
+    """Fill ``arcs`` with the arcs of the circle round (x, y), a place in the ground, that lie in the ground.
 
-    arcs: their beginnings and ends, ascending from -pi to pi. A point of the circle lies in the ground when the radius
-    to it crosses walls an even number of times. The angles at which a radius begins and ceases to cross each wall are
-    those of its ends in the disc: two walls have the same one at their corner, where nothing changes.
+    arcs: their beginnings and ends in radians, ascending from -pi to pi; returns how many arcs there are. A point of
+    the circle lies in the ground when the radius to it crosses walls an even number of times. The angles at which a
+    radius begins and ceases to cross a wall are those of the wall's ends in the disc. Two walls have the same angle at
+    their corner, where nothing changes.
     """
     count, odd, r2 = 0, False, sensor * sensor
     c = cell_of(x, y, grid)
@@ -105,10 +106,10 @@ def cover(begin: float, end: float, count: int, arcs: Any) -> int:
 
 @compiled
 def exposed_arcs(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> int:
-    """The arcs of robot i's circle that lie in the ground and in none of its neighbours' discs; how many.
+    """Fill ``arcs`` with the arcs of robot i's circle that lie in the ground and in no neighbour's disc.
 
-    near: so many ``neighbours``, by ``find_neighbours``. arcs: as ``arcs_in_ground`` has them. Of equal discs in one
-    place that of the smallest number in the fleet counts as the one on top.
+    near: so many ``neighbours``, by ``find_neighbours``. arcs: as ``arcs_in_ground`` has them; returns how many. Of
+    equal discs in one place, that of the smallest number in the fleet counts as the one on top.
     """
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
     if sensor <= 0.0:

@@ -18,7 +18,7 @@ FULL_SHARE_CAUSES = 8.0  # with more overlaps than that the share is less, since
 
 @compiled
 def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, float]:
-    """The velocity that leads by (dx, dy) in a time, or as far as the speed allows."""
+    """The velocity (vx, vy) in m/s that leads by (dx, dy) metres in time_s, or as far as the speed allows."""
     length = math.sqrt(dx * dx + dy * dy)
     scale = 1.0 / time_s if length <= speed * time_s else speed / length
     return dx * scale, dy * scale
@@ -26,11 +26,11 @@ def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, f
 
 @compiled
 def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
-    """Lloyd's step, over-relaxed: each robot makes for the centroid of its Voronoi cell within its sensor's disc.
+    """Decide by Lloyd's step, over-relaxed: a robot makes for the centroid of its Voronoi cell in its sensor's disc.
 
-    Cells are bounded by the ``rule.neighbours`` nearest robots, and by the nearest points of walls in sensor range.
-    Where sensors differ they are those of the power diagram: the border runs where both discs have the same power.
-    Decides for the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``; room: of one thread.
+    The ``rule.neighbours`` nearest robots bound a cell, and so do the nearest points of walls in sensor range. Where
+    sensors differ, cells are those of the power diagram: the border runs where both discs have the same power. Decides
+    for the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``. room: of one thread.
     """
     robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
     near, outline, spare = room
@@ -68,9 +68,10 @@ def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: An
 
 @compiled
 def overlaps_with_robots(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
-    """How far the sensor of robot i overlaps its neighbours': the sum, each away from its cause, and how many.
+    """The sum of the overlaps of robot i's sensor with its neighbours' sensors, and how many overlap.
 
-    near: the neighbours, by ``find_neighbours``. Metres.
+    The sum is a vector in metres; each overlap points away from its neighbour. near: the neighbours, by
+    ``find_neighbours``.
     """
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
     fx, fy, causes = 0.0, 0.0, 0.0
@@ -89,10 +90,11 @@ def overlaps_with_robots(i: int, neighbours: int, robots: Any, kinds: Any, near:
 def sum_of_overlaps(
     i: int, most: int, robots: Any, kinds: Any, grid: Any, nearest2: Any, near: Any
 ) -> tuple[float, float, float]:
-    """How far the sensor of robot i overlaps others and walls: the sum of overlaps, each away from its cause.
+    """The sum of the overlaps of robot i's sensor with other sensors and walls, and the number of causes.
 
-    A wall in sensor range counts twice, since it does not give way itself. The third value is the number of causes.
-    Of robots the ``most`` nearest count; nearest2 (n,) takes the squared distance of the nearest.
+    The sum is a vector in metres; each overlap points away from its cause. A wall in sensor range counts twice, since
+    it does not give way itself. Of robots the ``most`` nearest count. nearest2: (n,) takes the squared distance of the
+    nearest.
     """
     kind = robots.kind[i]
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[kind]
@@ -110,9 +112,9 @@ def sum_of_overlaps(
 
 
 def virtual_force(stiffness: float) -> Any:
-    """The decision by virtual forces that take away such a share of each overlap in a step, compiled.
+    """A compiled controller by virtual forces that take away the share ``stiffness`` of each overlap in a step.
 
-    Robots whose sensors overlap push each other, walls in sensor range push, each by the overlap. The share shrinks
+    Robots whose sensors overlap push each other, and walls in sensor range push, each by the overlap. The share shrinks
     where very many push.
     """
 

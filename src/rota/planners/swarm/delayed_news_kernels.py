@@ -81,7 +81,7 @@ def is_lost(seed: int, listener: int, teller: int, step: int, lost: float) -> bo
 
 @compiled
 def age_of(seed: int, listener: int, teller: int, step: int, hearing: Any) -> int:
-    """How many steps ago what a robot knows of another one was told."""
+    """How many steps ago the news was told that the listener has of the teller at a step."""
     age = hearing.delay_steps
     if hearing.lost > 0.0:
         oldest = hearing.delay_steps + MOST_LOST_IN_ROW
@@ -92,7 +92,7 @@ def age_of(seed: int, listener: int, teller: int, step: int, hearing: Any) -> in
 
 @compiled
 def gone_m(age: int, told_m: float, most_m: float) -> float:
-    """How far a robot may have gone in so many steps since it told of a step of told_m; no step is above most_m."""
+    """How far a robot may have gone in ``age`` steps since it told of a step of told_m; no step exceeds most_m."""
     gone = 0.0
     for k in range(1, age + 1):
         gone += min(most_m, told_m + k * MOST_SPEED_GAIN * most_m)
@@ -121,7 +121,7 @@ def most_round(grid: Any) -> int:
 
 @compiled
 def look_round(i: int, snapshot: Any, news: Any) -> None:
-    """Write robot i and what it knows of those round about into its belief, as if they stood in its cell alone."""
+    """Write robot i and what it has heard of robots near it into its belief, as if all stood in its cell alone."""
     robots, grid, rule, belief = snapshot.robots, snapshot.grid, snapshot.rule, news.belief
     known, start, spread_m, past = belief.robots, belief.grid.start, belief.spread_m, news.past
     known.x[0], known.y[0], known.vx[0], known.vy[0] = robots.x[i], robots.y[i], robots.vx[i], robots.vy[i]
@@ -149,7 +149,7 @@ def look_round(i: int, snapshot: Any, news: Any) -> None:
 
 @compiled
 def load_with_told(snapshot: Any, hearing: Any, past: Any) -> None:
-    """Load the places with robots' discs as far as messages tell; those that keep the places all listen as one.
+    """Load the places with robots' discs as messages tell of them; the keepers of the places listen as a single robot.
 
     past: as in ``DelayedNews``.
     """

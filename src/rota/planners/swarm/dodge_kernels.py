@@ -23,7 +23,7 @@ PASSES = 2  # times that all discs are looked at, since dodging one may lead to 
 def out_of_way(
     px: float, py: float, vx: float, vy: float, reach_m: float, ahead_s: float, time_step_s: float
 ) -> tuple[float, float]:
-    """The least change of a relative velocity by which a disc at (px, py) is not met within a time; (0, 0): none.
+    """The least change of a relative velocity by which a disc at (px, py) is not met within ahead_s; (0, 0): none.
 
     reach_m: the sum of both radii. A disc that is met already is left within one step.
     """
@@ -60,7 +60,7 @@ def out_of_way(
 def dodged(
     x: float, y: float, wx: float, wy: float, body: float, speed: float, moving: Any, time_step_s: float
 ) -> tuple[float, float]:
-    """A wish as it is, or changed by the least that keeps the robot clear of discs that come; no faster than speed."""
+    """The wish (wx, wy), changed by the least that keeps the robot clear of coming discs; no faster than ``speed``."""
     if speed <= 0.0:
         return wx, wy
     for _ in range(PASSES):

@@ -69,7 +69,7 @@ class HalfPlanes(NamedTuple):
 
 @compiled
 def greatest_speed(gap_m: float, time_s: float) -> float:
-    """Greatest speed towards what is gap_m away; 0 for what touches already."""
+    """Greatest speed in m/s towards something gap_m away; 0 where it touches already."""
     return max(gap_m - ROUNDING_M, 0.0) / time_s
 
 
@@ -83,7 +83,7 @@ def cone(distance: float, spread_m: float) -> tuple[float, float, float]:
 
 @compiled
 def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float, float]:
-    """Unit vector towards a wall's nearest point; across the wall for a robot that stands on it."""
+    """Unit vector towards a wall's nearest point, (dx, dy) away; across the wall for a robot that stands on it."""
     if distance > 1e-12:
         return dx / distance, dy / distance
     ax, ay = wall[2] - wall[0], wall[3] - wall[1]
@@ -93,10 +93,10 @@ def wall_normal(dx: float, dy: float, distance: float, wall: Any) -> tuple[float
 
 @compiled
 def add_half_plane(ex: float, ey: float, bound: float, count: int, longest: float, planes: Any) -> tuple[int, float]:
-    """Note v . e <= bound; returns how many half-planes there are, and the greatest length that is safe without more.
+    """Note the half-plane v . e <= bound; returns how many there are, and the greatest length safe without more.
 
-    ``longest``: no velocity longer than that is asked for, so a greater bound says nothing. Without room the loosest
-    half-plane goes, and its bound becomes the greatest length: shorter velocities do not come to it.
+    No velocity longer than ``longest`` is asked for, so that a greater bound says nothing. Without room the loosest
+    half-plane goes, and its bound becomes the greatest length: shorter velocities do not reach it.
     """
     if bound >= longest or (ex == 0.0 and ey == 0.0):
         return count, longest
@@ -115,9 +115,9 @@ def add_half_plane(ex: float, ey: float, bound: float, count: int, longest: floa
 
 @compiled
 def bounded_by_robots(i: int, c: int, snapshot: Any, spread_m: Any, longest: float, planes: Any) -> tuple[int, float]:
-    """The half-planes of the robots round robot i, which is in cell c; their number and the greatest length.
+    """Note the half-planes of the robots round robot i, which is in cell c; returns their number, the greatest length.
 
-    Both as ``add_half_plane`` returns them. spread_m: as ``filter_velocities`` takes it.
+    Both are as ``add_half_plane`` returns them. spread_m: as ``filter_velocities`` takes it.
     """
     robots, kinds, grid, time_step_s = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule.time_step_s
     kind, x, y, count = robots.kind[i], robots.x[i], robots.y[i], 0
@@ -169,7 +169,7 @@ def bounded_by_walls(i: int, c: int, snapshot: Any, count: int, longest: float, 
 
 @compiled
 def bounded_by_moving(i: int, snapshot: Any, count: int, longest: float, planes: Any) -> tuple[int, float]:
-    """Add the half-planes of discs that move; where one comes nearer than a robot can make way, the bound is 0."""
+    """Add the half-planes of discs that move; the bound is 0 where a disc comes nearer than the robot can make way."""
     moving, time_step_s = snapshot.moving, snapshot.rule.time_step_s
     x, y, body = snapshot.robots.x[i], snapshot.robots.y[i], snapshot.kinds.body_m[snapshot.robots.kind[i]]
     for m in range(moving.x.shape[0]):
@@ -185,7 +185,7 @@ def bounded_by_moving(i: int, snapshot: Any, count: int, longest: float, planes:
 
 @compiled
 def share_within(vx: float, vy: float, slack: float, count: int, planes: Any) -> float:
-    """Largest share of a velocity, up to 1, that all half-planes allow but for the slack."""
+    """Largest share of a velocity, up to 1, that all half-planes allow, each with that slack."""
     share = 1.0
     for k in range(count):
         towards = vx * planes.x[k] + vy * planes.y[k]
@@ -196,7 +196,7 @@ def share_within(vx: float, vy: float, slack: float, count: int, planes: Any) ->
 
 @compiled
 def nearest_on_lines(wx: float, wy: float, count: int, planes: Any) -> tuple[float, float]:
-    """The nearest point to a wish on the lines that it lies beyond, as far as the other half-planes leave them.
+    """The point nearest to the wish on the lines it lies beyond, of all points that the other half-planes leave.
 
     (0, 0) where rounding leaves nothing of any line.
     """
@@ -228,10 +228,10 @@ def nearest_on_lines(wx: float, wy: float, count: int, planes: Any) -> tuple[flo
 
 @compiled
 def nearest_allowed(wx: float, wy: float, longest: float, count: int, planes: Any) -> tuple[float, float]:
-    """The velocity no longer than ``longest`` and than the wish, in all half-planes, that is nearest to the wish.
+    """The velocity in all half-planes that is nearest to the wish, no longer than ``longest`` and than the wish.
 
-    Bounds are 0 or more. Never longer than the wish, and in all half-planes but for rounding, whatever the search
-    finds; see above.
+    Bounds are 0 or more. Whatever the search finds, the result is never longer than the wish, and it lies in all
+    half-planes but for rounding; see above.
     """
     slack = ROUNDING * math.sqrt(wx * wx + wy * wy)
     share = share_within(wx, wy, slack, count, planes)

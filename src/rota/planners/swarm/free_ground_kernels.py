@@ -43,7 +43,7 @@ def add_load(x: float, y: float, sensor_m: float, discs: float, graph: Any) -> N
 
 @compiled
 def load_with_capacity(area_m2: Any, sensor_m: float, graph: Any) -> None:
-    """Load the places with the ground about each of them, area_m2 (k,): up to 1, less where there are walls."""
+    """Load the places with the ground about each of them, area_m2 (k,): up to 1 disc, less where there are walls."""
     graph.load[:] = 0.0
     for k in range(graph.x.shape[0]):
         add_load(graph.x[k], graph.y[k], sensor_m, area_m2[k] / (math.pi * sensor_m * sensor_m), graph)
@@ -61,11 +61,11 @@ def load_with_all(robots: Any, kinds: Any, graph: Any) -> None:
 
 @compiled
 def pass_on_distances(step: int, graph: Any) -> None:
-    """From the numbers told at a step those of the next one: 0 at free places, else the least by way of another one.
+    """Make the next step's numbers of those told at this one: 0 at free places, else the least by way of another place.
 
-    A number that would grow tells nothing for a step: ``far_m``, which no way is as long as. Where free ground is taken
-    old numbers go round from place to place and back, ever greater, and robots that went by them all the time went to
-    and fro for ever. Measured: 2 of 12 heaps of 100 robots did so; silence for two steps costs rooms 1 % of the ground.
+    A number that would grow tells nothing for a step: ``far_m``, which is longer than any way. Where free ground is
+    taken, old numbers go round from place to place and back and grow for ever, and robots that went by them went to and
+    fro for ever. Measured: 2 of 12 heaps of 100 robots did so; silence for two steps costs rooms 1 % of the ground.
     """
     told, new = graph.away_m[step % 2], graph.away_m[(step + 1) % 2]
     for k in range(graph.x.shape[0]):
@@ -97,10 +97,10 @@ def is_seen(x: float, y: float, px: float, py: float, c: int, grid: Any) -> bool
 def direction_to_free_ground(
     x: float, y: float, within_m: float, step: int, c: int, grid: Any
 ) -> tuple[float, float, float]:
-    """How far it is from (x, y) to free ground by a place in sight, and the way (dx, dy) there; ``far_m``, 0, 0: none.
+    """Metres from (x, y) to free ground by way of a place in sight, and the way (dx, dy) to that place.
 
-    c: the cell of the grid that (x, y) is in. Of places within a distance only those in the 25 cells of the map round
-    about count, which reach as far as ways do.
+    ``far_m``, 0, 0 where there is none. c: the cell of the grid that (x, y) is in. Only places within a distance count,
+    in the 25 cells of the map round about, which reach as far as ways do.
     """
     graph = grid.place_graph
     least, dx, dy = graph.far_m, 0.0, 0.0

@@ -69,7 +69,7 @@ def move_and_sort(robots: Any, moved: Any, grid: Any, cell: Any, time_step_s: fl
 
 @compiled
 def comes_before(distance2: float, name: int, k: int, near: Any, names: Any) -> bool:
-    """Whether a neighbour comes before the k-th found: nearer, or as near and of a smaller number in the fleet."""
+    """Whether a robot comes before the k-th neighbour: it is nearer, or as near with a smaller number in the fleet."""
     if distance2 != near.distance2[k]:
         return distance2 < near.distance2[k]
     return name < names[near.robot[k]]
@@ -77,9 +77,10 @@ def comes_before(distance2: float, name: int, k: int, near: Any, names: Any) -> 
 
 @compiled
 def find_neighbours(i: int, most: int, robots: Any, grid: Any, range_m: float, near: Any) -> tuple[int, float]:
-    """The ``most`` nearest robots within range_m (no more than a cell's side) of robot i, nearest first, into ``near``.
+    """Fill ``near`` with the ``most`` nearest robots within range_m of robot i, nearest first.
 
-    Returns how many there are, and the squared distance of the nearest robot in the cells round about (inf: none).
+    range_m: no more than a cell's side. Returns how many there are, and the squared distance in square metres of the
+    nearest robot in the cells round about (inf: none).
     """
     x, y = robots.x[i], robots.y[i]
     range2 = range_m * range_m
@@ -125,9 +126,9 @@ def to_wall(x: float, y: float, wall: Any) -> tuple[float, float]:
 
 @compiled
 def walls_of_cells(grid: Any, within_m: float, filling: bool) -> int:
-    """List, cell by cell, the walls within a distance of any of its places; without ``filling`` count them only.
+    """List, cell by cell, the walls within within_m of any place of the cell; without ``filling`` only count them.
 
-    Counting writes the number for cell c to wall_start[c + 1]; filling needs the sums of these there, and moves each to
+    Counting writes the number for cell c to wall_start[c + 1]. Filling needs the sums of these there, and moves each to
     its cell's end. Returns how many entries there are.
     """
     total, reach = 0, within_m + 0.7072 * grid.cell_m

@@ -18,11 +18,11 @@ ON_THE_BORDER_M = 1e-9
 def lattice_starts(
     room: BaseGeometry, taken_m: Floats, taken_radii_m: Floats, *, count: int, radius_m: float, rng: np.random.Generator
 ) -> tuple[Floats, int]:
-    """So many places (count, 2) in a room for bodies of one radius that touch nothing, or none; and how many fit.
+    """Places (count, 2) in a room for bodies of one radius that touch nothing, or none; and how many bodies fit.
 
     room: where centres may be. taken_m, taken_radii_m: (k, 2) and (k,) bodies that stand there already. The lattices
-    tried are triangular, in both directions, and square; the widest spacing that holds enough is taken, places are
-    drawn from it, and each is shaken by no more than half of what lies between neighbours.
+    are triangular, in both directions, and square. The widest spacing that holds enough is taken. Places are drawn from
+    it, and each is shaken by no more than half of the room between neighbours.
     """
     shapely.prepare(room)  # it is asked for every place of every lattice
     x0, y0, x1, y1 = room.bounds
@@ -53,7 +53,7 @@ def lattice_starts(
 
 
 def _places(room: BaseGeometry, taken_m: Floats, apart_m: Floats, spacing_m: float, kind: int) -> Floats:
-    """Points of a lattice that begins in the room's lower left: 0 rows shifted by halves, 1 columns, 2 square."""
+    """Points (p, 2) of a lattice from the room's lower left; kind 0: rows shifted by halves, 1: columns, 2: square."""
     x0, y0, x1, y1 = room.bounds
     width, height = (y1 - y0, x1 - x0) if kind == 1 else (x1 - x0, y1 - y0)
     rise_m = spacing_m * (1.0 if kind == 2 else math.sqrt(3) / 2 * (1 + 1e-12))

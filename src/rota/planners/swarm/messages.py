@@ -50,7 +50,7 @@ class Messages:
         self.past[:, 2:, names] = 0.0
 
     def news_for(self, thread: int, robots: Robots, grid: Grid) -> DelayedNews:
-        """What was told, with room for one thread that is large enough for all round about any of the robots."""
+        """The messages, with a belief of one thread that has room for all robots round about any robot."""
         belief = self._beliefs[thread]
         if belief is None or len(belief.spread_m) < self._most:
             n = 2 * self._most

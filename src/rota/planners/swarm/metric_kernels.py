@@ -53,7 +53,7 @@ def newly_marked(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) 
 
 @compiled
 def least_gaps(robots: Any, kinds: Any, grid: Any) -> tuple[float, float]:
-    """Least distance between the rims of two bodies and of a body and a wall, as far as cells beside each other show.
+    """Least distances in metres between the rims of two bodies, and of a body and a wall, as far as near cells show.
 
     Below 0 for what overlaps; inf where nothing is near.
     """
@@ -77,9 +77,10 @@ def least_gaps(robots: Any, kinds: Any, grid: Any) -> tuple[float, float]:
 
 @compiled
 def turned_back(robots: Any, before_vx: Any, before_vy: Any, least_m_s: float) -> int:
-    """How many robots move against their velocity of the step before; before_vx, before_vy: (n,) by number, renewed.
+    """How many robots move against their velocity of the step before.
 
-    Slower than least_m_s, before or now, is rest.
+    before_vx, before_vy: (n,) by number in the fleet; they take the velocities of now. A robot slower than least_m_s,
+    before or now, is at rest.
     """
     count = 0
     for k in range(robots.x.shape[0]):

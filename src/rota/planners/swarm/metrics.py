@@ -56,10 +56,10 @@ class History:
         return "\n".join(lines) + "\n"
 
     def settled_step(self, within: float = 0.005, *, at_rest: bool) -> float:
-        """From which step on the coverage stays within a share of its last value: half a point, unless told.
+        """The step from which on the coverage stays within a share of its last value, half a point by default.
 
-        at_rest: whether the run ended by itself. The last value of one that was cut off is no end of anything, unless
-        the coverage has stayed there for the last ``PLATEAU`` of its steps; inf where it has not.
+        at_rest: whether the run ended by itself. The last value of a run that was cut off counts only where the
+        coverage has stayed there for the last ``PLATEAU`` of its steps; else the result is inf.
         """
         away = np.flatnonzero(np.abs(self.coverage - self.coverage[-1]) > within)
         step = int(away[-1]) + 1 if len(away) else 0

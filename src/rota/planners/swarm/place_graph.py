@@ -30,10 +30,10 @@ def empty_place_graph() -> PlaceGraph:
 
 
 def place_graph_of(walls: Floats, kinds: Kinds) -> PlaceGraph:
-    """Places and ways in the ground within walls (m, 4), closed rings, where the largest of the bodies have room.
+    """Places and ways in the ground within walls (m, 4), closed rings, in which the largest body has room.
 
-    One place for each square of a lattice, or for each part of it that walls divide, and one at each corner that ways
-    may turn about. Any two that are not far apart, and between which a body can go straight, are joined.
+    Each square of a lattice has a place, or one for each part into which walls divide it, and so has each corner that
+    ways may turn about. Any two places that are near each other are joined where a body can go straight between them.
     """
     sensors = kinds.sensor_m[kinds.sensor_m > 0]
     if not len(sensors):
@@ -69,9 +69,9 @@ def _power(cells: int) -> int:
 
 
 def _pieces(room: BaseGeometry, low: Floats, side_m: float, i: int, j: int, cells: int) -> Floats:
-    """One place in each part that a lattice's squares cut a room into, of those from (i, j) on, so many a side.
+    """One place in each part that squares of a lattice cut a room into: (k, 3) its x and y, and the part's area.
 
-    (k, 3): x and y of the place, and the area of the part.
+    The squares are those from (i, j) on, ``cells`` a side. low: (2,) where the lattice begins.
     """
     x, y = low + side_m * np.array([i, j])
     width = side_m * cells

@@ -182,9 +182,9 @@ class Swarm:
         return values
 
     def leave(self, numbers: ArrayLike, *, bodies_stay: bool = True) -> None:
-        """Robots of these numbers in the fleet stop, see nothing more and are nobody's neighbours.
+        """Let robots of these numbers in the fleet stop: they see nothing more and are nobody's neighbours.
 
-        Their bodies stay in the way of the others, unless they are said to vanish.
+        Their bodies stay in the way of the others unless ``bodies_stay`` is false.
         """
         chosen = self._rows(numbers)
         absent = self._present_kind[self._robots.name[chosen]] + self._member_kinds
@@ -192,7 +192,7 @@ class Swarm:
         self._robots.vx[chosen] = self._robots.vy[chosen] = 0.0
 
     def join(self, numbers: ArrayLike, places_m: ArrayLike | None = None) -> None:
-        """Robots of these numbers in the fleet, absent so far, take part from the next step on, from where they are.
+        """Let absent robots of these numbers in the fleet take part from the next step on, from where they are.
 
         places_m: (k, 2) where they appear instead. Raises MissionError where a body has no room between the others and
         the walls, or outside the walls; then nobody joins.
@@ -226,7 +226,7 @@ class Swarm:
         self._sort(0.0)
 
     def _rows(self, numbers: ArrayLike) -> Ints:
-        """Where robots of these numbers stand in the state, in the order of the numbers."""
+        """The rows (k,) of the state in which robots of these numbers (k,) stand; MissionError for wrong numbers."""
         asked = np.atleast_1d(np.asarray(numbers, np.int64))
         if len(np.unique(asked)) != len(asked) or ((asked < 0) | (asked >= len(self))).any():
             raise MissionError(f"robots {asked.tolist()}: different numbers from 0 to {len(self) - 1} are needed")
@@ -269,7 +269,7 @@ class Swarm:
         return self._take_decided()
 
     def _pass_on_distances(self, snapshot: Snapshot) -> None:
-        """What robots tell of free ground for the next step; in this one they go by what they were told."""
+        """Work out what robots tell of free ground for the next step; in this step they go by what they were told."""
         if self._messages is None:
             load_with_all(self._robots, self.kinds, self.grid.place_graph)
         else:
@@ -285,7 +285,7 @@ class Swarm:
         return self._sort(self.rule.time_step_s)
 
     def _decide_for(self, begin: int, end: int, part: int, snapshot: Snapshot, decisions: Decisions) -> None:
-        """What one thread decides: the robots begin..end - 1, with its part of the room."""
+        """Decide for the robots begin..end - 1 in one thread, with its part of the room."""
         room, controller = self._rooms[part], NUMBER_OF.get(self._decide, OWN)
         if self._messages is None or controller == OWN:
             self._decide(begin, end, snapshot, decisions, room)
@@ -321,7 +321,7 @@ def room_for(n: int, member_kinds: int) -> Robots:
 
 
 def in_fleet_order(robots: Robots, x: Floats, y: Floats) -> Floats:
-    """(n, 2) in the order of the fleet: values (n,) each that stand in the order of the state."""
+    """(n, 2) values in the order of the fleet, of x and y, (n,) each, in the order of the state."""
     values = np.empty((len(robots.name), 2))
     values[robots.name, 0] = x
     values[robots.name, 1] = y

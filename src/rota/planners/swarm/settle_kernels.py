@@ -41,7 +41,7 @@ GAP_TO_AHEAD = 0.6  # of the sum of two bodies' radii, which the one behind keep
 
 @compiled
 def rubbed(dx: float, dy: float, last_m: float, sensor_m: float) -> tuple[float, float]:
-    """What friction leaves of a step (dx, dy) after one of ``last_m``: nothing of a step that is hardly longer."""
+    """What friction leaves of a step (dx, dy) after a step of last_m: (0, 0) of one hardly longer than friction."""
     slowness = max(0.0, 1.0 - last_m / (STATIC_BELOW * sensor_m))
     friction_m = sensor_m * (KINETIC_FRICTION + (STATIC_FRICTION - KINETIC_FRICTION) * slowness)
     length = math.sqrt(dx * dx + dy * dy)
@@ -51,10 +51,10 @@ def rubbed(dx: float, dy: float, last_m: float, sensor_m: float) -> tuple[float,
 
 @compiled
 def not_into_walls(x: float, y: float, near_m: float, dx: float, dy: float, grid: Any) -> tuple[float, float]:
-    """What is left of (dx, dy) without what leads from (x, y) into walls within a distance.
+    """The step (dx, dy) from (x, y) without its part that leads into walls within near_m.
 
-    A robot at a wall goes along it. What pushes it into the wall must not count, else it makes each step along the wall
-    too long, and friction too weak: such a robot goes to and fro for ever.
+    A robot at a wall goes along it. What pushes it into the wall must not count: it would make each step along the wall
+    too long and friction too weak, and the robot would go to and fro for ever.
     """
     c = cell_of(x, y, grid)
     for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
@@ -67,7 +67,7 @@ def not_into_walls(x: float, y: float, near_m: float, dx: float, dy: float, grid
 
 @compiled
 def area_in_disc(outline: Any, corners: int, radius: float) -> float:
-    """Area of (convex polygon that holds the origin, within the disc of a radius round it)."""
+    """Area of a convex polygon that holds the origin, as far as it lies in the disc of a radius round the origin."""
     twice, r2 = 0.0, radius * radius
     px, py = outline.x[corners - 1], outline.y[corners - 1]
     for k in range(corners):
@@ -89,11 +89,11 @@ def area_in_disc(outline: Any, corners: int, radius: float) -> float:
 
 @compiled
 def own_share(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, room: Any) -> tuple[float, float]:
-    """Which share of its disc's ground robot i has to itself, by the power diagram; how much walls are in range, 0..1.
+    """The share of its disc's ground that robot i has to itself, by the power diagram, and how much walls are in range.
 
-    Of the ground each wall leaves what is on this side of its nearest point, as in ``decide_voronoi``. What walls
-    change sets in gradually: a robot that it pushed out of a wall's range at once would come back, for ever.
-    room.near: so many neighbours, by ``find_neighbours``.
+    Both are 0..1. A wall leaves the ground on this side of its nearest point, as in ``decide_voronoi``. What walls
+    change sets in gradually: a robot that a wall pushed out of its range at once would come back, for ever. room.near:
+    so many neighbours, by ``find_neighbours``.
     """
     near, outline, spare = room
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
@@ -132,9 +132,9 @@ def own_share(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, room:
 def room_for_those_ahead(
     i: int, neighbours: int, away_m: float, snapshot: Any, near: Any
 ) -> tuple[float, float, float]:
-    """Away from robots close by that are nearer to free ground than robot i: the sum, and the greatest, of the shares.
+    """A push away from near robots that are nearer to free ground than robot i: sum and greatest of the shares.
 
-    Robots that all press on through a door block each other in it; those that leave those ahead their room pass.
+    Robots that all press on through a door block each other in it. Robots that leave those ahead their room pass.
     away_m: how far it is from robot i to free ground.
     """
     robots, kinds, grid = snapshot.robots, snapshot.kinds, snapshot.grid
@@ -158,11 +158,12 @@ def room_for_those_ahead(
 
 @compiled
 def pushes(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> tuple[float, float]:
-    """How far neighbours and walls push robot i in a step: by ``OVERLAP_SHARE`` of the overlaps, less from very many.
+    """The step (dx, dy) in metres by which neighbours and walls push robot i: ``OVERLAP_SHARE`` of the overlaps.
 
-    Walls push by |h|^2 / 4 R for the gradient h of the ground in the disc: one straight wall by nearly twice its
-    overlap, since it does not give way. So does a round obstacle, of however many short walls: where each of those
-    pushed by its own overlap, together they pushed by far too much, and robots went to and fro for ever.
+    It is less where very many push. Walls push by |h|^2 / 4 R for the gradient h of the ground in the disc. One
+    straight wall pushes by nearly twice its overlap, since it does not give way, and so does a round obstacle of
+    however many short walls. Where each of those pushed by its own overlap, together they pushed by far too much, and
+    robots went to and fro for ever.
     """
     sensor = kinds.sensor_m[robots.kind[i]]
     fx, fy, causes = overlaps_with_robots(i, neighbours, robots, kinds, near)
@@ -174,7 +175,7 @@ def pushes(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: An
 
 @compiled
 def share_moving_on(own: float, walled: float) -> float:
-    """How far a robot makes for free ground, 0..1: with less than a share of its ground in range to itself.
+    """How far a robot makes for free ground, 0..1: more, the less of the ground in its range it has to itself.
 
     own, walled: as ``own_share`` returns them.
     """
@@ -184,7 +185,7 @@ def share_moving_on(own: float, walled: float) -> float:
 
 @compiled
 def share_pushed(own: float, walled: float, going: float) -> float:
-    """How far a robot goes by pushes, 0..1, in place of the gradient: not at walls, nor where it makes for free ground.
+    """How far a robot goes by pushes, 0..1, not by the gradient: not at walls, nor where it makes for free ground.
 
     going: as ``share_moving_on`` returns it.
     """

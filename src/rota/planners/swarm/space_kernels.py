@@ -97,7 +97,7 @@ def find_neighbours(i: int, most: int, robots: Any, heights: Any, grid: Any, ran
 
 @compiled
 def lowest_m(z: float, band: Any, full_m: float) -> float:
-    """How far down a robot may go: to the floor, but not where its footprint, full from full_m on, would shrink."""
+    """How far down a robot may go: to the floor, and not where its footprint, full from full_m on, would shrink."""
     return max(band.low_m, min(z, full_m))
 
 
@@ -140,7 +140,7 @@ def decide_in_space(snapshot: Any, decisions: Any, room: Any) -> None:
 
 @compiled
 def tighter(limit: Any, vx: float, vy: float, vz: float, ex: float, ey: float, ez: float, bound: float) -> Any:
-    """Of the half-space that a velocity violates most and v . e <= bound the worse; and the least share allowed.
+    """The worse of the half-space that a velocity violates most so far and v . e <= bound, and the least share allowed.
 
     limit: violation, e and bound of the worst so far, and the share. bound >= 0.
     """
@@ -191,9 +191,9 @@ def limits_of(i: int, snapshot: Any, vx: float, vy: float, vz: float) -> Any:
 def filter_in_space(snapshot: Any, decisions: Any) -> None:
     """Replace velocities by ones with which no balls can touch each other or a wall, or leave the band, in one step.
 
-    The bounds are those of the filter in the plane. A velocity glides: it is brought into the half-space that it
-    violates most, a few times, which makes it no longer, since 0 is in all of them; then as much of it is left as all
-    allow.
+    The bounds are those of the filter in the plane. A velocity glides: a few times it is brought into the half-space
+    that it violates most. That makes it no longer, since 0 is in all half-spaces. Then it is shortened to what all of
+    them allow.
     """
     robots = snapshot.robots
     for i in range(robots.x.shape[0]):

@@ -33,7 +33,7 @@ PARALLEL = 1e-12  # sine of the angle between planes that do not meet within rea
 
 @compiled
 def add_plane(planes: Any, count: int, ex: float, ey: float, ez: float, bound: float) -> int:
-    """One half-space v . e <= bound more, e a unit vector; returns how many there are. Without room it is left out."""
+    """Add the half-space v . e <= bound, e a unit vector; returns how many there are. Without room it is left out."""
     if count == planes.shape[0]:
         return count
     planes[count, 0], planes[count, 1], planes[count, 2], planes[count, 3] = ex, ey, ez, bound
@@ -42,7 +42,7 @@ def add_plane(planes: Any, count: int, ex: float, ey: float, ez: float, bound: f
 
 @compiled
 def across(nx: float, ny: float, nz: float) -> tuple[float, float, float, float, float, float]:
-    """Two unit vectors normal to a unit vector and to each other, right-handed with it."""
+    """Two unit vectors normal to the unit vector (nx, ny, nz) and to each other, right-handed with it."""
     if abs(nx) <= abs(ny) and abs(nx) <= abs(nz):
         ax, ay, az = 1.0 - nx * nx, -nx * ny, -nx * nz
     elif abs(ny) <= abs(nz):
@@ -60,7 +60,8 @@ def face_of(
 ) -> tuple[int, bool]:
     """The polygon of plane f round its disc that the other half-spaces leave, in the axes tx, ty from its foot.
 
-    Returns its corners and whether they lie in ``spare``. Of planes that coincide the first has the face.
+    Returns its corners and whether they lie in ``spare``, not ``outline``. Of planes that coincide the first has the
+    face.
     """
     nx, ny, nz, d = planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3]
     # clear of the disc, whose rim a touching side would interrupt by some 1e-8 where S takes it to be whole
@@ -86,10 +87,10 @@ def face_of(
 
 @compiled
 def seen_from(pole: Any, x: float, y: float, scale: float, height: float) -> float:
-    """The spherical triangle of the pole, a face's normal and the direction of (x, y, height), signed; T above.
+    """The signed solid angle of a spherical triangle: the pole, a face's normal and the direction of (x, y, height).
 
-    pole: in the face's axes. scale: that makes of pole and direction unit vectors, for their products.
-    Source: van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30(2):125, 1983.
+    pole: in the face's axes. scale: makes unit vectors of pole and direction, for their products. Source: van Oosterom
+    and Strackee, IEEE Trans. Biomed. Eng. 30(2):125, 1983.
     """
     px, py, pz, length = pole
     triple = scale * (py * x - px * y)

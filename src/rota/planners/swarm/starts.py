@@ -111,7 +111,7 @@ def _require_to_fit(mission: Mission, room: MultiPolygon, robot: Robot) -> None:
 
 
 def _is_jammed(mission: Mission, room: MultiPolygon, radius_m: float) -> bool:
-    """Whether random places cannot be found for all that wait, many bodies of one radius, reserve included."""
+    """Whether random places cannot be found for all bodies without a start: many, of one radius, reserve included."""
     waiting = [robot.body_radius_m for robot in mission.fleet.robots or () if robot.start is None]
     if len(waiting) < MANY * shapely.get_num_geometries(room) or len(set(waiting)) > 1:
         return False
@@ -132,7 +132,7 @@ def _free_place(
 
 
 def _on_lattice(mission: Mission, ground: MultiPolygon, reserve_m: float, seed: int) -> Floats:
-    """Starts where random ones do not fit, all bodies taken for as wide as the widest that waits for a place."""
+    """Starts (n, 2) on a lattice where random ones do not fit; all bodies count as the widest without a start."""
     robots = mission.fleet.robots or ()
     waiting = np.array([robot.start is None for robot in robots])
     widest_m = max(robot.body_radius_m for robot in robots if robot.start is None)
@@ -158,7 +158,7 @@ def _on_lattice(mission: Mission, ground: MultiPolygon, reserve_m: float, seed: 
 
 
 def spare_room_m(mission: Mission, ground: MultiPolygon, starts_m: Floats, wish_m: float) -> float:
-    """By how much all bodies may be wider at their starts without touching anything; no more than wish_m matters."""
+    """How much wider all bodies may be at their starts without touching anything, at most wish_m."""
     bodies = np.array([robot.body_radius_m for robot in mission.fleet.robots or ()])
     pairs = cKDTree(starts_m).query_pairs(2 * (bodies.max() + wish_m), output_type="ndarray")
     a, b = pairs.T

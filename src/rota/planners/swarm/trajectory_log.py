@@ -58,7 +58,7 @@ class TrajectoryLog:
             self.keep_last()
 
     def keep_last(self) -> None:
-        """Keep the last places as they are: thinning never strays across them."""
+        """Keep the last places as they are; no thinning goes across them."""
         if self._filled == 1:
             return
         self._kept.append(self._thinned())

@@ -33,9 +33,10 @@ def is_cut(outline: Any, corners: int, ex: float, ey: float, bound: float) -> bo
 
 @compiled
 def cut(outline: Any, corners: int, ex: float, ey: float, bound: float, result: Any) -> int:
-    """The part of a convex polygon with v . e <= bound, into ``result``; returns its corners, 0 when nothing is left.
+    """Write the part of a convex polygon with v . e <= bound into ``result``; returns its corners, 0: none is left.
 
-    A polygon may have one or two corners: a place or a segment. One that has no room for a corner more stays as it is.
+    A polygon may have one or two corners: a place or a segment. A polygon that has no room for one more corner stays
+    whole.
     """
     if corners + 1 > result.x.shape[0]:
         for k in range(corners):
@@ -60,7 +61,7 @@ def cut(outline: Any, corners: int, ex: float, ey: float, bound: float, result: 
 
 @compiled
 def polygon_centroid(outline: Any, corners: int, least_area: float) -> tuple[float, float]:
-    """Centroid of a convex polygon; of one with less than the least area, the mean of its corners."""
+    """Centroid of a convex polygon; the mean of its corners where its area is below the least area."""
     x0, y0 = outline.x[0], outline.y[0]
     twice, mx, my = 0.0, 0.0, 0.0
     for k in range(1, corners - 1):  # triangles from the first corner, so that a small set far out loses no digits
@@ -81,7 +82,7 @@ def polygon_centroid(outline: Any, corners: int, least_area: float) -> tuple[flo
 
 @compiled
 def arc_angle(px: float, py: float, qx: float, qy: float, whole: bool) -> float:
-    """Angle from p counter-clockwise to q, 0..2 pi; a full turn rather than none where rounding leaves both open."""
+    """Angle in radians from p counter-clockwise to q, 0..2 pi; ``whole``: 2 pi where rounding leaves 0 or 2 pi."""
     angle = math.atan2(px * qy - py * qx, px * qx + py * qy)
     if angle >= 0.0:
         return angle
@@ -90,10 +91,10 @@ def arc_angle(px: float, py: float, qx: float, qy: float, whole: bool) -> float:
 
 @compiled
 def centroid_in_disc(outline: Any, corners: int, radius: float) -> tuple[bool, float, float]:
-    """Centroid of (convex polygon within the disc of a radius round the origin), in closed form; False: it is empty.
+    """Centroid of a convex polygon's part in the disc of a radius round the origin, in closed form; False: empty.
 
-    The border of the set runs along chords, the parts of the polygon's sides in the disc, and along arcs between one
-    chord's end and the next one's beginning. A chord (u, w) gives the triangle 0 u w, an arc the sector over it.
+    The border of that part runs along chords, the pieces of the polygon's sides in the disc, and along arcs between one
+    chord's end and the beginning of the next. A chord (u, w) gives the triangle 0 u w, an arc the sector over it.
     """
     r2 = radius * radius
     inside = True

@@ -49,7 +49,7 @@ def kinds_of(
     neighbour_range_m: ArrayLike,
     wall_range_m: ArrayLike,
 ) -> FleetKinds:
-    """The different rows of values, each a number or (count,), and which of them each robot has."""
+    """What a fleet of robots is like; each value is a number or (count,). Raises MissionError for values below 0."""
     values = (body_m, sensor_m, speed_m_s, neighbour_range_m, wall_range_m)
     rows = np.stack([np.broadcast_to(np.asarray(value, float), (count,)) for value in values], axis=1)
     if not np.isfinite(rows).all() or (rows < 0).any():
@@ -69,7 +69,7 @@ def widest_m(kinds: Kinds, time_step_s: float) -> float:
 
 
 def with_absent(kinds: Kinds) -> Kinds:
-    """The kinds, then the same again without sensor and speed for robots that take no part, and one without a body."""
+    """The kinds, the same kinds without sensor and speed for robots that take no part, and one kind without a body."""
     still = np.zeros_like(kinds.body_m)
     parts = {name: np.concatenate([getattr(kinds, name), still, [0.0]]) for name in Kinds._fields}
     parts["body_m"] = np.concatenate([kinds.body_m, kinds.body_m, [-np.inf]])
@@ -102,10 +102,10 @@ def require_room(
 
 
 def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, unheard_m: float = 0.0) -> Grid:
-    """A grid over all walls in which everything that concerns a robot stands in its cell or in those next to it.
+    """A grid over all walls; whatever concerns a robot stands in its cell or in the cells next to it.
 
-    walls: (m, 4), of which there is at least one. Cells are as wide as the farthest that any robot looks, and wider
-    where there would be more than a few for each robot. unheard_m: how far robots may be from where others know them.
+    walls: (m, 4), at least one. Cells are as wide as the farthest that any robot looks, and wider where there would be
+    more than a few for each robot. unheard_m: how far robots may be from where others know them.
     """
     low = np.minimum(walls[:, :2], walls[:, 2:]).min(axis=0)
     size = np.maximum(walls[:, :2], walls[:, 2:]).max(axis=0) - low
