@@ -1,7 +1,7 @@
 """Draw the stages of a real search: ``python -m docs.search_picture`` writes docs/search.png and prints its figures.
 
 The stages are those of the search for five robots in examples/harbour.yaml at effort quick, whose outcome is the plan
-that ``rota plan`` writes.
+that ``rota plan`` writes. The figures are those of docs/algorithm.md: what the search does for each team size.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.initial.allocation import allocations, period_groupings
+from rota.planners.patrol.initial.allocation import Allocation, PeriodGrouping, allocations, period_groupings
 from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair
 from rota.planners.patrol.methods.fewest.multistart import annealed_in_full
 from rota.planners.patrol.methods.fewest.screening import screened
-from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
+from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack
 from rota.planners.patrol.repair.repair import Repaired, annealing_of
 from rota.planners.patrol.tours.tour import Tour, nests, over_budget_share
 
@@ -45,18 +45,50 @@ class Stage(NamedTuple):
     unseen_m: Any
 
 
-def stages(mission: Mission, robots: int) -> list[Stage]:
-    """Of the search that passes first: the tours at first, after a little annealing, after all of it, and repaired."""
+class Trial(NamedTuple):
+    """One team size: its allocations, the tours that the screening leaves, and the full annealings that go on."""
+
+    robots: int
+    candidates: list[Allocation]
+    begun: list[list[Tour]]
+    searches: list[Annealing]
+
+    def __str__(self) -> str:
+        slack = [allocation.slack for allocation in self.candidates]
+        nested = [allocation.slack for allocation in self.candidates if allocation.nested]
+        ended = [f"{each.unseen_share:.1%} unseen after {each.moves_made:,} moves" for each in self.searches]
+        return (
+            f"{self.robots} robots: {len(slack)} allocations, {len(nested)} with nested loops, slack factors"
+            f" {min(slack):.2f} to {max(slack):.2f}; {len(self.begun)} left by the screening;"
+            f" annealed in full: {', '.join(ended)}"
+        )
+
+
+def begun_search(mission: Mission) -> tuple[Context, list[PeriodGrouping]]:
+    """The search of the method, before it tries its first team size."""
     context = begin_search(
         set_up_problem(mission), asked=mission, seed=0, judge=check_plan, progress=lambda share, doing: None,
         should_stop=lambda: False,
     )  # fmt: skip
     settings = context.settings
     groupings = period_groupings(context.problem, settings.allocation.groupings)
-    context = replace(context, coverage_weight=coverage_weight_for(groupings, settings.team_size))
+    return replace(context, coverage_weight=coverage_weight_for(groupings, settings.team_size)), groupings
+
+
+def trial(context: Context, groupings: list[PeriodGrouping], robots: int, *, least_slack: float) -> Trial:
+    """What the search does for a team size before the repair."""
     seed = context.seed + 1000 * robots
-    candidates = allocations(context.problem, groupings, robots, settings.allocation, least_slack=1.0)
-    searches = annealed_in_full(context, screened(context, candidates, seed=seed), seed=seed)
+    candidates = allocations(
+        context.problem, groupings, robots, context.settings.allocation, least_slack=least_slack
+    )  # fmt: skip
+    begun = screened(context, candidates, seed=seed)
+    return Trial(robots, candidates, begun, annealed_in_full(context, begun, seed=seed))
+
+
+def stages(context: Context, tried: Trial) -> list[Stage]:
+    """Of the search that passes first: the tours at first, after a little annealing, after all of it, and repaired."""
+    seed = context.seed + 1000 * tried.robots
+    candidates, searches = tried.candidates, tried.searches
     k, plan = next(
         (k, plan)
         for k, search in enumerate(searches)
@@ -65,7 +97,7 @@ def stages(mission: Mission, robots: int) -> list[Stage]:
     )
     shape = shape_of(searches[k].tours)
     tours = next(allocation.tours for allocation in candidates if shape_of(allocation.tours) == shape)
-    moves = settings.screening.moves
+    moves = context.settings.screening.moves
     (little,) = anneal_all(context, [tours], moves=moves, seed=seed, coarse=False)
     return [
         seen_by(context, f"1. First tours, one allocation of {len(candidates)}", tours),
@@ -114,10 +146,19 @@ def draw(found: Sequence[Stage], mission: Mission) -> Figure:
 def main() -> None:
     """Draw and print."""
     mission = read_mission(MISSION).mission.with_effort("quick")
-    found = stages(mission, ROBOTS)
-    with house_style():
-        draw(found, mission).savefig(PICTURE, dpi=110)
-    print(*[stage.title for stage in found], sep="\n")
+    context, groupings = begun_search(mission)
+    print("Lower bound:", context.bound.robots, "robots:", context.bound.reason)
+    likely = smallest_with_slack(groupings, context.settings.team_size.likely_slack)
+    for robots in range(likely, context.bound.robots - 1, -1):
+        # going up no allocation with enough budgets is left out, going down those of little slack are
+        least_slack = 1.0 if robots == likely else context.settings.allocation.least_slack
+        tried = trial(context, groupings, robots, least_slack=least_slack)
+        print(tried, flush=True)
+        if robots == ROBOTS:
+            found = stages(context, tried)
+            with house_style():
+                draw(found, mission).savefig(PICTURE, dpi=110)
+            print(*[stage.title for stage in found], sep="\n", flush=True)
 
 
 if __name__ == "__main__":

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import csv
 import importlib
 import importlib.util
+import io
 import re
 from pathlib import Path
+from textwrap import dedent
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from benchmarks.measured import KEPT, PAGE, page_of, read_kept, replaced, write_kept
 from docs.house_picture import PICTURE, picture, reduced, rows_of
+from tests.planners.patrol.searching import YARD, search_on
 
 import rota
+from rota import Plan, Trajectory
 from rota.command.cli import app
 from rota.command.export import FORMATS
 from rota.command.study import app as study_app
@@ -116,6 +123,53 @@ def test_the_missions_that_pages_show_can_be_read(page: Path, tmp_path: Path) ->
     read = rota.read_mission(tmp_path / "shown.yaml")
     assert not read.warnings
     assert [zone.name for zone in read.mission.zones] == ["gate", "tank"]
+
+
+def python_of(page: str) -> list[str]:
+    """The Python samples of a page's text."""
+    return [dedent(code) for code in re.findall(r"^ *```python\n(.*?)^ *```", page, re.M | re.S)]
+
+
+def recipe(title: str) -> str:
+    """A section of docs/contributing.md."""
+    _, _, rest = (DOCS / "contributing.md").read_text().partition(f"## {title}\n")
+    return rest.partition("\n## ")[0]
+
+
+def test_the_sample_of_usage_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    yard = "rota: 1\nname: yard\narea: [[0, 0], [20, 0], [20, 10], [0, 10]]\nperiod_s: 60\n"
+    Path("mission.yaml").write_text(f"{yard}fleet: {{speed_m_s: 2, sensor: {{shape: disc, radius_m: 4}}}}\n")
+    for sample in python_of((DOCS / "usage.md").read_text()):
+        exec(sample, {})
+    assert "met 1 robots, at least 1" in capsys.readouterr().out
+    assert Path("mission.png").stat().st_size > 1000
+
+
+def test_the_method_that_contributing_shows_plans() -> None:
+    module, shown = python_of(recipe("Add a patrol method"))
+    method: dict[str, Any] = {}
+    exec(module, method)
+    found = method["visit_centres"](search_on(YARD))
+    test: dict[str, Any] = {}
+    exec(shown, test)
+    # the name centres is no method of Rota: the plan comes from the sample itself
+    test |= {"YARD": SimpleNamespace(with_method=str), "make_plan": lambda mission, seed: found.plan}
+    test["test_its_plans_pass_the_check"]()
+
+
+def test_the_export_that_contributing_shows_loses_no_digit() -> None:
+    (module,) = python_of(recipe("Add an export"))
+    export: dict[str, Any] = {}
+    exec(module, export)
+    way = Trajectory(
+        robot="one, two", times_s=[0, 1, 2.1, 3], positions_m=[[0, 1], [1, 1], [1 / 3, 1], [1, 1]], loop_start_s=1
+    )
+    rows = csv.DictReader(io.StringIO(export["csv_text"](Plan(mission=YARD, trajectories=(way,)))))
+    read = [(row["robot"], float(row["t_s"]), float(row["x_m"]), float(row["y_m"])) for row in rows]
+    assert read == [("one, two", 1, 1, 1), ("one, two", 2.1, 1 / 3, 1), ("one, two", 3, 1, 1)]
 
 
 def test_pages_name_all_commands_and_formats() -> None:

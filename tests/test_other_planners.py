@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 
@@ -16,6 +19,9 @@ from rota.files.mission_file import mission_schema, read_mission
 from rota.files.plan_file import read_plan
 from rota.planner import planner_named
 from rota.planner_registry import door_of, offered_planners, planner_names
+
+CONTRIBUTING = Path(__file__).parents[1] / "docs" / "contributing.md"
+BLOCK = re.compile(r"^ *```(\w+)\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
 
 # one robot drives round the middle of the area
 DOOR = '''
@@ -76,29 +82,41 @@ merry_go_round: {way: right, radius_m: 3}
 """
 
 
+def install(site: Path, name: str, entries: str) -> None:
+    """The metadata of a distribution that offers planners, beside its modules."""
+    info = site / f"{name}-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(f"[rota.planners]\n{entries}")
+
+
 @pytest.fixture
-def fair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder with a mission, where the distribution of the merry-go-round is installed."""
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder of installed distributions, beside which is the folder of work."""
     site = tmp_path / "site-packages"
+    site.mkdir()
+    monkeypatch.syspath_prepend(str(site))
+    monkeypatch.chdir(tmp_path)
+    for cached in (offered_planners, door_of):
+        cached.cache_clear()
+    yield site
+    for cached in (offered_planners, door_of):
+        cached.cache_clear()
+    for name in [name for name in sys.modules if name.partition(".")[0] in ("merry", "posts")]:
+        del sys.modules[name]
+
+
+@pytest.fixture
+def fair(site: Path) -> Path:
+    """A folder with a mission, where the distribution of the merry-go-round is installed."""
     (site / "merry" / "go").mkdir(parents=True)
     (site / "merry" / "__init__.py").touch()
     (site / "merry" / "go" / "__init__.py").write_text(DOOR)
     (site / "merry" / "faulty.py").write_text("1 / 0\n")
-    info = site / "merry_go_round-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: merry-go-round\nVersion: 1.0\n")
-    entries = "[rota.planners]\nmerry_go_round = merry.go:MerryGoRound\nbroken = merry.nowhere:Nothing\n"
-    (info / "entry_points.txt").write_text(entries + "faulty = merry.faulty:Door\nrenamed = merry.go:MerryGoRound\n")
-    monkeypatch.syspath_prepend(str(site))
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "fair.yaml").write_text(MISSION)
-    for cached in (offered_planners, door_of):
-        cached.cache_clear()
-    yield tmp_path
-    for cached in (offered_planners, door_of):
-        cached.cache_clear()
-    for name in [name for name in sys.modules if name == "merry" or name.startswith("merry.")]:
-        del sys.modules[name]
+    entries = "merry_go_round = merry.go:MerryGoRound\nbroken = merry.nowhere:Nothing\n"
+    install(site, "merry_go_round", entries + "faulty = merry.faulty:Door\nrenamed = merry.go:MerryGoRound\n")
+    (site.parent / "fair.yaml").write_text(MISSION)
+    return site.parent
 
 
 def test_it_is_planned_checked_drawn_and_exported(fair: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -169,3 +187,22 @@ def test_without_its_distribution_it_is_not_known(fair: Path, monkeypatch: pytes
         read_mission("fair.yaml")
     with pytest.raises(PlanError, match=r"mission\.planner: Input should be 'patrol', 'swarm' or 'bounce'"):
         read_plan("fair.rota.json")
+
+
+def test_the_planner_that_contributing_shows(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    _, _, page = CONTRIBUTING.read_text().partition("## Add a planner")
+    blocks = {kind: [dedent(code) for told, code in BLOCK.findall(page) if told == kind] for kind in ("toml", "python")}
+    (site / "posts.py").write_text("\n\n".join(blocks["python"]))
+    (entry,) = blocks["toml"]
+    (named,) = tomllib.loads(entry)["project"]["entry-points"]["rota.planners"].items()
+    install(site, "posts", " = ".join(named))
+    watched = MISSION.partition("planner")[0].replace("fleet: {", "fleet: {robots: 2, ") + "planner: posts\n"
+    Path("watched.yaml").write_text(watched)
+    assert run(["plan", "watched.yaml"]) == 0
+    assert "1 demands are seen from the posts." in capsys.readouterr().out
+    Path("close.yaml").write_text(watched + "posts: {apart_m: 6}\n")
+    assert run(["plan", "close.yaml"]) == 3
+    assert "the area is too narrow for so many posts" in capsys.readouterr().err
+    Path("fewest.yaml").write_text(watched.replace("robots: 2, ", ""))
+    assert run(["plan", "fewest.yaml"]) == 2
+    assert "fleet.robots: fewest is not allowed: posts need a number of robots" in capsys.readouterr().err
