@@ -33,6 +33,22 @@ def test_no_zone_takes_the_name_of_the_ground_outside_zones() -> None:
     assert [zone.name for zone in with_zones("Area", "the area").zones] == ["Area", "the area"]
 
 
+def test_lists_serve_where_tuples_do() -> None:
+    robot, zone = (
+        Robot(name="a", speed_m_s=1, sensor=DiscSensor(radius_m=2)),
+        Zone(name="z", shape=box(0, 0, 1, 1), period_s=5),
+    )
+    made = [
+        Mission(
+            name="m", area=box(0, 0, 9, 9), period_s=9, zones=kind([zone]), obstacles=kind([]),
+            fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2), robots=kind([robot])),
+        )
+        for kind in (list, tuple)
+    ]  # fmt: skip
+    assert made[0] == made[1]
+    assert hash(made[0]) == hash(made[1])
+
+
 def test_names_of_zones_are_unique() -> None:
     with pytest.raises(MissionError, match="zones: 'gate' is not allowed; names must be unique"):
         with_zones("gate", "gate")

@@ -167,6 +167,7 @@ class Fleet:
         )
         require_positive("fleet.altitude_m", self.altitude_m, LARGEST_M)
         if self.robots is not None:
+            object.__setattr__(self, "robots", tuple(self.robots))  # fleets are hashed, and lists are not
             require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")
             counted = Counter(robot.name for robot in self.robots)
             for name, count in counted.items():

@@ -170,6 +170,8 @@ class Mission:
 
     def __post_init__(self) -> None:
         require_text("name", self.name)
+        for name in ("obstacles", "zones", "moving_obstacles"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))  # missions are hashed, and lists are not
         object.__setattr__(self, "area", _as_multipolygon("area", self.area))
         if self.period_s is not None:
             require_positive("period_s", self.period_s, LONGEST_S)
