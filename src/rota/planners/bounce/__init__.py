@@ -30,7 +30,7 @@ class BouncePlanner(Planner):
         )
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
-        """The table of robots and loops, what the search found, and what becomes of robots that are no ideal ones."""
+        """The table of robots and loops, what the search found, and what is left of the plan when turns are inexact."""
         from rota.plan_summary import approach_sentence, ratio_sentence, robots_table
         from rota.planners.bounce.physics_sentences import clocks_sentence, errors_sentence
         from rota.planners.bounce.sentences import rattling_sentence, swept_sentence

@@ -47,10 +47,10 @@ class Decomposition:
 
 
 def make_team(cells: Cells, bounces: Sequence[int], *, apart_m: NDArray[np.float64] | float = 0.0) -> Team:
-    """Robots on cells. bounces: heading steps by which each turns at a bump, one for each robot.
+    """Robots on cells. bounces: heading steps by which each robot turns at a bump.
 
-    apart_m: (m, m) or one for all, the distance of two centres at which bodies touch; 0: contact is as published, on
-    the grid alone. Turning by a full round at a bump, or by none, is a ValueError.
+    apart_m: (m, m), or one number for all, the distance in metres of two centres at which bodies touch. 0: contact is
+    as published, on the grid alone. Raises ValueError for turns by a full round or by none.
     """
     n, k, m = cells.count, cells.headings, len(bounces)
     if not all(0 < bounce < k for bounce in bounces):
@@ -72,12 +72,12 @@ def make_team(cells: Cells, bounces: Sequence[int], *, apart_m: NDArray[np.float
 
 
 def single_map(team: Team, robot: int = 0) -> Ints:
-    """(s,) int32 successors of one robot's states, with nothing but walls to stop it."""
+    """(s,) int32 successors of one robot's states, where only walls stop it."""
     return np.where(team.moved < 0, team.bumped[robot], team.moved).astype(np.int32)
 
 
 def joint_states(states: int, robots: int, *, unordered: bool = False) -> int:
-    """How many packed states a team has, those included in which two robots are in one place."""
+    """The number of packed states of a team, with the states in which two robots are in one place."""
     return math.comb(states, robots) if unordered else states**robots
 
 
@@ -101,8 +101,8 @@ def require_memory(states: int, robots: int, *, unordered: bool = False, copies:
 def joint_map(team: Team, *, unordered: bool = False, contact_free: bool = False) -> Words:
     """Successors of all packed states of the team, (n,) uint32; NOWHERE for states with robots in one place.
 
-    unordered: robots are not told apart; all must turn and be as wide as the others. contact_free: a contact leads
-    NOWHERE; of robots that are told apart only. Raises MissionError for maps that do not fit in memory, ValueError for
+    unordered: robots are not told apart; all must turn alike and be equally wide. contact_free: a contact leads
+    NOWHERE; only for robots that are told apart. Raises MissionError for maps that do not fit in memory, ValueError for
     unordered robots that differ.
     """
     m, s = len(team.bumped), len(team.x)
@@ -155,11 +155,11 @@ def cycles_and_basins(successor: Any) -> Decomposition:
 
 
 def told_apart(team: Team, decomposition: Decomposition) -> tuple[Longs, Longs, Longs]:
-    """Cycles of robots that are told apart, from those of the unordered map of three bytes a state and more less.
+    """Cycles of robots that are told apart, from the decomposition of the unordered map.
 
-    Going once round a cycle of sets may exchange robots; r rounds bring each back to its own state. m! / r cycles of
-    the ordered map lie over a cycle of sets, each r times as long and with r times its basin. Returns, (c,) each: how
-    many they are, their length and their basin.
+    Going once round a cycle of sets may exchange robots; r rounds bring each back to its own state. Over a cycle of
+    sets lie m! / r cycles of the ordered map, each r times as long and with r times its basin. Returns their number,
+    length and basin, (c,) each. The unordered map has about m! times fewer states.
     """
     m, s = len(team.bumped), len(team.x)
     cycles = np.ascontiguousarray(np.column_stack([decomposition.first, decomposition.length]))

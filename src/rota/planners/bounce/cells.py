@@ -63,7 +63,7 @@ class Cells:
 
     @property
     def longest_move_m(self) -> float:
-        """The length of the longest of all moves, which tells how long a step must last."""
+        """The length of the longest move in metres, which tells how long a step must last."""
         return float(np.hypot(*self.moves.T).max()) * self.cell_m
 
     @property
@@ -81,9 +81,9 @@ class Cells:
 def heading_moves(headings: int) -> Ints:
     """(headings, 2) int32: the lattice vectors that robots with so many headings move along, from east on.
 
-    4: the neighbours by a side; 8: those by a corner, too. More: of the vectors of at most R cells along each axis the
-    one nearest to the heading, with the smallest R for which none is off by more than a quarter of the heading step.
-    The move of 16 headings at 22.5 degrees is (2, 1), at 26.57.
+    4 headings lead to the neighbours by a side, 8 also to those by a corner. With more, each heading takes the vector
+    nearest to it among those of at most R cells along each axis. R is the smallest number for which no heading is off
+    by more than a quarter of the heading step. The move of 16 headings at 22.5 degrees is (2, 1), at 26.57.
     """
     step = math.tau / headings
     for reach in range(1, 8):
@@ -126,9 +126,9 @@ def cells_of(
 ) -> Cells:
     """Cells of ``cell_m`` from the lower left corner of ``bounds_m`` on; free where a body can stand at the centre.
 
-    ground: the free space in metres. A move is possible when the body that moves along it touches no border by more
-    than 1e-6 m. corners: "blocked" asks besides that all cells which the move crosses or whose corners it touches are
-    free (for a diagonal one: both cells beside it). Raises MissionError.
+    ground: the free space in metres. A move is possible when the moving body touches no border by more than 1e-6 m.
+    With corners "blocked", all cells that the move crosses, or whose corners it touches, must be free as well; for a
+    diagonal move these are both cells beside it. Raises MissionError.
     """
     x0, y0, x1, y1 = bounds_m
     columns, rows = (max(1, math.ceil((high - low) / cell_m - 1e-9)) for low, high in ((x0, x1), (y0, y1)))
@@ -164,7 +164,7 @@ def cells_of(
 
 
 def crossed_cells(move: tuple[int, int]) -> list[tuple[int, int]]:
-    """The cells between both ends of a move that it crosses or whose corners it touches."""
+    """The cells that a move crosses or whose corners it touches, without the cells at its ends."""
     dx, dy = move
     cells = []
     for x in range(min(0, dx), max(0, dx) + 1):
@@ -177,7 +177,7 @@ def crossed_cells(move: tuple[int, int]) -> list[tuple[int, int]]:
 
 
 def _targets(number: Ints, column: NDArray[np.int64], row: NDArray[np.int64], move: Ints, corners: Corners) -> Ints:
-    """(n,) cells that the move ends in; BLOCKED where one that it needs is not free."""
+    """(n,) cells that the move ends in; BLOCKED where a cell that the move needs is not free."""
     rows, columns = number.shape
 
     def cell(dx: int, dy: int) -> Ints:

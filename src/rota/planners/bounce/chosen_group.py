@@ -67,9 +67,9 @@ def choose_group(
     seed: int,
     should_stop: Callable[[], bool],
 ) -> Choice:
-    """The group that is best for the mission's purpose, of those that its method gives.
+    """The best group for the mission's purpose among the groups that its method gives.
 
-    Raises MissionError when only some robots have starts, and for joint maps that the method needs and memory lacks.
+    Raises MissionError when only some robots have starts, and when the method's joint map does not fit in memory.
     """
     settings = BounceSettings.of(mission)
     at = start_cells(cells, robots)
@@ -128,7 +128,7 @@ def begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
 
 
 def _may_go_together(cycles: LimitCycles, nodes: tuple[int, ...]) -> bool:
-    """Whether each two are compatible, clocks that drift included, of which joint maps know nothing."""
+    """Whether each two nodes are compatible, with clocks that drift; joint maps know nothing of clocks."""
     return all(cycles.compatible[p, q] for p, q in itertools.combinations(nodes, 2))
 
 
@@ -150,7 +150,10 @@ def _best_of(watch: Watch, groups: Iterator[tuple[int, ...]], purpose: str) -> C
 
 
 def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, seed: int) -> Choice:
-    """The group with the largest basin of those that meet all periods, if any do: exact, or by random starts."""
+    """The group with the largest basin among those that meet all periods, exactly or by random starts.
+
+    Where none meets all periods, the group with the smallest worst ratio.
+    """
     m, s = len(team.bumped), len(team.x)
     if joint_states(s, m) <= MOST_ENUMERATED:
         zones = [zone for zone in mission.zones if zone.period_s is not None]
@@ -172,10 +175,10 @@ def _by_basin(cycles: LimitCycles, listed: JointGroups) -> Iterator[tuple[int, .
 def sampled_basins(
     watch: Watch, team: Team, *, free: bool, seed: int, samples: int = SAMPLES
 ) -> list[tuple[tuple[int, ...], int]]:
-    """Groups that random joint states come to, and how many of ``samples`` did, most first; free: without contact.
+    """Groups that random joint states come to, and how many of ``samples`` came to each, most first.
 
-    The joint states are drawn evenly; those with two robots in one cell come to nothing, and so do those that come to
-    no group within SAMPLED_STEPS.
+    free: only without contact. The joint states are drawn evenly. A state with two robots in one cell comes to no
+    group, nor does one that takes more than SAMPLED_STEPS.
     """
     rng = np.random.default_rng(seed)
     m, s = len(team.bumped), len(team.x)
@@ -213,7 +216,7 @@ def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cell
 
 
 def out_of_reach(watch: Watch, team: Team, at: Sequence[int], mission: Mission, cells: Cells) -> NDArray[np.bool_]:
-    """(z,) zones that no robot, left alone, enters on the limit cycles that it comes to from its start cell ``at``."""
+    """(z,) zones that no robot, left alone, enters on the limit cycles that it comes to from its cell in ``at``."""
     cycles, given = watch.cycles, start_headings(mission, len(at))
     out = np.ones(watch.sees.shape[1], np.bool_)
     for robot, cell in enumerate(at):

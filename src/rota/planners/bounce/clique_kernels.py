@@ -133,7 +133,7 @@ def hash_of(members: Words, size: int) -> int:
 
 @compiled
 def strip_isolated(graph: Graph, members: Words, poly: Words, prime: np.uint64) -> int:
-    """Move members without conflicts into the polynomial; the member with most conflicts, or -1 when none is left."""
+    """Move members without conflicts into the polynomial; returns the member with most conflicts, -1: none is left."""
     best, most = -1, 0
     for k in range(len(members)):
         rest = members[k]
@@ -153,7 +153,7 @@ def strip_isolated(graph: Graph, members: Words, poly: Words, prime: np.uint64) 
 
 @compiled
 def connected(graph: Graph, members: Words, v: int, part: Words, fresh: Words) -> bool:
-    """part = the members joined with v by conflicts; whether these are all."""
+    """Fill ``part`` with the members joined with v by conflicts; returns whether these are all members."""
     words = len(members)
     for k in range(words):
         part[k] = 0
@@ -179,10 +179,10 @@ def connected(graph: Graph, members: Words, v: int, part: Words, fresh: Words) -
 
 @compiled
 def count_sets(graph: Graph, room: Room, depth: int, most: int, prime: np.uint64) -> None:
-    """room.polynomials[0, depth] = sets of at most ``most`` nodes without conflict in room.sets[depth], emptied.
+    """Count the sets of at most ``most`` nodes without conflict in room.sets[depth], into room.polynomials[0, depth].
 
-    What no conflict joins is counted apart and multiplied; else the node with most conflicts is left out, or taken and
-    its conflicts left out. Sets counted before are looked up.
+    The set is emptied. Parts that no conflict joins are counted apart and multiplied. Otherwise the node with most
+    conflicts is left out, or taken and its conflicts left out. Sets counted before are looked up.
     """
     members, poly, other = room.sets[depth], room.polynomials[0, depth], room.polynomials[1, depth]
     words, d = len(members), len(poly)

@@ -20,7 +20,7 @@ Pair = tuple[float, float]
 
 @compiled
 def _within(gx: float, gy: float, vx: float, vy: float, apart: float, until: float) -> tuple[float, float]:
-    """First and last time in 0..until at which ``g + v * time`` is shorter than apart; the first is later: never."""
+    """First and last time in 0..until at which ``g + v * time`` is shorter than apart; first > last: never."""
     a, b, c = vx * vx + vy * vy, gx * vx + gy * vy, gx * gx + gy * gy - apart * apart
     if a <= 1e-24:
         return (0.0, until) if c < 0 else (1.0, 0.0)
@@ -33,11 +33,10 @@ def _within(gx: float, gy: float, vx: float, vy: float, apart: float, until: flo
 
 @compiled
 def touching_differences(gap: Pair, v: Pair, w: Pair, apart: float, most_s: float, most_t: float) -> Pair:
-    """Extent of s - t over s in 0..most_s, t in 0..most_t with ``gap + v s - w t`` shorter than apart, if there is any.
+    """The least and the largest s - t over s in 0..most_s, t in 0..most_t with ``gap + v s - w t`` shorter than apart.
 
-    gap in metres, v and w in metres for each unit of time. The least is larger than the most where there are none.
-
-    On each side of the rectangle of times, and where the ellipse's own extremes lie within: there the gap is square to
+    gap: metres. v, w: metres for each unit of time. The least is larger than the largest where there are none. The
+    extremes lie on the sides of the rectangle of times, or at those of the ellipse within: there the gap is square to
     the difference of velocities.
     """
     gx, gy = gap
@@ -69,8 +68,8 @@ def forbid_near_phases(
 ) -> None:
     """Clear compatible[p, q] of periodic states whose robots touch when their clocks differ by up to ``margin`` steps.
 
-    places: (p, 2) of the states, cycle by cycle; apart: (c, c) metres, of the robots on each two cycles; start, length:
-    (c,) of the cycles; bad: scratch as long as the longest cycle.
+    places: (p, 2) metres of the states, cycle by cycle. apart: (c, c) metres between robots on each two cycles. start,
+    length: (c,) of the cycles. bad: scratch as long as the longest cycle.
     """
     for a in range(len(start)):
         for b in range(a, len(start)):
@@ -109,10 +108,10 @@ def forbid_near_phases(
 
 @compiled
 def nearest_touch(times: Floats, places: Floats, apart: float, shifts: Floats) -> float:
-    """How far the given shifts (k,) of one closed way against itself are from those at which two centres come too near.
+    """How far shifts of a closed way against itself are from shifts at which two centres come too near, in seconds.
 
-    times (n + 1,), places (n + 1, 2): of the way's corners, the last place the first one, after one round; shifts in
-    seconds, any round. inf: nothing ever comes near.
+    shifts: (k,) seconds, of any round. times (n + 1,), places (n + 1, 2): of the way's corners; the last place is the
+    first one after one round. inf: nothing ever comes near.
     """
     legs, period = len(times) - 1, times[len(times) - 1]
     near, best = apart - TOUCH_M, inf

@@ -13,10 +13,10 @@ from rota.planners.bounce.limit_cycles import LimitCycles
 
 
 def apart_in_time(cycles: LimitCycles, cells: Cells, apart_m: NDArray[np.float64], margin_steps: float) -> LimitCycles:
-    """The cycles with fewer pairs compatible: whose robots stay apart for all differences of clocks up to the margin.
+    """The cycles with fewer compatible pairs: robots stay apart for all differences of clocks up to the margin.
 
-    apart_m: (m, m), by how much centres of the team's robots must be apart for their bodies' sake. margin_steps: in
-    steps; 0 leaves all as it is. Contact by the grid counts besides, but at equal times only.
+    apart_m: (m, m) metres by which bodies keep the centres of the team's robots apart. margin_steps: in steps; 0 leaves
+    all as it is. Contact by the grid counts as well, but at equal times only.
     """
     if margin_steps <= 0:
         return cycles

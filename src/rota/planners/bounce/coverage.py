@@ -56,7 +56,7 @@ class Coverage:
 
     @property
     def missed(self) -> Flags:
-        """(n,) cells to which there is a way, and which were not entered all the same."""
+        """(n,) which cells were not entered although a way leads there."""
         return self.reachable & ~self.covered
 
 
@@ -65,12 +65,10 @@ def cover(
 ) -> Coverage:
     """A joint trajectory from the robots' states ``start`` that covers all cells that can be reached, if one is found.
 
-    method "as_printed": Algorithm 1; it ends without full coverage when every joint state that it can jump to was
-    there before. "improved": robots turn by the clock whenever that enters more new cells for a step, by as many
-    heading steps as it takes, a step each, and on the way to the nearest new cell. Both are deterministic and end
-    after ``most_steps``.
-
-    Raises ValueError for two robots in one cell.
+    method "as_printed" is Algorithm 1: it ends without full coverage when it has been in every joint state that it can
+    jump to. "improved": robots turn by the clock whenever that enters more new cells for a step, by as many heading
+    steps as it takes, one a step, and on the way to the nearest new cell. Both are deterministic and end after
+    ``most_steps``. Raises ValueError for two robots in one cell.
     """
     m, k = len(start), cells.headings
     at = np.asarray(start, np.int32) // k
@@ -107,7 +105,7 @@ def cover(
 
 
 def reachable_cells(cells: Cells, starts: NDArray[np.int32]) -> Flags:
-    """(n,) cells to which moves lead from one of the starting cells (m,); moves lead there and back."""
+    """(n,) which cells moves lead to from one of the starting cells (m,); moves lead there and back."""
     origin, heading = np.nonzero(cells.target != BLOCKED)
     ends = cells.target[origin, heading]
     links = coo_matrix((np.ones(len(origin), np.int8), (origin, ends)), shape=(cells.count, cells.count))

@@ -31,7 +31,7 @@ class Log(NamedTuple):
 
 @inlined
 def place_of(log: Log, states: Ints) -> int:
-    """The place of a joint state in the table: where it is, or the empty one where it belongs."""
+    """The place of a joint state in the table: the place that holds it, or the empty place where it belongs."""
     value = np.uint64(0x9E3779B97F4A7C15)
     for i in range(len(states)):
         value = (value ^ np.uint64(states[i])) * np.uint64(0xFF51AFD7ED558CCD)
@@ -53,7 +53,7 @@ def place_of(log: Log, states: Ints) -> int:
 
 @compiled
 def enter_cells(log: Log, states: Ints, headings: int, cells: int) -> int:
-    """Cover the robots' cells; the number of covered ones, which was ``cells`` before."""
+    """Cover the robots' cells; ``cells`` were covered before, and the number afterwards is returned."""
     for i in range(len(states)):
         c = states[i] // headings
         if log.covered[c] == 0:
@@ -69,7 +69,7 @@ def follow(
 ) -> tuple[int, int, int]:
     """Go on from path[count - 1] until a joint state comes back, ``wanted`` cells are covered or the path is full.
 
-    The state that comes back is on the path, and only once in the table. Returns how many states and cells there are
+    The state that comes back is on the path, and only once in the table. Returns the numbers of states and cells by
     then, and the contacts on the way.
     """
     m = len(scratch)
@@ -108,9 +108,9 @@ def cover_as_printed(
 ) -> tuple[int, int]:
     """Algorithm 1 from path[0] on; returns how many states there are and how many cells are covered.
 
-    A sequence is followed until a joint state comes back. Then each robot is turned by one heading step either way in
-    turn; of the joint states so found that were not there before, that one is taken whose sequence covers most cells
-    in total, then has the fewest contacts, then is shortest. It ends when all is covered, or when there is none.
+    A sequence is followed until a joint state comes back. Then each robot in turn is turned by one heading step either
+    way. Of the new joint states that this gives, the one is taken whose sequence covers most cells in total, then has
+    the fewest contacts, then is shortest. It ends when all is covered, or when no joint state is new.
     """
     m = len(scratch)
     cells = enter_cells(log, log.path[0], headings, 0)
@@ -171,9 +171,9 @@ STEP, LEFT, RIGHT = 0, 1, 2
 def gain_of(
     team: Team, log: Log, headings: int, horizon: int, turns: int, stamp: int, search: Search
 ) -> tuple[int, int]:
-    """The best rate of new cells for steps, from search.begin within so many steps: cells, and steps to them.
+    """The best rate of new cells for steps, as cells and steps to them, from search.begin within ``horizon`` steps.
 
-    turns: steps that were needed to come to ``begin``. stamp: greater than all in search.stamps. (0, 0): none is new.
+    turns: steps needed to come to ``begin``. stamp: greater than all in search.stamps. (0, 0): no cell is new.
     """
     states, after = search.states, search.after
     m = len(states)
@@ -199,7 +199,7 @@ def gain_of(
 def way_to_new_cell(team: Team, log: Log, headings: int, robot: int, stamp: int, search: Search) -> int:
     """The fewest steps and turns after which a robot that meets nobody enters a new cell; -1: it cannot.
 
-    stamp: greater than all in search.marks. search.queue then holds these actions, the last one first.
+    stamp: greater than all in search.marks. search.queue holds these actions afterwards, the last one first.
     """
     distance, queue, before, action = search.distance, search.queue, search.before, search.action
     start = search.states[robot]
@@ -257,9 +257,9 @@ def go_to_new_cell(
 def cover_by_rate(team: Team, log: Log, headings: int, wanted: int, horizon: int, search: Search) -> tuple[int, int]:
     """Cover from path[0] on, by turns whenever they pay; returns how many states and covered cells there are.
 
-    Each time: all robots go on, or one of them turns by one or more heading steps first while the others wait; that is
-    taken, up to its best step, which enters most new cells for a step within the horizon. Where the shortest way of a
-    robot to a new cell, with turns on it, has a better rate still, that is taken instead.
+    Each time either all robots go on, or one of them first turns by one or more heading steps while the others wait.
+    The choice that enters most new cells for a step within the horizon is taken, up to its best step. A robot's
+    shortest way to a new cell, with turns on it, is taken instead where its rate is better still.
     """
     m = len(search.begin)
     cells = enter_cells(log, log.path[0], headings, 0)

@@ -29,9 +29,9 @@ class SettlingRoom(NamedTuple):
 def compare_cycles(
     team: Team, apart2: Floats, kind: Ints, state: Ints, start: Longs, length: Longs, bad: Flags, compatible: Flags
 ) -> None:
-    """compatible[p, q], written: whether robots in periodic states p and q never come in contact.
+    """Fill compatible[p, q]: whether robots in periodic states p and q never come in contact.
 
-    apart2: (kinds, kinds) as in Team; start, length: (c,) of the cycles; bad: scratch as long as the longest cycle.
+    apart2: (kinds, kinds) as in Team. start, length: (c,) of the cycles. bad: scratch as long as the longest cycle.
     """
     for a in range(len(start)):
         for b in range(a, len(start)):
@@ -58,10 +58,10 @@ def compare_cycles(
 def steps_to_cycles(
     team: Team, kinds: Ints, node_of: Ints, compatible: Flags, states: Ints, room: SettlingRoom, free: bool
 ) -> int:
-    """Steps until m robots, from ``states``, are on limit cycles that they follow without contact; -1: never found.
+    """Steps until m robots, from ``states``, are on limit cycles that they follow without contact; -1: never.
 
-    kinds: (m,) of the robots; node_of: (kinds, s) number of each periodic state, -1 of others; compatible: (p, p)
-    whether robots in two periodic states never come in contact. states: (m,), overwritten. free: a contact on the way
+    states: (m,), overwritten. kinds: (m,) of the robots. node_of: (kinds, s) number of each periodic state, -1 of
+    others. compatible: (p, p) whether robots in two periodic states never come in contact. free: a contact on the way
     ends the search.
     """
     after, stays, log = room

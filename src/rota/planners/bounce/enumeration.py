@@ -32,8 +32,9 @@ class JointGroups:
 def enumerate_groups(team: Team, inside: Flags, headings: int, *, contact_free: str) -> JointGroups:
     """All periodic groups of the joint map without contact, with exact basins; inside: (z, n) cells of the zones.
 
-    contact_free "cycle": a basin holds all joint states that come to the group, whatever contacts they have on the way;
-    "trajectory": only those without. The groups are the same. Raises MissionError for maps beyond memory.
+    With contact_free "cycle" a basin holds all joint states that come to the group, whatever contacts they have on the
+    way. With "trajectory" it holds only those without contact. The groups are the same. Raises MissionError for maps
+    beyond memory.
     """
     m, s = len(team.bumped), len(team.x)
     require_memory(s, m, copies=2)
@@ -51,9 +52,10 @@ def printed(team: Team, inside: Flags, headings: int) -> tuple[int, JointGroups]
     """How many groups Algorithm 2 keeps as it is printed, and the first MOST_PRINTED of them.
 
     Joint states are taken in the order of their packed numbers. A state's trajectory is followed until it meets a state
-    that was seen before. It is kept when it closes on itself, has no contact and enters all zones, all from its start
-    on; its states then belong to the group, with the transient ones. Otherwise its states never start anew, so that a
-    group is lost when the first trajectory which leads to it has a contact: what is kept depends on the order.
+    that was seen before. It is kept when it closes on itself, has no contact and enters all zones, each from its start
+    on. Its states, transient ones included, then belong to the group. Otherwise no later trajectory begins at its
+    states. So a group is lost when the first trajectory that leads to it has a contact: the result depends on the
+    order.
     """
     m, s = len(team.bumped), len(team.x)
     require_memory(s, m, copies=BYTES_PRINTED)

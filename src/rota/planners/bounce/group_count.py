@@ -40,12 +40,11 @@ class Work:
 def count_groups(cycles: LimitCycles, sees: Flags, *, most_work: int = UNBOUNDED) -> int:
     """The number of periodic groups of the team, robots told apart, whose robots together enter every zone.
 
-    sees: (p, z) whether periodic states lie in zones. A group is a class of joint periodic states under time, and has
-    as many as the least common multiple of its cycles' lengths. So states are counted for each such multiple: teams on
-    cycles whose lengths divide it, less those of smaller ones; and zones by inclusion and exclusion of those left out.
+    sees: (p, z) whether periodic states lie in zones. A group is a class of joint periodic states under time; it has as
+    many states as the least common multiple of its cycles' lengths. So states are counted for each such multiple: teams
+    on cycles whose lengths divide it, less those of smaller multiples. Zones are counted by inclusion and exclusion.
 
-    Raises TooMany when all that together takes more than ``most_work`` units, see ``Work``, or more digits than the
-    count has primes for.
+    Raises TooMany when that takes more than ``most_work`` units, see ``Work``, or more digits than the primes hold.
     """
     wanted = np.bincount(cycles.kind_of_robot)
     seen = np.array([sees[cycles.cycle == c].any(axis=0) for c in range(len(cycles.length))]).reshape(
@@ -69,9 +68,9 @@ def count_groups(cycles: LimitCycles, sees: Flags, *, most_work: int = UNBOUNDED
 
 
 def _signed_choices(divides: Flags, seen: Flags, work: Work) -> dict[bytes, int]:
-    """Choices (c,) of cycles that stay away from some zones, as bytes, and with which sign each counts.
+    """Choices (c,) of cycles that stay away from some zones, as bytes, and the sign with which each counts.
 
-    By inclusion and exclusion a choice has the sign of the number of zones left out; equal ones are added up.
+    By inclusion and exclusion a choice has the sign of the number of zones left out. Equal choices are added up.
     """
     signs = {divides.tobytes(): 1}
     for away in ~seen.T:
@@ -84,7 +83,7 @@ def _signed_choices(divides: Flags, seen: Flags, work: Work) -> dict[bytes, int]
 
 
 def _common_periods(lengths: list[int], robots: int, work: Work) -> list[int]:
-    """Least common multiples of at most so many of the lengths, rising."""
+    """Least common multiples of at most ``robots`` of the lengths, rising."""
     periods = {1}
     for _ in range(min(robots, len(set(lengths)))):
         work.spend(len(periods) * len(set(lengths)) // 4)

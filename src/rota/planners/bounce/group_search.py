@@ -54,9 +54,9 @@ def best_group(
     """The group with the smallest worst ratio of gap to period, of those found; see ``Searched`` for what is known.
 
     enough: stop at the first group whose ratio is no larger (1: all periods met). First come teams in which one robot
-    alone is often enough in each zone. Then all others, zone by zone: a robot is given to the zone that fewest can
-    help, as long as the rest may make it better than the best. A robot that is to leave gaps of at most g steps covers,
-    of its round, the g steps after each visit; what all robots cover of a zone's time must be all of it. After
+    alone is often enough in each zone. Then come all others, zone by zone: a robot is given to the zone that fewest can
+    help, as long as the other robots may make the team better than the best. A robot that is to leave gaps of at most g
+    steps covers the g steps of its round after each visit. All robots together must cover all of a zone's time. After
     ``most_nodes`` partial teams the search ends.
     """
     search = _Search(watch, enough, most_nodes, should_stop)
@@ -75,7 +75,7 @@ def best_group(
 
 
 def _there_is_none(watch: Watch) -> bool:
-    """Whether no group watches all zones, counted; False when that takes too long to know."""
+    """Whether no group watches all zones, by counting; False when the count takes too long."""
     try:
         return count_groups(watch.cycles, watch.sees, most_work=MOST_COUNTING) == 0
     except TooMany:
@@ -134,7 +134,10 @@ class _Search:
         return self._give({}, np.ones(len(self.watch.cycles.state), np.bool_), list(range(self.zones)), limit, budget)
 
     def _give(self, chosen: dict[int, int], free: Flags, zones: list[int], limit: float, budget: list[int]) -> bool:
-        """Whether a team was found and noted. zones: those that no chosen robot watches within the limit."""
+        """Whether a team is found, which is then noted. zones: those that no chosen robot watches within the limit.
+
+        chosen: a node by robot. free: (p,) nodes that meet none of them. budget: a list with the partial teams left.
+        """
         cycles = self.watch.cycles
         budget[0] -= 1
         self.left -= 1
@@ -176,7 +179,7 @@ class _Search:
     # ---------------------------------------------------------------- all teams
 
     def extend(self, chosen: dict[int, int], free: Flags, period: int) -> None:
-        """All teams with these robots, as far as they may be better than the best, of the periodic states left free."""
+        """Try all teams with the chosen robots that may beat the best. free: (p,) nodes that meet none of them."""
         nodes = tuple(chosen[k] for k in sorted(chosen))
         self.left -= 1 + period * self.zones // PERIOD_WORK
         if len(chosen) == self.robots:
@@ -211,9 +214,10 @@ class _Search:
             free[self._same(node, period)] = False
 
     def _options(self, candidates: Longs, gaps: list[_Gaps | None], robots: int) -> tuple[Longs, bool]:
-        """Candidates of which at least one belongs to any better team, the most helpful first, and whether one must.
+        """Candidates (k,) of which any better team has at least one, the most helpful first, and whether one must come.
 
-        There are ``robots`` of them to come. Of the zones whose gaps are too long, the one is taken that fewest help.
+        robots: how many are still to come. gaps: by zone, of the robots so far. Of the zones whose gaps are too long,
+        the one counts that fewest candidates help.
         """
         limits = self._limits()
         late = [z for z in range(self.zones) if gaps[z] is None or gaps[z].steps[-1] > limits[z]]  # type: ignore[union-attr]
@@ -255,7 +259,7 @@ class _Search:
         return self.watch.cycles.common_period(list(chosen.values()))
 
     def _distinct(self, nodes: Longs, period: int) -> Longs:
-        """Those of the periodic states that are not the same as an earlier one after so many steps, or a multiple."""
+        """The nodes that are no earlier node's state some multiple of ``period`` steps later."""
         cycles = self.watch.cycles
         return nodes[cycles.phase[nodes] < np.gcd(period, cycles.length[cycles.cycle[nodes]])]
 

@@ -170,7 +170,7 @@ def _is_inside(x, y, sides):
 
 @njit(cache=True, nogil=True)
 def _note_visits(stretch, sides, watching, count):
-    """Append to the ``count`` visits when a ``Stretch`` is within a zone's sides (k, 4); returns how many there are."""
+    """Append when a ``Stretch`` is within a zone's sides (k, 4) to the ``count`` visits; returns their number."""
     x, y, u, v, begin_s, end_s = stretch
     cuts, visits = watching.cuts, watching.visits
     crossings = 0
@@ -199,9 +199,9 @@ def _note_visits(stretch, sides, watching, count):
 
 @njit(cache=True, nogil=True)
 def _watch(watching, count, period_s, end_s, watched_s, z):
-    """Add to watched_s (z,) for how long zone z had been visited within a period, by ``count`` visits in one stretch.
+    """Add to watched_s (z,) the time for which zone z had been visited within a period, by ``count`` visits.
 
-    Only times from the first period on count, up to end_s.
+    The visits are those of one stretch. Only times from the first period on count, up to end_s.
     """
     visits, known_until = watching.visits, watching.known_until
     for k in range(count):
@@ -243,7 +243,7 @@ def _turn(i, now_s, robots, crew, random):
 
 @njit(cache=True, nogil=True)
 def _meeting(robots, crew):
-    """The soonest contact of two robots on their present ways: seconds until then, and both; inf: there is none."""
+    """The soonest contact of two robots on their present ways: seconds until then, and both robots; inf: none."""
     x, y, dx, dy, moving = robots.x, robots.y, robots.dx, robots.dy, robots.moving
     speed, apart = crew.speed_m_s, crew.apart_m
     best, first, second = inf, -1, -1
@@ -268,7 +268,7 @@ def _meeting(robots, crew):
 
 @njit(cache=True, nogil=True)
 def _ahead(i, robots, speed, now_s, then_s):
-    """Where robot i is at then_s, (x, y) in metres, if it goes on until then as it does now."""
+    """The place (x, y) in metres where robot i is at then_s if it goes on as it does at now_s."""
     way = speed * (then_s - now_s) if robots.moving[i] else 0.0
     return robots.x[i] + way * robots.dx[i], robots.y[i] + way * robots.dy[i]
 
@@ -298,7 +298,10 @@ def _watch_zones(robots, speed, now_s, then_s, zones, duration_s, watching, watc
 
 @njit(cache=True, nogil=True)
 def _act(event, touching, now_s, rim, robots, crew, random):
-    """What happens at now_s: robot ``event`` ends its way or its turn; else, without one, both of ``touching`` turn."""
+    """Let happen what is due at now_s: robot ``event`` ends its way or its turn, or both of ``touching`` turn.
+
+    touching counts where ``event`` names no robot.
+    """
     if event >= 0:
         if robots.moving[event]:
             e, s = int(robots.contact[event, 0]), robots.contact[event, 1]

@@ -51,15 +51,16 @@ class LimitCycles:
         return int(self.start[cycle] + (self.phase[node] + steps) % self.length[cycle])
 
     def common_period(self, nodes: Sequence[int]) -> int:
-        """After how many steps robots in these periodic states are in them again."""
+        """The steps after which robots in these periodic states are in them again."""
         return math.lcm(*(int(self.length[self.cycle[node]]) for node in nodes))
 
 
 def limit_cycles(team: Team) -> LimitCycles:
-    """The limit cycles of a team's robots, and what goes together.
+    """The limit cycles of a team's robots, and which of their states are compatible.
 
-    The contact of two robots depends on their phases' difference modulo the greatest common divisor of both lengths:
-    so many differences are tried for each pair of cycles. Raises MissionError for more than MOST_PERIODIC states.
+    Whether two robots come in contact depends on the difference of their phases modulo the greatest common divisor of
+    both lengths. So each pair of cycles is tried with that many differences. Raises MissionError for more than
+    MOST_PERIODIC states.
     """
     first_like: list[int] = []
     kinds = []

@@ -33,9 +33,9 @@ def any_too_near(team: Team, states: Ints) -> bool:
 
 @compiled
 def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: Words, free: bool) -> None:
-    """The successor of every packed state of m robots: (s ** m,) uint32. states, after, stays: (m,) scratch.
+    """Fill ``successor``, (s ** m,) uint32, with the successor of every packed state of m robots.
 
-    free: a contact leads NOWHERE, so that what is left are the ways without one.
+    states, after, stays: (m,) scratch. free: a contact leads NOWHERE, so that only ways without contact are left.
     """
     m, s = len(states), len(team.x)
     states[:] = 0
@@ -112,10 +112,10 @@ def set_successors(team: Team, choose: Longs, states: Ints, after: Ints, stays: 
 def decompose(successor: Words, path: Words, progress: Longs, cycles: Longs) -> int:
     """Replace successors by LABEL + the number of the cycle that each state comes to; NOWHERE stays.
 
-    path: scratch for the states of one walk. progress: (3,), where the work stands: the next state to start from, how
-    many states are on the path, how many cycles are known. cycles: (c, 3), written: a cycle's first state found, its
-    length, and the states of its basin, itself included. Returns 0 when done, 1 when ``path`` is too short and 2 when
-    ``cycles`` is: call again with a longer one that begins with what is in it. Each state is read and written twice.
+    path: scratch for the states of one walk. progress: (3,) the next state to start from, how many states are on the
+    path, how many cycles are known. cycles: (c, 3), written: a cycle's first state, its length, and the states of its
+    basin, those of the cycle included. Returns 0 when done, 1 when ``path`` is too short and 2 when ``cycles`` is: call
+    again with a longer array that begins with what is in it. Each state is read and written twice.
     """
     start, depth, known = np.uint64(progress[0]), np.uint64(progress[1]), np.uint64(progress[2])
     count, room, one = np.uint64(len(successor)), np.uint64(len(path)), np.uint64(1)
@@ -204,7 +204,7 @@ def printed_groups(
 
 @compiled
 def touching_states(team: Team, states: Ints, after: Ints, stays: Stays, touch: NDArray[np.uint8]) -> None:
-    """touch: (s ** m,), written: whether the step of a packed state has a contact. The others: (m,) scratch."""
+    """Fill ``touch``, (s ** m,): whether the step of a packed state has a contact. The others: (m,) scratch."""
     m, s = len(states), len(team.x)
     for i in range(m):
         states[i] = 0
@@ -257,7 +257,7 @@ def rounds_to_order(
 
 @compiled
 def strip_labels(labels: Any) -> None:
-    """From LABEL + number to the number; NOWHERE becomes -1 when read as int32."""
+    """Turn LABEL + number into the number; NOWHERE becomes -1 when read as int32."""
     for k in range(len(labels)):
         if labels[k] != NOWHERE:
             labels[k] &= ~LABEL

@@ -72,7 +72,7 @@ class Watch:
         return np.flatnonzero(self.sees[start : start + length, zone])
 
     def gaps_of(self, nodes: Sequence[int], zone: int) -> Longs:
-        """The steps between the visits of a zone in a common period of robots of which at least one enters it."""
+        """Steps (v,) between the visits of a zone in a common period of the robots; at least one of them enters it."""
         period = self.cycles.common_period(nodes)
         at = np.zeros(period, np.bool_)
         for node in nodes:
@@ -87,9 +87,10 @@ class Watch:
 def groups(watch: Watch, *, unordered: bool = False) -> Iterator[tuple[int, ...]]:
     """All periodic groups that watch every zone, lazily: one periodic state per robot, at a common time.
 
-    Each group is given once: the first robot's cycle at phase 0, the next robot's phases below the greatest common
-    divisor of its cycle's length and the common period so far, which is as many as differ. unordered: of equal robots,
-    only groups whose nodes rise are followed, and of those that are the same set at another time the first is given.
+    Each group is given once. The first robot's cycle has phase 0. The next robot's phases are those below the greatest
+    common divisor of its cycle's length and the common period so far, which is how many differ. unordered: of equal
+    robots only groups whose nodes rise are followed, and of groups that are the same set at other times the first is
+    given.
     """
     robots = len(watch.cycles.kind_of_robot)
     for nodes in _extended(watch, (), np.ones(len(watch.cycles.state), np.bool_), 1, robots):
@@ -111,7 +112,7 @@ def _covers(watch: Watch, nodes: Sequence[int]) -> bool:
 
 
 def _extended(watch: Watch, nodes: tuple[int, ...], free: Flags, period: int, robots: int) -> Iterator[tuple[int, ...]]:
-    """All ways to go on with robots that meet none of those there are; free: (p,) what does not meet them."""
+    """All teams that begin with ``nodes`` and whose robots never meet; free: (p,) nodes that meet none of these."""
     if len(nodes) == robots:
         yield nodes
         return
@@ -126,7 +127,7 @@ def _extended(watch: Watch, nodes: tuple[int, ...], free: Flags, period: int, ro
 
 
 def _first_of_sets(cycles: LimitCycles, nodes: tuple[int, ...]) -> tuple[int, ...]:
-    """The first of all forms in which ``groups`` would give the same robots, had they no names."""
+    """The least of all forms in which ``groups`` would give the same robots if they were not told apart."""
     period = cycles.common_period(nodes)
     forms = []
     for step in range(period):

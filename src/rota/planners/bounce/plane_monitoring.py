@@ -39,10 +39,10 @@ class PlaneTeam:
 def plan_in_plane(
     mission: Mission, *, seed: int, progress: Callable[[float, str], None], should_stop: Callable[[], bool]
 ) -> tuple[Plan, PlaneTeam]:
-    """A plan by which robots visit all zones for ever along attracting limit cycles, without a grid, and the team.
+    """A plan by which robots without a grid visit all zones for ever along attracting limit cycles, and the team.
 
-    For as few robots as possible teams of 1, 2, ... are tried. Raises NoPlanFound when no team visits all zones; one
-    that does so too seldom is given all the same.
+    For as few robots as possible teams of 1, 2, ... are tried. Raises NoPlanFound when no team visits all zones. A team
+    that visits them too seldom is given all the same.
     """
     counts = [None] if mission.fleet.robots is not None else list(range(1, MOST_FEWEST + 1))
     best: PlaneTeam | None = None
@@ -65,10 +65,10 @@ def plan_in_plane(
 def free_team(
     mission: Mission, *, seed: int, count: int | None = None, should_stop: Callable[[], bool] = lambda: False
 ) -> PlaneTeam | None:
-    """The team with the smallest worst ratio of gap to period, or the first that meets all periods, as is asked.
+    """The team with the smallest worst ratio of gap to period, or the first that meets all periods, as asked.
 
-    count: of a fleet of as few as possible. None where none visits all zones without contact. Raises MissionError for
-    zones that no attracting limit cycle of any robot enters.
+    count: robots, of a fleet of as few as possible. None where no team visits all zones without contact. Raises
+    MissionError for zones that no attracting limit cycle of any robot enters.
     """
     robots = robots_of(mission, count)
     tracks, owners = _tracks(mission, robots, seed)
@@ -99,7 +99,7 @@ def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[lis
 
 
 def _kinds(mission: Mission, robots: tuple[Robot, ...]) -> list[int]:
-    """For each robot the first that is like it in its angle, speed, turns and body."""
+    """For each robot the first robot that has the same angle, speed, turn rate and body."""
     angles = BounceSettings.of(mission).bouncing_angles_deg
     each = angles * len(robots) if len(angles) == 1 else angles
     keys = [
@@ -146,7 +146,7 @@ class _Search:
                 self.extend((*on, t), t)
 
     def may_join(self, on: tuple[int, ...], t: int) -> bool:
-        """Whether one more robot on track t stays apart from those there are."""
+        """Whether one more robot on track t stays apart from the robots on the tracks ``on``."""
         if not all(other == t or self.apart[other, t] for other in on):
             return False
         key = (t, on.count(t) + 1)

@@ -67,9 +67,9 @@ def bouncing_robots(mission: Mission, cells: Cells, count: int | None = None) ->
 def plan_bounce(
     mission: Mission, *, seed: int, progress: Callable[[float, str], None], should_stop: Callable[[], bool]
 ) -> Answer:
-    """A plan that monitors or covers, as the mission's task is, and what the search knows beside it.
+    """A plan that monitors or covers, as the mission's task is, with sentences on what the search knows.
 
-    Raises NoPlanFound, with the best there is, when cells stay uncovered or no team watches all zones.
+    Raises NoPlanFound, with the best plan there is, when cells stay uncovered or no team watches all zones.
     """
     settings = BounceSettings.of(mission)
     if settings.cells == "none":
@@ -84,7 +84,7 @@ def plan_bounce(
 
 
 def plan_coverage(mission: Mission, *, seed: int) -> Answer:
-    """A plan by which the robots cover the area once and then stay; raises NoPlanFound with it when it misses cells."""
+    """A plan by which the robots cover the area once and then stay; NoPlanFound with that plan when it misses cells."""
     bouncing = bouncing_robots(mission, make_cells(mission))
     coverage = covered_by(bouncing, seed=seed)
     plan = coverage_plan(bouncing, coverage, seed)
@@ -179,9 +179,9 @@ def plan_monitoring(
 
 
 def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:
-    """Why there is no plan: how many robots were tried, and which zones they cannot come to from where they start.
+    """Why there is no plan: how many robots were tried, and which zones they cannot reach from their starts.
 
-    unproved: why there may be one all the same; None: there is none.
+    unproved: why there may be a plan all the same; None: there is none.
     """
     robots, listed = bouncing.robots, bouncing.mission.fleet.robots
     most = "up to " * (listed is None) + f"{len(robots)} robot" + "s" * (len(robots) != 1)

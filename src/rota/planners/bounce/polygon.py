@@ -129,10 +129,10 @@ class BouncePath:
 
 
 def make_rim(free: Polygon | MultiPolygon, body_radius_m: float = 0.0) -> Rim:
-    """The rim of a disc of ``body_radius_m`` metres in ``free`` (area minus obstacles, with holes).
+    """The rim of a disc of ``body_radius_m`` in ``free``, the area minus obstacles, with holes.
 
-    Circular obstacles are polygons here as everywhere. Raises MissionError for an empty or invalid shape, or one in
-    which no such disc fits anywhere.
+    Circular obstacles are polygons here as everywhere. Raises MissionError for an empty or invalid shape, and for one
+    in which no such disc fits anywhere.
     """
     if not (math.isfinite(body_radius_m) and body_radius_m >= 0):
         raise MissionError(f"body_radius_m: {body_radius_m!r} is not allowed; must be a finite number, 0 or more")
@@ -171,9 +171,9 @@ def _add_ring(corners: Floats, radius_m: float, rows: list[tuple[float, ...]], k
 def bounce_path(
     rim: Rim, rule: BounceRule, start_m: tuple[float, float], heading_rad: float, bounces: int
 ) -> BouncePath:
-    """The way of a disc from ``start_m`` (x, y) in metres with ``heading_rad``: up to its contact number ``bounces``.
+    """The way of a disc from ``start_m``, x and y in metres, with ``heading_rad``, to contact number ``bounces``.
 
-    A start on the rim with a heading into what it touches turns first. Raises MissionError for a start at which the
+    A disc on the rim whose heading leads into what it touches turns first. Raises MissionError for a start at which the
     disc does not fit.
     """
     require_room(rim, np.array([start_m], dtype=np.float64))

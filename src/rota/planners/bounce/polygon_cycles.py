@@ -96,13 +96,13 @@ def limit_cycles(
     bounces: int = 2000,
     longest: int = 512,
 ) -> LongRun:
-    """The cycles that discs come to from places (n, 2) with headings (n,), stability from the return map's derivative.
+    """The cycles that discs come to from places (n, 2) with headings (n,); stability by the return map's derivative.
 
-    After ``bounces`` contacts a disc that comes back within ``longest`` more to where it was, to a ten-millionth of a
-    metre, is on a cycle; Newton's steps then find it to rounding. Cycles are told apart by the walls they touch in
-    turn and by the headings between ("turn"), so that a neutral family counts as one cycle; with "turn", every first
-    heading has cycles of its own, but for those that turning by the bouncing angle leads to.
-    Raises MissionError for no starts, or one at which the disc does not fit.
+    A disc is on a cycle if after ``bounces`` contacts it comes back within ``longest`` more to where it was, to a
+    ten-millionth of a metre. Newton's steps then find the cycle to rounding. Cycles are told apart by the walls they
+    touch in turn, and for "turn" by the headings between, so that a neutral family counts as one cycle. With "turn"
+    every first heading has cycles of its own, except those that turning by the bouncing angle leads to. Raises
+    MissionError for no starts, and for a start at which the disc does not fit.
     """
     places = np.ascontiguousarray(places_m, dtype=np.float64).reshape(-1, 2)
     headings = np.ascontiguousarray(headings_rad, dtype=np.float64)
@@ -146,7 +146,7 @@ def limit_cycles(
 
 
 def _first_headings(rule: BounceRule, headings: Floats) -> tuple[Floats, Ints]:
-    """Headings (n,) as first headings and numbers of turns: headings that differ by whole turns share the first one."""
+    """First headings (n,) and numbers of turns (n,); headings that differ by whole turns share a first heading."""
     whole = rule.turns_to_whole
     if rule.bounce == "from_wall" or whole == 0:
         return headings, np.zeros(len(headings), dtype=np.int64)
@@ -200,10 +200,10 @@ def _of_slope(slope: float) -> Stability:
 
 
 def _of_displaced(rim: Rim, rule: BounceRule, places_m: Floats, headings: Floats, marks: Ints) -> Stability:
-    """What becomes of robots that are put beside the middle of each way of a cycle, to the left and to the right.
+    """The stability of a cycle by robots put beside the middle of each of its ways, to the left and to the right.
 
-    places_m (p, 2), headings (p,): contacts, and headings on leaving them. marks: the contacts by which it is told how
-    far off a robot is; all, where none is given. A side on which the disc finds no room is left out.
+    places_m (p, 2), headings (p,): contacts, and headings on leaving them. marks: the contacts at which a robot's
+    distance is measured; all, where none is given. A side on which the disc has no room is left out.
     """
     seen: set[str] = set()
     marks = marks if len(marks) else np.arange(len(places_m))
@@ -236,7 +236,7 @@ def _off_m(
     marks: Ints,
     rounds: int,
 ) -> float:
-    """How far a robot is from the marked contacts of a cycle in its last of so many rounds, at most; inf: lost."""
+    """The largest distance in metres of a robot from the marked contacts of a cycle in its last round; inf: lost."""
     bounces = 2 * len(places_m)  # in a round at most: in a corner it may touch both walls in turn
     path = bounce_path(rim, rule, (float(start_m[0]), float(start_m[1])), heading, rounds * bounces)
     contacts_m, left = path.positions_m[1:-1][-bounces:], path.headings_rad[1:][-bounces:]

@@ -91,7 +91,7 @@ def place_on(rim, e, s):
 
 @njit(cache=True, nogil=True)
 def is_blocked(rim, x, y, dx, dy):
-    """Whether something that the disc touches stops it from moving along (dx, dy)."""
+    """Whether something that the disc at (x, y) touches stops it from moving along (dx, dy)."""
     elements, kinds, radius = rim
     for e in range(len(elements)):
         qx, qy = x - elements[e, 0], y - elements[e, 1]
@@ -108,7 +108,7 @@ def is_blocked(rim, x, y, dx, dy):
 
 @njit(cache=True, nogil=True)
 def first_contact(rim, x, y, dx, dy):
-    """Rim element that the disc touches first on its way along the unit vector (dx, dy), where, and after how far.
+    """The rim element that the disc touches first along the unit vector (dx, dy), where on it, and after how far.
 
     The element is -1 where there is none: the disc is outside.
     """
@@ -176,7 +176,7 @@ def leave(rim, turning, first_heading, e, s, j):
 
 @njit(cache=True, nogil=True)
 def bounce(rim, turning, first_heading, e, s, j):
-    """The next state, the way to it, the heading on that way, and d s' / d s; element -1: stuck."""
+    """The next state, the way to it, the heading on that way, and d s' / d s; element -1: the disc is stuck."""
     x, y, tx, ty, heading, turns, tried = leave(rim, turning, first_heading, e, s, j)
     if tried == 0:
         return -1, 0.0, j, 0.0, nan, 0.0
@@ -195,9 +195,9 @@ def bounce(rim, turning, first_heading, e, s, j):
 
 @njit(cache=True, nogil=True)
 def follow(rim, turning, first_heading, e, s, j, out):
-    """Fill rows of ``out`` with one state after the other: element, s, turns, and heading, way and slope to the next.
+    """Fill rows of ``out`` (p, 6) with states in turn: element, s, turns, then heading, way and slope to the next.
 
-    Returns how many rows were filled: fewer than asked for where the disc got stuck.
+    Returns how many rows were filled; fewer than there are where the disc got stuck.
     """
     for k in range(len(out)):
         e1, s1, j1, way, heading, slope = bounce(rim, turning, first_heading, e, s, j)
@@ -212,8 +212,8 @@ def follow(rim, turning, first_heading, e, s, j, out):
 def once_round(rim, turning, first_heading, e, s, j, period):
     """The state after ``period`` bounces, the way, the return map's slope, and a mark of the places on the way.
 
-    The mark is the same wherever on a cycle one begins; cycles that touch other elements, or the same in another
-    order or with other headings, have another one.
+    The mark is the same wherever on a cycle one begins. Cycles that touch other elements, or the same elements in
+    another order or with other headings, have another mark.
     """
     way, slope, mark = 0.0, 1.0, np.uint64(0)
     for _ in range(period):
@@ -230,9 +230,9 @@ def once_round(rim, turning, first_heading, e, s, j, period):
 
 @njit(cache=True, nogil=True)
 def cycles_reached(rim, turning, discs, bounces, longest, reached):
-    """Let a disc go from each place of ``Discs``, and find the cycle it comes to, if any, into ``CyclesReached``.
+    """Let a disc go from each place of ``Discs``, and write the cycle it comes to, if any, into ``CyclesReached``.
 
-    Within so many ``bounces`` discs are to come to cycles, of a period of at most ``longest``.
+    Discs must come to their cycles within ``bounces``; a cycle's period is at most ``longest``.
     """
     x, y, turned, whole, angle = discs.x, discs.y, discs.turned, turning.whole, turning.angle_rad
     floats, ints, marks = reached

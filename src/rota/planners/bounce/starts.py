@@ -18,16 +18,16 @@ TRIES = 10_000
 
 
 def robots_of(mission: Mission, count: int | None = None) -> tuple[Robot, ...]:
-    """The mission's robots; of a fleet of as few as possible ``count`` equal ones."""
+    """The mission's robots, or ``count`` equal robots of a fleet of as few as possible."""
     if mission.fleet.robots is not None:
         return mission.fleet.robots
     return tuple(mission.fleet.equal_robot(f"robot-{k + 1}") for k in range(count or 1))
 
 
 def start_cells(cells: Cells, robots: tuple[Robot, ...]) -> list[int | None]:
-    """The cell of each robot's start, None where it has none.
+    """The cell of each robot's start, None where the robot has no start.
 
-    Raises MissionError for starts that are no centre of a free cell, and for two robots in one cell.
+    Raises MissionError for a start that is not the centre of a free cell, and for two robots in one cell.
     """
     occupied: list[int | None] = []
     for robot in robots:

@@ -52,9 +52,10 @@ class TimedGroup:
 def timed_group(pace: Pace, headings: int, chosen: Chosen) -> TimedGroup:
     """The group's rounds in time.
 
-    On the way to the loops each step has its own duration, and on the loops too where that shortens their common period
-    by LEAST_GAIN and it has at most MOST_JOINT_STEPS: all loops are that long then. Otherwise all steps last as long as
-    the longest, and loops are their own. A robot alone has nobody to keep in step with: any gain is taken.
+    On the way to the loops each step has its own duration. On the loops too, where that shortens their common period by
+    LEAST_GAIN and the period has at most MOST_JOINT_STEPS; all loops are that long then. Otherwise all steps last as
+    long as the longest, and each robot has its own loop. A robot alone has nobody to keep in step with: any gain is
+    taken.
     """
     cycles, nodes = chosen.cycles, chosen.nodes
     period, lengths = cycles.common_period(nodes), [int(cycles.length[cycles.cycle[node]]) for node in nodes]

@@ -32,16 +32,16 @@ class Pace:
     move_s: Floats
 
     def own_s(self, states: Ints, headings: int) -> Floats:
-        """(t, m) how long each robot needs for each step of joint states (t + 1, m)."""
+        """(t, m) seconds that each robot needs for each step of joint states (t + 1, m)."""
         cell, heading = np.divmod(states, headings)
         moved = np.diff(cell, axis=0) != 0
         return np.where(moved, self.move_s[np.arange(states.shape[1]), heading[:-1]], self.longest_s)
 
     def times_s(self, states: Ints, headings: int) -> Floats:
-        """(t + 1,) times of joint states: each step lasts as long as the robot that needs longest, so all keep in step.
+        """(t + 1,) times of joint states (t + 1, m): each step lasts as long as the slowest robot needs.
 
-        Robots go straight ahead from cell to cell in the same time, each at a constant speed: what contact was judged
-        by, two moves as one goes on, holds however long a step lasts.
+        So all robots keep in step. They go straight from cell to cell in the same time, each at a constant speed.
+        Contact was judged by two moves as one goes on, and so the judgement holds however long a step lasts.
         """
         lasts_s = self.own_s(states, headings).max(axis=1)
         times_s = np.zeros(len(states))
@@ -53,8 +53,9 @@ class Pace:
 def pace_of(mission: Mission, cells: Cells, count: int) -> Pace:
     """The pace of the mission's robots, or of ``count`` equal ones: moves at full speed, turns as the longest step.
 
-    A robot that turns has bumped: it has been up to the obstacle and back, so turns get the time of the longest move.
-    Where clocks drift and are to keep a margin, moves get it, too: the margin is judged in steps of equal length.
+    A robot that turns has bumped: it has been up to the obstacle and back, so that a turn takes the time of the longest
+    move. Where clocks drift and are to keep a margin, moves take that time, too: the margin is judged in steps of equal
+    length.
     """
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),) * count
     moves_m = np.hypot(*cells.moves.T) * cells.cell_m
@@ -66,9 +67,9 @@ def pace_of(mission: Mission, cells: Cells, count: int) -> Pace:
 
 
 def step_duration_s(mission: Mission, cells: Cells) -> float:
-    """How long the longest step lasts: the longest move at the slowest robot's speed, and no less than any turn takes.
+    """Seconds of the longest step: the longest move at the slowest robot's speed, and no less than any turn takes.
 
-    Moves with more than 8 headings are a little off these, and so is what a robot turns by.
+    Moves with more than 8 headings are a little off their headings, and so is the angle by which a robot turns.
     """
     robots = mission.fleet.robots or (mission.fleet.equal_robot("robot-1"),)
     steps = {1, *(round(angle * cells.headings / 360) for angle in BounceSettings.of(mission).bouncing_angles_deg)}
@@ -79,10 +80,10 @@ def step_duration_s(mission: Mission, cells: Cells) -> float:
 
 
 def loops_in_step(lengths: Sequence[int]) -> list[int]:
-    """How many steps each robot's loop is to have, for cycles of so many: a multiple of the cycle's length.
+    """Steps (m,) of each robot's loop for cycles of these lengths: a multiple of the cycle's length.
 
-    Loops whose numbers of steps have a ratio of large numbers would count as independent of each other; all loops are
-    as long as the common period then, unless that is longer than LONGEST_LOOP.
+    Loops whose numbers of steps have a ratio of large numbers would count as independent of each other. All loops are
+    then as long as the common period, unless that is longer than LONGEST_LOOP.
     """
     together = math.lcm(*lengths)
     fine = all(max(a, b) // math.gcd(a, b) <= LARGEST_RATIO for a in lengths for b in lengths)
@@ -94,9 +95,9 @@ def trajectory(
 ) -> Trajectory:
     """A robot's states (t + 1,) at ``times_s`` (t + 1,) as timed points; see the docstring of ``BounceSettings``.
 
-    loop_from: the step from which on the last states repeat; the last one: the robot stays there. jumps: (t,) steps in
-    which it turns by the clock, either way; other turns are counterclockwise. Headings are not wrapped, so a robot that
-    has turned by 135 degrees three times faces 405 degrees more than before.
+    loop_from: the step from which the last states repeat; if it is the last step, the robot stays there. jumps: (t,)
+    steps in which the robot turns by the clock, either way; other turns are counterclockwise. Headings are not wrapped:
+    a robot that has turned by 135 degrees three times faces 405 degrees more than before.
     """
     cell, heading = np.divmod(states, cells.headings)
     places = cells.centres_m[cell]

@@ -36,7 +36,7 @@ def places_of(cells: Cells, marked: Flags) -> str:
 def unreached_parts(mission: Mission, cells: Cells, unreached: Flags, begins: Ints) -> list[str]:
     """Why no robot has a way from its start cell (m,) to the cells marked (n,): walls, the grid, or both.
 
-    Cells in one piece of the ground on which a body's centre may be with a start are kept away by the grid alone.
+    A cell is kept away by the grid alone if it is in the same piece of the ground for a body's centre as a start.
     """
     room = body_room(mission)
     piece = np.full(cells.count, -1)
@@ -77,9 +77,10 @@ def _advice(mission: Mission, cells: Cells, room: MultiPolygon) -> str:
 
 
 def joined_grid(mission: Mission, cells: Cells, room: MultiPolygon) -> tuple[float, tuple[float, float] | None] | None:
-    """A grid whose cells are joined within each piece of ``room``: cell size, and its corner where that is another.
+    """A grid whose cells are joined within each piece of ``room``: its cell size, and its corner if that is new.
 
-    The same cells are shifted first, then smaller ones are tried, in steps of a twentieth. None: none was found.
+    First the same cells are shifted, then smaller cells are tried in steps of a twentieth. None where none of these
+    joins.
     """
     settings, (x0, y0) = BounceSettings.of(mission), cells.corner_m
     shifts = [(a, b) for a in (0.0, *SHIFTS) for b in (0.0, *SHIFTS) if a or b]
