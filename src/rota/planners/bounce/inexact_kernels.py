@@ -298,10 +298,7 @@ def _watch_zones(robots, speed, now_s, then_s, zones, duration_s, watching, watc
 
 @njit(cache=True, nogil=True)
 def _act(event, touching, now_s, rim, robots, crew, random):
-    """Let happen what is due at now_s: robot ``event`` ends its way or its turn, or both of ``touching`` turn.
-
-    touching counts where ``event`` names no robot.
-    """
+    """Let happen what is due at now_s: robot ``event`` ends its way or turn, or else both of ``touching`` turn."""
     if event >= 0:
         if robots.moving[event]:
             e, s = int(robots.contact[event, 0]), robots.contact[event, 1]

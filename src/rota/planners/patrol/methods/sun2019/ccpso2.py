@@ -45,10 +45,10 @@ def fitness(
 def evolve(
     task: CoverTask, settings: DeploySettings, *, sensors: int, seed: np.random.SeedSequence, threads: int | None = None
 ) -> Evolution:
-    """Cover the task's cells with at most so many sensors, as few as the swarms find; some cells may stay uncovered.
+    """Cover the task's cells with at most ``sensors`` sensors, as few as the swarms find; some cells may stay bare.
 
-    threads: that share the particles out, None for one a core; the outcome is the same for any number, for each
-    particle has its own random numbers and moves when all others stand still.
+    threads: they share the particles out; None for one a core. The outcome is the same for any number of threads: each
+    particle has its own random numbers and reads only what no other particle writes meanwhile.
     """
     rng = np.random.default_rng(seed)
     terrain = Terrain(np.array(task.box_m), task.cells.table, task.ground)
@@ -92,12 +92,12 @@ def neighbourhood(iteration: int, settings: DeploySettings) -> int:
 
 
 def group_starts(sensors: int, size: int) -> Ints:
-    """Where each swarm begins among so many sensors, and the end: K = n / s swarms of s, the last of what is left."""
+    """Where each swarm begins among the sensors, and the end: K = n / s swarms of s sensors, the last of the rest."""
     return np.append(np.arange(0, sensors, size), sensors).astype(np.int64)
 
 
 def _regrouped(swarms: Swarms, settings: DeploySettings, box: Floats, rng: np.random.Generator, first: bool) -> Swarms:
-    """The same particles in other swarms: at first as many as are asked for, later of a size drawn from the set."""
+    """The same particles in other swarms: at first as many as asked for, later of a size drawn from the set."""
     n = len(swarms.order)
     size = -(-n // settings.swarms) if first else int(rng.choice(settings.group_sizes))
     order = rng.permutation(n)

@@ -67,7 +67,7 @@ class Cells:
         return _cells(self.lattice, self.shapes[keep], self.square[keep])
 
     def quartered(self, number: Ints) -> Cells:
-        """The same with the cells of these numbers (k,) cut in four, across the middle of their bounding boxes."""
+        """The same cells, but those of these numbers (k,) cut in four across the middle of their bounding boxes."""
         shapes = self.shapes[number]
         x0, y0, x1, y1 = shapely.bounds(shapes).T
         x, y = (x0 + x1) / 2, (y0 + y1) / 2
@@ -97,13 +97,13 @@ def lattice_over(area: BaseGeometry, cell_m: float) -> Lattice:
 
 
 def cells_of(region: MultiPolygon, lattice: Lattice, *, hidden: MultiPolygon, border: BorderCells) -> Cells:
-    """The cells of a zone's ground; ``hidden`` is what hides (obstacles and zones already covered).
+    """The cells of a zone's ground; ``hidden`` is what hides, obstacles and zones already covered.
 
-    Squares that lie in the ground whole are cells. At its border, with "clipped", the part of the square in the ground
-    is the cell (each part, where there are several), and its corners are those of the part; all the ground lies in
-    cells. With "centre" the square belongs to the zone in which its centre lies, and is asked for whole, but for what
-    is hidden: the picture of the paper's Figure 4, in which ground at a border may belong to no cell, and a zone
-    smaller than a square may have none.
+    Squares that lie in the ground whole are cells. With border "clipped", the part of a border square in the ground is
+    a cell, or each part where there are several, with the corners of the part; all the ground lies in cells. With
+    "centre", a border square belongs to the zone in which its centre lies, and is asked for whole but for what is
+    hidden. That is the picture of the paper's Figure 4: ground at a border may belong to no cell, and a zone smaller
+    than a square may have none.
     """
     i0, j0, i1, j1 = _window(region, lattice)
     column, row = (grid.ravel() for grid in np.meshgrid(np.arange(i0, i1), np.arange(j0, j1)))
@@ -130,7 +130,7 @@ def cells_of(region: MultiPolygon, lattice: Lattice, *, hidden: MultiPolygon, bo
 
 
 def ground_for(space: MultiPolygon, hidden: MultiPolygon, reach_m: float) -> Ground:
-    """Where sensors may be, and the walls round what hides, sorted by who comes within reach_m of them."""
+    """Where sensors may be, and the walls round what hides, sorted by the buckets within reach_m of them."""
     walls = edge_grid(border_segments(hidden))
     # the geometry's kernels allocate, which they may not when they are first compiled for a caller that must not
     sees(np.zeros((0, 2)), np.zeros((0, 2)), walls)
@@ -162,7 +162,7 @@ def cells_seen_from(places_m: Floats, cells: Cells, ground: Ground) -> tuple[Int
 
 
 def _solid_parts(shapes: NDArray[np.object_], cell_m: float) -> tuple[NDArray[np.object_], Ints]:
-    """The polygons in geometries of any kind, without slivers of rounding, and which geometry each is of."""
+    """The polygons (p,) in geometries of any kind, without slivers of rounding, and the index of its geometry."""
     parts, of = shapely.get_parts(shapes, return_index=True)
     parts, of_part = shapely.get_parts(parts, return_index=True)
     solid = shapely.area(parts) > SLIVER * cell_m**2
@@ -190,7 +190,7 @@ def _cells(lattice: Lattice, shapes: NDArray[np.object_], square: Ints) -> Cells
 
 
 def _window(region: BaseGeometry, lattice: Lattice) -> tuple[int, int, int, int]:
-    """First column and row of the squares that the region's bounding box meets, and those after the last."""
+    """First column and row of the squares that the region's bounding box meets, and those after the last square."""
     x0, y0, x1, y1 = shapely.bounds(region)
     i0, j0 = int((x0 - lattice.x0) / lattice.cell_m), int((y0 - lattice.y0) / lattice.cell_m)
     i1, j1 = int((x1 - lattice.x0) / lattice.cell_m) + 1, int((y1 - lattice.y0) / lattice.cell_m) + 1

@@ -13,12 +13,12 @@ from rota.planners.patrol.methods.sun2019.pso_kernels import Rules, cost_of
 
 @compiled
 def cheapest_partition(segments: int, rules: Rules, ring: Ring, price: Any, cost: Any, chosen: Any, first: Any) -> int:
-    """Fill first (n,) with the first waypoints of the cheapest partition's segments; how many there are.
+    """Fill first (n,) with the first waypoints of the cheapest partition's segments; returns how many there are.
 
     segments: exactly so many, or 0 for as many as are cheapest. The cost is a sum over segments, whatever their routes'
-    lengths are, so that dynamic programming from every waypoint where a segment may begin finds the least. price (n, n)
-    is room for the cost of each segment, cost and chosen (segments + 1, n + 1) for sums and for the last segment's
-    count. Of equals the first one found stays.
+    lengths are. So dynamic programming from every waypoint where a segment may begin gives the least. price: (n, n)
+    room for the cost of each segment. cost, chosen: (segments + 1, n + 1) room for sums and for the last segment's
+    count. Of equal partitions the first stays.
     """
     n = price.shape[0]
     for at in range(n):
@@ -41,9 +41,9 @@ def cheapest_partition(segments: int, rules: Rules, ring: Ring, price: Any, cost
 
 @compiled
 def sum_up_from(start: int, segments: int, price: Any, cost: Any, chosen: Any) -> None:
-    """The least cost of the first ``at`` waypoints from ``start`` on, for all at, in cost's last row.
+    """Fill cost's last row with the least cost of the first ``at`` waypoints from ``start`` on, for all at.
 
-    With ``segments`` 0 there is but that row, for any number of segments; otherwise row k is for exactly k of them.
+    With ``segments`` 0 there is only that row, for any number of segments. Otherwise row k is for exactly k segments.
     """
     n = price.shape[0]
     step = 1 if segments > 0 else 0

@@ -18,20 +18,21 @@ MOST_ROUNDS = 10  # of dominance; after two or three there is hardly anything le
 
 
 def greedy_cover(start: Ints, items: Ints, cells: int) -> Ints:
-    """Places, each chosen for the most cells that none before it sees; the first among equals.
+    """Places (k,), each chosen for the most cells that no place before it sees; of equal places the first.
 
-    start (c + 1,), items: the cells, of so many, that each place sees. Cells that no place sees stay unseen.
+    start (c + 1,), items: the cells that each place sees, of ``cells`` cells. Cells that no place sees stay unseen.
     """
     chosen, _ = choose_viewpoints(start, items, np.ones(cells, dtype=bool), np.ones(cells))
     return chosen
 
 
 def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int) -> tuple[Ints, int]:
-    """As few places as see all cells that any place sees, and a number below which no choice of these places can go.
+    """As few places (k,) as see all cells that any place sees, and a lower bound for any choice of these places.
 
-    start (c + 1,), items: the cells, of so many, that each place sees. Integer programming (HiGHS) on what dominance
-    leaves, ended by node_limit nodes of the tree, never by the clock; the greedy cover where that ends with nothing
-    better. The number is a bound for these places, not for sensors anywhere in the plane. No cells: no places, 0.
+    start (c + 1,), items: the cells that each place sees, of ``cells`` cells. Integer programming (HiGHS) decides on
+    what dominance leaves. node_limit nodes of its tree end it, never the clock; where it has nothing better by then,
+    the greedy cover stays. The bound holds for these places, not for sensors anywhere in the plane. Without cells: no
+    places, 0.
     """
     greedy = greedy_cover(start, items, cells)
     sees = csr_matrix((np.ones(len(items)), items, start), shape=(len(start) - 1, cells))
@@ -55,8 +56,8 @@ def exact_cover(start: Ints, items: Ints, cells: int, *, node_limit: int) -> tup
 def undominated(sees: csr_matrix) -> tuple[Ints, Ints]:
     """Places (rows) and cells (columns) that decide: a least cover of these is a least cover of all.
 
-    A place goes when another sees all that it sees, a cell when another is seen from fewer, all of which see it too; of
-    equals the first stays. A cell that nothing sees asks for nothing.
+    A place is left out when another one sees all that it sees. A cell is left out when another cell is seen only from
+    places that see it, too. Of equal ones the first stays. A cell that nothing sees asks for nothing.
     """
     places = np.arange(sees.shape[0])
     cells = np.flatnonzero(sees.getnnz(axis=0) > 0)
@@ -70,7 +71,7 @@ def undominated(sees: csr_matrix) -> tuple[Ints, Ints]:
 
 
 def _within_another(rows: csr_matrix) -> Flags:
-    """Rows whose set lies in another row's; of equal rows all but the first, and all that are empty."""
+    """Rows whose set lies in another row's: (r,) flags; of equal rows all but the first, and all empty rows."""
     inner, outer, size = _subsets(rows)
     drop: Flags = size == 0
     drop[inner[(size[inner] < size[outer]) | (inner > outer)]] = True
@@ -78,7 +79,7 @@ def _within_another(rows: csr_matrix) -> Flags:
 
 
 def _holds_another(rows: csr_matrix) -> Flags:
-    """Rows whose set holds another row's; of equal rows all but the first."""
+    """Rows whose set holds another row's: (r,) flags; of equal rows all but the first."""
     inner, outer, size = _subsets(rows)
     drop = np.zeros(len(size), dtype=bool)
     drop[outer[(size[inner] < size[outer]) | (inner < outer)]] = True
@@ -86,7 +87,7 @@ def _holds_another(rows: csr_matrix) -> Flags:
 
 
 def _subsets(rows: csr_matrix) -> tuple[Ints, Ints, Ints]:
-    """Pairs of different rows of which the first one's set lies in the second one's, and the size of every row."""
+    """Pairs (p,) of different rows, the first one's set within the second one's, and the size of every row, (r,)."""
     size = np.asarray(rows.getnnz(axis=1), dtype=np.int64)
     shared = (rows @ rows.T).tocoo()
     pairs = (shared.row != shared.col) & (np.rint(shared.data) == size[shared.row])

@@ -144,7 +144,7 @@ class _Part:
 def _covered(
     task: CoverTask, settings: DeploySettings, *, share: float, seed: np.random.SeedSequence, threads: int | None
 ) -> _Part:
-    """Cover one task by the method of the settings; share: of all cells, the task's, for its part of S_MAX."""
+    """Cover one task by the method of the settings; share: of all cells the task's, which gives its part of S_MAX."""
     history, least = None, None
     if settings.method == "exact":
         chosen, least = exact_cover(task.seen_start, task.seen_item, len(task.cells), node_limit=settings.node_limit)
@@ -163,7 +163,7 @@ def _covered(
 
 
 def _completed(task: CoverTask, evolution: Evolution) -> tuple[Floats, History]:
-    """The deployment with sensors added by greedy cover for cells that it leaves uncovered."""
+    """The deployment with sensors that a greedy cover adds for the cells left uncovered."""
     seen = np.zeros(len(task.cells), dtype=bool)
     seen[cells_seen_from(evolution.positions_m, task.cells, task.ground)[1]] = True
     keep = ~seen[task.seen_item]

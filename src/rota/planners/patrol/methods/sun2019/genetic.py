@@ -20,12 +20,12 @@ Ints = NDArray[np.int64]
 def genetic_tour(
     distance: Floats, *, generations: int, population: int, regroup_every: int, reversal_tries: int, seed: int
 ) -> tuple[Ints, Floats]:
-    """The shortest closed tour found: its order (n,), and the shortest length until each generation (generations,).
+    """The shortest closed tour of all generations: its order (n,), and the shortest length until each, (generations,).
 
-    distance: (n, n) symmetric, Eq. 14. generations: 1 or more. population: individuals, a multiple of 4 (the paper's
-    4 K). regroup_every: generations, 1 or more. reversal_tries: 1 or more stretches are drawn, at most so many, until
-    the reversal of one makes the tour fitter. The fitness is one over the length (Eq. 18). Up to 3 waypoints have one
-    tour only.
+    distance: (n, n) symmetric, Eq. 14. generations: 1 or more. population: individuals, a multiple of 4 (the paper's 4
+    K). regroup_every: generations, 1 or more. reversal_tries: at most so many stretches, 1 or more, are drawn until the
+    reversal of one makes the tour fitter. The fitness is one over the length (Eq. 18). Up to 3 waypoints have a single
+    tour.
     """
     counts = {"generations": generations, "regroup_every": regroup_every, "reversal_tries": reversal_tries}
     for name, value in counts.items():

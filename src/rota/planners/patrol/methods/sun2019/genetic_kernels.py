@@ -23,7 +23,7 @@ class Population(NamedTuple):
 
 @compiled
 def swap(genes: Any, z1: int, z2: int) -> None:
-    """Mutation (Figure 1a): exchange the genes at two positions, counted from 0 here and below."""
+    """Mutation (Figure 1a): exchange the genes at two positions, which count from 0 here and below."""
     genes[z1], genes[z2] = genes[z2], genes[z1]
 
 

@@ -113,11 +113,11 @@ def changes_zone(zone: Ints, next_zone: Ints) -> NDArray[np.bool_]:
 
 
 def graph_distances(graph: ProximityGraph) -> Floats:
-    """Eq. 14 for all pairs: (n, n) lengths of the shortest paths on the graph, alpha included; symmetric, all finite.
+    """Eq. 14 for all pairs: (n, n) lengths of the shortest paths on the graph, alpha included; symmetric and finite.
 
-    Where the graph is torn, the exact shortest path between the two sensors counts, and alpha if their sub-regions
+    Where the graph is torn, the exact shortest path between the two sensors counts, plus alpha if their sub-regions
     differ: no path through other sensors could be shorter. A search from each sensor without a goal (the heuristic 0)
-    finds what A* finds for each pair, in far less time.
+    gives what A* gives for each pair, in far less time.
     """
     distances = np.empty((len(graph.zone), len(graph.zone)))
     search_from_each(graph.steps, graph.frontier, distances)

@@ -55,7 +55,7 @@ def push(key: float, node: int, count: int, f: Frontier) -> int:
 
 @compiled
 def pop(count: int, f: Frontier) -> int:
-    """Take away the first entry of the heap, which the caller has read; the number of entries after it."""
+    """Take away the first entry of the heap, which the caller has read; returns the number of entries left."""
     count -= 1
     key, node = f.key[count], f.node[count]
     at = 0
@@ -77,7 +77,10 @@ def pop(count: int, f: Frontier) -> int:
 def search(
     first: int, goal: int, tau_before: float, tau_step: float, tau_rest: float, s: Steps, f: Frontier
 ) -> int:  # fmt: skip
-    """A* from ``first`` to ``goal`` (Eqs. 15-17): fills cost and before; how many waypoints were taken off the heap."""
+    """A* from ``first`` to ``goal`` (Eqs. 15-17) fills f.cost and f.before; returns how many waypoints left the heap.
+
+    tau_before, tau_step, tau_rest: weights of the way so far, of the next step and of the straight line to the goal.
+    """
     n = s.x.shape[0]
     for k in range(n):
         f.cost[k], f.before[k], f.closed[k] = math.inf, -1, False

@@ -30,11 +30,11 @@ ROUNDING = 1e-11  # of the longest distance: gains this small are rounding
 def locally_shortest_tour(
     distance: Floats, *, kicks_per_waypoint: int, seed: int, nearness: Floats | None = None
 ) -> tuple[Ints, Floats]:
-    """A short closed tour: its order (n,), and the length (r,) after the descent and after each hundredth of the kicks.
+    """A short closed tour: its order (n,), and its length (r,) after the descent and after each hundredth of the kicks.
 
-    distance: (n, n) symmetric and finite, in whatever unit. nearness: (n, n) another measure whose nearest waypoints
-    are tried as well; for distances with penalties it should be the distance without them. kicks_per_waypoint: 0 or
-    more; the work grows with it and with n. Up to 7 waypoints all orders are tried.
+    distance: (n, n) symmetric and finite, in any unit. nearness: (n, n) another measure whose nearest waypoints are
+    tried as well; for distances with penalties, the distance without them. kicks_per_waypoint: 0 or more; the work
+    grows with it and with n. Up to 7 waypoints all orders are tried.
     """
     n = len(distance)
     distance = np.ascontiguousarray(distance, dtype=np.float64)
@@ -65,7 +65,7 @@ def tour_length(distance: Floats, order: Ints) -> float:
 
 
 def neighbours(distance: Floats, nearness: Floats | None) -> Ints:
-    """For each waypoint others (n, k) worth a leg, nearest first: the nearest, and of the rest some by nearness."""
+    """For each waypoint the others (n, k) worth a leg, nearest first: the nearest, then some by nearness."""
     n = len(distance)
     rows = np.arange(n)[:, None]
     near = nearest_places(distance, NEIGHBOURS)

@@ -51,9 +51,9 @@ def beside(waypoint: int, way: int, s: Search) -> int:
 
 @compiled
 def reverse_path(u: int, v: int, s: Search) -> bool:
-    """Reverse the way from u forward to v, or the rest of the tour when that is shorter; True when it was the rest.
+    """Reverse the way from u forward to v, or the rest of the tour where that is shorter; True for the rest.
 
-    Both give the same closed tour, but the second the other way round: what was before is then after.
+    Both give the same closed tour, but the rest runs the other way round: what was before is then after.
     """
     n = s.order.shape[0]
     first, last = s.place[u], s.place[v]
@@ -84,7 +84,7 @@ def undo_to(mark: int, s: Search) -> None:
 
 @compiled
 def swap_stretches(first: int, last: int, b0: int, b1: int, s0: int, s1: int, turned: bool, s: Search) -> None:
-    """Swap the stretches b0..b1 and s0..s1 that make up first..last; ``turned`` leaves the second named reversed."""
+    """Swap the stretches b0..b1 and s0..s1 that make up first..last; ``turned`` leaves s0..s1 reversed."""
     mirrored = reverse_path(first, last, s)
     mirrored = not reverse_path(b0, b1, s) if mirrored else reverse_path(b1, b0, s)
     if turned:
@@ -108,10 +108,11 @@ def enqueue(waypoint: int, s: Search) -> None:
 
 @compiled
 def chain_of_two_opts(t1: int, way: int, eps: float, s: Search) -> float:
-    """Lin-Kernighan: 2-opt moves one after the other, each of which takes away the leg the one before closed with.
+    """Lin-Kernighan: 2-opt moves in a row, each of which takes away the leg that the move before closed with.
 
-    Begins with the leg from t1 in direction ``way``; each first neighbour is tried, after it only the most promising
-    one. The gain, with the tour left where it was best; 0.0, with the tour as before, when nothing was gained.
+    The first move takes away the leg from t1 in direction ``way``. All its neighbours are tried, after it only the most
+    promising neighbour. Returns the gain, with the tour left where it was best; 0.0, with the tour as before, for no
+    gain.
     """
     mark = s.ints[REVERSALS]
     for start in range(s.near.shape[1]):
@@ -155,7 +156,7 @@ def chain_of_two_opts(t1: int, way: int, eps: float, s: Search) -> float:
 
 @compiled
 def or_opt(a: int, eps: float, s: Search) -> float:
-    """Move the stretch of one to three waypoints that begins at ``a`` next to a neighbour of a; the gain, or 0.0."""
+    """Move the stretch of one to three waypoints from ``a`` on next to a neighbour of a; returns the gain, or 0.0."""
     n = s.order.shape[0]
     for way in (1, -1):
         z = a
@@ -185,9 +186,9 @@ def or_opt(a: int, eps: float, s: Search) -> float:
 
 @compiled
 def move_stretch(a: int, z: int, way: int, c: int, e: int, side: int, s: Search) -> None:
-    """Put the stretch a..z (in direction ``way``) between c and e, e beside c on ``side``, a beside c.
+    """Put the stretch a..z (in direction ``way``) between c and e; e is beside c on ``side``, a comes beside c.
 
-    The stretch and all that lies between it and the gap change places; that is done on the side where less lies.
+    The stretch and all between it and the gap change places, on the side of the tour where less lies between.
     """
     n = s.order.shape[0]
     s0, s1 = (a, z) if way > 0 else (z, a)
@@ -206,7 +207,7 @@ def move_stretch(a: int, z: int, way: int, c: int, e: int, side: int, s: Search)
 
 @compiled
 def improve(eps: float, s: Search) -> float:
-    """Try the queued waypoints until none is left, or until there is no more room to write reversals down; the gain."""
+    """Try the queued waypoints until none is left or there is no room to write reversals down; returns the gain."""
     n = s.order.shape[0]
     room = s.reversed.shape[0] - 2 * DEEPEST - 8
     total = 0.0
@@ -229,7 +230,7 @@ def improve(eps: float, s: Search) -> float:
 
 @compiled
 def kick(longest: int, s: Search) -> float:
-    """Swap two neighbouring stretches of at most ``longest`` waypoints each (a double bridge); the change of length."""
+    """Swap neighbouring stretches of at most ``longest`` waypoints (a double bridge); returns the change of length."""
     n = s.order.shape[0]
     first = int(n * uniform(s.rng))
     first_length, second_length = 1 + int(longest * uniform(s.rng)), 1 + int(longest * uniform(s.rng))
@@ -245,7 +246,7 @@ def kick(longest: int, s: Search) -> float:
 
 @compiled
 def kicks(count: int, longest: int, eps: float, s: Search) -> float:
-    """Kick and improve ``count`` times, and undo whatever left the tour longer; the gain of all of it."""
+    """Kick and improve ``count`` times and undo whatever left the tour longer; returns the gain of all kicks."""
     total = 0.0
     for _ in range(count):
         s.ints[REVERSALS] = 0

@@ -79,18 +79,20 @@ def partition_frame(
     """Cut a closed frame into segments whose routes keep their periods, as few as possible (Eqs. 24 and 25).
 
     legs_m: (n,) metres along the path from each waypoint to the next, from the last to the first; n >= 1.
-    waypoint_periods_s: (n,) the period of the sub-region that each waypoint was deployed in. A segment's period is the
-    smallest among its waypoints. speed_m_s: V. sensor_radius_m: r_s. segments: how many there shall be; None: as few as
-    are needed. route_lengths_m: (n, n) of the closed route round the k + 1 waypoints from each on; None: estimated by
-    their lengths. seed: of the particle swarms.
+    waypoint_periods_s: (n,) the period of the sub-region that each waypoint was deployed in; a segment's period is the
+    smallest among its waypoints. speed_m_s: V. sensor_radius_m: r_s. segments: how many; None: as few as are needed.
+    route_lengths_m: (n, n) of the closed route round the k + 1 waypoints from each on; None: estimated by their
+    lengths. seed: of the particle swarms.
 
-    With route lengths the exact method gives the partition that Eq. 28 costs least: a longer segment may have a shorter
-    route, so that the rest of this does not hold. Without, it gives the fewest segments, of these partitions one whose
-    largest (time + margin) / period is the smallest, and of those the one in which its squares have the smallest sum. A
-    waypoint whose route round it alone takes too long gets a segment of its own; ``kept`` tells whether all periods are
-    kept. If they cannot be with the number of segments given, the sum of what routes are late (margin counted) is the
-    smallest possible, and then the sum of squares; with ``settings.too_few`` "even" the largest share of a period is,
-    as above. The swarms' best partition is as good as they find, by Eq. 28.
+    With route lengths the exact method gives the partition that Eq. 28 costs least; a longer segment may have a shorter
+    route, so that the rest of this does not hold. Without route lengths it gives the fewest segments. Of these
+    partitions it takes those whose largest (time + margin) / period is the smallest, and of those the one with the
+    smallest sum of squares. A waypoint whose route round it alone takes too long gets a segment of its own; ``kept``
+    tells whether all periods are kept.
+
+    If the number of segments given cannot keep all periods, the sum by which routes are late (margin counted) is the
+    smallest possible, and then the sum of squares. With ``settings.too_few`` "even" the largest share of a period is
+    the smallest possible, as above. The swarms' best partition is as good as they find, by Eq. 28.
 
     Raises ValueError when an argument is not finite or not greater than 0 (a leg may be 0), and for more segments than
     waypoints.
@@ -133,9 +135,10 @@ def exact_partition(ring: Ring, margin_s: float, segments: int | None, *, too_fe
 
 
 def _most_even(ring: Ring, margin_s: float, segments: int, *, least: float, most: float) -> Ints:
-    """The partition into so many segments whose largest share of a period is smallest.
+    """The first waypoints (m,) of the partition into ``segments`` segments whose largest share of a period is smallest.
 
-    It is no smaller than ``least``; with ``most``, 1 where periods can be kept, so many segments surely do.
+    That share is at least ``least``. With shares up to ``most``, so many segments are surely enough; 1 where periods
+    can be kept.
     """
     longest = np.empty(len(ring.level) - 1, dtype=np.int64)
     low, high = least, most
@@ -149,10 +152,10 @@ def _most_even(ring: Ring, margin_s: float, segments: int, *, least: float, most
 
 
 def _least_late(ring: Ring, margin_s: float, segments: int) -> Ints:
-    """The best partition when not all periods can be kept.
+    """The first waypoints (m,) of the best partition where not all periods can be kept.
 
-    First how late some segment must be at least; then how late all are together when none is later than that; so late
-    any one may be in the best partition.
+    First: how late some segment must be at least. Then: how late all are together if no segment is later than that. No
+    single segment of the best partition is later than that sum.
     """
     longest = np.empty(len(ring.level) - 1, dtype=np.int64)
     low_s, high_s = 0.0, max(float(segment_time_s(k, len(longest), ring)) for k in range(len(longest))) + margin_s
@@ -179,9 +182,9 @@ def normalised_lengths(legs_m: Floats) -> Floats:
 
 
 def termination_shares(legs_m: Floats) -> Floats:
-    """Eq. 22: the share of the frame (n + 1,) at which each sensor lies, and 1 where the first one comes again.
+    """Eq. 22: the share of the frame (n + 1,) at which each sensor lies, and 1 where the first sensor comes again.
 
-    We read the sum up to the leg that leads to sensor K, since r(theta_i) = p(s_K); as printed it holds one leg more.
+    We read the sum up to the leg that leads to sensor K, since r(theta_i) = p(s_K). As printed it has one leg more.
     """
     shares = np.concatenate([[0.0], np.cumsum(normalised_lengths(legs_m))])
     shares[-1] = 1.0

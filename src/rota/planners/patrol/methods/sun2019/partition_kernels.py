@@ -58,7 +58,7 @@ def segment_period_s(first: int, count: int, ring: Ring) -> float:
 
 @compiled
 def segment_time_s(first: int, count: int, ring: Ring) -> float:
-    """Eq. 26: time of the closed route round the segment, looked up or taken for twice its length and 2 pi r_s."""
+    """Eq. 26: seconds of the closed route round the segment, looked up or taken as twice its length and 2 pi r_s."""
     if ring.route_s.shape[0] > 0:
         return ring.route_s[first, count - 1]
     n = ring.level.shape[0] - 1
@@ -77,10 +77,10 @@ def late_s(first: int, count: int, margin_s: float, ring: Ring) -> float:
 
 @compiled
 def longest_counts(share: float, allowed_s: float, margin_s: float, ring: Ring, longest: Any) -> None:
-    """For each first waypoint the most waypoints (n,), 1 or more, of a segment that keeps to a share of its period.
+    """Fill longest (n,) with the most waypoints, 1 or more, of a segment from each waypoint on within its period.
 
-    Time and margin exceed that share by at most ``allowed_s``, and if that is 0 are less, as Eq. 25 asks. A longer
-    segment takes longer and has no longer period, so the ends only move on.
+    Time and margin exceed ``share`` of the period by at most ``allowed_s``; with ``allowed_s`` 0 they are less, as Eq.
+    25 asks. A longer segment takes longer and has no longer period, so that the ends only move on.
     """
     n = longest.shape[0]
     count = 1
@@ -97,9 +97,9 @@ def longest_counts(share: float, allowed_s: float, margin_s: float, ring: Ring, 
 
 @compiled
 def fewest_segments(longest: Any) -> int:
-    """The fewest segments, none longer than longest (n,) allows, that make up the closed frame: the best of all starts.
+    """The fewest segments that make up the closed frame, none longer than longest (n,) allows.
 
-    From any start the longest segments are the fewest.
+    From each start the longest segments are the fewest; the best start counts.
     """
     n = longest.shape[0]
     best = n
@@ -115,7 +115,7 @@ def fewest_segments(longest: Any) -> int:
 
 @compiled
 def narrowest_place(longest: Any) -> int:
-    """The waypoint that the fewest segments reach over: one of them must begin at it or at one of those before it."""
+    """The waypoint that the fewest segments reach over; some segment begins at it or at one of those before it."""
     n = longest.shape[0]
     place, fewest = 0, n + 1
     for at in range(n):
@@ -127,7 +127,7 @@ def narrowest_place(longest: Any) -> int:
 
 @compiled
 def starts_before(at: int, longest: Any) -> int:
-    """How many waypoints, ``at`` and those before it one after the other, have a segment that reaches over ``at``."""
+    """How many waypoints in a row, from ``at`` backwards, have a longest segment that reaches over ``at``."""
     n = longest.shape[0]
     back = 1
     while back < n and longest[(at - back) % n] > back:

@@ -28,9 +28,9 @@ def swarm_partition(
 ) -> tuple[Ints, Floats]:
     """The best partition that the swarms find: the last sensor (m,) of each segment, and the cost by iteration.
 
-    share: (n + 1,) of the way round at which each sensor lies. The first segment begins behind sensor 0, the last one
+    share: (n + 1,) of the way round at which each sensor lies. The first segment begins behind sensor 0; the last one
     ends with it. expected: about how many segments will be needed; swarms try from half to twice as many, and two more.
-    segments: None, or how many ends, at most, all swarms have. The history (iterations + 1,) begins with the random
+    segments: None, or the most ends that all swarms have. The history (iterations + 1,) begins with the random
     positions.
     """
     n = len(share) - 1

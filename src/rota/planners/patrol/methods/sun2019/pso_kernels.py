@@ -67,7 +67,7 @@ def cost_of(seconds_late: float, rules: Rules) -> float:
 
 @compiled
 def end_sensors(position: Any, dimensions: int, cuts: Cuts, ends: Any) -> int:
-    """Fill ends with the last sensors of the segments in the order of the frame; how many segments there are.
+    """Fill ends with the last sensors of the segments in the order of the frame; returns how many segments there are.
 
     position: (dimensions,) shares of the way round, in any order; the last segment ends at 1. Ends that fall on the
     same sensor are one.
@@ -119,7 +119,7 @@ def inertia_at(iteration: int, rules: Rules) -> float:
 
 @compiled
 def fly(dimensions: int, cuts: Cuts, ring: Ring, rules: Rules, s: Swarm, history: Any, rng: Any) -> float:
-    """One swarm from a random start to its last iteration; s.best is its best position, whose cost is told.
+    """Let one swarm fly from a random start to its last iteration; returns the cost of s.best, its best position.
 
     history: (iterations + 1,) the lowest cost so far, of all swarms that have written there.
     """
@@ -151,7 +151,7 @@ def fly(dimensions: int, cuts: Cuts, ring: Ring, rules: Rules, s: Swarm, history
 
 @compiled
 def keep_best(i: int, dimensions: int, best: float, s: Swarm) -> float:
-    """Make particle i's best position the swarm's if it is better; the cost of the swarm's."""
+    """Make particle i's best position the swarm's where it is better; returns the cost of the swarm's."""
     if s.value[i] >= best:
         return best
     for d in range(dimensions):
@@ -163,9 +163,9 @@ def keep_best(i: int, dimensions: int, best: float, s: Swarm) -> float:
 def fly_all(
     dimensions: Any, cuts: Cuts, ring: Ring, rules: Rules, s: Swarm, history: Any, rngs: Any, position: Any
 ) -> int:  # fmt: skip
-    """All swarms, each with its number of dimensions (swarms,) and its own random numbers (swarms, 1); the best one.
+    """Let all swarms fly, each with its number of dimensions (swarms,) and its random numbers (swarms, 1).
 
-    position: takes the best swarm's best position. Of equals the swarm that comes first is the best.
+    position: takes the best swarm's best position. Of equal swarms the first is the best. Returns its number.
     """
     best, winner = math.inf, -1
     for k in range(dimensions.shape[0]):

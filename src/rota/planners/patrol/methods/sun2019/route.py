@@ -78,7 +78,7 @@ def as_line(line_m: Floats) -> LineString | Point:
 
 
 def borders_of(widened: BaseGeometry, line: LineString | Point, space: BaseGeometry, *, hole_m2: float) -> list[Floats]:
-    """The rings (n, 2) that the route round a widened segment follows; first the outer one of its largest part."""
+    """The rings (n, 2) that the route round a widened segment follows, first the outer ring of its largest part."""
     parts = [part for part in shapely.get_parts(widened) if isinstance(part, Polygon)]
     if len(parts) > 1:
         parts = [part for part in parts if part.distance(line) < TOUCH_M]
@@ -94,7 +94,7 @@ def rings_of(part: Polygon, space: BaseGeometry, *, hole_m2: float) -> list[Floa
 
 
 def inside(ring_m: Floats, space: MultiPolygon, paths: ShortestPaths) -> Floats:
-    """The closed ring (n, 2) with corners that rounding put outside moved back, and blocked legs led round."""
+    """The closed ring (n, 2) with corners that rounding put outside moved back and blocked legs led round."""
     outside = np.flatnonzero(paths.part_of(ring_m) < 0)
     ring_m = ring_m.copy()
     for k in outside:

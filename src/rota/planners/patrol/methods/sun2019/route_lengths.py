@@ -51,9 +51,9 @@ def route_lengths_m(
 ) -> Floats:
     """Metres (n, n) of the closed routes round the k + 1 waypoints from each on, n of them in the frame's order.
 
-    They are the lengths of what ``route_round`` leads, for stretches whose route takes up to 1.3 times their period.
-    Longer ones are told without the ways that join several borders to one route; those that are three times too long by
-    twice the stretch and 2 pi r_s, by that. Both only matter in that they are much too long.
+    They are the lengths of the routes of ``route_round`` for stretches whose route takes up to 1.3 times their period.
+    Longer routes are given without the ways that join several borders to one route. Routes three times too long are
+    given as twice the stretch and 2 pi r_s. Both only matter in that they are much too long.
 
     frame: in one part of the space of ``paths``. waypoint_periods_s: (n,) along it. joining_legs: see
     ``PartitionSettings``.

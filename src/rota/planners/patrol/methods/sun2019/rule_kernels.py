@@ -55,7 +55,7 @@ def apart_m(p: Any, d: int, q: Any, e: int, box: Any) -> float:
 
 @compiled
 def put(p: Any, d: int, x_m: float, y_m: float, box: Any) -> None:
-    """Deploy sensor d of p (n, 3) at a place in metres, as far as it lies in the box."""
+    """Deploy sensor d of p (n, 3) at the place (x_m, y_m), or at the nearest place of the box."""
     p[d, X] = min(1.0, max(0.0, (x_m - box[0]) / box[2]))
     p[d, Y] = min(1.0, max(0.0, (y_m - box[1]) / box[3]))
     p[d, FLAG] = 1.0
@@ -134,9 +134,9 @@ def add_sensor(p: Any, group: Group, x_m: float, y_m: float, near_m: float, terr
 def move_sensor(p: Any, group: Group, x_m: float, y_m: float, law: MovementLaw, box: Any, rng: Any) -> int:
     """Eq. 8: move the group's nearest sensor a short way towards a cell's centre (x_m, y_m).
 
-    The way is at most step_m. From beyond in_range_m it ends within in_range_m or up to 30 % of the need further. From
-    nearer by something else must hide the cell, so that any way will do. p: (n, 3) sensors. box: (4,) metres. Returns
-    the sensor, or -1 when none is deployed within around_m.
+    The way is at most step_m. A sensor farther than in_range_m goes as far as it takes to be within, and up to 30 %
+    farther. For a nearer sensor something else must hide the cell, so that the way is any length. p: (n, 3) sensors.
+    box: (4,) metres. Returns the sensor, or -1 when none is deployed within around_m.
     """
     least, chosen = law.around_m, -1
     for k in range(group.first, group.last):

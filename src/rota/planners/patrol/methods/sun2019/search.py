@@ -26,12 +26,12 @@ FURTHER = 8  # robots more than the first partition needs, up to which frames ar
 
 
 def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = None) -> Repaired:
-    """The best settled plan of the method (met unless all repair failed).
+    """The best repaired plan of the method; it is met unless all repair failed.
 
     settings: None for those that the mission asks for. Each frame is cut for as many robots as Eq. 26 asks for, then
-    for fewer and fewer while the check passes; when it never does, the first frame is cut for more, which leaves every
-    route a margin. With routes as printed there is one plan, as it comes. Raises NoPlanFound for square sensors, and
-    when none of what is asked can be seen.
+    for fewer and fewer while the check passes. When it never passes, the first frame is cut for more robots, which
+    leaves every route a margin. With routes as printed there is one plan, as it comes. Raises NoPlanFound for square
+    sensors, and when none of what is asked can be seen.
     """
     sensor = context.problem.robot.sensor
     if not isinstance(sensor, DiscSensor):
@@ -62,12 +62,12 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
 
 
 def part_of(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
-    """Progress told within one of so many turns, of which the last ends at 0.9."""
+    """Progress within one of ``turns`` turns, of which the last ends at 0.9."""
     return lambda share, what: progress(0.9 * (turn + share) / turns, what)
 
 
 def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best: Repaired | None) -> Repaired:
-    """The plan with the fewest robots that this frame gives, or the one given if that has no more."""
+    """The plan with the fewest robots that this frame gives, or the best so far if that has no more."""
     stages = cut(context, framed, settings, None)
     if best is not None and is_good(best):
         stages = cut(context, framed, settings, min(len(stages.segments), robots_of(best) - 1))
@@ -87,7 +87,7 @@ def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best:
 
 
 def with_more(context: Context, framed: Framed, settings: MethodSettings, best: Repaired) -> Repaired:
-    """A plan of one robot after the other more than the partition asks for; in the end, of as many as mending asks."""
+    """A plan of more robots than the partition asks for, one more each time; at last, of as many as repair asks for."""
     first = len(cut(context, framed, settings, None).segments)
     for robots in range(first + 1, first + FURTHER + 1):
         if context.should_stop():
@@ -104,14 +104,14 @@ def with_more(context: Context, framed: Framed, settings: MethodSettings, best: 
 
 
 def cut(context: Context, framed: Framed, settings: MethodSettings, robots: int | None) -> Stages:
-    """The frames cut for so many robots, or as many as Eq. 26 asks for."""
+    """The frames cut for ``robots`` robots, or for as many as Eq. 26 asks for."""
     return cut_in_segments(framed, context.problem.robot, context.problem.paths, settings, robots=robots)
 
 
 def settled(context: Context, stages: Stages, settings: MethodSettings) -> Repaired:
-    """The routes led to what they leave unseen until the check passes or the rounds are over.
+    """The routes repaired until the check passes or the rounds are over.
 
-    Where this makes routes too long they are shortened, or the frame is cut anew by their lengths; when that does not
+    Routes that become too long by that are shortened, or the frame is cut anew by their lengths. Where that does not
     help, they get a further robot.
     """
     tours, rounds = tours_of(context.problem, stages), settings.route.repairs

@@ -79,7 +79,7 @@ def corner_in_sight(ax: float, ay: float, bx: float, by: float, first: int, last
 def cells_seen(px: float, py: float, cells: CellTable, ground: Ground, known: Any, seen: Any) -> int:
     """Write the cells that a sensor at (px, py) sees into ``seen``, ascending; returns how many.
 
-    known: (1 + corners,) scratch: how often this was asked, and for each corner when it was last judged, and how.
+    known: (1 + corners,) scratch: the number of calls, and for each corner the call that judged it last, and how.
     """
     known[0] += 1
     mark = 2 * known[0]
@@ -126,7 +126,7 @@ def cells_seen(px: float, py: float, cells: CellTable, ground: Ground, known: An
 
 @njit(cache=True, nogil=True)
 def cells_seen_from(places: Any, cells: CellTable, ground: Ground, most: int) -> Any:
-    """Start (n + 1,) and items of the cells seen from each of the places (n, 2), of which none sees more than most."""
+    """Starts (n + 1,) and items of the cells seen from each place (n, 2); ``most`` is the most that a place sees."""
     known = np.zeros(1 + cells.corners.shape[0], np.int64)
     seen = np.empty(most, np.int32)
     start = np.zeros(places.shape[0] + 1, np.int64)
@@ -145,7 +145,7 @@ def cells_seen_from(places: Any, cells: CellTable, ground: Ground, most: int) ->
 
 @compiled
 def most_in_reach(cells: CellTable, reach_m: float) -> int:
-    """A number of cells that no sensor can see more of: those in any window of squares as wide as its disc."""
+    """An upper bound of the cells that a sensor can see: the most in any window of squares as wide as its disc."""
     span = int(np.ceil(2.0 * reach_m / cells.cell_m)) + 1
     most = 0
     for j in range(cells.ny):

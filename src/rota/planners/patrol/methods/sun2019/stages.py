@@ -124,8 +124,8 @@ def cut_in_segments(
 ) -> Stages:
     """Cut the frames into segments and lead the routes round them.
 
-    robots: how many segments there shall be in all, but at least one in each part and no more than it has sensors;
-    None: as many as the partition finds to be needed. Of parts, those with the least load give way first.
+    robots: how many segments in all, but at least one in each part and no more than it has sensors; None: as many as
+    the partition needs. Parts with the least load give robots up first.
     """
     counts = None if robots is None else shared_out(framed, robot, settings, robots)
     partitions = [
@@ -161,7 +161,7 @@ def partition_of(
 
 
 def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: int) -> list[int]:
-    """So many robots shared out among the parts, (p,) of them: one more or fewer where the load is most or least."""
+    """Robots of each part (p,), ``robots`` in all: one more where the load is greatest, one fewer where it is least."""
     if len(framed.parts) == 1:
         return [min(max(robots, 1), len(framed.parts[0].sensors))]
     needed = [partition_of(part, robot, settings, seed=framed.seed) for part in framed.parts]
@@ -177,9 +177,9 @@ def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: i
 
 
 def measured(stages: Stages, driven_m: Floats, robot: Robot) -> Framed:
-    """The frames with legs that count as what the routes (m,) round their segments came to, metres by Eq. 26.
+    """The frames with legs that count as long as the driven routes (m,) round their segments came to, in metres.
 
-    The next partition then gives shorter segments where repair made routes long, and longer ones where it did not.
+    The next partition then gives shorter segments where repair made routes long, and longer segments where it did not.
     """
     around_m = route_length_m(0.0, radius_m(robot))
     frames, at = [], 0

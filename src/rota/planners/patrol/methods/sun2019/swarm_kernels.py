@@ -134,7 +134,7 @@ def begin(s: Swarms) -> None:
 
 @compiled
 def judge(s: Swarms) -> float:
-    """Update P_j.y_i, the best of each swarm and with them the context vector (Eqs. 5 and 6), swarm by swarm.
+    """Update P_j.y_i, the best of each swarm and the context vector (Eqs. 5 and 6), swarm by swarm.
 
     Returns the fitness of the context vector.
     """
@@ -166,7 +166,7 @@ def judge(s: Swarms) -> float:
 
 @compiled
 def list_bare(s: Swarms) -> None:
-    """List the cells that the context leaves unseen, up to bare_start[0], then for each swarm those only it sees.
+    """List the cells that the context leaves unseen, up to bare_start[0], then for each swarm the cells only it sees.
 
     Twice as many entries as there are cells are enough: no cell is seen by one swarm alone and by another one, too.
     """
@@ -193,7 +193,10 @@ def list_bare(s: Swarms) -> None:
 
 @compiled
 def best_neighbour(i: int, j: int, reach: int, best_fitness: Any) -> int:
-    """Eq. 4: the particle with the least fitness of P_j.y among i and ``reach`` neighbours on either side."""
+    """Eq. 4: the particle with the least fitness of P_j.y among i and ``reach`` neighbours on either side.
+
+    best_fitness: (p, k) by particle and swarm.
+    """
     count = best_fitness.shape[0]
     chosen = i
     for step in range(1, min(reach, count // 2) + 1):
@@ -206,9 +209,10 @@ def best_neighbour(i: int, j: int, reach: int, best_fitness: Any) -> int:
 
 @njit(cache=True, nogil=True)
 def near_groups(place: Any, box: Any, seeds: Any, size: int) -> Any:
-    """Order (n,) of sensors such that each ``size`` in a row are near each other: a seed and those nearest to it.
+    """Order (n,) of sensors in which each ``size`` in a row are near each other: a seed and the sensors nearest to it.
 
-    place: (n, 3); seeds: (n,) sensors in the order in which they begin groups, as long as no group has taken them.
+    place: (n, 3). box: (4,) metres. seeds: (n,) sensors in the order in which they begin groups, unless a group has
+    taken them already.
     """
     n = place.shape[0]
     order = np.empty(n, np.int64)

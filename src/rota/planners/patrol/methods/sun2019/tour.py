@@ -153,7 +153,7 @@ def told_in_one_way(order: Ints, zone: Ints) -> Ints:
     """The same closed tour (n,), begun where it goes over into the first sub-region, or else at sensor 0.
 
     The paper's path begins at sensor s_1 and its first segment right behind it, so that a cut lies there. Of several
-    such places, and of the two directions, those with the smallest numbers of sensors behind the cut are taken.
+    such places, and of the two directions, the one with the smallest numbers of sensors behind the cut is taken.
     """
     told = []
     for way in (order, order[::-1]):

@@ -86,11 +86,11 @@ def virtual_radius_m(mission: Mission) -> float:
 
 
 def zones_to_deploy(mission: Mission, *, cell_m: float | None, border: BorderCells) -> Iterator[ZoneTasks]:
-    """The zones of a mission in the order of their periods; between equal ones in the mission's order, the area last.
+    """The zones of a mission by their periods; zones of equal periods in the mission's order, the area last.
 
     cell_m: side of a cell in metres, None for ``CELL_SHARE`` of the virtual radius. What lies in several zones belongs
-    to the one with the smallest period. Zones that ask for visits take one sensor and hide nothing from others.
-    Raises MissionError as ``virtual_radius_m`` does, and NoPlanFound where no robot can stand, or cells are too many.
+    to the one with the smallest period. Zones that ask for visits take one sensor and hide nothing from others. Raises
+    MissionError as ``virtual_radius_m`` does, and NoPlanFound where no robot can stand, or cells are too many.
     """
     reach_m = virtual_radius_m(mission)
     body_m = common_robot(mission.fleet).body_radius_m
@@ -134,7 +134,10 @@ def _visited(region: DemandedRegion, standing: MultiPolygon, lattice: Lattice) -
 def cover_tasks(
     cells: Cells, spaces: tuple[MultiPolygon, ...], grounds: tuple[Ground, ...]
 ) -> tuple[tuple[CoverTask, ...], Ints]:
-    """The tasks to cover the cells, from each space what those before it leave, and the numbers that none sees."""
+    """The tasks to cover the cells, and the numbers of the cells that no space sees.
+
+    Each space covers what the spaces before it leave.
+    """
     tasks, left = [], np.arange(len(cells))
     for space, ground in zip(spaces, grounds, strict=True):
         task, left = _task(cells, left, space, ground)
@@ -144,7 +147,7 @@ def cover_tasks(
 
 
 def _task(cells: Cells, number: Ints, space: MultiPolygon, ground: Ground) -> tuple[CoverTask | None, Ints]:
-    """The task to cover the cells of these numbers from places in the space, and the numbers that none of them sees."""
+    """The task to cover the cells of these numbers from places in the space, and the numbers that no place sees."""
     if not len(number) or space.is_empty:
         return None, number
     wanted = cells.chosen(number)
@@ -171,7 +174,7 @@ def _task(cells: Cells, number: Ints, space: MultiPolygon, ground: Ground) -> tu
 
 
 def _places(cells: Cells, space: MultiPolygon, ground: Ground) -> Floats:
-    """The centres and corners of the lattice's squares, where sensors may be and in reach of the cells' box."""
+    """The centres and corners (p, 2) of the lattice's squares in the space and in reach of the cells' box."""
     x, y, wide, high = _box(cells, space, ground.reach_m)
     points = cells.lattice.points_m
     near = (points >= np.array([x, y]) - 1e-9) & (points <= np.array([x + wide, y + high]) + 1e-9)
