@@ -63,7 +63,7 @@ class Loops(NamedTuple):
 
 
 class Team(NamedTuple):
-    """What k robots see with, and their loops: reaches_m (k,) radii or half sides, squares (k,) whether it is these."""
+    """What k robots see with, and their loops: reaches_m (k,) radii, or half sides where squares (k,) is set."""
 
     reaches_m: Floats
     squares: Flags

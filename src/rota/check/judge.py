@@ -37,6 +37,8 @@ MOST_UNMET_POINTS = 200_000
 
 @dataclass
 class _Verdicts:
+    """The verdicts on demands, and what is unmet: places (k, 2) and the number of each one's demand, (k,)."""
+
     demands: list[DemandVerdict] = field(default_factory=list)
     violations: list[Violation] = field(default_factory=list)
     firsts_s: list[float] = field(default_factory=list)

@@ -21,15 +21,18 @@ Flags = NDArray[np.bool_]
 IsSeeable = Callable[[Floats, float, Ints], Flags]
 
 MOST_PIECES = 600_000
-MOST_TOGETHER = 250_000  # pieces at first; of more, so many at a time are refined by themselves
+MOST_TOGETHER = 250_000  # pieces that are refined together; more are refined in parts of this many
 MOST_PLACES = 8
 SAMPLED_MET = 200
-FINER, MOST_FINER = 8, 2_000  # pieces so few are cut so many times smaller than the finest where no sample is unmet
+FINER, MOST_FINER = 8, 2_000  # where no sample is unmet, up to 2,000 pieces are cut up to 8 times smaller than finest_m
 
 
 @dataclass
 class Findings:
-    """What refining found out about one demand: gaps in seconds, areas in square metres (see DemandVerdict)."""
+    """What refining shows of one demand: gaps in seconds, areas in square metres (see DemandVerdict).
+
+    worst_place_m None: no gap is shown too long. excluded: (k, 4) rows x, y, area and size of pieces nobody can see.
+    """
 
     upper_s: float = 0.0
     lower_s: float = 0.0
@@ -102,12 +105,9 @@ def refine(
 ) -> list[Findings]:
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
-    owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: the size below which no piece
-    is cut.
-
-    is_seeable(points (k, 2), spread_m, demands (k,)): whether a body can stand where it sees a point within the spread.
-    It is also true of points of which that demand asks nothing, so that ground of other demands is not held against a
-    piece. Several threads ask it.
+    owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: no smaller piece is cut.
+    is_seeable(points (k, 2), spread_m, demands (k,)): whether a body can stand where it sees a point within the spread,
+    or that demand asks nothing of the point, so that other ground is not held against a piece; several threads ask it.
 
     Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``. When more
     than 600,000 pieces would be open at once, all are left undecided as they are. Very many pieces are refined in
@@ -187,7 +187,10 @@ def _note_met(
 
 
 class _Level:
-    """The pieces of one round that were not shown met, with what their middles see."""
+    """The pieces of one round that were not shown met, with what their middles see.
+
+    bad, unseen, hidden: (n,) flags of the middles: shown unmet, seen by no robot, and not to be seen by anybody.
+    """
 
     def __init__(
         self, sights: Sights, pieces: Pieces, owners: Ints, uppers_s: Floats, firsts_s: Floats, limits_s: Floats

@@ -29,6 +29,8 @@ CHUNK = 1_000_000
 
 @dataclass
 class _Closest:
+    """The closest approach of two robots: metres, place, and time in seconds; None: at some time in the loops."""
+
     distance_m: float
     place_m: tuple[float, float]
     time_s: float | None

@@ -12,7 +12,7 @@ from rota.mission import Mission
 
 FLOAT_EPS = float(np.finfo(np.float64).eps)  # float64 rounds a number by up to this share of it
 
-# ------------------------------------------------------------ limits that a plan may break by so much
+# ------------------------------------------------------------ by how much a plan may break limits
 
 TOUCH_M = 1e-6  # bodies may overlap each other, walls, borders and height limits, and miss a start or a cell, by this
 PERIOD_TOLERANCE = 1e-9  # a gap may exceed its period by this share

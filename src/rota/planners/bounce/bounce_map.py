@@ -82,7 +82,7 @@ def joint_states(states: int, robots: int, *, unordered: bool = False) -> int:
 
 
 def require_memory(states: int, robots: int, *, unordered: bool = False, copies: int = 1) -> None:
-    """Raise MissionError when the joint map of so many robots does not fit in memory, before any of it is made.
+    """Raise MissionError when the joint map of these robots does not fit in memory, before any of it is made.
 
     copies: how many times the map's four bytes for a state are needed.
     """

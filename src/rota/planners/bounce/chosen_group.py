@@ -29,16 +29,16 @@ Ints = NDArray[np.int32]
 MOST_HEADINGS = 4096  # joint headings that are tried from given starts
 MOST_SETTLING = 20_000  # steps in which robots are to come to their cycles
 MOST_ENUMERATED = 20_000_000  # joint states up to which basins are exact; beyond, they are sampled
-MOST_JUDGED = 20_000  # groups of Algorithm 2 of which is told how many watch all zones
+MOST_JUDGED = 20_000  # groups of Algorithm 2; of more, it is not told how many watch all zones
 SAMPLES, SAMPLED_STEPS = 2000, 2000  # random starts, and the steps in which they are to come to cycles
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Choice:
-    """What was chosen, if anything, and what is known of it.
+    """The chosen group, None where there is none, and what is known of it.
 
-    proved: for the purpose nothing better is among the groups asked for; without anything chosen, there is nothing.
-    unproved: why that is not known, in words, where it was asked for. told: a sentence about the groups, or None.
+    proved: for the purpose, no group asked for is better; without a chosen group, there is none. unproved: why that is
+    not known, in words, where it was asked for. told: a sentence about the groups, or None.
     """
 
     chosen: Chosen | None

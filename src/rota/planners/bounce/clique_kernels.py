@@ -2,7 +2,8 @@
 """Compiled loops that count sets of nodes without conflicts: how many teams go their rounds without a contact.
 
 Sets are bits in rows of uint64 words. Polynomials have a variable for each kind of node, packed in one index; the
-coefficient of a monomial counts the sets with so many nodes of each kind, modulo ``prime`` (0: modulo 2 ** 64).
+coefficient of a monomial counts the sets whose nodes of each kind its exponents count, modulo ``prime`` (0: modulo
+2 ** 64).
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ ONE = np.uint64(1)
 
 
 class Graph(NamedTuple):
-    """Nodes that stand for ``weight`` (v,) uint64 nodes each, of which no two go together.
+    """Nodes of a graph of conflicts; each stands for ``weight`` (v,) uint64 nodes, no two of which go together.
 
     conflict: (v, w) uint64 bits of the nodes that do not go with it, itself included. kind: (v,) int32. stride: (k,)
     int32, the packed index of each variable. total: (d, d) int32, the packed index of a product; -1: beyond the wanted.

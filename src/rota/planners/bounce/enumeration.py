@@ -17,7 +17,7 @@ Ints = NDArray[np.int32]
 Longs = NDArray[np.int64]
 
 MOST_PRINTED = 1 << 20  # groups of Algorithm 2 that are kept to choose from; all are counted
-BYTES_PRINTED = 7  # an enumeration of n states takes 4 n bytes for the map and so many times as much in all
+BYTES_PRINTED = 7  # an enumeration of n states takes 4 n bytes for the map and 7 times as much in all
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -31,7 +31,7 @@ class Work:
     left: int = UNBOUNDED
 
     def spend(self, units: int) -> None:
-        """Raise TooMany when so many units are no longer left."""
+        """Spend units of work; raises TooMany when fewer are left."""
         self.left -= units
         if self.left < 0:
             raise TooMany

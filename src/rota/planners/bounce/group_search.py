@@ -129,7 +129,7 @@ class _Search:
                 low, high = middle + 1, high + 1
 
     def _team_within(self, limit: float, most: int) -> bool:
-        """Whether a team is found in which one robot alone keeps the limit in each zone, in at most so many steps."""
+        """Whether ``most`` partial teams or fewer lead to a team in which single robots keep the limit in each zone."""
         budget = [most]
         return self._give({}, np.ones(len(self.watch.cycles.state), np.bool_), list(range(self.zones)), limit, budget)
 

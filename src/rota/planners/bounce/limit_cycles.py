@@ -46,7 +46,7 @@ class LimitCycles:
     compatible: Flags
 
     def later(self, node: int, steps: int) -> int:
-        """The periodic state so many steps later."""
+        """The periodic state that a robot is in ``steps`` steps later."""
         cycle = self.cycle[node]
         return int(self.start[cycle] + (self.phase[node] + steps) % self.length[cycle])
 

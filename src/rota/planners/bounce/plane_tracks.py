@@ -44,7 +44,7 @@ class Track:
         return float(self.times_s[-1])
 
     def gap_s(self, zone: int, robots: int) -> float:
-        """The longest time between visits of a zone by so many robots, evenly spaced; inf: none comes there."""
+        """The longest time in seconds between visits of a zone by ``robots`` robots, evenly spaced; inf: none."""
         visits = self.visits[zone]
         if not len(visits):
             return math.inf
@@ -56,7 +56,7 @@ class Track:
         return float(max((begins - latest).max(), 0.0))
 
     def margin_s(self, robots: int, apart_m: float) -> float:
-        """By how much clocks of so many robots, evenly spaced, may differ before bodies touch."""
+        """By how many seconds clocks of ``robots`` robots, evenly spaced, may differ before bodies touch."""
         if robots < 2:
             return math.inf
         shifts = np.arange(1, robots) * (self.round_s / robots)

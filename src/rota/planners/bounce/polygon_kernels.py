@@ -47,7 +47,7 @@ class RimElements(NamedTuple):
 class Turning(NamedTuple):
     """What a disc does at a contact: the rule TURN or FROM_WALL, and by which angle in radians.
 
-    whole: after so many turns the heading is the first one again; 0: never.
+    whole: the turns after which the heading is the first one again; 0: never.
     """
 
     rule: int

@@ -108,7 +108,7 @@ def cover(begin: float, end: float, count: int, arcs: Any) -> int:
 def exposed_arcs(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> int:
     """Fill ``arcs`` with the arcs of robot i's circle that lie in the ground and in no neighbour's disc.
 
-    near: so many ``neighbours``, by ``find_neighbours``. arcs: as ``arcs_in_ground`` has them; returns how many. Of
+    near: ``neighbours`` robots, by ``find_neighbours``. arcs: as ``arcs_in_ground`` has them; returns how many. Of
     equal discs in one place, that of the smallest number in the fleet counts as the one on top.
     """
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
@@ -144,7 +144,7 @@ def exposed_arcs(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, ne
 
 @compiled
 def area_gradient(sensor: float, count: int, arcs: Any) -> tuple[float, float]:
-    """R integral n da over the arcs of a circle: square metres covered more for a metre, along x and along y."""
+    """The gradient of the covered area, R integral n da over the circle's arcs: square metres per metre along x, y."""
     gx, gy = 0.0, 0.0
     for k in range(count):
         gx += math.sin(arcs.y[k]) - math.sin(arcs.x[k])

@@ -25,7 +25,7 @@ SIGHT_SHARE = 0.98  # of the way to a place seen counts, so that of two on the s
 
 @compiled
 def add_load(x: float, y: float, sensor_m: float, discs: float, graph: Any) -> None:
-    """Load the places within reach of (x, y) with so many discs: by a cone over the plane of the volume of a disc."""
+    """Load the places within reach of (x, y) with ``discs`` discs, each spread as a cone as large as a disc."""
     reach_m = REACH * sensor_m
     top = 3.0 / (REACH * REACH) * discs
     i0 = max(int((x - reach_m - graph.x0) / graph.cell_m), 0)

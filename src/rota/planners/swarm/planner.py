@@ -48,7 +48,7 @@ RANGE_PER_SENSOR = 2.04  # Table 2: 51 m for sensors of 25 m
 
 @dataclass(frozen=True, kw_only=True)
 class SwarmRun:
-    """A plan, and how it came about. ``at_rest``: the stop rule ended the run, after so many ``steps``.
+    """A plan, and how it came about. ``at_rest``: the stop rule ended the run; ``steps``: after how many.
 
     ``history`` None: nobody asked for it. ``state``: what it takes to go on from there.
     """

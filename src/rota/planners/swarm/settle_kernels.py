@@ -93,7 +93,7 @@ def own_share(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, room:
 
     Both are 0..1. A wall leaves the ground on this side of its nearest point, as in ``decide_voronoi``. What walls
     change sets in gradually: a robot that a wall pushed out of its range at once would come back, for ever. room.near:
-    so many neighbours, by ``find_neighbours``.
+    ``neighbours`` robots, by ``find_neighbours``.
     """
     near, outline, spare = room
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]

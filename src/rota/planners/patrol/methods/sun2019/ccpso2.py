@@ -127,7 +127,7 @@ def _first_swarms(task: CoverTask, settings: DeploySettings, sensors: int, rng: 
 
 
 def _particles(count: int, sensors: int, most: int) -> Particles:
-    """Room for so many particles of so many sensors, each of which sees at most so many cells."""
+    """Room for ``count`` particles of ``sensors`` sensors, each of which sees at most ``most`` cells."""
     shape = (count, sensors)
     return Particles(
         place=np.zeros((*shape, 3)), seen=np.zeros((*shape, most), dtype=np.int32),

@@ -22,11 +22,11 @@ DEEPEST = 12  # 2-opt moves of one chain
 
 
 class Search(NamedTuple):
-    """A tour (order: which waypoint is where; place: where each is) and what may improve it.
+    """A tour and what may improve it. order: (n,) the waypoint at each place; place: (n,) the place of each waypoint.
 
-    d: (n, n) distances; near: (n, k) neighbours, nearest first. queue: a ring of the waypoints yet to be tried (the
-    others are those that need no look). reversed: (room, 2) first and last place of each reversal since the last kick.
-    touched: (2 * DEEPEST + 2,) the waypoints whose legs the chain at work has changed.
+    d: (n, n) distances; near: (n, k) neighbours, nearest first. queue: a ring of the waypoints yet to be tried; the
+    others need no look. reversed: (room, 2) first and last place of each reversal since the last kick. touched: (2 *
+    DEEPEST + 2,) the waypoints whose legs the chain at work has changed.
     """
 
     d: Any

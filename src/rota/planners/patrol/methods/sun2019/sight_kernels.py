@@ -36,7 +36,7 @@ class CellTable(NamedTuple):
 class Ground(NamedTuple):
     """Where sensors may be (space), what hides cells from them (walls), and the walls in reach of each bucket.
 
-    Buckets are squares of bucket_m, so many columns and rows from (x0, y0) on; those near bucket b are
+    Buckets are squares of bucket_m, in ``columns`` columns and ``rows`` rows from (x0, y0) on. Walls near bucket b are
     wall_item[wall_start[b] : wall_start[b + 1]].
     """
 

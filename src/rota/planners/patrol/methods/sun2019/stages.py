@@ -28,10 +28,10 @@ MOST_SCALED = 2.0  # times its length, or part of it, that a leg counts as after
 class PartFrame:
     """The frame past the sensors in one connected part of the space; the paper's ground has one part.
 
-    frame: its order counts the part's sensors, which are those numbered ``sensors`` (n,) of the deployment.
-    waypoint_periods_s: (n,) along the frame. part: of ``ShortestPaths.parts``. legs_m: (n,) what each leg counts as in
-    the partition: its length, until routes round it are found to be longer or shorter than Eq. 26 has it.
-    route_lengths_m: (n, n) metres round each stretch of the frame; None where the partition estimates them.
+    frame: its order counts the part's sensors; sensors: (n,) their numbers in the deployment. waypoint_periods_s: (n,)
+    along the frame. part: of ``ShortestPaths.parts``. legs_m: (n,) the length that each leg counts as in the partition:
+    its own, until routes round it turn out longer or shorter than Eq. 26 has them. route_lengths_m: (n, n) metres round
+    each stretch of the frame; None where the partition estimates them.
     """
 
     frame: Frame

@@ -133,7 +133,7 @@ def see_all(begin: int, end: int, scratch: Scratch, particles: Particles, terrai
 
 @compiled
 def list_missing(i: int, j: int, s: Swarms, scratch: Scratch) -> int:
-    """Cells that nothing sees when particle i of swarm j stands in the context vector; returns how many."""
+    """List in scratch the cells unseen with particle i of swarm j in the context vector; returns how many there are."""
     marks, missing = scratch.marks, scratch.missing
     marks[0] += 1
     mark = marks[0]

@@ -38,10 +38,10 @@ CELL_SHARE = 0.24  # of r_v: 50 x 50 cells on 120 m, for r_v = 10 m
 
 @dataclass(frozen=True, kw_only=True)
 class CoverTask:
-    """Cells to cover, all of which some place sees, and where sensors may be to cover them.
+    """Cells to cover and where sensors may be to cover them; some place sees each cell.
 
-    box_m: x, y, width, height of where sensors are looked for. places_m: (c, 2) places for set covers; seen_start
-    (c + 1,) and seen_item: the cells that each of them sees. number: (m,) of the cells in the zone.
+    box_m: x, y, width, height of where sensors are looked for. places_m: (c, 2) places for set covers; seen_start (c +
+    1,) and seen_item: the cells that each of them sees. number: (m,) of the cells in the zone.
     """
 
     cells: Cells
