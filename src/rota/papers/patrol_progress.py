@@ -151,6 +151,7 @@ def progress_to_csv(search: PatrolProgress) -> str:
 
 
 def _row(point: ProgressPoint) -> tuple[Any, ...]:
+    """The values of a point in the order of COLUMNS."""
     state, best = point.state, point.best
     return (
         point.time_s, state.stage, state.robots, state.unseen_share, state.late_share, state.met,

@@ -55,6 +55,7 @@ class Table:
 
 
 def _piped(cells: tuple[str, ...]) -> str:
+    """The cells as a row of a Markdown table."""
     return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
 

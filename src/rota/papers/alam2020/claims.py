@@ -179,8 +179,10 @@ def standing_verdicts(two_robots: Mission) -> tuple[Verdict, ...]:
 
 
 def _holds(ok: bool) -> Literal["holds", "does not hold"]:
+    """The outcome of a claim of which a run decides."""
     return "holds" if ok else "does not hold"
 
 
 def _percent(estimate: Estimate) -> str:
+    """A share with its error as text, in whole percent."""
     return f"{100 * estimate.value:.0f} ± {max(100 * estimate.error, 0.5):.0f}%"

@@ -137,6 +137,7 @@ SAID = {
 
 
 def _by_robots(runs: Runs, grid: _Grid) -> Section:
+    """The figure of the steps that teams of each size take on one grid."""
     by_team = {
         (method, robots): runs.cover(maps.room(grid.text, robots, paper.COVER_ANGLE_DEG), method)
         for robots in paper.TEAMS
@@ -201,6 +202,7 @@ def _other_layouts(runs: Runs, grid: _Grid) -> list[list[CoverRuns]]:
 
 
 def _layouts_table(grid: _Grid, others: list[list[CoverRuns]], shown: list[CoverRuns], most_steps: int) -> Table:
+    """Mean steps by team on random layouts beside the layout shown: least, median and most."""
     by_robots = np.array([[team_runs.steps.mean() for team_runs in teams] for teams in others]).T
     rows = [("the layout above", *(f"{team_runs.steps.mean():,.0f}" for team_runs in shown))]
     for told, choose in (("least", np.min), ("median", np.median), ("most", np.max)):
@@ -217,6 +219,7 @@ def _layouts_table(grid: _Grid, others: list[list[CoverRuns]], shown: list[Cover
 
 
 def _slashed(values: Sequence[float]) -> str:
+    """Numbers as text with slashes between them."""
     return " / ".join(f"{value:,.0f}" for value in values)
 
 
@@ -229,6 +232,7 @@ def _trend(means: Sequence[float], who: str) -> str:
 
 
 def _curves(by_team: dict[tuple[BounceMethod, int], CoverRuns]) -> CurvePanel:
+    """Mean steps over the size of the team, by method, with the least and the most as a band."""
     at = np.array(paper.TEAMS, float)
     curves = []
     for method in METHODS:

@@ -110,6 +110,7 @@ def figure_12_section(runs: Runs) -> Section:
 
 
 def _ours(mean: dict[tuple[float, str], Estimate], least: dict[tuple[float, str], Estimate], runs: int) -> str:
+    """The text on our runs: the chances by angle, exact and with errors."""
     exact, inexact = mean[SHOWN_ANGLE_DEG, EXACT], mean[SHOWN_ANGLE_DEG, SHOWN]
     by_angle = {angle: mean[angle, EXACT].value for angle in (45.0, 90.0, 135.0, 180.0)}
     holds = min(by_angle[135.0], by_angle[45.0]) > max(by_angle[90.0], by_angle[180.0])
@@ -124,6 +125,7 @@ def _ours(mean: dict[tuple[float, str], Estimate], least: dict[tuple[float, str]
 
 
 def _percent(estimate: Estimate) -> str:
+    """A share with its error as text, in percent with one decimal."""
     return f"{100 * estimate.value:.1f} ± {100 * estimate.error:.1f}%"
 
 
@@ -139,6 +141,7 @@ def _best(shares: dict[tuple[float, str], Estimate], by: str) -> str:
 
 
 def _panels(room: _Room, simulated: dict[tuple[float, str], InexactRuns], steps: int) -> list[Panel]:
+    """Maps of the chance of each cell, exact and with errors, and its mean over the steps."""
     panels: list[Panel] = []
     after_s = steps * room.step_s
     for letter, told in zip("ab", (EXACT, SHOWN), strict=True):
@@ -165,6 +168,7 @@ def _panels(room: _Room, simulated: dict[tuple[float, str], InexactRuns], steps:
 def _angles_table(
     mean: dict[tuple[float, str], Estimate], least: dict[tuple[float, str], Estimate], steps: int
 ) -> Table:
+    """The chances by angle and error: the mean of all cells, and the cell least likely seen."""
     rows = [
         (f"{angle:g}°", *(_pair(mean[angle, told], least[angle, told]) for told in ERRORS)) for angle in ALL_ANGLES_DEG
     ]
@@ -179,10 +183,12 @@ def _angles_table(
 
 
 def _pair(mean: Estimate, least: Estimate) -> str:
+    """Two shares as text, in percent."""
     return f"{100 * mean.value:.1f} / {100 * least.value:.1f}"
 
 
 def _cover_table(teams: dict[int, InexactRuns], step_s: float) -> Table:
+    """Steps until all cells were seen, by the size of the team, in tenths of the runs."""
     rows = []
     for team, team_runs in teams.items():
         times = np.sort(team_runs.cover_times_s()) / step_s

@@ -175,6 +175,7 @@ def watching(mission: Mission, regions: Regions) -> Mission:
 def _mission(
     text: str, robots: int, angle_deg: float, cell_m: float, body_radius_m: float, settings: dict[str, Any]
 ) -> Mission:
+    """A mission of equal robots on a text map; ``settings``: of the planner, besides cells and angle."""
     area, walls = text_map(text, cell_m)
     fleet = Fleet(speed_m_s=SPEED_M_S, sensor=DiscSensor(radius_m=cell_m / 2), body_radius_m=body_radius_m)
     return Mission(

@@ -188,6 +188,7 @@ def shown_group(mission: Mission, seed: int) -> tuple[Plan, str]:
 
 
 def _watch(mission: Mission) -> tuple[Bouncing, Watch]:
+    """The mission's robots on its cells, and what their limit cycles see."""
     bouncing = bouncing_robots(mission, make_cells(mission))
     return bouncing, watch_of(bouncing)
 
@@ -282,6 +283,7 @@ def purposes_table(plans: dict[tuple[float, str], PlanSearch | None]) -> Table:
 
 
 def _slowing(plan: Plan) -> str:
+    """How much slower than planned Create 2 robots drive the plan, as text; a dash where they cannot drive it."""
     try:
         return f"{drives_of(plan)[0].slowing:.2f}"
     except PlanError:

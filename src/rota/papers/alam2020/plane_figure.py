@@ -82,6 +82,7 @@ def figure_13_section(runs: Runs) -> Section:
 
 
 def _row(both: GridBesidePlane) -> tuple[str, ...]:
+    """The row of one ground and angle: cycles on the grid, and in the plane by their stability."""
     kinds = Counter(cycle.stability for cycle in both.plane.cycles)
     ratio = f"{np.median(both.length_ratios):.3f}" if len(both.length_ratios) else NOTHING
     return (

@@ -116,12 +116,14 @@ def experiments(runs: Runs) -> dict[str, Made]:
 
 
 def _with(mission: Mission, change: Callable[[int, Robot], Robot | None]) -> Mission:
+    """The mission with its robots changed one by one; None leaves a robot out."""
     robots = [change(k, robot) for k, robot in enumerate(mission.fleet.robots or ())]
     kept = tuple(robot for robot in robots if robot is not None)
     return replace(mission, fleet=replace(mission.fleet, robots=kept))
 
 
 def _coming(mission: Mission, times: dict[str, Any]) -> Mission:
+    """The mission in which the first COMING robots join or leave at these times."""
     return _with(mission, lambda k, robot: replace(robot, **times) if k < COMING else robot)
 
 
@@ -137,6 +139,7 @@ def unlike(mission: Mission, seed: int) -> Mission:
 
 
 def _tried(runs: Runs, what: str, make: Callable[[int], Mission], settings: SwarmSettings) -> Tried:
+    """What an experiment came to over all seeds."""
     outcomes = []
     for k in range(runs.settings.claim_seeds):
         runs.stop_if_asked()
@@ -161,6 +164,8 @@ def _covered(run: SwarmRun) -> float:
 
 
 def _verdicts(tried: dict[str, Tried], small_us: float, large_us: float, large: int) -> tuple[Verdict, ...]:
+    """The verdicts on joining, news, the filter and decisions by the experiments and decision times."""
+
     def told(*names: str) -> str:
         return "; ".join(
             f"{name}: at rest in {len(tries.rested)} of {len(tries.covered)} runs, {np.mean(tries.covered):.1f} % "

@@ -299,6 +299,7 @@ def _ahead_verdict(ends: dict[Controller, float], first: Sequence[int]) -> Verdi
 
 
 def _loss_verdict(compared: Sequence[tuple[Controller, list[Outcome]]]) -> Verdict:
+    """The verdict on the deadweight loss in the end."""
     loss = {
         controller: np.mean([100 - 1e4 * run.coverage / MOST_PERCENT for run in outcomes])
         for controller, outcomes in compared

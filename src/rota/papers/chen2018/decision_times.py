@@ -90,6 +90,7 @@ def told_times(means: dict[str, float]) -> str:
 
 
 def _place(means: dict[str, float]) -> str:
+    """Where the sampled decision's time lies beside those of the baselines, in words."""
     others = [means[controller.name] for controller in (VORONOI, FORCES)]
     sampled = means[SAMPLED.name]
     return "slower than both" if sampled > max(others) else "faster than both" if sampled < min(others) else "between"

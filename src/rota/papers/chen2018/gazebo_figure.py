@@ -62,10 +62,12 @@ def figure_23_section(runs: Runs) -> Section:
 
 
 def _covered_at(outcomes: Sequence[Outcome], step: int) -> list[float]:
+    """Percent covered at a step, run by run."""
     return [100 * float(run.history.coverage[min(step, run.steps)]) for run in outcomes]
 
 
 def _told(outcomes: Sequence[Outcome]) -> str:
+    """How many runs come to rest, when, and what they cover, in words."""
     rested = [run.steps * paper.STEP_S for run in outcomes if run.at_rest]
     covered = np.mean([run.coverage for run in outcomes])
     when = f", after {plus_minus(rested, '.0f')} s" if rested else ""
@@ -73,6 +75,7 @@ def _told(outcomes: Sequence[Outcome]) -> str:
 
 
 def _verdict(outcomes: Sequence[Outcome]) -> Verdict:
+    """The verdict on the time at which 16 robots are at rest."""
     rested = [run.steps * paper.STEP_S for run in outcomes if run.at_rest]
     within = len(rested) == len(outcomes) and max(rested) <= 1.5 * paper.GAZEBO_REST_S
     return Verdict(

@@ -89,6 +89,7 @@ def _mission(
     high_m: tuple[float, float],
     obstacles_m: tuple[tuple[float, float, float, float], ...] = (),
 ) -> Mission:
+    """A mission of Table 2's robots, which start in the box low_m to high_m; obstacles_m: x0, y0, x1, y1."""
     return Mission(
         name=name,
         area=MultiPolygon([box(0, 0, *size_m)]),

@@ -74,6 +74,7 @@ def ways_panel(
 
 
 def _size(outcome: Outcome) -> float:
+    """The size of a dot in points: smaller for many robots."""
     return 2.6 if outcome.places_m.shape[1] <= 100 else 0.9
 
 

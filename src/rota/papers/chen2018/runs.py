@@ -34,6 +34,7 @@ class Controller:
 
 
 def _controller(name: str, what: str, **settings: object) -> Controller:
+    """A controller by its settings, without filter and thinning unless they are given."""
     like = {"thinning_m": 0.0, "neighbours": paper.NEIGHBOURS, "filter": False}
     planning = SwarmSettings(**{**like, **settings})  # type: ignore[arg-type]
     return Controller(name=name, what=what, settings=planning)
@@ -158,6 +159,7 @@ class Runs:
             raise StudyStopped
 
     def _run(self, job: Job) -> Outcome:
+        """Run one job; raises StudyStopped where the study is to stop."""
         self.stop_if_asked()
         self.tell(f"{job.mission.name}: {job.controller.name}, seed {job.seed}")
         mission = replace(job.mission, planning=replace(job.controller.settings, most_steps=job.most_steps))
@@ -193,4 +195,5 @@ def covered_in(mission: Mission, places_m: Floats) -> float:
 
 
 def _key(job: Job) -> tuple[str, str, int, int]:
+    """What tells a job apart from all others."""
     return job.mission.name, job.controller.name, job.seed, job.most_steps

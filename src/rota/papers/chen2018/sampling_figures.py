@@ -95,11 +95,13 @@ def _rows(runs: Runs, column: int) -> dict[str, Floats]:
 
 
 def _curves(rows: dict[str, Floats], scale: float = 1.0) -> tuple[Curve, ...]:
+    """A curve over COUNTS for each row, (c,) values, times a scale."""
     at = np.array(COUNTS, dtype=np.float64)
     return tuple(Curve(name, values * scale, ROUTE_COLOURS[k], at=at) for k, (name, values) in enumerate(rows.items()))
 
 
 def _table(title: str, rows: dict[str, Floats], form: Callable[[float], str]) -> Table:
+    """A table with a line for each of COUNTS and a column for each row."""
     return Table(
         title=title,
         head=("random velocities", *rows),

@@ -109,6 +109,7 @@ def _settled_cell(steps: Sequence[float], most: int) -> str:
 
 
 def _after(step: float, most: int) -> str:
+    """After how many steps a run settles, in words."""
     return f"after {step:,.0f} steps" if np.isfinite(step) else f"not within {most:,} steps in every run"
 
 

@@ -57,4 +57,5 @@ class VelocitySet:
 
 
 def _outline() -> Outline:
+    """Room for the corners of a polygon."""
     return Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS))

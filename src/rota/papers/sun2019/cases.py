@@ -128,6 +128,7 @@ def robots_table(title: str, cases: Sequence[Case]) -> Table:
 
 
 def _total(values: Sequence[int | None]) -> str:
+    """The sum as text; a dash where a value is missing."""
     known = [value for value in values if value is not None]
     return str(sum(known)) if len(known) == len(values) else NOTHING
 
@@ -153,6 +154,7 @@ def gaps_table(title: str, cases: Sequence[Case]) -> Table:
 
 
 def _ratio_told(ratio: float | None) -> str:
+    """A worst ratio as text; a dash where it is missing."""
     return NOTHING if ratio is None else "never" if math.isinf(ratio) else f"{ratio:.3f}"
 
 
@@ -180,10 +182,12 @@ def routes_table(title: str, cases: Sequence[Case]) -> Table:
 
 
 def _our_time(time_s: float, period_s: float) -> str:
+    """A route's time as text, and whether it is late."""
     return f"{time_s:.2f}" + (" (late)" if time_s >= period_s else "")
 
 
 def _listed(times: list[str]) -> str:
+    """Times as text; a dash for none."""
     return ", ".join(times) or NOTHING
 
 
@@ -196,6 +200,7 @@ def _zone(route: PaperRoute, case: Case) -> int:
 
 
 def _paper_time(route: PaperRoute) -> str:
+    """The time of a printed route as text, and whether it is late."""
     return f"{route.time_s:.2f}" + (" (late)" if route.late else "")
 
 

@@ -47,15 +47,18 @@ def figure_14_section(runs: Runs) -> Section:
 
 
 def _title(k: int, case: Case) -> str:
+    """The title of case k's panel: its name and periods."""
     periods = " / ".join(f"{period_s:g}" for period_s in case.paper.periods_s)
     return f"({'abcdef'[k]}) {case.paper.name}: {periods} s"
 
 
 def _mended_panel(k: int, case: Case) -> MapPanel:
+    """The routes of case k after repair."""
     return routes_panel(_title(k, case), case.mission, case.outcomes["mended"])
 
 
 def _cases_told() -> str:
+    """What the paper says of its six cases."""
     robots = joined([str(len(case.routes)) for case in paper.TABLE_6])
     late = sum(route.late for case in paper.TABLE_6 for route in case.routes)
     return (
@@ -65,6 +68,7 @@ def _cases_told() -> str:
 
 
 def _ours_of_cases(cases: Sequence[Case]) -> str:
+    """Robots of all cases together, by the paper's algorithms and by ours, in words."""
     theirs, ours = sum(len(case.paper.routes) for case in cases), sum(case.segments for case in cases)
     sums = []
     for way in ("mended", *DEFAULTS):

@@ -64,6 +64,7 @@ def figure_15() -> Mission:
 
 
 def _rectangle(left_m: float, bottom_m: float, right_m: float, top_m: float) -> shapely.MultiPolygon:
+    """A rectangle by its four sides in metres."""
     ring = [(left_m, bottom_m), (right_m, bottom_m), (right_m, top_m), (left_m, top_m)]
     return shapely.MultiPolygon([shapely.Polygon(ring)])
 

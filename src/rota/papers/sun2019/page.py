@@ -126,4 +126,5 @@ def _verdicts(sections: Sequence[Section]) -> list[str]:
 
 
 def _listed(lines: Sequence[str]) -> str:
+    """Lines as a Markdown list."""
     return "\n".join(f"- {line}" for line in lines)

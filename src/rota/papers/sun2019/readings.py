@@ -130,4 +130,5 @@ def _swarms_row(runs: Runs, asked: Sequence[Asked]) -> tuple[str, ...]:
 
 
 def _listed(runs: Runs) -> str:
+    """The seeds as text."""
     return ", ".join(map(str, runs.seeds))

@@ -110,6 +110,7 @@ def _cheapest(runs: Runs, case: Case, settings: MethodSettings) -> Partition:
 
 
 def _robots(outcome: MethodOutcome) -> str:
+    """The number of robots as text, or that there is no plan."""
     return "no plan" if outcome.robots is None else counted(outcome.robots, "robot")
 
 
@@ -156,6 +157,7 @@ def _longer(frame: Frame, run: paper.PaperRun) -> str:
 
 
 def _beside(ours: int, theirs: int) -> str:
+    """How many more or fewer ours are, in words."""
     if ours == theirs:
         return "as many as in"
     return f"{abs(ours - theirs)} {'more' if ours > theirs else 'fewer'} than in"

@@ -207,6 +207,7 @@ class Runs:
         return self._outcome(mission, PatrolSettings(effort=effort or self.settings.effort, method=method))
 
     def _outcome(self, mission: Mission, planning: PatrolSettings) -> MethodOutcome:
+        """The plan of a mission by a method, made once; raises StudyStopped where the study is to stop."""
         for known, under, outcome in self._outcomes:
             if known is mission and under == planning:
                 return outcome
@@ -226,6 +227,7 @@ class Runs:
         return outcome
 
     def _begin(self, doing: str) -> None:
+        """Tell what begins; raises StudyStopped where the study is to stop."""
         if self._should_stop():
             raise StudyStopped
         self._tell(doing)
@@ -244,4 +246,5 @@ def driven(mission: Mission, stages: Stages, *, seed: int) -> Plan:
 
 
 def _paths(mission: Mission) -> ShortestPaths:
+    """The shortest paths of the space in which the fleet's bodies can stand."""
     return ShortestPaths(standing_space(mission, mission.fleet.body_radius_m))

@@ -80,6 +80,7 @@ def figure_6_section(runs: Runs) -> Section:
 
 
 def _saved(ours: int, theirs: int) -> str:
+    """How many sensors the rules save, here and in the paper, in words."""
     if ours > 0:
         return f"The rules save {ours}, the paper's {theirs}."
     return f"The rules save none here, unlike the paper's, which save {theirs}."
@@ -172,6 +173,7 @@ def figure_8_section(runs: Runs) -> Section:
 
 
 def _blocked(straight: Frame, graph: Frame) -> str:
+    """How many legs lead through walls by either distance, in words."""
     if straight.blocked_legs and not graph.blocked_legs:
         legs = counted(straight.blocked_legs, "leg")
         return f"Euclidean distances also lead {legs} through walls, Eq. 14's none."
@@ -216,6 +218,7 @@ def figure_12_section(runs: Runs) -> Section:
 
 
 def _by_zone(sensors: tuple[int, ...]) -> str:
+    """The numbers of sensors of the zones as a sum."""
     return " + ".join(map(str, sensors))
 
 
@@ -243,5 +246,6 @@ def figure_15_section(runs: Runs) -> Section:
 
 
 def _ground(mission: Mission) -> str:
+    """The free ground of a mission in square metres, in words."""
     walls_m2 = sum(obstacle.shape.intersection(mission.area).area for obstacle in mission.obstacles)
     return f"{mission.area.area - walls_m2:,.0f} m² of free ground"

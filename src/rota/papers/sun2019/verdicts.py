@@ -68,6 +68,7 @@ def coverage_verdict(case: Case, place: str) -> Verdict:
 
 
 def _mended_verdict(case: Case) -> Verdict:
+    """The verdict on Table 5: whether repaired routes keep all periods with as many robots."""
     mended, theirs = case.outcomes["mended"], len(case.paper.routes)
     enough = mended.met and mended.robots is not None and mended.robots <= theirs
     return Verdict(
@@ -100,6 +101,7 @@ def verdicts_of_cases(cases: Sequence[Case]) -> tuple[Verdict, ...]:
 
 
 def _named(cases: Sequence[Case], name: str) -> Case | None:
+    """The case of that name; None where it was not run."""
     return next((case for case in cases if case.paper.name == name), None)
 
 
@@ -113,6 +115,7 @@ def _fewest(case: Case) -> str:
 
 
 def _case_2(cases: Sequence[Case]) -> Verdict:
+    """The verdict on Case 2's number of routes."""
     claim = "Case 2: five routes, not six, are the optimal number"
     case = _named(cases, "Case 2")
     if case is None:
@@ -127,6 +130,7 @@ def _case_2(cases: Sequence[Case]) -> Verdict:
 
 
 def _case_6(cases: Sequence[Case]) -> Verdict:
+    """The verdict on Case 6's late routes."""
     claim = "Case 6: to let four routes be late is better than a robot more"
     case = _named(cases, "Case 6")
     if case is None:
