@@ -27,6 +27,19 @@ PROJECT = Path(__file__).parents[1]
 DOCS = PROJECT / "docs"
 SOURCE = PROJECT / "src"
 PAGES = sorted(DOCS.glob("*.md"))
+SWARM = """\
+rota: 1
+name: two
+area: [[0, 0], [40, 0], [40, 40], [0, 40]]
+planner: swarm
+swarm: {most_steps: 3, time_step_s: 0.25}
+fleet:
+  robots: 2
+  speed_m_s: 2
+  body_radius_m: 0.5
+  sensor: {shape: disc, radius_m: 10}
+  start: {box: [[18, 18], [22, 22]]}
+"""
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
@@ -146,6 +159,17 @@ def test_the_sample_of_usage_runs(
         exec(sample, {})
     assert "met 1 robots, at least 1" in capsys.readouterr().out
     assert Path("mission.png").stat().st_size > 1000
+
+
+def test_the_sample_of_swarms_goes_on_with_a_stopped_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mission.yaml").write_text(SWARM)
+    (sample,) = python_of((DOCS / "swarm.md").read_text())
+    went: dict[str, Any] = {}
+    exec(sample, went)
+    assert Path("mission.rota-run").exists()
+    assert went["found"].checkpoint is None
+    assert went["found"].plan == rota.search_plan(went["longer"], seed=0).plan
 
 
 def test_the_method_that_contributing_shows_plans() -> None:

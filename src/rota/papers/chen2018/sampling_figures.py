@@ -121,12 +121,11 @@ def figure_9_section(runs: Runs) -> Section:
         wide=True,
     )  # fmt: skip
     shaped = max(float(values[k]) for name, values in rows.items() if name != IN_A_RUN)
+    shown = "The error falls with the root of the number of random velocities"
     return Section(
         figure=9,
         heading="the error of the generated velocity",
-        pictures=(
-            Picture("chen2018-figure-9.png", "The error falls with the root of their number", study_picture([panel])),
-        ),
+        pictures=(Picture("chen2018-figure-9.png", shown, study_picture([panel])),),
         caption="Figure 9. The shapes are those of Figure 8, in our sizes, 400 tries each. “In a run”: decisions of "
         "the run of Figure 12, each made once more by random velocities.",
         paper="The error decreases with the number of random points and is “very close to zero with a large number” "
@@ -155,10 +154,11 @@ def figure_11_section(runs: Runs) -> Section:
     )  # fmt: skip
     enough, all_of_it = (float(rows[IN_A_RUN][COUNTS.index(n)]) for n in (paper.SAMPLES_ENOUGH, paper.SAMPLES))
     shaped = max(float(values[COUNTS.index(paper.SAMPLES_ENOUGH)]) for name, values in rows.items() if name != IN_A_RUN)
+    shown = "The share of misjudged sets, by the number of random velocities"
     return Section(
         figure=11,
         heading="sets misjudged as empty",
-        pictures=(Picture("chen2018-figure-11.png", "The share of misjudged sets by number", study_picture([panel])),),
+        pictures=(Picture("chen2018-figure-11.png", shown, study_picture([panel])),),
         caption="Figure 11. As Figure 9. A set with the share p of the square round the speed disc is missed with the "
         "probability (1 − p)ᴺ.",
         paper=f"The error “nearly reaches zero after {paper.SAMPLES_ENOUGH} random points” (Section 4.4.2).",
