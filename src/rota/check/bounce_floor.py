@@ -80,12 +80,12 @@ class Floor:
         """
         stopped = np.zeros(len(cells), np.bool_)
         for heading in np.unique(headings):
-            mine = np.flatnonzero(headings == heading)
+            members = np.flatnonzero(headings == heading)
             move = self.moves[heading]
             needed = [move] if self._pass_corners else [move, *crossed(int(move[0]), int(move[1]))]
             for offset in needed:
-                stopped[mine] |= ~self.free(cells[mine] + offset)
-            left = mine[~stopped[mine]]
+                stopped[members] |= ~self.free(cells[members] + offset)
+            left = members[~stopped[members]]
             ends = np.stack([self.centres_m(cells[left]), self.centres_m(cells[left] + move)], axis=1)
             stopped[left] = ~self._clear(shapely.linestrings(ends))
         return stopped

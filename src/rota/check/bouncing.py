@@ -80,8 +80,8 @@ def bounce_violations(plan: Plan) -> Bounced:
         x, y = floor.centres_m(missed[:1])[0] if len(missed) else floor.corner_m
         place = (float(x), float(y))
         violations.append(violation("cells never entered", "area", place, None, float(len(missed)), 0.0, "cells"))
-    told = (f"{by_clock} turns are taken to be by the clock, since no wall explains them",) if by_clock else ()
-    return Bounced(violations=tuple(violations), cells=(len(wanted) - len(missed), len(wanted)), not_judged=told)
+    not_judged = (f"{by_clock} turns are taken to be by the clock, since no wall explains them",) if by_clock else ()
+    return Bounced(violations=tuple(violations), cells=(len(wanted) - len(missed), len(wanted)), not_judged=not_judged)
 
 
 def _without_cells(plan: Plan, rules: Bouncing) -> list[Violation]:
@@ -197,8 +197,8 @@ class _Robot:
         turns = 0
         # the loop's beginning once more, for what is done across its seam
         moving = [k for k in order[start:] if headings[k] >= 0]
-        again = order[start : moving[0] + 1] if looping and moving else order[start:] if looping else []
-        for k in [*order, *again]:
+        next_round = order[start : moving[0] + 1] if looping and moving else order[start:] if looping else []
+        for k in [*order, *next_round]:
             if headings[k] < 0:
                 stand.append(k)
                 continue

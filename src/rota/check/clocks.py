@@ -81,8 +81,8 @@ def _margin(routes: Routes, bodies: Floats, a: Ints, b: Ints) -> float:
     if endless.any():
         return 0.0
     low, high = touching_shifts(routes, a, b, apart)
-    some = high > low
-    a, b, low, high, loops = a[some], b[some], low[some], high[some], loops[some]
+    touching = high > low
+    a, b, low, high, loops = a[touching], b[touching], low[touching], high[touching], loops[touching]
     if not len(a):
         return math.inf
     robot_a, robot_b = routes.robots[a], routes.robots[b]

@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Asked:
+class DemandedGround:
     """One demand: every point of ``region`` (or, with "visit", the region as one) once in every ``period_s``."""
 
     name: str
@@ -27,7 +27,7 @@ class Asked:
 
 
 @functools.lru_cache(maxsize=4)
-def demands_of(mission: Mission) -> tuple[Asked, ...]:
+def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
     """The demands of a mission: the zones in their order, then the rest of the area, which is called "area".
 
     Regions of every_point demands are disjoint: among overlapping zones the smallest period rules, of equal ones the
@@ -43,17 +43,17 @@ def demands_of(mission: Mission) -> tuple[Asked, ...]:
         ground = intersection(zone.shape, ground_in_sight)
         regions[zone.name] = _polygonal(difference(ground, taken))
         taken = union_all([taken, zone.shape])
-    asked = []
+    demands = []
     for zone in mission.zones:
         if zone.period_s is not None:
             region = regions.get(zone.name)
             region = _polygonal(intersection(zone.shape, mission.area)) if region is None else region
-            asked.append(Asked(name=zone.name, period_s=zone.period_s, demand=zone.demand, region=region))
+            demands.append(DemandedGround(name=zone.name, period_s=zone.period_s, demand=zone.demand, region=region))
     if mission.period_s is not None:
         rest = _polygonal(difference(ground_in_sight, union_all([zone.shape for zone in mission.zones])))
-        if not rest.is_empty or not asked:
-            asked.append(Asked(name=AREA, period_s=mission.period_s, demand="every_point", region=rest))
-    return tuple(asked)
+        if not rest.is_empty or not demands:
+            demands.append(DemandedGround(name=AREA, period_s=mission.period_s, demand="every_point", region=rest))
+    return tuple(demands)
 
 
 @functools.lru_cache(maxsize=4)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rota.check.bouncing import bounce_violations
 from rota.check.clocks import clock_margin_s, clock_violations
-from rota.check.demands import Asked, demands_of, visits
+from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.pieces import Pieces, convex_pieces, joined
@@ -56,12 +56,12 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     without trajectories sees nothing.
     """
     mission = plan.mission
-    asked = demands_of(mission)
+    demands = demands_of(mission)
     sights = sights_of(plan, mission.area.bounds)
-    findings = _tile_and_refine(mission, asked, sights, finest_m)
-    excluded_violation = _too_much_excluded(mission, asked, findings)
+    findings = _tile_and_refine(mission, demands, sights, finest_m)
+    excluded_violation = _too_much_excluded(mission, demands, findings)
     verdicts = _Verdicts()
-    for k, demand in enumerate(asked):
+    for k, demand in enumerate(demands):
         if demand.demand == "visit":
             _judge_visits(verdicts, k, demand, sights, mission)
         else:
@@ -105,55 +105,59 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     )
 
 
-def _tile_and_refine(mission: Mission, asked: tuple[Asked, ...], sights: Sights, finest_m: float) -> list[Findings]:
+def _tile_and_refine(
+    mission: Mission, demands: tuple[DemandedGround, ...], sights: Sights, finest_m: float
+) -> list[Findings]:
     """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined."""
     reach = float(sights.team.reaches_m.min(initial=math.inf))
     size = max(reach / 4 if math.isfinite(reach) else mission.fleet.sensor.reach_m / 4, finest_m)
     pieces, owners, size = _tiles(mission, size)
-    limits = np.array([demand.period_s for demand in asked]) * (1 + PERIOD_TOLERANCE)
+    limits = np.array([demand.period_s for demand in demands]) * (1 + PERIOD_TOLERANCE)
 
-    regions = [demand.region for demand in asked]
+    regions = [demand.region for demand in demands]
     shapely.prepare(regions)
 
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
 
-    def is_seeable(points_m: Floats, spread_m: float, demands: Ints) -> NDArray[np.bool_]:
+    def is_seeable(points_m: Floats, spread_m: float, numbers: Ints) -> NDArray[np.bool_]:
         can_see = np.ones(len(points_m), np.bool_)
         with one_at_a_time:
-            for k in np.unique(demands):
-                mine = np.flatnonzero(demands == k)
-                mine = mine[shapely.contains_xy(regions[k], *points_m[mine].T)]
-                can_see[mine] = seeable(mission, standing_areas(mission), points_m[mine], spread_m)
+            for k in np.unique(numbers):
+                members = np.flatnonzero(numbers == k)
+                members = members[shapely.contains_xy(regions[k], *points_m[members].T)]
+                can_see[members] = seeable(mission, standing_areas(mission), points_m[members], spread_m)
         return can_see
 
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed
     few = FEW_PIECES if has_many_sides(mission) else 0
     coarse_m = max(finest_m, size / 4)
     findings = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
-    for k in _left_out(mission, asked, pieces, owners):
+    for k in _left_out(mission, demands, pieces, owners):
         findings[k].undecided_cells += 1
     return findings
 
 
-def _left_out(mission: Mission, asked: tuple[Asked, ...], pieces: Pieces, owners: Ints) -> list[int]:
+def _left_out(mission: Mission, demands: tuple[DemandedGround, ...], pieces: Pieces, owners: Ints) -> list[int]:
     """Numbers of the demands whose region the pieces do not fill, slivers along its border aside.
 
     Slivers thinner than the check's tolerance have no area to speak of. A region that is nothing else was not looked
     at. Where there is no piece at all, every demand is left out.
     """
-    points = [k for k, demand in enumerate(asked) if demand.demand == "every_point" and not demand.region.is_empty]
-    tiled_m2 = np.bincount(owners, pieces.areas_m2(), len(asked))
+    points = [k for k, demand in enumerate(demands) if demand.demand == "every_point" and not demand.region.is_empty]
+    tiled_m2 = np.bincount(owners, pieces.areas_m2(), len(demands))
     if not tiled_m2.any():
         return points
-    slivers_m2 = [SLIVER_SHARE * asked[k].region.area + 8 * slack_of(mission) * asked[k].region.length for k in points]
-    return [k for k, most in zip(points, slivers_m2, strict=True) if asked[k].region.area - tiled_m2[k] > most]
+    slivers_m2 = [
+        SLIVER_SHARE * demands[k].region.area + 8 * slack_of(mission) * demands[k].region.length for k in points
+    ]
+    return [k for k, most in zip(points, slivers_m2, strict=True) if demands[k].region.area - tiled_m2[k] > most]
 
 
 @functools.lru_cache(maxsize=2)
 def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
     """Pieces of all demands, the index of each one's demand, and the size of the lattice (larger for a huge area)."""
-    asked = demands_of(mission)
-    regions = [demand.region for demand in asked if demand.demand == "every_point"]
+    demands = demands_of(mission)
+    regions = [demand.region for demand in demands if demand.demand == "every_point"]
     # a long strip has few cells for its area and many for its border
     most_m = (
         math.sqrt(sum(region.area for region in regions) / MOST_CELLS),
@@ -162,16 +166,18 @@ def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
     size = max(size_m, *most_m)
     tiles: list[Pieces] = []
     owners: list[Ints] = [np.empty(0, np.int64)]
-    for k, demand in enumerate(asked):
+    for k, demand in enumerate(demands):
         if demand.demand == "every_point":
             tiles.append(convex_pieces(demand.region, size, 2 * slack_of(mission)))
             owners.append(np.full(len(tiles[-1]), k, np.int64))
     return joined(tiles), np.concatenate(owners), size
 
 
-def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], findings: list[Findings]) -> list[Violation]:
+def _too_much_excluded(
+    mission: Mission, demands: tuple[DemandedGround, ...], findings: list[Findings]
+) -> list[Violation]:
     """One violation where more ground is seen by nobody than the mission lets a plan leave out; else none."""
-    total = sum(demand.region.area for demand in asked if demand.demand == "every_point")
+    total = sum(demand.region.area for demand in demands if demand.demand == "every_point")
     excluded = sum(f.excluded_area_m2 for f in findings)
     limit = 0.0 if mission.unseeable == "refuse" else MOST_EXCLUDED * total
     if excluded <= limit:
@@ -181,7 +187,7 @@ def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], findings: lis
     return [
         Violation(
             kind="unseeable",
-            who=", ".join(asked[i].name for i in range(len(findings)) if findings[i].excluded_area_m2 > 0),
+            who=", ".join(demands[i].name for i in range(len(findings)) if findings[i].excluded_area_m2 > 0),
             place_m=(x, y),
             time_s=None,
             value=excluded,
@@ -191,7 +197,7 @@ def _too_much_excluded(mission: Mission, asked: tuple[Asked, ...], findings: lis
     ]
 
 
-def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, findings: Findings, refused: bool) -> None:
+def _judge_points(verdicts: _Verdicts, k: int, demand: DemandedGround, findings: Findings, refused: bool) -> None:
     """Add the verdict on demand number k of every point; ``refused``: too much ground is seen by nobody."""
     outcome: Outcome = "not proven" if findings.undecided_cells else "met"
     if findings.worst_place_m is not None:
@@ -234,7 +240,7 @@ def _judge_points(verdicts: _Verdicts, k: int, demand: Asked, findings: Findings
     verdicts.shown_demand.append(np.full(len(shown), k, np.int64))
 
 
-def _judge_visits(verdicts: _Verdicts, k: int, demand: Asked, sights: Sights, mission: Mission) -> None:
+def _judge_visits(verdicts: _Verdicts, k: int, demand: DemandedGround, sights: Sights, mission: Mission) -> None:
     """Add the verdict on demand number k of visits to its zone."""
     routes = sights.routes
     inside = visits(routes.legs_m, demand.region, slack_of(mission))

@@ -122,8 +122,8 @@ def _centre_depth(leg: Floats, near: Floats, shape: Any, tree: Any, wrong_inside
         with np.errstate(divide="ignore", invalid="ignore"):
             u = (offset[:, 0] * across[:, 1] - offset[:, 1] * across[:, 0]) / turn
         ends = np.concatenate([((near[:, k : k + 2] - start) @ along) / (along @ along) for k in (0, 2)])
-        every = np.concatenate([u[turn != 0], ends])
-        stops += list(every[(every > 0) & (every < 1)])
+        crossings = np.concatenate([u[turn != 0], ends])
+        stops += list(crossings[(crossings > 0) & (crossings < 1)])
     knots = np.unique(stops)
     middles = shapely.points(start + ((knots[1:] + knots[:-1]) / 2)[:, None] * along)
     inside = shapely.contains(shape, middles) if wrong_inside else shapely.covers(shape, middles)

@@ -50,10 +50,10 @@ def moving_violations(plan: Plan) -> list[Violation]:
 def _closest_ever(trajectory: Trajectory, obstacle: MovingObstacle) -> tuple[float, None, tuple[float, float]]:
     """Least distance of any place on the robot's way and any on the obstacle's, and where on the robot's."""
     way, theirs = (lines_of(_legs(places)) for places in (trajectory.positions_m[:, :2], obstacle.positions_m))
-    mine, _ = shapely.STRtree(way).query_nearest(theirs, all_matches=False)[::-1]
-    distance = shapely.distance(way[mine], theirs)
+    nearest, _ = shapely.STRtree(way).query_nearest(theirs, all_matches=False)[::-1]
+    distance = shapely.distance(way[nearest], theirs)
     k = int(np.argmin(distance))
-    place = shapely.get_point(shapely.shortest_line(way[mine[k]], theirs[k]), 0)
+    place = shapely.get_point(shapely.shortest_line(way[nearest[k]], theirs[k]), 0)
     return float(distance[k]), None, (float(place.x), float(place.y))
 
 

@@ -44,8 +44,8 @@ def near_legs(routes: Routes, bodies_m: Floats) -> Iterator[tuple[Ints, Ints]]:
 def _candidates(routes: Routes, lines: NDArray[np.object_], reach_m: float) -> Iterator[tuple[Ints, Ints]]:
     """Pairs of legs of different robots within a distance as lines."""
     before, holds, loops = (np.flatnonzero(routes.kinds == kind) for kind in (TRANSIENT, HOLD, LOOP))
-    for some, after_s in _slices(routes.times_s[before], len(routes.durations_s)):
-        for a, b in _met(routes, lines, before[some], before[some], reach_m):
+    for in_turn, after_s in _slices(routes.times_s[before], len(routes.durations_s)):
+        for a, b in _met(routes, lines, before[in_turn], before[in_turn], reach_m):
             # the slice in which the later of two legs begins has both
             start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0])
             in_slice = (a < b) & (start > after_s) & (start <= np.minimum(routes.times_s[a, 1], routes.times_s[b, 1]))

@@ -115,13 +115,13 @@ def refine(
     """
 
     def part(first: int) -> list[Findings]:
-        some = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
-        return _refined(sights, pieces.chosen(some), owners[some], limits_s, is_seeable, finest_m, coarse_m, few)
+        own = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
+        return _refined(sights, pieces.chosen(own), owners[own], limits_s, is_seeable, finest_m, coarse_m, few)
 
     if len(pieces) <= MOST_TOGETHER:
         return part(0)
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        return [_together(alike) for alike in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
+        return [_together(parts) for parts in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
 
 
 def _together(parts: Iterable[Findings]) -> Findings:
@@ -177,10 +177,10 @@ def _note_met(
 ) -> None:
     """Note pieces that are shown met: bounds of their gaps from above, and samples at the worst of them from below."""
     for k in np.unique(owners):
-        mine = np.flatnonzero(owners == k)
-        findings[k].upper_s = max(findings[k].upper_s, float(gaps_s[mine].max()))
-        findings[k].first_s = max(findings[k].first_s, float(firsts_s[mine].max()))
-        worst = mine[np.argsort(-gaps_s[mine], kind="stable")[:SAMPLED_MET]]
+        own = np.flatnonzero(owners == k)
+        findings[k].upper_s = max(findings[k].upper_s, float(gaps_s[own].max()))
+        findings[k].first_s = max(findings[k].first_s, float(firsts_s[own].max()))
+        worst = own[np.argsort(-gaps_s[own], kind="stable")[:SAMPLED_MET]]
         samples = piece_gaps(sights, point_pieces(pieces.chosen(worst).centres_m()), np.zeros(len(worst)))
         known = samples.gaps_s[samples.exact & np.isfinite(samples.gaps_s)]
         findings[k].lower_s = max(findings[k].lower_s, float(known.max(initial=0.0)))
@@ -218,10 +218,10 @@ class _Level:
         self.bad[unseen[~inside]] = False
         counted = ~self.hidden & (self.bad | np.isfinite(self.gaps_s))
         for k in np.unique(self.owners[counted]):
-            mine = np.flatnonzero(counted & (self.owners == k))
-            worst = mine[np.argmax(self.gaps_s[mine])]
-            if self.bad[mine].any():
-                findings[k].shown.append(self.middles[mine[self.bad[mine]]])
+            own = np.flatnonzero(counted & (self.owners == k))
+            worst = own[np.argmax(self.gaps_s[own])]
+            if self.bad[own].any():
+                findings[k].shown.append(self.middles[own[self.bad[own]]])
             if self.bad[worst]:
                 self._note_worst(findings[k], self.gaps_s[worst], self.begins_s[worst], self.middles[worst])
             else:
@@ -236,8 +236,8 @@ class _Level:
         out = np.zeros(len(self.pieces), bool)
         out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
         passed = self._passed(findings, np.flatnonzero(finest & ~out & ~self.bad))
-        some = np.flatnonzero(finest & ~out & ~passed)
-        out[some] = self.hidden[some] | self._partly_hidden(some, is_seeable)
+        in_doubt = np.flatnonzero(finest & ~out & ~passed)
+        out[in_doubt] = self.hidden[in_doubt] | self._partly_hidden(in_doubt, is_seeable)
         self._note_corners(findings, np.flatnonzero(finest & ~out & ~passed & ~self.bad))
         coarse = violated & (self.sizes_m <= coarse_m) & ~self.hidden & ~out & ~finest
         done = ~out & (finest | (coarse & (np.count_nonzero(coarse) > few)))
@@ -334,16 +334,16 @@ class _Level:
         """Note the pieces ``index`` (k,) as seen by nobody."""
         rows = np.column_stack([self.middles, self.areas_m2, self.sizes_m])[index]
         for k in np.unique(self.owners[index]):
-            mine = rows[self.owners[index] == k]
-            findings[k].excluded_area_m2 += float(mine[:, 2].sum())
-            findings[k].excluded.append(mine)
+            own = rows[self.owners[index] == k]
+            findings[k].excluded_area_m2 += float(own[:, 2].sum())
+            findings[k].excluded.append(own)
 
     def _note_unmet(self, findings: list[Findings], index: Ints) -> None:
         """Note the pieces ``index`` (k,) as not shown met."""
         for k in np.unique(self.owners[index]):
-            mine = index[self.owners[index] == k]
-            findings[k].upper_s = max(findings[k].upper_s, float(self.uppers_s[mine].max()))
-            findings[k].first_s = max(findings[k].first_s, float(self.firsts_s[mine].max()))
-            findings[k].undecided_cells += int((~self.bad[mine] | self.hidden[mine]).sum())
-            findings[k].unseen_area_m2 += float(self.areas_m2[mine][self.unseen[mine] & ~self.hidden[mine]].sum())
-            findings[k].unmet += [self.pieces.chosen(mine).corners_m, self.middles[mine]]
+            own = index[self.owners[index] == k]
+            findings[k].upper_s = max(findings[k].upper_s, float(self.uppers_s[own].max()))
+            findings[k].first_s = max(findings[k].first_s, float(self.firsts_s[own].max()))
+            findings[k].undecided_cells += int((~self.bad[own] | self.hidden[own]).sum())
+            findings[k].unseen_area_m2 += float(self.areas_m2[own][self.unseen[own] & ~self.hidden[own]].sum())
+            findings[k].unmet += [self.pieces.chosen(own).corners_m, self.middles[own]]

@@ -277,10 +277,10 @@ def report_table(report: Report) -> str:
     claimed = report.lower_bound_robots
     bound = "not known" if claimed is None else f"{claimed} by the plan's own word"
     first = "never" if report.first_coverage_s is None else f"within {_number(report.first_coverage_s)} s"
-    told = f"all seen once: {first}" if report.demands else "nothing is asked of the ground"
+    extent = f"all seen once: {first}" if report.demands else "nothing is asked of the ground"
     if report.cells_entered is not None:
-        told = "cells entered: {} of {}".format(*report.cells_entered)
-    lines = [f"verdict: {report.verdict}", f"robots: {report.robots} (lower bound: {bound}); {told}"]
+        extent = "cells entered: {} of {}".format(*report.cells_entered)
+    lines = [f"verdict: {report.verdict}", f"robots: {report.robots} (lower bound: {bound}); {extent}"]
     if report.run_end is not None:
         lines.append(f"the plan says that its run was {report.run_end.text()}")
     if report.clock_margin_s is not None:

@@ -86,10 +86,10 @@ def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
         return _never(len(pieces))
     threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
     cuts = np.array_split(np.arange(len(pieces)), threads)
-    asked = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
+    arguments_of_parts = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
     with ThreadPoolExecutor(max_workers=threads) as pool:
-        parts = list(pool.map(lambda arguments: kernels.worst_gaps(*arguments), asked))
-    gaps_s, begins_s, firsts_s, exact = (np.concatenate(alike) for alike in zip(*parts, strict=True))
+        parts = list(pool.map(lambda arguments: kernels.worst_gaps(*arguments), arguments_of_parts))
+    gaps_s, begins_s, firsts_s, exact = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     return Gaps(gaps_s=gaps_s, begins_s=begins_s, firsts_s=firsts_s, exact=exact)
 
 

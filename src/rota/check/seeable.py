@@ -81,13 +81,13 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
     boxes, box_of = np.unique(np.floor(points_m[new] / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
 
     def in_box(k: int) -> tuple[NDArray[np.int64], Flags]:
-        mine = new[box_of.ravel() == k]
+        members = new[box_of.ravel() == k]
         near = _near_box(mission, areas, reach_m, *boxes[k].tolist())
-        return mine, _seen_from_any(*near, points_m[mine], spread_m, slack_m)
+        return members, _seen_from_any(*near, points_m[members], spread_m, slack_m)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for mine, sight in pool.map(in_box, range(len(boxes))):
-            known.update((keys[at], seen) for at, seen in zip(mine, sight.tolist(), strict=True))
+        for points_of_box, sight in pool.map(in_box, range(len(boxes))):
+            known.update((keys[at], seen) for at, seen in zip(points_of_box, sight.tolist(), strict=True))
     return np.array([known[key] for key in keys], dtype=np.bool_)
 
 

@@ -181,10 +181,10 @@ def sees_ground(points, reach_m, square, grid, walls, ground, crossings):
                 continue
             near_walls = _not_beyond(x, y, blocked_at, near_walls)
         # in most places one of a few directions, whichever they are, shows that ground is seen
-        some = (np.arange(SOME_DIRECTIONS) + 0.5) * (2 * math.pi / SOME_DIRECTIONS)
-        seen[p] = _sees_along(some, x, y, reach_m, square, near_walls, near_ground)
+        first_directions = (np.arange(SOME_DIRECTIONS) + 0.5) * (2 * math.pi / SOME_DIRECTIONS)
+        seen[p] = _sees_along(first_directions, x, y, reach_m, square, near_walls, near_ground)
         if not seen[p]:
             near_crossings = Nearby(crossings.segments_m, in_cell(crossings, cell))
-            every = _directions(x, y, near_walls, near_ground, near_crossings, square)
-            seen[p] = _sees_along(every, x, y, reach_m, square, near_walls, near_ground)
+            all_directions = _directions(x, y, near_walls, near_ground, near_crossings, square)
+            seen[p] = _sees_along(all_directions, x, y, reach_m, square, near_walls, near_ground)
     return seen

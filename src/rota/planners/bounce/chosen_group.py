@@ -74,13 +74,13 @@ def choose_group(
     settings = BounceSettings.of(mission)
     at = start_cells(cells, robots)
     if any(cell is not None for cell in at):
-        given = [cell for cell in at if cell is not None]
-        if len(given) < len(at):
+        start_cells_given = [cell for cell in at if cell is not None]
+        if len(start_cells_given) < len(at):
             missing = robots[at.index(None)].name
             raise MissionError(
                 f"robot {missing}: start: is missing; give a start to every robot that monitors, or none"
             )
-        return _from_starts(watch, team, mission, given, cells, seed)
+        return _from_starts(watch, team, mission, start_cells_given, cells, seed)
     if settings.start_headings_deg is not None:
         raise MissionError(
             "bounce.start_headings_deg: robots that monitor need starts beside their headings, or neither"
@@ -111,15 +111,15 @@ def _told_of_printed(watch: Watch, kept: int, listed: JointGroups) -> str:
     groups = f"Algorithm 2 as printed keeps {kept:,} periodic group" + "s" * (kept != 1)
     if kept > len(listed.basin):
         return f"{groups} (r)."
-    periodic, every = int(listed.length.sum()), int(listed.basin.sum())
-    told = f"{groups} (r), of {periodic:,} joint states (P), and {every - periodic:,} transient ones (Q)"
+    periodic, all_states = int(listed.length.sum()), int(listed.basin.sum())
+    counts = f"{groups} (r), of {periodic:,} joint states (P), and {all_states - periodic:,} transient ones (Q)"
     if kept > MOST_JUDGED:
-        return f"{told}."
+        return f"{counts}."
     nodes = (nodes_of(watch.cycles, states) for states in listed.states)
     watching = sum(all(watch.visiting(each, z) for z in range(watch.sees.shape[1])) for each in nodes)
     if watching == kept:
-        return f"{told}; all visit every zone for ever."
-    return f"{told}; {watching:,} of them visit every zone for ever, the others on their way only."
+        return f"{counts}; all visit every zone for ever."
+    return f"{counts}; {watching:,} of them visit every zone for ever, the others on their way only."
 
 
 def begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
@@ -196,8 +196,8 @@ def sampled_basins(
 
 def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Choice:
     """The best way from the given cells (and headings, if these are given too) to cycles without contact."""
-    settings, best, given = BounceSettings.of(mission), None, start_headings(mission, len(at))
-    for facing in _headings(given, cells.headings, len(at), seed):
+    settings, best, headings_given = BounceSettings.of(mission), None, start_headings(mission, len(at))
+    for facing in _headings(headings_given, cells.headings, len(at), seed):
         states = [cell * cells.headings + h for cell, h in zip(at, facing, strict=True)]
         way = _settled(watch.cycles, team, states, settings.contact_free == "trajectory")
         if way is None:
@@ -208,19 +208,19 @@ def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cell
             best = Chosen(cycles=watch.cycles, nodes=nodes, transient=way[:-1], ratio=ratio)
             if ratio <= 1 and settings.purpose != "worst_gap":
                 break
-    every = cells.headings ** len(at)
-    if given is None and every > MOST_HEADINGS:
-        unproved = f"{MOST_HEADINGS:,} of {every:,} ways to face at the starts were tried"
+    facings = cells.headings ** len(at)
+    if headings_given is None and facings > MOST_HEADINGS:
+        unproved = f"{MOST_HEADINGS:,} of {facings:,} ways to face at the starts were tried"
         return Choice(chosen=best, proved=False, unproved=unproved)
     return Choice(chosen=best, proved=True)
 
 
 def out_of_reach(watch: Watch, team: Team, at: Sequence[int], mission: Mission, cells: Cells) -> NDArray[np.bool_]:
     """(z,) zones that no robot, left alone, enters on the limit cycles that it comes to from its cell in ``at``."""
-    cycles, given = watch.cycles, start_headings(mission, len(at))
+    cycles, headings_given = watch.cycles, start_headings(mission, len(at))
     out = np.ones(watch.sees.shape[1], np.bool_)
     for robot, cell in enumerate(at):
-        facing = np.arange(cells.headings) if given is None else np.array([given[robot]])
+        facing = np.arange(cells.headings) if headings_given is None else np.array([headings_given[robot]])
         states, successor = cell * cells.headings + facing, single_map(team, robot)
         node_of = cycles.node_of[cycles.kind_of_robot[robot]]
         while (node_of[states] < 0).any():  # every state comes to a cycle

@@ -276,9 +276,9 @@ def cover_by_rate(team: Team, log: Log, headings: int, wanted: int, horizon: int
                 search.begin[robot] = cell * headings + (h + turn) % headings
                 stamp += 1
                 new, steps = gain_of(team, log, headings, horizon, abs(turn), stamp, search)
-                every = steps + abs(turn)
-                if new > 0 and new * best_all > best_new * every:
-                    best_new, best_all, best_steps, best_robot, best_turn = new, every, steps, robot, turn
+                spent = steps + abs(turn)
+                if new > 0 and new * best_all > best_new * spent:
+                    best_new, best_all, best_steps, best_robot, best_turn = new, spent, steps, robot, turn
         nearest, near_robot = -1, 0
         for robot in range(m):
             for i in range(m):

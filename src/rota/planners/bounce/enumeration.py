@@ -41,8 +41,8 @@ def enumerate_groups(team: Team, inside: Flags, headings: int, *, contact_free: 
     free = cycles_and_basins(joint_map(team, contact_free=True))
     basin = free.basin
     if contact_free == "cycle":
-        every = cycles_and_basins(joint_map(team))
-        basin = every.basin[every.cycle[free.first]]
+        whole_map = cycles_and_basins(joint_map(team))
+        basin = whole_map.basin[whole_map.cycle[free.first]]
     states = unpacked(free.first, s, m)
     kept = [k for k in range(len(states)) if _watches(team, inside, headings, states[k], int(free.length[k]))]
     return JointGroups(states=states[kept], length=free.length[kept], basin=basin[kept])
@@ -71,8 +71,8 @@ def printed(team: Team, inside: Flags, headings: int) -> tuple[int, JointGroups]
         zones = (single[:, None] | zones[None, :]).ravel()
     group, path = np.zeros(count, np.int32), np.empty(count, np.int64)
     groups = np.empty((MOST_PRINTED, 3), np.int64)
-    every = np.uint64((1 << len(inside)) - 1)
-    kept = printed_groups(successor, touch, zones, every, group, path, groups)
+    all_zones = np.uint64((1 << len(inside)) - 1)
+    kept = printed_groups(successor, touch, zones, all_zones, group, path, groups)
     first, length, basin = groups[: min(kept, MOST_PRINTED)].T.copy()
     return kept, JointGroups(states=unpacked(first, s, m), length=length, basin=basin)
 

@@ -129,8 +129,8 @@ def count_independent(
 
 def _graph(conflict: Flags, kind: NDArray[np.int32], limits: list[int]) -> tuple[Graph, int]:
     """The conflicts as bits, nodes of a kind with the same conflicts taken as one."""
-    told = np.column_stack([conflict, kind[:, None] == np.arange(len(limits))])
-    packed = np.packbits(told, axis=1)
+    features = np.column_stack([conflict, kind[:, None] == np.arange(len(limits))])
+    packed = np.packbits(features, axis=1)
     _, first, weight = np.unique(packed, axis=0, return_index=True, return_counts=True)
     count = len(first)
     words = (count + 63) // 64
@@ -165,9 +165,9 @@ def _count_modulo(graph: Graph, words: int, robots: int, prime: int, work: Work)
         worth=np.zeros((TABLE, size), np.uint64),
         calls=np.array([most_calls], np.int64),
     )
-    every = np.zeros(64 * words, np.bool_)
-    every[:count] = True
-    room.sets[0] = np.packbits(every, bitorder="little").view(np.uint64)
+    all_nodes = np.zeros(64 * words, np.bool_)
+    all_nodes[:count] = True
+    room.sets[0] = np.packbits(all_nodes, bitorder="little").view(np.uint64)
     count_sets(graph, room, 0, robots, np.uint64(prime))
     work.spend((most_calls - int(room.calls[0])) * each)
     return int(room.polynomials[0, 0, size - 1])

@@ -69,9 +69,9 @@ def best_group(
     if search.best is None:
         return Searched(group=None, proved=unproved is None, unproved=unproved)
     ratio, nodes = search.best
-    asked = enough == 0 or ratio > enough
-    return Searched(group=Group(nodes=nodes, ratio=ratio), proved=asked and unproved is None,
-                    unproved=unproved if asked else None)  # fmt: skip
+    wants_proof = enough == 0 or ratio > enough
+    return Searched(group=Group(nodes=nodes, ratio=ratio), proved=wants_proof and unproved is None,
+                    unproved=unproved if wants_proof else None)  # fmt: skip
 
 
 def _there_is_none(watch: Watch) -> bool:

@@ -21,15 +21,15 @@ def clocks_sentence(plan: Plan, report: Report) -> str | None:
         return None
     if math.isinf(margin_s):
         return "Clocks may differ by any time: bodies never touch."
-    told = f"Clocks may differ by {math.floor(1e3 * margin_s) / 1e3:.3g} s before bodies touch"
+    sentence = f"Clocks may differ by {math.floor(1e3 * margin_s) / 1e3:.3g} s before bodies touch"
     if settings.clock_drift == 0:
-        return told + "."
+        return sentence + "."
     drift = f"clocks off by up to {100 * settings.clock_drift:.3g} %"
     if settings.clock_signal_s is not None:
         apart = f"by {settings.clock_margin_s:.3g} s at most, from one signal to the next"
-        return f"{told}; {drift} do {apart}, {settings.clock_signal_s:g} s later."
+        return f"{sentence}; {drift} do {apart}, {settings.clock_signal_s:g} s later."
     lasts_s = margin_s / (2 * settings.clock_drift)
-    return f"{told}; {drift} may do so {lasts_s:.3g} s after a common start, without a signal in between."
+    return f"{sentence}; {drift} may do so {lasts_s:.3g} s after a common start, without a signal in between."
 
 
 def errors_sentence(plan: Plan) -> str | None:

@@ -68,9 +68,9 @@ class Track:
         cut = np.array([np.interp(late_s, times, self.places_m[:, k]) for k in (0, 1)])
         turned = self.headings_rad[-1] - self.headings_rad[0]
         facing = float(np.interp(late_s, times, self.headings_rad))
-        again = slice(1, first) if times[first - 1] < late_s else slice(1, first - 1)
-        after = np.concatenate([times[first:] - late_s, times[again] + self.round_s - late_s])
-        headings = np.concatenate([self.headings_rad[first:], self.headings_rad[again] + turned])
+        next_round = slice(1, first) if times[first - 1] < late_s else slice(1, first - 1)
+        after = np.concatenate([times[first:] - late_s, times[next_round] + self.round_s - late_s])
+        headings = np.concatenate([self.headings_rad[first:], self.headings_rad[next_round] + turned])
         if late_s == 0:
             return Trajectory(
                 robot=robot, times_s=times, positions_m=self.places_m, headings_rad=self.headings_rad, loop_start_s=0.0
@@ -78,7 +78,7 @@ class Track:
         return Trajectory(
             robot=robot,
             times_s=np.concatenate([[0.0], after, [self.round_s]]),
-            positions_m=np.vstack([cut, self.places_m[first:], self.places_m[again], cut]),
+            positions_m=np.vstack([cut, self.places_m[first:], self.places_m[next_round], cut]),
             headings_rad=np.concatenate([[facing], headings, [facing + turned]]),
             loop_start_s=0.0,
         )

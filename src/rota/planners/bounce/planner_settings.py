@@ -238,7 +238,7 @@ def _unwatched(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
         yield ("period_s",), "bouncing robots monitor zones, not the area: remove it"
     zones = data.get("zones")
     for k, zone in enumerate(zones if isinstance(zones, list) else []):
-        asked = inner(zone, "period_s") is not None or inner(zone, "geojson") is not None
-        if asked and (inner(zone, "demand") or "every_point") == "every_point":
+        has_demand = inner(zone, "period_s") is not None or inner(zone, "geojson") is not None
+        if has_demand and (inner(zone, "demand") or "every_point") == "every_point":
             message = "every_point is not allowed: bouncing robots visit zones; write demand: visit"
             yield ("zones", k, "demand"), message

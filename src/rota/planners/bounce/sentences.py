@@ -76,11 +76,11 @@ def swept_sentence(plan: Plan) -> str:
     ways = [LineString(np.vstack([t.positions_m[:, :2], t.positions_m[-1:, :2]])) for t in plan]
     robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
     bodies = union_all([way.buffer(robot.body_radius_m) for way, robot in zip(ways, robots, strict=True)])
-    told = f"Bodies pass over {bodies.intersection(floor).area / floor.area:.1%} of the floor"
+    sentence = f"Bodies pass over {bodies.intersection(floor).area / floor.area:.1%} of the floor"
     if all(isinstance(robot.sensor, DiscSensor) for robot in robots):
         discs = union_all([way.buffer(robot.sensor.reach_m) for way, robot in zip(ways, robots, strict=True)])
-        told += f", discs of the sensors over {discs.intersection(floor).area / floor.area:.1%} (walls aside)"
-    return f"{told}: a cell counts as covered when a robot comes to its centre."
+        sentence += f", discs of the sensors over {discs.intersection(floor).area / floor.area:.1%} (walls aside)"
+    return f"{sentence}: a cell counts as covered when a robot comes to its centre."
 
 
 def rattling_sentence(plan: Plan) -> str | None:
@@ -88,5 +88,5 @@ def rattling_sentence(plan: Plan) -> str | None:
     names = [t.robot for t in plan if t.loop_duration_s > 0 and t.loop_length_m == 0]
     if not names:
         return None
-    what = "stay in one cell and turn" if len(names) > 1 else "stays in one cell and turns"
-    return f"{', '.join(names)} {what} there for ever: a limit cycle, too."
+    predicate = "stay in one cell and turn" if len(names) > 1 else "stays in one cell and turns"
+    return f"{', '.join(names)} {predicate} there for ever: a limit cycle, too."

@@ -56,8 +56,8 @@ def start_headings(mission: Mission, robots: int) -> list[int] | None:
         return None
     angles = settings.start_headings_deg
     step_deg = 360 / settings.headings
-    given = angles * robots if len(angles) == 1 else angles
-    return [round(angle / step_deg) % settings.headings for angle in given]
+    angles_of_robots = angles * robots if len(angles) == 1 else angles
+    return [round(angle / step_deg) % settings.headings for angle in angles_of_robots]
 
 
 def random_starts(
@@ -68,16 +68,16 @@ def random_starts(
     apart_m: (m, m), the least distance of two centres. Raises MissionError when so many robots find no room.
     """
     rng = np.random.default_rng(seed)
-    given, facing = start_cells(cells, robots), start_headings(mission, len(robots))
+    start_of, facing = start_cells(cells, robots), start_headings(mission, len(robots))
     if len(robots) > cells.count:
         free_cells = "there is only 1 free cell" if cells.count == 1 else f"there are only {cells.count} free cells"
         message = f"{len(robots)} robots are not allowed; {free_cells}"
         raise MissionError(f"fleet.robots: {message}")
-    taken = [cell for cell in given if cell is not None]
+    taken = [cell for cell in start_of if cell is not None]
     free = np.setdiff1d(np.arange(cells.count), taken)
     for _ in range(TRIES if len(taken) < len(robots) else 1):
         drawn = iter(rng.choice(free, len(robots) - len(taken), replace=False).tolist())
-        chosen = [int(next(drawn)) if cell is None else cell for cell in given]
+        chosen = [int(next(drawn)) if cell is None else cell for cell in start_of]
         if _apart(cells, chosen, apart_m) or len(taken) == len(robots):
             break
     else:

@@ -29,8 +29,8 @@ MOST_CELLS_TRIED = 250_000  # of a grid, and of all grids that are tried for a s
 def places_of(cells: Cells, marked: Flags) -> str:
     """Where the marked cells (n,) are, the first of them by their centres."""
     centres = cells.centres_m[marked]
-    told = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in centres[:PLACES_TOLD])
-    return told + (f" and {len(centres) - PLACES_TOLD} more" if len(centres) > PLACES_TOLD else "")
+    listed = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in centres[:PLACES_TOLD])
+    return listed + (f" and {len(centres) - PLACES_TOLD} more" if len(centres) > PLACES_TOLD else "")
 
 
 def unreached_parts(mission: Mission, cells: Cells, unreached: Flags, begins: Ints) -> list[str]:

@@ -35,7 +35,7 @@ class CudaStep:
         if self._walls is None:
             self._walls = tuple(map(cuda.to_device, (grid.wall_start, grid.wall_item, grid.walls)))
         x, y, vx, vy, kind, name = map(cuda.to_device, robots[:-1])
-        there = Robots(x, y, vx, vy, kind, name, robots.member_kinds)
+        robots_on_device = Robots(x, y, vx, vy, kind, name, robots.member_kinds)
         wall_start, wall_item, walls = self._walls
         arrays = {k: cuda.to_device(v) for k, v in grid.place_graph._asdict().items() if isinstance(v, np.ndarray)}
         near = grid._replace(
@@ -45,7 +45,7 @@ class CudaStep:
         discs = Moving(*map(cuda.to_device, snapshot.moving))
         new = Decisions(*(cuda.device_array(n, np.float64) for _ in range(3)))
         shape = (-(-n // self._threads), self._threads)
-        copied = Snapshot(snapshot.step, there, self._kinds, near, discs, self._rule)
+        copied = Snapshot(snapshot.step, robots_on_device, self._kinds, near, discs, self._rule)
         self._decide_all[shape](copied, new)
         if widest_m is not None:
             exact = cuda.to_device(np.empty(0))

@@ -135,11 +135,11 @@ def look_round(i: int, snapshot: Any, news: Any) -> None:
                 continue
             teller = robots.name[j]
             age = age_of(rule.seed, listener, teller, snapshot.step, news.hearing)
-            told = past[(snapshot.step - age) % past.shape[0]]
-            known.x[count], known.y[count] = told[0, teller], told[1, teller]
-            known.vx[count], known.vy[count] = told[2, teller], told[3, teller]
+            news_then = past[(snapshot.step - age) % past.shape[0]]
+            known.x[count], known.y[count] = news_then[0, teller], news_then[1, teller]
+            known.vx[count], known.vy[count] = news_then[2, teller], news_then[3, teller]
             known.kind[count], known.name[count] = robots.kind[j], teller
-            told_m = math.sqrt(told[2, teller] ** 2 + told[3, teller] ** 2) * rule.time_step_s
+            told_m = math.sqrt(news_then[2, teller] ** 2 + news_then[3, teller] ** 2) * rule.time_step_s
             spread_m[count] = gone_m(age, told_m, news.step_m[teller])
             count += 1
     start[c - stride - 1], start[c - stride + 2] = 0, 0
@@ -161,8 +161,8 @@ def load_with_told(snapshot: Any, hearing: Any, past: Any) -> None:
         if sensor > 0.0:
             teller = robots.name[i]
             age = age_of(snapshot.rule.seed, listener, teller, snapshot.step, hearing)
-            told = past[(snapshot.step - age) % past.shape[0]]
-            add_load(told[0, teller], told[1, teller], sensor, 1.0, graph)
+            news_then = past[(snapshot.step - age) % past.shape[0]]
+            add_load(news_then[0, teller], news_then[1, teller], sensor, 1.0, graph)
 
 
 @compiled

@@ -67,14 +67,14 @@ def pass_on_distances(step: int, graph: Any) -> None:
     taken, old numbers go round from place to place and back and grow for ever, and robots that went by them went to and
     fro for ever. Measured: 2 of 12 heaps of 100 robots did so; silence for two steps costs rooms 1 % of the ground.
     """
-    told, new = graph.away_m[step % 2], graph.away_m[(step + 1) % 2]
+    old, new = graph.away_m[step % 2], graph.away_m[(step + 1) % 2]
     for k in range(graph.x.shape[0]):
-        least, most = 0.0, HELD_FROM if told[k] == 0.0 else FREE_BELOW
+        least, most = 0.0, HELD_FROM if old[k] == 0.0 else FREE_BELOW
         if graph.load[k] >= most * graph.capacity[k]:
             least = graph.far_m
             for link in range(graph.link_start[k], graph.link_start[k + 1]):
-                least = min(least, told[graph.link_to[link]] + graph.link_m[link])
-        new[k] = least if least <= told[k] else graph.far_m
+                least = min(least, old[graph.link_to[link]] + graph.link_m[link])
+        new[k] = least if least <= old[k] else graph.far_m
 
 
 @compiled
@@ -104,18 +104,18 @@ def direction_to_free_ground(
     """
     graph = grid.place_graph
     least, dx, dy = graph.far_m, 0.0, 0.0
-    told = graph.away_m[step % 2]
+    away_m = graph.away_m[step % 2]
     i = min(max(int((x - graph.x0) / graph.cell_m), 0), graph.columns - 1)
     j = min(max(int((y - graph.y0) / graph.cell_m), 0), graph.rows - 1)
     for row in range(max(j - 2, 0), min(j + 2, graph.rows - 1) + 1):
         begin = graph.cell_start[row * graph.columns + max(i - 2, 0)]
         end = graph.cell_start[row * graph.columns + min(i + 2, graph.columns - 1) + 1]
         for k in range(begin, end):
-            if told[k] >= least:
+            if away_m[k] >= least:
                 continue
             ex, ey = graph.x[k] - x, graph.y[k] - y
             length = math.sqrt(ex * ex + ey * ey)
-            away = told[k] + SIGHT_SHARE * length
+            away = away_m[k] + SIGHT_SHARE * length
             if length <= within_m and away < least and is_seen(x, y, graph.x[k], graph.y[k], c, grid):
                 least, dx, dy = away, ex, ey
     return least, dx, dy

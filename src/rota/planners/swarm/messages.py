@@ -39,8 +39,8 @@ class Messages:
 
     def tell(self, step: int, robots: Robots, grid: Grid) -> None:
         """Every robot tells where it is before a step."""
-        told = self.past[step % len(self.past)]
-        for values, told_values in zip((robots.x, robots.y, robots.vx, robots.vy), told, strict=True):
+        news_now = self.past[step % len(self.past)]
+        for values, told_values in zip((robots.x, robots.y, robots.vx, robots.vy), news_now, strict=True):
             told_values[robots.name] = values
         self._most = max(self._most, int(most_round(grid)))
 

@@ -227,12 +227,12 @@ class Swarm:
 
     def _rows(self, numbers: ArrayLike) -> Ints:
         """The rows (k,) of the state in which robots of these numbers (k,) stand; MissionError for wrong numbers."""
-        asked = np.atleast_1d(np.asarray(numbers, np.int64))
-        if len(np.unique(asked)) != len(asked) or ((asked < 0) | (asked >= len(self))).any():
-            raise MissionError(f"robots {asked.tolist()}: different numbers from 0 to {len(self) - 1} are needed")
+        chosen = np.atleast_1d(np.asarray(numbers, np.int64))
+        if len(np.unique(chosen)) != len(chosen) or ((chosen < 0) | (chosen >= len(self))).any():
+            raise MissionError(f"robots {chosen.tolist()}: different numbers from 0 to {len(self) - 1} are needed")
         where = np.empty(len(self), np.int64)
         where[self._robots.name] = np.arange(len(self))
-        return where[asked]
+        return where[chosen]
 
     @property
     def places_m(self) -> Floats:

@@ -238,18 +238,18 @@ def decide_settle(begin: int, end: int, snapshot: Any, decisions: Any, room: Any
         if pressed > 0.0:
             px, py = pushes(i, neighbours, robots, kinds, grid, near, outline)
             dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)
-        again, most_m = LATE_MOMENTUM if rule.late else MOMENTUM, speed * rule.time_step_s
+        momentum, most_m = LATE_MOMENTUM if rule.late else MOMENTUM, speed * rule.time_step_s
         if going > 0.0:
             bx, by, behind = room_for_those_ahead(i, neighbours, away_m, snapshot, near)
             length = math.sqrt(wx * wx + wy * wy)
             wx, wy = towards((1.0 - behind) * wx / length + bx, (1.0 - behind) * wy / length + by, most_m, 1.0 / most_m)
             dx, dy = towards(dx, dy, most_m, 1.0)
-            dx, dy, again = dx + going * (wx - dx), dy + going * (wy - dy), (1.0 - going) * again
+            dx, dy, momentum = dx + going * (wx - dx), dy + going * (wy - dy), (1.0 - going) * momentum
         last_x, last_y = robots.vx[i] * rule.time_step_s, robots.vy[i] * rule.time_step_s
         last_m = math.sqrt(last_x * last_x + last_y * last_y)
         slow_m = SLOW_STEP * sensor * (2.0 if walled > 0.0 else 1.0)
         if not rule.late and last_m < slow_m and dx * last_x + dy * last_y < 0.0:
-            again, dx, dy = 0.0, TURN_BACK_SHARE * dx, TURN_BACK_SHARE * dy
-        dx, dy = not_into_walls(x, y, near_m, dx + again * last_x, dy + again * last_y, grid)
+            momentum, dx, dy = 0.0, TURN_BACK_SHARE * dx, TURN_BACK_SHARE * dy
+        dx, dy = not_into_walls(x, y, near_m, dx + momentum * last_x, dy + momentum * last_y, grid)
         dx, dy = rubbed(dx, dy, last_m, LATE_FRICTION * sensor if rule.late else sensor)
         decisions.vx[i], decisions.vy[i] = towards(dx, dy, speed, rule.time_step_s)

@@ -60,9 +60,9 @@ def evolve(
     cost = np.zeros(settings.iterations + 1)
     with ThreadPoolExecutor(len(scratch)) as pool:
 
-        def shared(work: Callable[..., None], *given: object) -> None:
+        def shared(work: Callable[..., None], *arguments: object) -> None:
             cuts = np.linspace(0, settings.particles, len(scratch) + 1).astype(np.int64)
-            list(pool.map(lambda begin, end, own: work(begin, end, own, *given), cuts[:-1], cuts[1:], scratch))
+            list(pool.map(lambda begin, end, own: work(begin, end, own, *arguments), cuts[:-1], cuts[1:], scratch))
 
         shared(update_kernels.see_all, swarms.now, terrain)
         swarm_kernels.begin(swarms)
@@ -168,9 +168,9 @@ def _scratch(task: CoverTask) -> Scratch:
     )
 
 
-def _threads(asked: int | None, particles: int) -> int:
+def _threads(threads: int | None, particles: int) -> int:
     """How many threads share the particles out: as many as asked for, or one a core, but one particle each at least."""
-    return max(1, min(particles, asked or os.cpu_count() or 1))
+    return max(1, min(particles, threads or os.cpu_count() or 1))
 
 
 def _deployed_m(context: Particles, box: Floats) -> Floats:

@@ -52,18 +52,18 @@ def settings_for(planning: PatrolSettings) -> MethodSettings:
     Stages named after the paper's are done as its tables say, but that S_MAX fits the ground: Table 2's 160 sensors
     are for its own map.
     """
-    asked, effort = planning.sun2019, planning.effort
+    stages, effort = planning.sun2019, planning.effort
     return MethodSettings(
-        deployments=_deployments(asked.deployment, effort),
+        deployments=_deployments(stages.deployment, effort),
         frames=FRAMES[effort],
-        tour=TABLE_3 if asked.tour == "genetic" else TourSettings(),
-        partition=TABLE_4 if asked.partition == "pso" else EVEN,
-        route=RouteSettings(routes=asked.routes, repairs=REPAIRS[effort]),
+        tour=TABLE_3 if stages.tour == "genetic" else TourSettings(),
+        partition=TABLE_4 if stages.partition == "pso" else EVEN,
+        route=RouteSettings(routes=stages.routes, repairs=REPAIRS[effort]),
     )
 
 
-def _deployments(asked: DeploymentMethod, effort: Effort) -> tuple[DeploySettings, ...]:
+def _deployments(method: DeploymentMethod, effort: Effort) -> tuple[DeploySettings, ...]:
     """The settings of the deployments that are tried."""
-    if asked == "best":
+    if method == "best":
         return BEST[effort]
-    return (replace(TABLE_2, sensors_max=None),) if asked == "ccpso2" else (DeploySettings(method=asked),)
+    return (replace(TABLE_2, sensors_max=None),) if method == "ccpso2" else (DeploySettings(method=method),)

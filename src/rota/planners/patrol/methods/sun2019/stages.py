@@ -168,11 +168,11 @@ def shared_out(framed: Framed, robot: Robot, settings: MethodSettings, robots: i
     loads = [float((partition.times_s / partition.periods_s).sum()) for partition in needed]
     counts, most = [len(partition.first) for partition in needed], [len(part.sensors) for part in framed.parts]
     while sum(counts) > robots and max(counts) > 1:
-        some = [k for k, count in enumerate(counts) if count > 1]
-        counts[min(some, key=lambda k: loads[k] / (counts[k] - 1))] -= 1
+        candidates = [k for k, count in enumerate(counts) if count > 1]
+        counts[min(candidates, key=lambda k: loads[k] / (counts[k] - 1))] -= 1
     while sum(counts) < robots and any(count < top for count, top in zip(counts, most, strict=True)):
-        some = [k for k, count in enumerate(counts) if count < most[k]]
-        counts[max(some, key=lambda k: loads[k] / counts[k])] += 1
+        candidates = [k for k, count in enumerate(counts) if count < most[k]]
+        counts[max(candidates, key=lambda k: loads[k] / counts[k])] += 1
     return counts
 
 

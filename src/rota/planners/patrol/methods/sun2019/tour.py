@@ -155,11 +155,11 @@ def told_in_one_way(order: Ints, zone: Ints) -> Ints:
     The paper's path begins at sensor s_1 and its first segment right behind it, so that a cut lies there. Of several
     such places, and of the two directions, the one with the smallest numbers of sensors behind the cut is taken.
     """
-    told = []
+    forms = []
     for way in (order, order[::-1]):
         inside = zone[way] == zone.min()
         begins = np.flatnonzero(inside & ~np.roll(inside, 1))
         if not len(begins):
             begins = np.flatnonzero(np.roll(way, 1) == 0)
-        told += [np.roll(way, 1 - int(at)) for at in begins]
-    return np.ascontiguousarray(min(told, key=lambda way: np.roll(way, -1).tolist()))
+        forms += [np.roll(way, 1 - int(at)) for at in begins]
+    return np.ascontiguousarray(min(forms, key=lambda way: np.roll(way, -1).tolist()))
