@@ -130,7 +130,7 @@ def _percent(estimate: Estimate) -> str:
 
 
 def _best(shares: dict[tuple[float, str], Estimate], by: str) -> str:
-    """The angles from the best to the worst for the shown error, and which the runs cannot tell from the best."""
+    """The angles from the best to the worst with the shown error; the runs may not tell the best ones apart."""
     order = sorted(ALL_ANGLES_DEG, key=lambda angle: -shares[angle, SHOWN].value)
     top = shares[order[0], SHOWN]
     highest = {angle: shares[angle, SHOWN].value + shares[angle, SHOWN].error for angle in order}

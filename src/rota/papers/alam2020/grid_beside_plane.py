@@ -41,9 +41,9 @@ class GridBesidePlane:
 def compare_grid_and_plane(
     cells: Cells, ground: MultiPolygon, *, turn: int, body_radius_m: float, bounces: int = 2000
 ) -> GridBesidePlane:
-    """Compare for a robot that turns by ``turn`` heading steps at a bump, on ``ground``, from which the cells are.
+    """Compare the grid and the plane for a robot that turns by ``turn`` heading steps at a bump; cells: of ``ground``.
 
-    The grid stops at centres of cells, the plane at contacts: a disc as wide as a cell makes both the same in a room
+    The grid stops at centres of cells, the plane at contacts. A disc as wide as a cell makes both the same in a room
     whose walls lie along cells' borders. Raises MissionError for more than 8 headings, which are not equally spaced on
     the grid.
     """

@@ -141,9 +141,9 @@ def lab(text: str, robots: int, angle_deg: float, **settings: Any) -> Mission:
 
 
 def random_room(columns: int, rows: int, blocked: int, rng: np.random.Generator) -> str:
-    """A typed room with at least so many blocked cells, in rectangles of 1 to 6 cells, whose free cells hang together.
+    """A typed room with at least ``blocked`` blocked cells, in rectangles of 1 to 6 cells; free cells are connected.
 
-    They do by their sides, so that a robot has a way from each to each.
+    They are connected by their sides, so that a robot has a way from each to each.
     """
     while True:
         walls = np.zeros((rows, columns), np.bool_)

@@ -176,7 +176,7 @@ def _groups_table(place: _Place, counts: dict[float, _Counts]) -> Table:
 
 
 def shown_group(mission: Mission, seed: int) -> tuple[Plan, str]:
-    """A group as a plan, and words for it: of those whose robots cross, the one that enters most cells."""
+    """A group as a plan, and words for it: among the groups whose robots cross, the one that enters most cells."""
     bouncing, watch = _watch(mission)
     cycles = watch.cycles
     best = max(

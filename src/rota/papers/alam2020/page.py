@@ -54,7 +54,7 @@ LEFT_OPEN = (
 
 
 def claims_table(sections: Sequence[Section]) -> Table:
-    """A verdict for each claim that the sections are evidence for, then for those that need no figure."""
+    """A verdict for each claim: first the claims that the sections are evidence for, then those that need no figure."""
     rows = [
         (verdict.claim, verdict.place, verdict.outcome, verdict.why, str(section.figure))
         for section in sections

@@ -116,7 +116,7 @@ class Runs:
 
 
 def steps_until(coverage: Coverage, headings: int, share: float) -> int | None:
-    """The step after which so large a share of the free cells is covered; None: it never is. headings: of the cells."""
+    """The step after which that share of the free cells is covered; None: it never is. headings: of the cells."""
     cells = coverage.states // headings
     _, first = np.unique(cells.ravel(), return_index=True)
     entered = np.sort(first // cells.shape[1])

@@ -21,9 +21,9 @@ APART_M = (1.0, 1.5)  # from middle to middle on the lattice that is shaken; bod
 
 
 def dense_contacts(settings: SwarmSettings, *, seed: int, tried: int = TRIED) -> tuple[int, float]:
-    """In how many of so many states bodies touch within one step, and the least distance between middles in metres.
+    """In how many of ``tried`` states bodies touch within one step, and the least distance between middles in metres.
 
-    States: 25 robots of Table 2 on a lattice, shaken by as much as keeps them apart, with random velocities.
+    A state has 25 robots of Table 2 on a lattice, shaken by as much as keeps them apart, with random velocities.
     """
     mission = replace(maps.small("centre"), planning=settings)
     ground = free_ground(mission)
@@ -40,7 +40,7 @@ def dense_contacts(settings: SwarmSettings, *, seed: int, tried: int = TRIED) ->
 
 
 def dense_state(rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Places and velocities (25, 2) of robots of which no two are nearer than 1 m."""
+    """Places and velocities (25, 2) of robots; no two are nearer than 1 m."""
     apart_m = rng.uniform(*APART_M)
     lattice = np.stack(np.meshgrid(np.arange(5.0), np.arange(5.0)), -1).reshape(-1, 2) * apart_m + 120
     angle, length = rng.uniform(0, 2 * np.pi, ROBOTS), rng.uniform(0, (apart_m - 1) / 2, ROBOTS)
@@ -50,7 +50,7 @@ def dense_state(rng: np.random.Generator) -> tuple[Floats, Floats]:
 
 
 def closest_approach_m(before_m: Floats, after_m: Floats) -> float:
-    """The least distance between any two of n robots that go straight from (n, 2) to (n, 2) in the same time."""
+    """The least distance of any two of n robots that go straight from (n, 2) to (n, 2) metres in the same time."""
     i, j = np.triu_indices(len(before_m), 1)
     gap, change = before_m[i] - before_m[j], (after_m - before_m)[i] - (after_m - before_m)[j]
     part = np.clip(-(gap * change).sum(1) / np.maximum((change**2).sum(1), 1e-300), 0, 1)

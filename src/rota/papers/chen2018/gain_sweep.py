@@ -44,7 +44,7 @@ def gain_table(runs: Runs) -> Table:
 
 
 def forced(runs: Runs, mission: Mission, gain: float, seed: int) -> tuple[History, bool]:
-    """What a run by virtual forces of a gain came to, step by step, and whether the stop rule ended it."""
+    """The history of a run by virtual forces of a gain, and whether the stop rule ended it."""
     runs.stop_if_asked()
     runs.tell(f"{mission.name}: VFA with gain {gain:g}, seed {seed}")
     mission = replace(mission, planning=FORCES.settings)

@@ -92,7 +92,7 @@ def distance_panel(title: str, outcome: Outcome) -> CurvePanel:
 def mean_curves(
     outcomes: Sequence[tuple[Controller, list[Outcome]]], values: str, steps: int, scale: float = 100.0
 ) -> tuple[Curve, ...]:
-    """The mean over seeds of a row of the histories by step, with least and most; what rests stays as it is."""
+    """The mean over seeds of a row of the histories by step, with least and most; a run at rest keeps its last."""
     curves = []
     for controller, runs in outcomes:
         rows = np.array([_held(getattr(run.history, values), steps) for run in runs]) * scale
@@ -102,5 +102,5 @@ def mean_curves(
 
 
 def _held(values: Floats, steps: int) -> Floats:
-    """(steps + 1,): the values, the last one again and again where they end before."""
+    """(steps + 1,) values; where they end before, the last value goes on."""
     return np.concatenate([values[: steps + 1], np.full(max(steps + 1 - len(values), 0), values[-1])])

@@ -107,7 +107,7 @@ class Outcome:
     stride: int
 
     def places_at(self, step: int) -> Floats:
-        """(n, 2) metres at a step, or in the end; between the kept ones the one before."""
+        """(n, 2) metres at a step, or in the end; of a step between kept ones, the kept step before."""
         places: Floats = self.places_m[-1] if step >= self.steps else self.places_m[step // self.stride]
         return places
 
@@ -141,7 +141,7 @@ class Runs:
         return self.all(jobs)
 
     def all(self, jobs: Iterable[Job]) -> list[Outcome]:
-        """The outcomes of these runs in their order; those not known yet are run now."""
+        """The outcomes of these runs in their order; runs that are not known yet are made."""
         jobs = list(jobs)
         missing = list(dict.fromkeys(_key(job) for job in jobs if _key(job) not in self._known))
         by_key = {_key(job): job for job in jobs}
@@ -169,7 +169,7 @@ class Runs:
 
 
 def outcome_of(mission: Mission, run: SwarmRun) -> Outcome:
-    """What the figures need of an observed run whose trajectories are not thinned."""
+    """The values that the figures need of an observed run whose trajectories are not thinned."""
     if run.history is None:
         raise ValueError("history: None; the run must be observed")
     stride = -(-(run.steps + 1) * len(run.plan.trajectories) // KEPT_PLACES)

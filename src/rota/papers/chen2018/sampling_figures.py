@@ -44,7 +44,7 @@ def shapes() -> dict[str, VelocitySet]:
 
 
 def errors_and_misses(velocities: VelocitySet, seed: int) -> tuple[Floats, Floats]:
-    """For each of ``COUNTS``: mean distance to the centroid in m/s, and the share of tries that found nothing."""
+    """For each of ``COUNTS``, (c,): mean distance to the centroid in m/s, and the share of tries without a mean."""
     centroid = velocities.centroid()
     errors, misses = np.full(len(COUNTS), np.nan), np.zeros(len(COUNTS))
     for k, count in enumerate(COUNTS):
@@ -57,7 +57,7 @@ def errors_and_misses(velocities: VelocitySet, seed: int) -> tuple[Floats, Float
 
 
 def in_a_run(runs: Runs) -> tuple[Floats, Floats]:
-    """The same over the decisions of a run by the exact centroid: each state is decided on once more, by samples."""
+    """Errors and misses over the decisions of a run by the exact centroid: each is made once more, by samples."""
     mission = maps.small("between")
     outcome = runs(mission, EXACT)
     runs.tell("deciding again by random velocities")
@@ -71,7 +71,7 @@ def in_a_run(runs: Runs) -> tuple[Floats, Floats]:
 
 
 def _decided_again(mission: Mission, outcome: Outcome, samples: int, seed: int) -> tuple[Floats, float]:
-    """Distances in m/s between the velocities by samples and by the exact centroid, and the share not found."""
+    """Distances (d,) in m/s of velocities by samples from those by the exact centroid, and the share without a mean."""
     by_samples = replace(mission, planning=replace(SAMPLED.settings, samples=samples))
     ground = free_ground(mission)
     away, missed, decisions = [], 0, 0

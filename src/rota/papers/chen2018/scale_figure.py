@@ -71,7 +71,7 @@ def figure_20_section(runs: Runs) -> Section:
 def _by_scale(
     runs: Runs,
 ) -> tuple[tuple[tuple[str, ...], ...], tuple[Curve, ...], dict[tuple[str, int], float], dict[str, str]]:
-    """Of each controller: its row, its curve, when it settled by the number of robots, and with which all rest."""
+    """By controller: its row, its curve, when it settled by the number of robots, and the numbers that all rest."""
     settings = runs.settings
     jobs = {
         (controller.name, scale): [
@@ -103,7 +103,7 @@ def _by_scale(
 
 
 def _settled_cell(steps: Sequence[float], most: int) -> str:
-    """Mean and deviation of steps until coverage has settled; how many had not where some had not."""
+    """Mean and deviation of the steps until coverage has settled, and how many runs had not settled if any."""
     unsettled = sum(not np.isfinite(step) for step in steps)
     return f"> {most:,} ({unsettled} of {len(steps)})" if unsettled else plus_minus(steps, ",.0f")
 

@@ -44,7 +44,7 @@ class VelocitySet:
         return np.array([x, y]) if ok else None
 
     def sampled_centroids(self, samples: int, *, tries: int, seed: int) -> Floats:
-        """Algorithm 1: means (tries, 2) of the random velocities in the set, out of so many; nan where none was."""
+        """Algorithm 1: means (tries, 2) of the velocities in the set, among ``samples`` random ones; nan: none was."""
         means = np.full((tries, 2), np.nan)
         if not self._corners:
             return means

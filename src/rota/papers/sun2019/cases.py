@@ -207,7 +207,7 @@ def _paper_time(route: PaperRoute) -> str:
 def segment_times_s(printed: Printed, name: str) -> list[tuple[float, float]]:
     """Seconds of the segments that must keep this sub-region's period by Eq. 26, shortest first, each with its period.
 
-    Of the sub-regions whose sensors a segment holds, that is the one deployed first.
+    A segment counts for the sub-region deployed first among those whose sensors it holds.
     """
     framed = printed.stages.framed
     names = [zone.name for zone in framed.deployment.zones]
@@ -224,7 +224,7 @@ def segment_times_s(printed: Printed, name: str) -> list[tuple[float, float]]:
 def loop_times(plan: Plan | None, name: str) -> list[str]:
     """Seconds of the loops of a plan that must keep this sub-region's period, shortest first.
 
-    ``62.83 / 2``: a loop that two robots share, so that one comes by every 31.4 s.
+    ``62.83 / 2`` is a loop that two robots share: a robot comes by every 31.4 s.
     """
     if plan is None:
         return []
@@ -237,9 +237,9 @@ def loop_times(plan: Plan | None, name: str) -> list[str]:
 
 
 def _kept_zone(plan: Plan, route: Route) -> str | None:
-    """Of the sub-regions that a loop serves, the one with the smallest period; None when it serves nothing.
+    """The sub-region with the smallest period that a loop serves; None when it serves none.
 
-    Between equal periods, the one in which more of the loop lies.
+    Between equal periods, the sub-region in which more of the loop lies.
     """
     mission = plan.mission
     periods_s = {zone.name: zone.period_s or math.inf for zone in mission.zones} | {AREA: mission.period_s or math.inf}
@@ -255,7 +255,7 @@ def _kept_zone(plan: Plan, route: Route) -> str | None:
 
 
 def unseen_and_late(case: Case) -> str:
-    """What routes as printed leave out: ground that is never seen, and ground that is seen too seldom."""
+    """The ground that routes as printed never see, and the ground that they see too seldom."""
     asked_m2 = sum(demand.area_m2 for demand in case.printed.report.demands)
     told = [
         f"{area_m2:,.0f} m² ({100 * area_m2 / asked_m2:.1f} %) are {how}"

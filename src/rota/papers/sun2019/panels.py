@@ -76,7 +76,7 @@ def deployment_panel(title: str, mission: Mission, deployment: Deployment) -> Ma
 def cost_panel(title: str, deployments: Sequence[tuple[str, Deployment]], *, wide: bool = False) -> CurvePanel:
     """The fitness of Eq. 11 by iteration: Figures 6c, 13b and 16b. Deployments without a history have no curve.
 
-    The random start, of which half the sensors are deployed, costs so much that it would squeeze all else: it is told.
+    The random start, with half of the sensors deployed, costs so much that it would squeeze all else; a note tells it.
     """
     known = [(label, deployment.history.cost) for label, deployment in deployments if deployment.history is not None]
     curves = tuple(
@@ -141,9 +141,9 @@ def _free(mission: Mission, piece_m: Floats) -> bool:
 
 
 def tour_panel(title: str, frame: Frame) -> CurvePanel:
-    """The way of the shortest tour so far by generation, from when on it has as few crossings as in the end.
+    """The way of the shortest tour so far by generation, once it has as few crossings as in the end.
 
-    With more of them it would be thousands of metres longer, alpha for each.
+    With more crossings it would be thousands of metres longer, alpha for each.
     """
     way_m = frame.history - (frame.tour_length - frame.length_m)
     last = np.flatnonzero(way_m < MOST_WAY * frame.length_m)

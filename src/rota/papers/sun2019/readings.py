@@ -84,7 +84,7 @@ def tour_table(runs: Runs, printed: Printed) -> Table:
 
 
 def reading_table(runs: Runs) -> Table:
-    """Robots of the partitions that Eq. 28 costs least, by what is read into Eqs. 22 and 28; all cases of the paper."""
+    """Robots of the partitions that Eq. 28 costs least, by the reading of Eqs. 22 and 28; all cases of the paper."""
     figure_13, figure_16 = runs.settings.figure_13, runs.settings.figure_16
     asked: list[Asked] = [(paper.TABLE_5, runs.map_13, figure_13)]
     asked += [(case, mission, figure_13) for case, mission in zip(paper.TABLE_6, runs.maps_14, strict=True)]

@@ -99,7 +99,7 @@ class Runs:
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """What is told with a spread runs with these; the first one is that of all else."""
+        """The seeds of runs whose spread is told; the first is the seed of all other runs."""
         return tuple(range(self.seed, self.seed + 1 + self.settings.further_seeds))
 
     def deployment(self, mission: Mission, settings: DeploySettings, *, seed: int | None = None) -> Deployment:
@@ -180,7 +180,7 @@ class Runs:
         return lengths_m
 
     def mended(self, mission: Mission, settings: MethodSettings) -> MethodOutcome:
-        """A checked plan by the same settings, but that routes are mended until all is seen in time."""
+        """A checked plan by the same settings, with routes repaired until all is seen in time."""
         for known, under, outcome in self._mended:
             if known is mission and under == settings:
                 return outcome
