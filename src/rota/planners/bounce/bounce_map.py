@@ -34,10 +34,10 @@ MEMORY_SHARE = 0.8  # of the machine's memory, for a joint map
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Decomposition:
-    """Where every state of a map ends. cycle: (n,) int32, the number of its cycle; -1: no state (robots in one place).
+    """Where every state of a map ends. cycle: (n,) int32, the number of its cycle; -1: robots in one place.
 
-    Of c cycles, (c,) int64: ``first``, a state of each; ``length``; ``basin``, the states that come to it, its own
-    included.
+    Of c cycles, (c,) int64: ``first``, a state of each; ``length``; ``basin``, the number of states that come to it,
+    its own included.
     """
 
     cycle: Ints

@@ -14,10 +14,10 @@ Flags = NDArray[np.bool_]
 
 
 class SettlingRoom(NamedTuple):
-    """What is written to while robots come to their cycles.
+    """Room to write to while robots come to their cycles.
 
-    after, stays: (m,) scratch of a step. log: (steps, m) states, from the start to the settled one; so many steps are
-    tried.
+    after, stays: (m,) scratch of a step. log: (steps, m) states from the start to the cycles; it bounds the steps that
+    are tried.
     """
 
     after: Ints

@@ -25,7 +25,7 @@ NO_GAP = 1 << 40  # steps; longer than any
 
 @dataclass(frozen=True, kw_only=True)
 class Searched:
-    """What a search came to. ``proved``: no group is better, or, where none was found, there is none at all.
+    """The outcome of a search. ``proved``: no group is better, or, where no group was found, there is none at all.
 
     unproved: why that is not known, in words that go on after "...;"; None where it is proved, or was not asked for.
     """
@@ -83,6 +83,12 @@ def _there_is_none(watch: Watch) -> bool:
 
 
 class _Search:
+    """Teams robot by robot, of limited work: the best so far, and whether it is proved.
+
+    alone: (c, z) worst ratio of a robot alone on each cycle, by zone. conflicts: (p,) how many states each state cannot
+    go with. left: partial teams that may still be looked at.
+    """
+
     def __init__(self, watch: Watch, enough: float, most_nodes: int, should_stop: Callable[[], bool] | None) -> None:
         self.watch, self.enough, self.left, self._should_stop = watch, enough, most_nodes, should_stop
         self.most_nodes = most_nodes

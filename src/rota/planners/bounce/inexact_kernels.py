@@ -76,10 +76,10 @@ class Zones(NamedTuple):
 
 
 class Watching(NamedTuple):
-    """What is written to while zones are watched.
+    """Room to write to while zones are watched.
 
     cuts: room for crossings of one way. visits: (n, 2) room for from, to of visits in one stretch. known_until: (z,)
-    up to when it is told that a zone had been visited within its period.
+    seconds up to which it is decided whether a zone had been visited within its period.
     """
 
     cuts: Floats

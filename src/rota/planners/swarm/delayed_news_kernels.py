@@ -37,7 +37,7 @@ NUMBER_OF = {
 
 
 class Belief(NamedTuple):
-    """Room of one thread for what one robot believes of itself and of those round about, as controllers take it.
+    """Room of one thread for what one robot believes of itself and of the robots near it, as controllers take it.
 
     robots: m of them, itself first. grid: in which these stand in one cell. spread_m: (m,) how far each may have gone
     since it told of itself. out: (3, 1) what is decided.

@@ -25,7 +25,7 @@ class Messages:
     """All that may still be heard: ``past`` (h, 4, n), x, y, vx, vy told at step s at s modulo h, by number.
 
     step_m: (n,) longest step of each robot. told: (2, n, 2) places and velocities before the first step, which all
-    know, or what ``past`` was where a run goes on.
+    know; where a run goes on, what ``past`` was.
     """
 
     def __init__(self, hearing: Hearing, step_m: Floats, told: Floats, threads: int) -> None:

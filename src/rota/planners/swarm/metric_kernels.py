@@ -13,9 +13,9 @@ from rota.planners.swarm.kernels import cell_of, compiled, to_wall
 
 
 class Pixels(NamedTuple):
-    """Pixels of side ``pixel_m`` (rows, columns): 1 where one is free, else 0, and with what it was marked last.
+    """Pixels of side ``pixel_m`` (rows, columns): 1 where a pixel is free, else 0, and the mark that each got last.
 
-    (x0, y0): the centre of the first, in metres.
+    (x0, y0): the centre of the first pixel, in metres.
     """
 
     free: NDArray[np.uint8]

@@ -22,7 +22,7 @@ class RouteSettings:
     most_load: the segments' times by Eq. 26 over their periods, on average, beyond which so few robots are not tried:
     routes are shorter where lanes meet borders, and lanes may lie farther apart than sensors do (measured on the
     paper's cases, shortened: up to 1.28 came to pass, nothing from 1.30 to 1.66).
-    repairs: rounds of judging and mending.
+    repairs: rounds of judging and repair.
     recuts: how often a frame is cut anew for the same number of robots, by the lengths to which repair led the routes,
     when these are too long and are not shortened.
     """

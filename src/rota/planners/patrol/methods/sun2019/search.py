@@ -74,7 +74,7 @@ def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best:
     robots = len(stages.segments)
     while best is None or (stages.load <= settings.route.most_load and not context.should_stop()):
         context.progress(0.5, f"leading {robots} robots round their segments")
-        plan = settled(context, stages, settings)
+        plan = repaired_routes(context, stages, settings)
         if not is_better(plan, best):
             return best if best is not None else plan
         best = plan
@@ -93,7 +93,7 @@ def with_more(context: Context, framed: Framed, settings: MethodSettings, best: 
         if context.should_stop():
             return best
         context.progress(0.9, f"leading {robots} robots round their segments")
-        plan = settled(context, cut(context, framed, settings, robots), settings)
+        plan = repaired_routes(context, cut(context, framed, settings, robots), settings)
         best = plan if is_better(plan, best) else best
         if is_good(best):
             return best
@@ -108,7 +108,7 @@ def cut(context: Context, framed: Framed, settings: MethodSettings, robots: int 
     return cut_in_segments(framed, context.problem.robot, context.problem.paths, settings, robots=robots)
 
 
-def settled(context: Context, stages: Stages, settings: MethodSettings) -> Repaired:
+def repaired_routes(context: Context, stages: Stages, settings: MethodSettings) -> Repaired:
     """The routes repaired until the check passes or the rounds are over.
 
     Routes that become too long by that are shortened, or the frame is cut anew by their lengths. Where that does not
@@ -153,9 +153,9 @@ def tours_of(problem: Problem, stages: Stages) -> list[Tour]:
     ]  # fmt: skip
 
 
-def is_good(settled: Repaired) -> bool:
+def is_good(repaired: Repaired) -> bool:
     """Whether the plan passed, and no route is longer than its period allows."""
-    return settled.met and settled.within_budgets
+    return repaired.met and repaired.within_budgets
 
 
 def is_better(plan: Repaired, best: Repaired | None) -> bool:
@@ -165,6 +165,6 @@ def is_better(plan: Repaired, best: Repaired | None) -> bool:
     return not is_good(best) or robots_of(plan) < robots_of(best)
 
 
-def robots_of(settled: Repaired) -> int:
+def robots_of(repaired: Repaired) -> int:
     """The robots of all its tours."""
-    return sum(tour.robots for tour in settled.tours)
+    return sum(tour.robots for tour in repaired.tours)

@@ -154,7 +154,7 @@ def list_missing(i: int, j: int, s: Swarms, scratch: Scratch) -> int:
 
 
 @compiled
-def mend(i: int, j: int, missing: int, fused: bool, iteration: Iteration, scratch: Scratch, rng: Any) -> None:
+def cover_missing(i: int, j: int, missing: int, fused: bool, iteration: Iteration, scratch: Scratch, rng: Any) -> None:
     """Let swarm j of particle i see one more of the ``missing`` cells in scratch, drawn by lot.
 
     Addition (Eq. 7) does it while a sensor of the swarm is undeployed and no two were just ``fused``; else Movement
@@ -191,7 +191,7 @@ def apply_rules(i: int, j: int, iteration: Iteration, scratch: Scratch, rng: Any
             see(i, d, s.now, terrain, scratch.known)
     missing = list_missing(i, j, s, scratch)
     if missing > 0:
-        mend(i, j, missing, False, iteration, scratch, rng)
+        cover_missing(i, j, missing, False, iteration, scratch, rng)
     elif rules.fusion:
         both = fuse_sensors(p, group, rules.fuse_m, terrain.box, rng)
         if both >= 0:
@@ -201,7 +201,7 @@ def apply_rules(i: int, j: int, iteration: Iteration, scratch: Scratch, rng: Any
             for _ in range(rules.repeats):
                 if missing == 0:
                     break
-                mend(i, j, missing, True, iteration, scratch, rng)
+                cover_missing(i, j, missing, True, iteration, scratch, rng)
                 missing = list_missing(i, j, s, scratch)
 
 
