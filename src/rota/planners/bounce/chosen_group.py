@@ -103,10 +103,10 @@ def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Cho
     chosen = _best_of(watch, (nodes_of(watch.cycles, listed.states[k]) for k in order), settings.purpose)
     whole = kept == len(listed.basin)
     unproved = None if whole else f"only the first {len(listed.basin):,} of its groups were looked at"
-    return Choice(chosen=chosen, proved=whole, unproved=unproved, told=_told_of_printed(watch, kept, listed))
+    return Choice(chosen=chosen, proved=whole, unproved=unproved, told=_sentence_of_printed(watch, kept, listed))
 
 
-def _told_of_printed(watch: Watch, kept: int, listed: JointGroups) -> str:
+def _sentence_of_printed(watch: Watch, kept: int, listed: JointGroups) -> str:
     """The paper's r, P and Q: groups, their periodic states, and the transient ones taken with them."""
     groups = f"Algorithm 2 as printed keeps {kept:,} periodic group" + "s" * (kept != 1)
     if kept > len(listed.basin):

@@ -16,7 +16,7 @@ from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.papers.sun2019 import figure_13
 from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
-from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame, told_in_one_way
+from rota.planners.patrol.methods.sun2019.tour import Frame, canonical_order, find_frame
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -150,10 +150,10 @@ def test_a_frame_is_told_from_where_it_enters_the_first_sub_region() -> None:
     zone = np.array([2, 0, 1, 0, 2, 1])
     order = np.array([4, 5, 2, 0, 3, 1])
     # zone 0 is sensors 3, 1: entered from 0 into 3, or the other way round from 4 into 1
-    assert told_in_one_way(order, zone).tolist() == [4, 1, 3, 0, 2, 5]
+    assert canonical_order(order, zone).tolist() == [4, 1, 3, 0, 2, 5]
     for turned in (np.roll(order, 2), order[::-1], np.roll(order[::-1], 3)):
-        assert told_in_one_way(turned, zone).tolist() == [4, 1, 3, 0, 2, 5]
-    assert told_in_one_way(order, np.zeros(6, np.int64)).tolist() == [0, 2, 5, 4, 1, 3]
+        assert canonical_order(turned, zone).tolist() == [4, 1, 3, 0, 2, 5]
+    assert canonical_order(order, np.zeros(6, np.int64)).tolist() == [0, 2, 5, 4, 1, 3]
 
 
 def test_the_seed_decides() -> None:

@@ -46,27 +46,27 @@ def fewest_robots_by_stages(context: Context, settings: MethodSettings | None = 
     # covers have no chance in them, but the tours past their places have
     ways = [(turn, deploy) for turn in range(settings.frames) for deploy in settings.deployments]
     for k, (turn, deploy) in enumerate(ways):
-        turn_context = replace(context, progress=part_of(context.progress, k, len(ways)))
+        turn_context = replace(context, progress=progress_of_turn(context.progress, k, len(ways)))
         turn_context.progress(0.0, f"deploying sensors ({deploy.method}) and finding a frame past them")
         seed = context.seed + 1000 * turn
         framed = framed_sensors(problem.mission, problem.paths, deploy, settings, seed=seed)
         first = first or framed
         if settings.route.routes == "printed":
             return as_printed(context, framed, settings)
-        best = with_fewer(turn_context, framed, settings, best)
+        best = reduce_team(turn_context, framed, settings, best)
         if context.should_stop() or (is_good(best) and robots_of(best) <= context.enough_robots):
             break
     assert best is not None
     assert first is not None
-    return best if is_good(best) or context.should_stop() else with_more(context, first, settings, best)
+    return best if is_good(best) or context.should_stop() else search_upwards(context, first, settings, best)
 
 
-def part_of(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
+def progress_of_turn(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
     """Progress within one of ``turns`` turns, of which the last ends at 0.9."""
     return lambda share, what: progress(0.9 * (turn + share) / turns, what)
 
 
-def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best: Repaired | None) -> Repaired:
+def reduce_team(context: Context, framed: Framed, settings: MethodSettings, best: Repaired | None) -> Repaired:
     """The plan with the fewest robots that this frame gives, or the best so far if that has no more."""
     stages = cut(context, framed, settings, None)
     if best is not None and is_good(best):
@@ -86,7 +86,7 @@ def with_fewer(context: Context, framed: Framed, settings: MethodSettings, best:
     return best
 
 
-def with_more(context: Context, framed: Framed, settings: MethodSettings, best: Repaired) -> Repaired:
+def search_upwards(context: Context, framed: Framed, settings: MethodSettings, best: Repaired) -> Repaired:
     """A plan of more robots than the partition asks for, one more each time; at last, of as many as repair asks for."""
     first = len(cut(context, framed, settings, None).segments)
     for robots in range(first + 1, first + FURTHER + 1):

@@ -90,7 +90,7 @@ def find_frame(
     straight_m = straight_distances(graph.positions_m)
     distance = graph_distances(graph) if settings.distance == "graph" else straight_m
     order, history = shortest_order(distance, straight_m, settings, seed)
-    order = told_in_one_way(order, graph.zone)
+    order = canonical_order(order, graph.zone)
     if settings.distance == "euclidean":
         legs = [np.array([a, b]) for a, b in zip(order, np.roll(order, -1), strict=True)]
         pieces_m = [graph.positions_m[leg] for leg in legs]
@@ -149,7 +149,7 @@ def straight_distances(positions_m: Floats) -> Floats:
     return np.asarray(np.hypot(*(positions_m[:, None] - positions_m[None]).transpose(2, 0, 1)))
 
 
-def told_in_one_way(order: Ints, zone: Ints) -> Ints:
+def canonical_order(order: Ints, zone: Ints) -> Ints:
     """The same closed tour (n,), begun where it goes over into the first sub-region, or else at sensor 0.
 
     The paper's path begins at sensor s_1 and its first segment right behind it, so that a cut lies there. Of several
