@@ -157,7 +157,9 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
         words=(0, 1),
     )
     means = {method: [float(by_team[method, robots].steps.mean()) for robots in paper.TEAMS] for method in METHODS}
-    complete = sum(one.complete for one in by_team.values())
+    complete = sum(team_runs.complete for team_runs in by_team.values())
+    five_slower = sum(layout[-1] > layout[-2] for layout in other_means)
+    larger_slower = sum(any(b > a for a, b in itertools.pairwise(layout)) for layout in other_means)
     return Section(
         figure=grid.figure,
         heading=f"steps to cover {grid.size} cells",
@@ -176,10 +178,9 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
         + _trend(means["as_printed"], "As printed")
         + " "
         + _trend(means["improved"], "improved")
-        + f". Layouts matter: on {sum(one[-1] > one[-2] for one in other_means)} of {len(others)} random ones with as "
+        + f". Layouts matter: on {five_slower} of {len(others)} random ones with as "
         "many blocked cells five robots take longer than four as printed, and on "
-        f"{sum(any(b > a for a, b in itertools.pairwise(one)) for one in other_means)} some team takes longer than a "
-        "smaller one.",
+        f"{larger_slower} some team takes longer than a smaller one.",
         tables=(table, _layouts_table(grid, others, printed, runs.settings.layout_steps)),
         verdicts=(
             (fewer_steps_verdict if grid.figure == 7 else more_robots_verdict)(means["as_printed"], other_means),

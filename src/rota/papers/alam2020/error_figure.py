@@ -83,8 +83,8 @@ def figure_12_section(runs: Runs) -> Section:
         runs.now(f"figure 12: teams of {team}")
         teams[team] = room.run(runs, SHOWN_ANGLE_DEG, ERRORS[SHOWN], COVER_STEPS, team=team, share=COVER_SHARE)
     after_s = steps * room.step_s
-    mean = {key: one.mean_seen(after_s) for key, one in simulated.items()}
-    least = {key: one.least_seen(after_s) for key, one in simulated.items()}
+    mean = {key: runs_of.mean_seen(after_s) for key, runs_of in simulated.items()}
+    least = {key: runs_of.least_seen(after_s) for key, runs_of in simulated.items()}
     return Section(
         figure=12,
         extra=True,
