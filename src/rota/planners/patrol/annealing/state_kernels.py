@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.by_reference import by_reference
 from rota.planners.patrol.ground.sample_kernels import Index, Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
@@ -31,6 +32,7 @@ SLOTS_LEFT, UNSEEN, ACCEPTED, VERTICES_LEFT, VERTICES, TRIED_NEW, TRIED_OLD, FUL
 NUMBERS = 8
 
 
+@by_reference
 class Tours(NamedTuple):
     """All tours, what their legs see, and how often each sample is seen; laid out by ``annealing/search.py``."""
 

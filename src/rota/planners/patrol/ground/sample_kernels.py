@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.by_reference import by_reference
 from rota.planners.patrol.ground.sight_kernels import (
     DEPTH_SECTORS,
     STANDING_M2,
@@ -27,6 +28,7 @@ Ints = NDArray[np.int64]
 Index = np.uint64  # in the hottest loops: each index that may be negative costs a look whether it is
 
 
+@by_reference
 class Samples(NamedTuple):
     """Points (n) that must be seen: those of lattices row by row, then all others by bins; see ``samples.py``.
 
