@@ -81,6 +81,7 @@ def test_a_peers_program_needs_nothing_but_the_peer(program: str) -> None:
     assert foreign == {PEERS[program]}
 
 
+@pytest.mark.slow  # starts interpreters that plan
 def test_one_name_is_measured_and_printed_as_a_table() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks", "import"], cwd=PROJECT, capture_output=True, text=True, check=True
@@ -280,6 +281,7 @@ def test_a_plan_is_at_fault_when_the_check_or_its_own_bound_says_so() -> None:
     assert above == "the check says 'violated' of the plan as written"  # which refutes the bound
 
 
+@pytest.mark.slow  # starts interpreters that plan
 def test_missions_are_planned_in_processes_until_ctrl_c(tmp_path: Path) -> None:
     before = signal.getsignal(signal.SIGINT)
     found = []

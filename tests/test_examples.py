@@ -230,7 +230,8 @@ def test_the_bouncing_robots_cover_and_monitor(tmp_path: Path, capsys: pytest.Ca
 # open ground with zones; a building whose walls cut sight, with bodies that must not touch: a search of half a minute,
 # of the kind that the random missions among blocks are planned by
 @pytest.mark.parametrize(
-    ("name", "least_robots"), [("harbour", 4), pytest.param("building", 1, marks=pytest.mark.slow)]
+    ("name", "least_robots"),
+    [pytest.param("harbour", 4, marks=pytest.mark.slow), pytest.param("building", 1, marks=pytest.mark.slow)],
 )
 def test_an_example_is_planned_and_the_plan_passes(
     name: str, least_robots: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -216,12 +216,23 @@ def is_open(mission: Mission) -> bool:
     return nothing_there and fleet.body_radius_m == 0 and fleet.turn_rate_rad_s is None and fleet.robots is None
 
 
-# a recipe's simplest mission, with every size the smallest, is left to CI where there is another one
+# left to CI: a recipe's simplest mission, with every size the smallest, where there is another one; and recipes of
+# which each part is in another one
+PARTS_OF_OTHERS = {
+    "open", "open and bent", "open zones", "open square sensor", "blocks", "courtyard and bodies",
+    "bodies among blocks", "spare robots",
+}  # fmt: skip
+
+
+def left_to_ci(recipe: Recipe, number: int) -> bool:
+    return number + 1 < recipe.missions or recipe.name in PARTS_OF_OTHERS
+
+
 @pytest.mark.parametrize(
     ("recipe", "number"),
     [
         pytest.param(
-            recipe, number, marks=[pytest.mark.slow] * (number + 1 < recipe.missions), id=f"{recipe.name}-{number}"
+            recipe, number, marks=[pytest.mark.slow] * left_to_ci(recipe, number), id=f"{recipe.name}-{number}"
         )
         for recipe in RECIPES
         for number in range(recipe.missions)

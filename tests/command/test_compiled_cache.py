@@ -46,6 +46,7 @@ def test_the_packages_that_the_program_asks_for_have_main_kernels() -> None:
         assert (Path(rota.__file__).parent / package / "kernels.py").exists()
 
 
+@pytest.mark.slow  # compiles all of the check anew
 def test_the_check_is_compiled_in_another_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # with the usual cache, compiled by now, it is over soon; what counts is that it runs through without a fault
     done = subprocess.run([sys.executable, "-c", OTHER_HALF], capture_output=True, check=False)

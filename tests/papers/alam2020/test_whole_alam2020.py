@@ -21,6 +21,8 @@ from rota.papers.study import Study, StudyStopped
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.planner import bouncing_robots, covered_by
 
+pytestmark = pytest.mark.slow  # the whole study is made, small
+
 SMALL = StudySettings(starts=2, layouts=1, layout_steps=500, region_pairs=5, error_steps=30, walks=2000)
 
 

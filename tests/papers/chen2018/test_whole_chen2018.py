@@ -17,6 +17,8 @@ from rota.papers.chen2018.runs import EXACT, READINGS, Runs, StudySettings
 from rota.papers.chen2018.study import chen2018_study
 from rota.papers.study import Study, StudyStopped, write_study
 
+pytestmark = pytest.mark.slow  # the whole study is made, small
+
 
 @pytest.fixture(scope="module")
 def study(settings: StudySettings) -> Study:

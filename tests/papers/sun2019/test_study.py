@@ -28,6 +28,8 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 
 STAGES = (6, 8, 12, 15)
 
+pytestmark = pytest.mark.slow  # the whole study is made, small
+
 
 @pytest.fixture(scope="module")
 def study(settings: StudySettings) -> Study:

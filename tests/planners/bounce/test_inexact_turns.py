@@ -72,6 +72,7 @@ def stepped(starts: Floats, angle: float, error: float, duration_s: float, seed:
     return [{(int(c), int(r)) for c, r in np.argwhere(one)} for one in entered]
 
 
+@pytest.mark.slow  # thousands of runs in small steps of time
 @pytest.mark.parametrize(
     ("robots", "angle_deg", "error_deg", "runs"), [(1, 135, 10, 2500), (1, 90, 5, 2500), (2, 135, 8, 4000)]
 )

@@ -62,6 +62,7 @@ def places_on_cuda() -> dict[str, list[list[float]]]:
     return found
 
 
+@pytest.mark.slow  # numba's simulator runs uncompiled
 def test_the_simulated_gpu_decides_as_the_processor_does() -> None:
     module = "tests.planners.swarm.test_cuda_step"
     program = f"import json; from {module} import places_on_cuda; print(json.dumps(places_on_cuda()))"

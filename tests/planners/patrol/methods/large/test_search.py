@@ -47,6 +47,7 @@ def met(plan: rota.Plan) -> bool:
     return report.verdict == "met" and not report.violations
 
 
+@pytest.mark.slow  # the largest search of all tests
 def test_a_large_field_takes_hardly_more_robots_than_it_must() -> None:
     plan = rota.make_plan(FIELD)
     assert met(plan)

@@ -63,6 +63,7 @@ def context_of(mission: Mission) -> Context:
     )  # fmt: skip
 
 
+@pytest.mark.slow  # the longest search of this method
 def test_figure_13_takes_no_more_robots_than_the_paper() -> None:
     plan = planned(replace(figure_13(), planning=QUICK))
     assert len(plan.trajectories) <= 5  # Table 5
