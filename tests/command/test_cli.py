@@ -502,8 +502,30 @@ def test_check_reads_stdin(
         (["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "-"], "the path of a folder is needed"),
         (["export", "yard.rota.json", "--to", "create2-sketch", "-o", "-"], "the path of a folder is needed"),
         (["export", "yard.rota.json", "--to", "create2-sketch", "-o", "p"], "a plan of the planner bounce is needed"),
-        (["export", "yard.rota.json", "--to", "kmz", "-o", "p"], "'geojson', 'qgroundcontrol'"),
+        (["export", "yard.rota.json", "--to", "kmz", "-o", "p"], "'geojson', 'csv', 'kml', 'gpx', 'qgroundcontrol'"),
         (["export", "yard.rota.json", "--to", "geojson", "-o", "."], "is a folder"),
+        (["export", "yard.rota.json", "--to", "waypoints", "-o", "-"], "the path of a folder is needed"),
+        (["export", "yard.rota.json", "--to", "kml", "-o", "none/p.kml"], "there is no folder"),
+        (
+            ["export", "yard.rota.json", "--to", "kml", "-o", "p.kml", "--origin", "91,0"],
+            "--origin: '91,0' is not allowed; LAT,LON in degrees is needed, such as 48.1,11.5, with LAT in -90..90",
+        ),
+        (["export", "yard.rota.json", "--to", "csv", "-o", "p", "--origin", "nan,0"], "--origin: 'nan,0' is not"),
+        (["export", "yard.rota.json", "--to", "csv", "-o", "p", "--origin", "1,2,3"], "--origin: '1,2,3' is not"),
+        (["export", "yard.rota.json", "--to", "csv", "-o", "p", "--origin", "-1,2"], "the mission has its own, "),
+        (["export", "yard.rota.json", "--to", "create2-sketch", "-o", "p", "--origin", "1,2"], "own metres"),
+        (
+            ["export", "yard.rota.json", "--to", "csv", "-o", "p", "--start-time", "2000-01-01"],
+            "csv has no clock; kml and gpx have one",
+        ),
+        (
+            ["export", "yard.rota.json", "--to", "gpx", "-o", "p", "--start-time", "noon"],
+            "--start-time: 'noon' is not allowed; a date and time in ISO 8601 is needed",
+        ),
+        (
+            ["export", "yard.rota.json", "--to", "gpx", "-o", "p", "--start-time", "9999-12-31T23:59:59"],
+            "after the year 9999",
+        ),
         (["export", "yard.rota.json", "--to", "geojson", "-o", "yard.rota.json"], "is the input itself"),
         (["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "yard.yaml"], "is a file"),
         (["new", "yard.yaml"], "yard.yaml: exists already"),
@@ -539,6 +561,8 @@ def test_pictures_films_and_exports_appear(plan_path: Path, capsys: pytest.Captu
     assert run(["export", "yard.rota.json", "--to", "qgroundcontrol", "-o", "fly"]) == 0
     assert capsys.readouterr().out == "fly/robot-1.plan\n"
     assert json.loads(Path("fly/robot-1.plan").read_text())["mission"]["firmwareType"] == 3
+    assert run(["export", "yard.rota.json", "--to", "waypoints", "-o", "fly"]) == 0
+    assert Path("fly/robot-1.waypoints").read_text().startswith("QGC WPL 110\n")
     assert run(["export", "yard.rota.json", "--to", "qgroundcontrol-px4", "-o", "fly"]) == 0
     assert json.loads(Path("fly/robot-1.plan").read_text())["mission"]["firmwareType"] == 12
 
@@ -559,8 +583,30 @@ def test_exports_without_an_origin(yard: Path, capsys: pytest.CaptureFixture[str
     assert json.loads(out)["coordinates_in"] == "metres"
     assert "no origin" in err
     assert run(["export", "flat.json", "--to", "qgroundcontrol", "-o", "fly"]) == 2
-    assert "add origin" in capsys.readouterr().err
+    assert "give --origin LAT,LON, or add origin" in capsys.readouterr().err
     assert not Path("fly").exists()
+    placed = ["export", "flat.json", "--origin", "-33.5,151.25"]
+    assert run([*placed, "--to", "geojson", "-o", "-"]) == 0
+    out, err = capsys.readouterr()
+    assert "coordinates_in" not in json.loads(out)
+    assert "no origin" not in err
+    assert run([*placed, "--to", "qgroundcontrol", "-o", "fly"]) == 0
+    home = json.loads(Path("fly/robot-1.plan").read_text())["mission"]["plannedHomePosition"]
+    assert home[:2] == pytest.approx([-33.5, 151.25], abs=0.01)
+    capsys.readouterr()
+    assert run([*placed, "--to", "csv", "-o", "-"]) == 0
+    assert capsys.readouterr().out.startswith("robot,t_s,x_m,y_m,lat,lon,in_loop\nrobot-1,0.0,")
+
+
+@pytest.mark.parametrize(("to", "first"), [("kml", "<when>2026-05-01T06:00:00.000Z"), ("gpx", "T06:00:00.000Z</time>")])
+def test_exports_with_a_clock_start_when_told(
+    to: str, first: str, plan_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["export", str(plan_path), "--to", to, "-o", "-"]
+    assert run([*command, "--start-time", "2026-05-01T08:00+02:00"]) == 0
+    assert first in capsys.readouterr().out
+    assert run(command) == 0
+    assert "2000-01-01T00:00:00.000Z" in capsys.readouterr().out
 
 
 # ---------------------------------------------------------------- new, schema, version
@@ -612,7 +658,11 @@ def test_help_names_formats_and_exit_codes_and_cuts_no_line(capsys: pytest.Captu
     assert "..." not in listed.replace("ARGS]...", "")
     assert "130 Ctrl-C" in listed
     assert run(["export", "--help"]) == 0
-    assert "qgroundcontrol-px4" in capsys.readouterr().out
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [line[:3] for name in ("waypoints", "kml") for line in lines if line[:1] == [name]] == [
+        ["waypoints", "a", "folder"],
+        ["kml", "a", "file"],
+    ]
 
 
 def test_a_cold_cache_is_told(

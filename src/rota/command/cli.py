@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 import typer
 
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
-from rota.command.export import FORMATS_HELP, export_format, write_export
+from rota.command.export import FORMATS_HELP, FORMATS_LIST, export_format, write_export
 from rota.command.interrupt import Terminated, clean_end_on_terminate, stop_on_interrupt
 from rota.command.plan import plan_and_write
 from rota.command.study import app as study_app
@@ -255,17 +255,25 @@ def _plan_to_show(plan: str, output: str, suffixes: tuple[str, ...], what: str) 
     return _read_plan(plan)
 
 
-@app.command()
+@app.command(epilog=FORMATS_LIST)
 def export(
     plan: PlanPath,
     to: Annotated[str, typer.Option(parser=export_format, metavar="FORMAT", help=FORMATS_HELP)],
     output: Annotated[
-        str,
-        typer.Option("-o", "--output", metavar="PATH", help="A file; a folder where each robot has one."),
+        str, typer.Option("-o", "--output", metavar="PATH", help="A file; a folder where each robot has one.")
     ],
+    origin: Annotated[
+        str | None, typer.Option(metavar="LAT,LON", help="Where x = y = 0 lies, for a mission that does not say it.")
+    ] = None,
+    start_time: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME", help="When robots start, in ISO 8601, for kml and gpx; default 2000-01-01T00:00Z."
+        ),
+    ] = None,
 ) -> None:
     """Export a plan to what maps and robots read."""
-    for path in write_export(_read_plan(plan), plan, to, output):
+    for path in write_export(_read_plan(plan), plan, to, output, origin=origin, start_time=start_time):
         typer.echo(path)
 
 

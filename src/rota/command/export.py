@@ -1,12 +1,15 @@
 """What `rota export` does once its plan is read: write it for maps or for robots.
 
-``TEXTS`` and ``FOLDERS`` name all formats; the command line takes its choices and its help from them.
+``FORMATS`` names all of them; the command line takes its choices and its help from them.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,18 +55,63 @@ def create2_sketches(plan: Plan, folder: str) -> tuple[Path, ...]:
     return write_create2_sketches(plan, folder, most_slowing=max(most, 1.0))
 
 
-# formats of one file: its text
-TEXTS: dict[str, Callable[[Plan], str]] = {
-    "geojson": geojson,
+def waypoint_lists(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """A list of waypoints per robot, for ArduPilot."""
+    from rota.files.waypoint_list import write_waypoint_lists
+
+    return write_waypoint_lists(plan, folder)
+
+
+def csv_table(plan: Plan) -> str:
+    """A table's text."""
+    from rota.files.plan_table import csv_text
+
+    return csv_text(plan)
+
+
+def kml_tour(plan: Plan, start: datetime) -> str:
+    """The text for a globe that plays the robots' tracks."""
+    from rota.files.kml_tour import kml_text
+
+    return kml_text(plan, start)
+
+
+def gpx_tracks(plan: Plan, start: datetime) -> str:
+    """The text of tracks with times."""
+    from rota.files.gpx_tracks import gpx_text
+
+    return gpx_text(plan, start)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A format's line in the help, and what makes it: one of ``text``, ``timed_text`` (one file) and ``folder``.
+
+    ``folder`` writes a file for each robot and returns the paths; ``timed_text`` also takes the instant of the start.
+    """
+
+    holds: str
+    text: Callable[[Plan], str] | None = None
+    timed_text: Callable[[Plan, datetime], str] | None = None
+    folder: Callable[[Plan, str], tuple[Path, ...]] | None = None
+    takes_origin: bool = True
+
+
+FORMATS = {
+    "geojson": Format(holds="a map of ground and routes", text=geojson),
+    "csv": Format(holds="a table of all timed points", text=csv_table),
+    "kml": Format(holds="ground and tracks that Google Earth plays", timed_text=kml_tour),
+    "gpx": Format(holds="tracks with times (GPX 1.1)", timed_text=gpx_tracks),
+    "qgroundcontrol": Format(holds=".plan files for ArduPilot", folder=ardupilot_missions),
+    "qgroundcontrol-px4": Format(holds=".plan files for PX4", folder=px4_missions),
+    "waypoints": Format(holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists),
+    "create2-sketch": Format(holds="sketches for Create 2 robots", folder=create2_sketches, takes_origin=False),
 }
-# formats of a folder with a file per robot: what writes it and returns the paths
-FOLDERS: dict[str, Callable[[Plan, str], tuple[Path, ...]]] = {
-    "qgroundcontrol": ardupilot_missions,
-    "qgroundcontrol-px4": px4_missions,
-    "create2-sketch": create2_sketches,
-}
-FORMATS = (*TEXTS, *FOLDERS)
-FORMATS_HELP = f"{', '.join(TEXTS)} (a file); {', '.join(FOLDERS)} (a folder)."
+FORMATS_HELP = f"One of {', '.join(FORMATS)}; see below."
+# \b keeps the lines as they are
+FORMATS_LIST = "\b\nFormats:\n" + "\n".join(
+    f"  {name:<18}  {'a folder' if kind.folder else 'a file  '}  {kind.holds}" for name, kind in FORMATS.items()
+)
 
 
 def export_format(name: str) -> str:
@@ -73,25 +121,67 @@ def export_format(name: str) -> str:
     return name
 
 
-def write_export(plan: Plan, source: str, to: str, output: str) -> tuple[str | Path, ...]:
+def write_export(
+    plan: Plan, source: str, to: str, output: str, *, origin: str | None = None, start_time: str | None = None
+) -> tuple[str | Path, ...]:
     """Write the plan, read from ``source``, in a format; returns the paths written, none for stdout.
 
-    output: a file for a format of one file (``-`` for stdout), else a folder.
+    output: a file for a format of one file (``-`` for stdout), else a folder. origin: LAT,LON for a mission without.
+    start_time: ISO 8601, for formats with a clock.
     """
-    if to in TEXTS:
-        return _write_text(plan, source, TEXTS[to], output)
+    kind = FORMATS[to]
+    if origin is not None:
+        plan = _placed(plan, origin, to)
+    if start_time is not None and kind.timed_text is None:
+        clocks = " and ".join(name for name, other in FORMATS.items() if other.timed_text)
+        raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; {clocks} have one")
+    if kind.folder is None:
+        return _write_text(_text_of(plan, kind, start_time), source, output)
     if output == STANDARD_STREAM:
         raise RotaError(f"-: {to} makes one file per robot and cannot write to stdout; the path of a folder is needed")
-    return FOLDERS[to](plan, output)
+    return kind.folder(plan, output)
 
 
-def _write_text(plan: Plan, source: str, text_of: Callable[[Plan], str], output: str) -> tuple[str, ...]:
+def _placed(plan: Plan, origin: str, to: str) -> Plan:
+    """The plan with its mission at LAT,LON; RotaError for other text, and for a mission that lies somewhere else."""
+    from rota.errors import MissionError
+    from rota.mission import GeoPoint
+
+    if not FORMATS[to].takes_origin:
+        raise RotaError(f"--origin: {origin!r} is not allowed: {to} is in the mission's own metres")
+    try:
+        lat, lon = (float(number) for number in origin.split(","))
+        place = GeoPoint(lat=lat, lon=lon)
+    except (ValueError, MissionError):
+        raise RotaError(
+            f"--origin: {origin!r} is not allowed; LAT,LON in degrees is needed, such as 48.1,11.5, with LAT in -90..90"
+            " and LON in -180..180"
+        ) from None
+    given = plan.mission.origin
+    if given not in (None, place):
+        raise RotaError(
+            f"--origin: {origin!r} is not allowed: the mission has its own, {given.lat:.9g},{given.lon:.9g}"
+        )
+    return replace(plan, mission=replace(plan.mission, origin=place))
+
+
+def _text_of(plan: Plan, kind: Format, start_time: str | None) -> Callable[[], str]:
+    from rota.files.timed_places import START, instant_given
+
+    if kind.timed_text is None:
+        assert kind.text is not None
+        return partial(kind.text, plan)
+    start = START if start_time is None else instant_given(start_time, "--start-time")
+    return partial(kind.timed_text, plan, start)
+
+
+def _write_text(text: Callable[[], str], source: str, output: str) -> tuple[str, ...]:
     from rota.files.atomic_write import require_target, write_atomically
 
     if output == STANDARD_STREAM:
-        sys.stdout.write(text_of(plan))
+        sys.stdout.write(text())
         sys.stdout.flush()
         return ()
     require_target(output, source)
-    write_atomically(output, text_of(plan))
+    write_atomically(output, text())
     return (output,)

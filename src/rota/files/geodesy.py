@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rota.errors import MissionError
-from rota.mission import GeoPoint
+from rota.errors import MissionError, PlanError
+from rota.mission import GeoPoint, Mission
 
 ORIGIN_DECIMALS = 7  # 1e-7 degrees: about a centimetre, and what MAVLink's integers carry
 
@@ -38,6 +38,16 @@ class Projection:
         x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
         lon, lat = _transformer(self.origin).transform(x, y, direction="INVERSE")
         return np.asarray(lon, dtype=np.float64), np.asarray(lat, dtype=np.float64)
+
+
+def projection_of(mission: Mission, reader: str) -> Projection:
+    """The projection about a mission's origin; PlanError without one, since ``reader`` needs places on the globe."""
+    if mission.origin is None:
+        raise PlanError(
+            f"mission {mission.name}: without an origin it has no place on the globe, which {reader} needs; give"
+            " --origin LAT,LON, or add origin: {lat: ..., lon: ...} to the mission file and plan again"
+        )
+    return Projection(mission.origin)
 
 
 def projection_for(bounds: tuple[float, float, float, float]) -> Projection:

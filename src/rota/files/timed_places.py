@@ -1,0 +1,79 @@
+"""Plan -> what files with a clock hold of each robot: places on the globe, each with its instant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+
+from rota.errors import PlanError, RotaError
+from rota.files.geodesy import Projection
+from rota.plan import Floats, Plan, Trajectory
+
+START = datetime(2000, 1, 1, tzinfo=UTC)  # fixed, so that the same plan gives the same file
+DEGREE_DIGITS = 9
+HEIGHT_DIGITS = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimedRoute:
+    """A robot's approach and one round of its loop. lon, lat (n,) degrees; heights_m (n,); instants: n times in UTC."""
+
+    robot: str
+    lon: Floats
+    lat: Floats
+    heights_m: Floats
+    instants: list[str]
+
+
+def instant_given(text: str, where: str) -> datetime:
+    """An instant in ISO 8601; without a zone it is UTC. Raises RotaError for other text, which names ``where``."""
+    try:
+        instant = datetime.fromisoformat(text)
+        return (instant if instant.tzinfo else instant.replace(tzinfo=UTC)).astimezone(UTC)
+    except (ValueError, OverflowError):
+        raise RotaError(
+            f"{where}: {text!r} is not allowed; a date and time in ISO 8601 is needed, such as 2000-01-01T00:00:00Z,"
+            " of the years 1 to 9999"
+        ) from None
+
+
+def timed_routes(plan: Plan, projection: Projection, start: datetime) -> Iterator[TimedRoute]:
+    """Each robot's route, in the plan's order; a robot that stays ends where it stays.
+
+    Instants are rounded to milliseconds. A third coordinate of positions is the height; else it is the fleet's
+    altitude. Raises PlanError for routes that end after the year 9999, which ISO 8601 has no four digits for.
+    """
+    for trajectory in plan:
+        places_m = trajectory.positions_m
+        lon, lat = projection.to_degrees(places_m[:, 0], places_m[:, 1])
+        flat = places_m.shape[1] == 2
+        heights_m = np.full(len(lat), plan.mission.fleet.altitude_m) if flat else places_m[:, 2]
+        yield TimedRoute(
+            robot=trajectory.robot,
+            lon=np.round(lon, DEGREE_DIGITS),
+            lat=np.round(lat, DEGREE_DIGITS),
+            heights_m=np.round(heights_m, HEIGHT_DIGITS),
+            instants=_instants(trajectory, start),
+        )
+
+
+def instant_text(instant: datetime) -> str:
+    """An instant in UTC as ISO 8601, in milliseconds."""
+    return instant.astimezone(UTC).replace(tzinfo=None).isoformat(timespec="milliseconds") + "Z"
+
+
+def _instants(trajectory: Trajectory, start: datetime) -> list[str]:
+    try:
+        start + timedelta(seconds=float(trajectory.times_s[-1]) + 1)
+    except OverflowError:
+        raise PlanError(
+            f"robot {trajectory.robot}: its route of {trajectory.times_s[-1]:g} s from {instant_text(start)} on ends"
+            " after the year 9999; name an earlier start"
+        ) from None
+    first = np.datetime64(start.astimezone(UTC).replace(tzinfo=None), "us")
+    microseconds = np.round(trajectory.times_s * 1e6).astype("timedelta64[us]")
+    milliseconds = (first + microseconds + np.timedelta64(500, "us")).astype("datetime64[ms]")
+    return [f"{instant}Z" for instant in np.datetime_as_string(milliseconds).tolist()]
