@@ -11,6 +11,7 @@ from benchmarks.bounce_joint_maps import bounce_map
 from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
 from benchmarks.check_legs import check_legs
 from benchmarks.create2_sketch import create2_sketch
+from benchmarks.house import house, suite
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.methods import cell, compared
@@ -167,10 +168,13 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "mutated-plans": mutated_plans,
     "check-legs": check_legs,
     "random-missions": random_missions,
+    "house": house,
+    "suite": suite,
 }
 LONG = (
     "random-missions",
     "swarm-million",
     "mutated-plans",
     "scanned-floors",
-)  # half an hour and more: measured only when named, or with --all
+    "suite",
+)  # a quarter of an hour and more: measured only when named, or with --all

@@ -17,6 +17,7 @@ import pytest
 from benchmarks import ablation, plan_hashes
 from benchmarks.__main__ import arguments, line_of
 from benchmarks.figures import FIGURES, LONG
+from benchmarks.house import size_of
 from benchmarks.large_areas import growth_row, write_tiles
 from benchmarks.one_robot import (
     BLOCKS,
@@ -79,6 +80,12 @@ def test_a_peers_program_needs_nothing_but_the_peer(program: str) -> None:
     named |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     foreign = {name.partition(".")[0] for name in named} - set(sys.stdlib_module_names)
     assert foreign == {PEERS[program]}
+
+
+def test_lines_of_code_are_neither_blank_nor_words() -> None:
+    head = '"""A module.\n\nMore."""\n\nimport os\n\n\n'
+    text = head + 'def f(a):  # told\n    """Why."""\n    # how\n    return (\n        a\n    )\n'
+    assert size_of(text) == (13, 5)  # the import, the head, and three lines that return
 
 
 @pytest.mark.slow  # starts interpreters that plan

@@ -1,0 +1,99 @@
+"""How large the house is, and how long its tests take."""
+
+from __future__ import annotations
+
+import ast
+import io
+import os
+import subprocess
+import sys
+import time
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from benchmarks.row import Options, Row
+
+PROJECT = Path(__file__).parents[1]
+SOURCE = PROJECT / "src" / "rota"
+PATROL = SOURCE / "planners" / "patrol"
+APART = (SOURCE / "papers", PATROL / "methods" / "sun2019")
+MOST_PARAMETERS = 8
+SUITE_S = 300.0
+
+
+class Size(NamedTuple):
+    """Lines of some files: all, and those that hold code (no blank line, no comment, no docstring)."""
+
+    lines: int
+    code: int
+
+
+def size_of(text: str) -> Size:
+    """How long a source is."""
+    skipped = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER)
+    rows: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in skipped:
+            rows.update(range(token.start[0], token.end[0] + 1))
+    return Size(len(text.splitlines()), len(rows - docstring_rows(text)))
+
+
+def docstring_rows(text: str) -> set[int]:
+    """The lines of a source that docstrings take."""
+    rows: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        holds = isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+        if holds and ast.get_docstring(node, clean=False) is not None:
+            first = node.body[0]
+            rows.update(range(first.lineno, (first.end_lineno or first.lineno) + 1))
+    return rows
+
+
+def size_below(folder: Path) -> Size:
+    """All of a folder but what stands apart: the papers' studies and the published method."""
+    files = [file for file in folder.rglob("*.py") if not any(file.is_relative_to(part) for part in APART)]
+    sizes = [size_of(file.read_text()) for file in files]
+    return Size(sum(size.lines for size in sizes), sum(size.code for size in sizes))
+
+
+def many_parameters(folder: Path) -> list[str]:
+    """The compiled functions that take more parameters than a reader can keep apart."""
+    return [
+        node.name
+        for file in sorted(folder.rglob("*kernels.py"))
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.FunctionDef)
+        and len(node.args.posonlyargs + node.args.args + node.args.kwonlyargs) > MOST_PARAMETERS
+    ]
+
+
+def house(_: Options) -> Iterator[Row]:
+    """The sizes that are asked of the source and the README."""
+    for name, folder, most in (("src", SOURCE, 28_000), ("patrol", PATROL, 9_000)):
+        size = size_below(folder)
+        measured = f"{size.lines:,} lines, {size.code:,} of them code"
+        yield Row(f"{name}, without papers and sun2019", f"< {most:,} lines", measured, size.lines < most)
+    lines = len((PROJECT / "README.md").read_text().splitlines())
+    yield Row("README", "at most 200 lines", f"{lines} lines", lines <= 200)
+    loose = many_parameters(SOURCE)
+    yield Row(f"compiled functions with more than {MOST_PARAMETERS} parameters", "0", str(len(loose)), not loose)
+
+
+def suite(_: Options) -> Iterator[Row]:
+    """The tests that `make test` runs, when all kernels are compiled; those that CI runs besides are not among them."""
+    shared_out = ("--numprocesses", "auto", "--dist", "worksteal")
+    command = [sys.executable, "-m", "pytest", *shared_out, "-m", "not slow"]
+    environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
+    runs = []
+    for _run in range(2):  # the first one compiles
+        began_s = time.perf_counter()
+        done = subprocess.run(
+            [*command, "-m", "not slow"], cwd=PROJECT, env=environment, capture_output=True, text=True
+        )
+        runs.append((time.perf_counter() - began_s, done))
+    (cold_s, _first), (wall_s, done) = runs
+    told = done.stdout.strip().splitlines()[-1] if done.stdout.strip() else f"exit code {done.returncode}"
+    measured = f"{wall_s:.0f} s; {cold_s:.0f} s the time before; {told}"
+    yield Row("pytest as make test runs it", f"< {SUITE_S:.0f} s", measured, wall_s < SUITE_S and done.returncode == 0)
