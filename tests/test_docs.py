@@ -176,6 +176,8 @@ def test_the_method_that_contributing_shows_plans() -> None:
     method: dict[str, Any] = {}
     exec(module, method)
     found = method["visit_centres"](search_on(YARD))
+    assert rota.check_plan(found.plan).verdict == "met"
+    assert len(found.plan.trajectories) >= 1
     test: dict[str, Any] = {}
     exec(shown, test)
     # the name centres is no method of Rota: the plan comes from the sample itself
