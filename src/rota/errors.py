@@ -26,6 +26,10 @@ class CheckpointError(RotaError):
     """A checkpoint (or its file) that contradicts itself, or belongs to another mission than the one given."""
 
 
+class LinkError(RotaError):
+    """A robot, or what carries messages to it, that cannot be reached, refuses, or does not do what was asked of it."""
+
+
 class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
     """No plan that meets the demand was found; the message gives the reason and the proved bound.
 
