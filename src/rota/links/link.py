@@ -10,25 +10,9 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from rota.route import Route
+
 Mode = Literal["idle", "ready", "running", "paused", "returning", "failed"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class RouteStop:
-    """A place (x, y, height) in metres to reach at ``speed_m_s`` (more than 0) and to wait at for ``hold_s`` (0 on)."""
-
-    place_m: tuple[float, float, float]
-    speed_m_s: float
-    hold_s: float = 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Route:
-    """What one robot drives: ``approach`` once, then ``loop`` for ever; a loop of one stop is a place to stay at."""
-
-    robot: str
-    approach: tuple[RouteStop, ...]
-    loop: tuple[RouteStop, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
