@@ -14,6 +14,7 @@ from vda5050.identity import VehicleKey
 from vda5050.model.order import Order
 from vda5050.validation.schema_validator import SchemaValidator
 
+from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.files.vda5050_orders import Vehicle, Window, base_end, order_message, order_messages
 from rota.route import Route, route_of
@@ -26,7 +27,7 @@ NOW = "2026-05-01T12:00:00.000Z"
 def routes() -> tuple[Route, Route]:
     """One that loops and waits, one that stays."""
     plan = two_robots(robots=("a", "b"))
-    first, second = (route_of(plan, trajectory) for trajectory in plan)
+    first, second = (route_of(trajectory, 0) for trajectory in plan)
     return first, second
 
 
@@ -70,7 +71,7 @@ def test_a_vehicle_that_takes_all_updates_drives_the_loop_again_and_again(window
     assert len(passed) >= 21
     start, *rest = passed
     assert start[:3] == (-20, 0, None)
-    stops = [*looping.approach[1:], *(looping.loop * 30)]
+    stops = [*from_start(looping)[1:], *(looping.every_round * 30)]
     for node, stop in zip(rest, stops, strict=False):
         assert node == (*stop.place_m[:2], stop.speed_m_s, stop.hold_s)
 
@@ -78,12 +79,12 @@ def test_a_vehicle_that_takes_all_updates_drives_the_loop_again_and_again(window
 def test_a_message_says_what_is_released_and_what_is_likely() -> None:
     looping, _ = routes()
     order, update = messages(looping, Window(released=3, announced=2), 2)
-    assert [node["nodeId"] for node in order["nodes"]] == ["a0", "l3", "l0", "l1", "l2", "l3"]
+    assert [node["nodeId"] for node in order["nodes"]] == ["a0", "l0", "l1", "l2", "l3", "l0"]
     assert [node["released"] for node in order["nodes"]] == [True] * 4 + [False] * 2
     assert [edge["released"] for edge in order["edges"]] == [True] * 3 + [False] * 2
-    assert [edge["edgeId"] for edge in order["edges"]] == ["a0-l3", "l3-l0", "l0-l1", "l1-l2", "l2-l3"]
+    assert [edge["edgeId"] for edge in order["edges"]] == ["a0-l0", "l0-l1", "l1-l2", "l2-l3", "l3-l0"]
     assert base_end(order) == 3
-    assert [node["nodeId"] for node in update["nodes"]] == ["l1", "l2", "l3", "l0", "l1"]
+    assert [node["nodeId"] for node in update["nodes"]] == ["l2", "l3", "l0", "l1", "l2"]
     assert [node["sequenceId"] for node in update["nodes"]] == [6, 8, 10, 12, 14]
     assert update["nodes"][0] == order["nodes"][3]
     assert (order["timestamp"], update["timestamp"]) == ("0000-01-01T00:00:00Z", "0003-01-01T00:00:00Z")
@@ -95,7 +96,7 @@ def test_the_orders_of_a_robot_that_stays_come_to_an_end() -> None:
     assert [node["nodeId"] for node in order["nodes"]] == ["a0", "l0"]
     assert all(node["released"] for node in order["nodes"])
     assert drive([order]) == [(200, 200, None, 0), (200, 90, 110 / 30, 0)]
-    waiting = replace(staying, approach=staying.approach[1:])
+    waiting = replace(staying, loop=(replace(staying.loop[0], speed_m_s=None),))
     (order,) = messages(waiting, Window(), 9)
     assert (len(order["nodes"]), order["edges"]) == (1, [])
 

@@ -1,8 +1,8 @@
 """A route -> VDA 5050 orders: nodes, edges, a released base with a horizon, and updates that go on for ever.
 
 VDA 5050 version 2.1.0, sections 6.6.1, 6.6.2 and 6.7. A message is a dict that JSON can write. Stops are counted
-through the whole drive: the approach's first, then the loop's again and again. Stop i has the ``sequenceId`` 2 i, the
-edge that leads to it 2 i - 1, so that numbers go on through all updates.
+through the whole drive: those before the loop first, then the loop's again and again. Stop i has the ``sequenceId`` 2 i
+and the edge that leads to it 2 i - 1, so that numbers go on through all updates.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.route import Route, RouteStop
 
@@ -54,19 +55,35 @@ def require_id(what: str, name: str) -> None:
         raise PlanError(f"{what} {name!r}: VDA 5050 takes only the characters A-Z a-z 0-9 _ - . : in it")
 
 
-def stop_at(route: Route, number: int) -> RouteStop:
-    """The stop that the robot drives to as its number-th, from 0, where it begins."""
-    past = number - len(route.approach)
-    return route.approach[number] if past < 0 else route.loop[past % len(route.loop)]
+class NumberedStops:
+    """A route's stops in the order of driving, each with the id of its node, and numbers that go on for ever."""
 
+    def __init__(self, route: Route) -> None:
+        """Stops ``once`` from where the robot begins to where rounds begin, then those of ``every_round``."""
+        self.robot = route.robot
+        self.once = from_start(route)
+        self.every_round = route.every_round
 
-def node_id(route: Route, number: int) -> str:
-    """The id of a stop's node: ``a0``, ``a1``, ... on the approach, then ``l0``, ``l1``, ..., the same in every round.
+    @property
+    def arrived(self) -> int:
+        """The number of the stop where rounds begin and end; the last one of a robot that stays."""
+        return len(self.once) - 1
 
-    The approach ends on the node where rounds end.
-    """
-    past = number - len(route.approach)
-    return f"a{number}" if past < -1 else f"l{past % len(route.loop)}"
+    def stop(self, number: int) -> RouteStop:
+        """The stop that the robot drives to as its number-th, from 0, where it begins."""
+        past = number - len(self.once)
+        return self.once[number] if past < 0 else self.every_round[past % len(self.every_round)]
+
+    def node_id(self, number: int) -> str:
+        """``a0``, ``a1``, ... before the loop; then ``l0``, where rounds begin, ``l1``, ..., the same in each."""
+        past = number - self.arrived
+        return f"a{number}" if past < 0 else f"l{past % len(self.every_round) if self.every_round else 0}"
+
+    def last_within(self, first: int, last: int) -> int:
+        """``last``, or less where the path ends before or an edge would come twice."""
+        if not self.every_round:
+            return min(last, self.arrived)
+        return min(last, max(first, self.arrived) + len(self.every_round))
 
 
 def order_message(
@@ -82,8 +99,9 @@ def order_message(
     Raises PlanError for ids that VDA 5050 does not take and for sequence ids beyond 32 bits: begin a new order then.
     """
     require_id("order id", order_id)
-    released = _last_within(route, first, first + window.released)
-    last = _last_within(route, first, released + window.announced)
+    stops = NumberedStops(route)
+    released = stops.last_within(first, first + window.released)
+    last = stops.last_within(first, released + window.announced)
     if 2 * last > MOST_SEQUENCE:
         raise PlanError(f"robot {route.robot}: the order has used up VDA 5050's sequence ids, which have 32 bits")
     numbers = range(first, last + 1)
@@ -95,8 +113,8 @@ def order_message(
         "serialNumber": vehicle.serial_number,
         "orderId": order_id,
         "orderUpdateId": update,
-        "nodes": [_node(route, vehicle, order_id, number, number <= released) for number in numbers],
-        "edges": [_edge(route, number, number <= released) for number in numbers[1:]],
+        "nodes": [_node(stops, vehicle, order_id, number, number <= released) for number in numbers],
+        "edges": [_edge(stops, number, number <= released) for number in numbers[1:]],
     }
 
 
@@ -118,20 +136,12 @@ def order_messages(
         message = order_message(route, vehicle, order_id, update=update, first=first, window=window, timestamp=text)
         yield message
         first, update = base_end(message), update + 1
-        if route.stays and first == len(route.approach) - 1:
+        if route.closing is None and first == len(from_start(route)) - 1:
             return
 
 
-def _last_within(route: Route, first: int, last: int) -> int:
-    """``last``, or less where the route ends before or an edge would come twice."""
-    arrived = len(route.approach) - 1
-    if route.stays:
-        return min(last, arrived)
-    return min(last, max(first, arrived) + len(route.loop))
-
-
-def _node(route: Route, vehicle: Vehicle, order_id: str, number: int, released: bool) -> Json:
-    stop = stop_at(route, number)
+def _node(stops: NumberedStops, vehicle: Vehicle, order_id: str, number: int, released: bool) -> Json:
+    stop = stops.stop(number)
     wait = {
         "actionType": WAIT,
         "actionId": f"{order_id}:{2 * number}",
@@ -139,7 +149,7 @@ def _node(route: Route, vehicle: Vehicle, order_id: str, number: int, released: 
         "actionParameters": [{"key": "duration", "value": stop.hold_s}],
     }
     return {
-        "nodeId": node_id(route, number),
+        "nodeId": stops.node_id(number),
         "sequenceId": 2 * number,
         "released": released,
         "nodePosition": {"x": stop.place_m[0], "y": stop.place_m[1], "mapId": vehicle.map_id},
@@ -147,15 +157,15 @@ def _node(route: Route, vehicle: Vehicle, order_id: str, number: int, released: 
     }
 
 
-def _edge(route: Route, number: int, released: bool) -> Json:
+def _edge(stops: NumberedStops, number: int, released: bool) -> Json:
     """The edge that leads to a stop."""
-    start, end = node_id(route, number - 1), node_id(route, number)
+    start, end = stops.node_id(number - 1), stops.node_id(number)
     return {
         "edgeId": f"{start}-{end}",
         "sequenceId": 2 * number - 1,
         "released": released,
         "startNodeId": start,
         "endNodeId": end,
-        "maxSpeed": stop_at(route, number).speed_m_s,
+        "maxSpeed": stops.stop(number).speed_m_s,
         "actions": [],
     }

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from tests.files.two_robots import two_robots, with_heights
 
+from rota.driven_route import from_start, trajectory_of
 from rota.errors import PlanError
 from rota.plan import Plan, Trajectory
-from rota.route import Route, RouteStop, route_of, trajectory_of
+from rota.route import Route, RouteStop, route_of
 
 
 def place_at(trajectory: Trajectory, time_s: float) -> np.ndarray:
@@ -24,7 +23,7 @@ def place_at(trajectory: Trajectory, time_s: float) -> np.ndarray:
 @pytest.mark.parametrize("plan", [two_robots(), with_heights()], ids=["flat", "with heights"])
 def test_a_route_driven_exactly_is_the_trajectory(plan: Plan) -> None:
     for trajectory in plan:
-        driven = trajectory_of(route_of(plan, trajectory), flat=trajectory.positions_m.shape[1] == 2)
+        driven = trajectory_of(route_of(trajectory, 25), flat=trajectory.positions_m.shape[1] == 2)
         assert driven.robot == trajectory.robot
         assert driven.loop_duration_s == pytest.approx(trajectory.loop_duration_s, rel=1e-12)
         for time_s in np.linspace(0, 300, 997):
@@ -32,16 +31,17 @@ def test_a_route_driven_exactly_is_the_trajectory(plan: Plan) -> None:
 
 
 def test_waits_where_the_loop_begins_belong_to_every_round() -> None:
-    plan = two_robots(robots=("a", "b"))
     waiting = Trajectory(
         robot="a",
         times_s=[0, 7, 9, 19, 29, 32],
         positions_m=[[0, 0], [0, 0], [0, 0], [50, 0], [0, 0], [0, 0]],
         loop_start_s=7,
     )
-    route = route_of(replace(plan, trajectories=(waiting,)), waiting)
-    assert [stop.hold_s for stop in route.approach] == [9]
-    assert [(stop.place_m, stop.speed_m_s, stop.hold_s) for stop in route.loop] == [
+    route = route_of(waiting, 25)
+    assert [(stop.place_m, stop.speed_m_s, stop.hold_s) for stop in from_start(route)] == [
+        ((0, 0, 25), None, 9),
+    ]
+    assert [(stop.place_m, stop.speed_m_s, stop.hold_s) for stop in route.every_round] == [
         ((50, 0, 25), 5, 0),
         ((0, 0, 25), 5, 5),
     ]
@@ -51,31 +51,19 @@ def test_waits_where_the_loop_begins_belong_to_every_round() -> None:
         np.testing.assert_allclose(place_at(driven, time_s), place_at(waiting, time_s), atol=1e-9)
 
 
-def test_a_robot_that_stays_has_a_loop_of_one_stop() -> None:
-    plan = two_robots(robots=("a", "b"))
+def test_a_robot_that_stays_has_no_rounds() -> None:
     for times_s, positions_m in (([0.0], [[5, 5]]), ([0, 9], [[5, 5], [5, 5]]), ([0, 4], [[0, 0], [5, 5]])):
         staying = Trajectory(robot="a", times_s=times_s, positions_m=positions_m, loop_start_s=times_s[-1])
-        route = route_of(replace(plan, trajectories=(staying,)), staying)
-        assert route.stays
-        assert route.loop[0].place_m == (5, 5, 25)
+        route = route_of(staying, 25)
+        assert route.every_round == ()
+        assert from_start(route)[-1].place_m == (5, 5, 25)
         driven = trajectory_of(route, flat=True)
         assert driven.loop_duration_s == 0
         assert driven.positions_m[-1].tolist() == [5, 5]
 
 
-def test_stops_and_routes_that_cannot_be_driven_are_refused() -> None:
+def test_a_loop_without_length_cannot_be_driven() -> None:
     stop = RouteStop(place_m=(0, 0, 0), speed_m_s=1)
-    with pytest.raises(PlanError, match="coordinates must be finite"):
-        replace(stop, place_m=(0, float("nan"), 0))
-    for speed in (0, -1, float("nan"), float("inf")):
-        with pytest.raises(PlanError, match="speeds must be finite and more than 0"):
-            replace(stop, speed_m_s=speed)
-    for hold in (-1, float("nan"), float("inf")):
-        with pytest.raises(PlanError, match="waits must be finite and 0 or more"):
-            replace(stop, hold_s=hold)
-    with pytest.raises(PlanError, match="robot a: the loop does not close: the approach ends at"):
-        Route(robot="a", approach=(stop,), loop=(replace(stop, place_m=(1, 0, 0)),))
-    with pytest.raises(PlanError, match="a route needs a stop in its approach and one in its loop"):
-        Route(robot="a", approach=(), loop=(stop,))
+    route = Route(robot="a", start_m=(0, 0, 0), approach=(), loop=(stop,), closing=stop)
     with pytest.raises(PlanError, match=r"robot a: its loop takes 0 s, too short"):
-        trajectory_of(Route(robot="a", approach=(stop,), loop=(stop, stop)), flat=True)
+        trajectory_of(route, flat=True)
