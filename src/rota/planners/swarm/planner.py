@@ -26,7 +26,7 @@ from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.space_kernels import Band
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.starts import place_starts, spare_room_m
-from rota.planners.swarm.state import Hearing, Rule
+from rota.planners.swarm.state import FleetKinds, Hearing, Rule
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
 
@@ -218,18 +218,6 @@ def make_swarm(
     decide: a kernel in place of the controller's own.
     """
     settings = SwarmSettings.of(mission)
-    robots = mission.fleet.robots or ()
-    sensors = sensors_of(mission)
-    reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
-    reciprocal = settings.controller == "reciprocal"
-    fleet = kinds_of(
-        len(robots),
-        body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
-        sensor_m=sensors,
-        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
-        neighbour_range_m=reach_m if reciprocal else sensors + sensors.max(),
-        wall_range_m=settings.wall_range_m or sensors,
-    )
     controller = Controller(
         decide=decide or DECIDE[settings.controller],
         rule=rule_of(settings, seed),
@@ -237,8 +225,21 @@ def make_swarm(
         hearing=hearing_of(settings),
         device=settings.device,
     )
-    return Swarm(
-        beginning, fleet, Surroundings(walls_of(ground), mission.moving_obstacles), controller, threads=threads
+    surroundings = Surroundings(walls_of(ground), mission.moving_obstacles)
+    return Swarm(beginning, fleet_of(mission, reserve_m), surroundings, controller, threads=threads)
+
+
+def fleet_of(mission: Mission, reserve_m: float = 0.0) -> FleetKinds:
+    """What the robots of a mission in the plane are like; their bodies are wider by ``reserve_m``."""
+    settings, robots, sensors = SwarmSettings.of(mission), mission.fleet.robots or (), sensors_of(mission)
+    reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
+    return kinds_of(
+        len(robots),
+        body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
+        sensor_m=sensors,
+        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
+        neighbour_range_m=reach_m if settings.controller == "reciprocal" else sensors + sensors.max(),
+        wall_range_m=settings.wall_range_m or sensors,
     )
 
 

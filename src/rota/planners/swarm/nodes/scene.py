@@ -1,0 +1,127 @@
+"""What all robots of a swarm of processes share before they start: map, starts, what each is like, and the rules."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.errors import MissionError
+from rota.geometry.free_space import free_ground
+from rota.mission import Mission
+from rota.planners.swarm.nodes.hearing import Start
+from rota.planners.swarm.nodes.telling import LONGEST_HOLD_NS, MOST_ROBOTS, swarm_number
+from rota.planners.swarm.place_graph import place_graph_of
+from rota.planners.swarm.planner import DECIDE, fleet_of, rule_of
+from rota.planners.swarm.planner_settings import SwarmSettings
+from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.starts import place_starts
+from rota.planners.swarm.state import FleetKinds, Grid, Kinds, Rule
+from rota.planners.swarm.world import make_grid, walls_of
+
+SILENT_HOLDS, LEAST_SILENT_HOLDS = 5, 4  # times the hold, after which a robot that tells nothing is forgotten
+# of simulations, where news are late only because a mission says so
+OF_SIMULATIONS = {"delay_steps": 0, "messages_lost": 0.0, "device": "cpu", "altitudes_m": None, "filter": True}
+
+HeightAt = Callable[[float, float], float]
+
+
+def flat(_x: float, _y: float) -> float:
+    """The height of level ground."""
+    return 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene:
+    """A mission as its robots' processes see it.
+
+    starts_m: (n, 2). hold_ns: how long a decision holds by default, the mission's time step. silent_ns: one that has
+    told nothing for so long is forgotten; clock_error_ns: by which clocks may differ. decide: the controller, the very
+    function that the simulation runs. ground_m: the height of the ground at a place (x, y), over which robots fly at
+    the fleet's altitude.
+    """
+
+    mission: Mission
+    seed: int
+    number: int
+    starts_m: NDArray[np.float64]
+    fleet: FleetKinds
+    grid: Grid
+    hold_ns: int
+    silent_ns: int
+    clock_error_ns: int
+    decide: Callable[..., None]
+    ground_m: HeightAt = flat
+
+    @property
+    def starts(self) -> tuple[Start, ...]:
+        """Where all robots stand before they take part."""
+        bodies = self.fleet.kinds.body_m[self.fleet.kind]
+        return tuple(Start(float(x), float(y), float(b)) for (x, y), b in zip(self.starts_m, bodies, strict=True))
+
+    def own_kind(self, robot: int) -> Kinds:
+        """What one robot is like: kinds of one row."""
+        row = int(self.fleet.kind[robot])
+        return Kinds(*(values[row : row + 1] for values in self.fleet.kinds))
+
+    def rule(self, hold_ns: int) -> Rule:
+        """What the controllers read, for a robot that holds each decision so long."""
+        # news are late by a part of a hold; ``rule.late`` is for news that are later than that
+        return rule_of(SwarmSettings.of(self.mission), self.seed)._replace(time_step_s=hold_ns * 1e-9)
+
+
+def scene_of(
+    mission: Mission,
+    *,
+    seed: int = 0,
+    silent_s: float | None = None,
+    clock_error_s: float = 0.0,
+    ground_m: HeightAt = flat,
+) -> Scene:
+    """The scene of a mission. silent_s None: ``SILENT_HOLDS`` time steps of the mission.
+
+    Raises MissionError for settings that only simulations have, for too many robots, for steps and limits out of range,
+    and for starts without room.
+    """
+    settings, robots = SwarmSettings.of(mission), mission.fleet.robots or ()
+    for name, only in OF_SIMULATIONS.items():
+        if (value := getattr(settings, name)) != only:
+            raise MissionError(f"swarm.{name}: {value} is not allowed: robots in processes of their own have {only}")
+    if len(robots) > MOST_ROBOTS:
+        raise MissionError(f"fleet.robots: {len(robots)} is not allowed; at most {MOST_ROBOTS} can be told apart")
+    hold_ns = require_hold(settings.time_step_s, "swarm.time_step_s")
+    silent_s = SILENT_HOLDS * settings.time_step_s if silent_s is None else silent_s
+    least_s = LEAST_SILENT_HOLDS * settings.time_step_s
+    if not least_s <= silent_s <= 1e3:
+        raise MissionError(f"silent: {silent_s:.6g} s is not allowed; {LEAST_SILENT_HOLDS} time steps, {least_s:.6g} s,"
+                           " to 1000 s are needed")  # fmt: skip
+    if not 0 <= clock_error_s <= silent_s:
+        raise MissionError(f"clock error: {clock_error_s:.6g} s is not allowed; 0 to {silent_s:.6g} s is needed")
+    ground = free_ground(mission)
+    fleet, walls = fleet_of(mission), walls_of(ground)
+    grid = make_grid(walls, fleet.kinds, len(robots), settings.time_step_s)
+    if DECIDE[settings.controller] is decide_settle:
+        grid = grid._replace(place_graph=place_graph_of(walls, fleet.kinds))
+    return Scene(
+        mission=mission,
+        seed=seed,
+        number=swarm_number(mission, seed),
+        starts_m=place_starts(mission, ground, seed=seed, reserve_m=0.0),
+        fleet=fleet,
+        grid=grid,
+        hold_ns=hold_ns,
+        silent_ns=round(silent_s * 1e9),
+        clock_error_ns=round(clock_error_s * 1e9),
+        decide=DECIDE[settings.controller],
+        ground_m=ground_m,
+    )
+
+
+def require_hold(hold_s: float, where: str) -> int:
+    """How long decisions hold, in nanoseconds; MissionError for what cannot be told."""
+    if not (math.isfinite(hold_s) and 1e-3 <= hold_s <= LONGEST_HOLD_NS * 1e-9):
+        raise MissionError(f"{where}: {hold_s:.6g} s is not allowed; 0.001 to {LONGEST_HOLD_NS * 1e-9:g} s is needed")
+    return round(hold_s * 1e9)
