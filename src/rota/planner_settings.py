@@ -43,7 +43,7 @@ class Setting:
     """
 
     name: str
-    kind: Literal["number", "whole", "truth", "option", "pair", "list", "block"]
+    kind: Literal["number", "whole", "truth", "text", "option", "pair", "list", "block"]
     default: Any
     meaning: str
     optional: bool
@@ -79,6 +79,9 @@ class Setting:
         elif self.kind == "truth":
             if not isinstance(value, bool):
                 yield (), value, Fault("bool_type", {})
+        elif self.kind == "text":
+            if not isinstance(value, str):
+                yield (), value, Fault("string_type", {})
         elif self.kind in ("pair", "list"):
             yield from self._list_faults(value, in_mission_file)
         elif self.kind != "block" and (fault := self._number_fault(value, in_mission_file)):
@@ -191,7 +194,12 @@ def _declared(declared: dataclasses.Field[Any], hint: Any) -> Setting:
         return Setting(kind="option", options=get_args(hint), **described)
     if get_origin(hint) is tuple:
         return Setting(kind="list" if Ellipsis in get_args(hint) else "pair", **described)
-    kinds: dict[Any, Literal["truth", "whole", "number"]] = {bool: "truth", int: "whole", float: "number"}
+    kinds: dict[Any, Literal["truth", "whole", "number", "text"]] = {
+        bool: "truth",
+        int: "whole",
+        float: "number",
+        str: "text",
+    }
     return Setting(kind=kinds[hint], **described)
 
 

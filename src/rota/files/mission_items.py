@@ -6,14 +6,15 @@ Each file format of ground stations writes these same items in its own way.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from rota.errors import PlanError
 from rota.files.geodesy import Projection
-from rota.plan import Floats, Plan, Trajectory
+from rota.plan import Plan, Trajectory
+from rota.route import Route, RouteStop, route_of
 
 Autopilot = Literal["ardupilot", "px4"]
 
@@ -33,16 +34,12 @@ class Item(NamedTuple):
     params: list[float | None]
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Stop:
-    """A ``place`` (degrees of latitude and longitude, metres of height) to fly to at ``speed_m_s`` and wait at.
-
-    ``speed_m_s`` is None where the vehicle is there already; ``hold_s``: how long it waits.
-    """
+class _Stop(NamedTuple):
+    """A stop of the route with its ``place`` on the globe: degrees of latitude and longitude, metres of height."""
 
     place: list[float]
     speed_m_s: float | None
-    hold_s: float = 0.0
+    hold_s: float
 
 
 def mission_items(
@@ -57,19 +54,25 @@ def mission_items(
 
     Raises PlanError for more than 65,534 items, which MAVLink cannot count.
     """
-    altitude_m = plan.mission.fleet.altitude_m
+    return route_items(route_of(trajectory, plan.mission.fleet.altitude_m), projection, autopilot=autopilot)
+
+
+def route_items(route: Route, projection: Projection, *, autopilot: Autopilot) -> list[Item]:
+    """The same of a route."""
     items = _Items()
-    takeoff, approach, loop, closing = _stops(trajectory, projection, altitude_m)
-    items.add(TAKEOFF, FRAME_RELATIVE_ALTITUDE, [0, 0, 0, None, *takeoff[:2], altitude_m])
-    for stop in approach:
+    start = _on_globe([RouteStop(place_m=route.start_m, speed_m_s=None)], projection)[0].place
+    items.add(TAKEOFF, FRAME_RELATIVE_ALTITUDE, [0, 0, 0, None, *start])
+    for stop in _on_globe(route.approach, projection):
         items.add_stop(stop)
-    if closing is None:
+    loop = _on_globe(route.loop, projection)
+    if route.closing is None:
         items.add_endless_stay(loop[0])
     else:
+        (closing,) = _on_globe([route.closing], projection)
         items.add_endless_loop(loop, closing, ENDLESS_REPEATS[autopilot])
     if len(items.items) > MOST_ITEMS:
         raise PlanError(
-            f"robot {trajectory.robot}: its route makes {len(items.items)} mission items; MAVLink counts at most"
+            f"robot {route.robot}: its route makes {len(items.items)} mission items; MAVLink counts at most"
             f" {MOST_ITEMS} beside home"
         )
     return items.items
@@ -86,50 +89,16 @@ def cruise_speed_m_s(trajectory: Trajectory) -> float | None:
     return None
 
 
-def _stops(
-    trajectory: Trajectory, projection: Projection, altitude_m: float
-) -> tuple[list[float], list[_Stop], list[_Stop], _Stop | None]:
-    """The first place, the approach's stops, the loop's from its first waypoint on, and the one that closes the loop.
-
-    The closing stop is where the loop began; None when the robot stays. Stops without a pause are left out where
-    another item stands for the same place: the take-off at the start, the loop's first waypoint at the approach's end.
-    """
-    k = trajectory.loop_index
-    places = _places(trajectory, projection, altitude_m)
-    approach = _visit(trajectory, places, 0, k) if k > 0 else []
-    loop = _visit(trajectory, places, k, len(trajectory.times_s) - 1)
-    if approach:
-        loop[0] = replace(loop[0], speed_m_s=approach[-1].speed_m_s)
-        if approach[-1].hold_s == 0 or len(loop) == 1:
-            approach.pop()
-    if approach and approach[0].speed_m_s is None and approach[0].hold_s == 0:
-        approach.pop(0)
-    return (places[0], approach, loop[:-1], loop[-1]) if len(loop) > 1 else (places[0], approach, loop, None)
-
-
-def _places(trajectory: Trajectory, projection: Projection, altitude_m: float) -> list[list[float]]:
-    """Latitude, longitude and height of each position."""
-    positions_m = trajectory.positions_m
-    lon, lat = projection.to_degrees(positions_m[:, 0], positions_m[:, 1])
-    heights_m = positions_m[:, 2] if positions_m.shape[1] == 3 else np.full(len(lat), altitude_m)
-    columns = zip(lat.tolist(), lon.tolist(), heights_m.tolist(), strict=True)
-    return [[round(north, DEGREE_DIGITS), round(east, DEGREE_DIGITS), height_m] for north, east, height_m in columns]
-
-
-def _visit(trajectory: Trajectory, places: list[list[float]], first: int, last: int) -> list[_Stop]:
-    durations_s = np.diff(trajectory.times_s[first : last + 1]).tolist()
-    lengths_m = _lengths_m(trajectory.positions_m[first : last + 1])
-    stops = [_Stop(place=places[first], speed_m_s=None)]
-    for place, duration_s, length_m in zip(places[first + 1 : last + 1], durations_s, lengths_m, strict=True):
-        if length_m == 0:
-            stops[-1] = replace(stops[-1], hold_s=stops[-1].hold_s + duration_s)
-        else:
-            stops.append(_Stop(place=place, speed_m_s=length_m / duration_s))
-    return stops
-
-
-def _lengths_m(positions_m: Floats) -> list[float]:
-    return [float(np.linalg.norm(step_m)) for step_m in np.diff(positions_m, axis=0)]
+def _on_globe(stops: Sequence[RouteStop], projection: Projection) -> list[_Stop]:
+    if not stops:
+        return []
+    x, y, heights_m = zip(*(stop.place_m for stop in stops), strict=True)
+    lon, lat = projection.to_degrees(x, y)
+    columns = zip(stops, lat.tolist(), lon.tolist(), heights_m, strict=True)
+    return [
+        _Stop([round(north, DEGREE_DIGITS), round(east, DEGREE_DIGITS), height_m], stop.speed_m_s, stop.hold_s)
+        for stop, north, east, height_m in columns
+    ]
 
 
 class _Items:

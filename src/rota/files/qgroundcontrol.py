@@ -11,19 +11,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from shapely import LineString, MultiPolygon, Point, Polygon
 
+from rota.fence import FENCE_MARGIN_M, fence_of
 from rota.files.geodesy import Projection, projection_of
 from rota.files.mission_items import DEGREE_DIGITS, Autopilot, Item, cruise_speed_m_s, mission_items
 from rota.files.robot_files import write_robot_files
 from rota.mission import Mission
 from rota.plan import Plan, Trajectory
+from rota.route import Ring
 
 Json = dict[str, Any]
 
 FIRMWARE = {"ardupilot": 3, "px4": 12}  # MAV_AUTOPILOT
 QUADROTOR = 2
-FENCE_MARGIN_M = 3.0  # a satellite fix is no better; a fence any closer to the route would end the patrol by itself
 
 
 def write_qgroundcontrol(
@@ -92,26 +92,15 @@ def _description(plan: Plan, trajectory: Trajectory) -> str:
 
 
 def _fence(mission: Mission, trajectory: Trajectory, projection: Projection) -> tuple[list[Json], str]:
-    """The polygon of the area that the robot is in, less holes and obstacles; none when the route runs close to them.
-
-    Only one polygon includes, since autopilots differ on whether several mean all of them or any.
-    """
-    points_m = trajectory.positions_m[:, :2]
-    route = LineString(points_m) if len(points_m) > 1 else Point(points_m[0])
-    home = min(mission.area.geoms, key=lambda polygon: polygon.distance(route))
-    outer = Polygon(home.exterior)
-    blocked = [Polygon(hole) for hole in home.interiors]
-    blocked += [Polygon(p.exterior) for o in mission.obstacles if o.blocks_motion for p in o.shape.geoms]
-    blocked = [polygon for polygon in blocked if polygon.intersects(outer)]
-    inside = outer.contains(route) and route.distance(outer.exterior) >= FENCE_MARGIN_M
-    if not inside or route.distance(MultiPolygon(blocked)) < FENCE_MARGIN_M:
+    """The robot's fence as the format has it, and a sentence about it."""
+    fence = fence_of(mission, trajectory)
+    if fence is None:
         return [], f"No fence: the route comes closer than {FENCE_MARGIN_M:g} m to the border or an obstacle."
 
-    def polygon_to_json(polygon: Polygon, inclusion: bool) -> Json:
-        xy = np.asarray(polygon.exterior.coords)[:-1, :2]
-        lon, lat = projection.to_degrees(xy[:, 0], xy[:, 1])
+    def polygon_to_json(ring: Ring, inclusion: bool) -> Json:
+        lon, lat = projection.to_degrees(*zip(*ring, strict=True))
         corners = np.round(np.column_stack([lat, lon]), DEGREE_DIGITS).tolist()
         return {"version": 1, "inclusion": inclusion, "polygon": corners}
 
-    fence = [polygon_to_json(outer, True), *(polygon_to_json(polygon, False) for polygon in blocked)]
-    return fence, "The fence is the mission's area less its obstacles."
+    polygons = [polygon_to_json(fence.inside_m, True), *(polygon_to_json(ring, False) for ring in fence.outside_m)]
+    return polygons, "The fence is the mission's area less its obstacles."

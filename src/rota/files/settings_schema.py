@@ -124,8 +124,8 @@ def _type(item: Setting, in_mission_file: bool) -> JsonSchema:
         return settings_json_schema(item.block, in_mission_file=in_mission_file)
     if item.kind == "option":
         return {"type": "string", "enum": list(item.options)}
-    if item.kind == "truth":
-        return {"type": "boolean"}
+    if item.kind in ("truth", "text"):
+        return {"type": "boolean" if item.kind == "truth" else "string"}
     bounds = {_BOUNDS[name]: bound for name, bound in item.bounds(in_mission_file).items()}
     number = {"type": "integer" if item.kind == "whole" else "number", **bounds}
     if item.kind == "pair":

@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from rota.route import Route
+from rota.route import Place3, Route
 
 Mode = Literal["idle", "ready", "running", "paused", "returning", "failed"]
 
@@ -24,7 +24,7 @@ class Report:
 
     robot: str
     time_s: float
-    position_m: tuple[float, float, float]
+    position_m: Place3
     battery: float | None = None
     mode: Mode | None = None
 
@@ -42,22 +42,30 @@ class Link(Protocol):
 
     @property
     def rejected(self) -> int:
-        """How many messages were dropped because they were malformed, unknown or out of range."""
+        """How many messages were dropped: malformed, of unknown robots, out of range, or not taken in time."""
+
+    @property
+    def takes_fences(self) -> bool:
+        """Whether its robots keep the fence of a route by themselves."""
+
+    @property
+    def drives_along(self) -> bool:
+        """Whether robots drive on only while this link is open and its ``reports`` are being taken."""
 
     async def open(self) -> None:
-        """Connect, and wait until every robot has been heard and is of the type that the route needs."""
+        """Connect, and wait until every robot has been heard and is of the type that the settings ask for."""
 
     async def send_route(self, route: Route) -> None:
-        """Give a robot its route; it has all of it afterwards or, on errors, nothing of it."""
+        """Give a robot its route; on errors it may hold a part of it, which ``clear_route`` takes away."""
 
-    async def read_route(self, robot: str) -> Route:
-        """The route that the robot holds, read back from it."""
+    async def differences(self, route: Route) -> tuple[str, ...]:
+        """Read back what the robot holds and compare it item by item: a sentence for each difference from ``route``."""
 
     async def clear_route(self, robot: str) -> None:
-        """Take the robot's route away; no error where it has none."""
+        """Take the robot's route and fence away; no error where it has none."""
 
     async def start(self, robot: str) -> None:
-        """Let the robot drive its route."""
+        """Let the robot drive its route, or go on after ``pause``."""
 
     async def pause(self, robot: str) -> None:
         """Let the robot stop where it is; ``start`` goes on from there."""
@@ -65,8 +73,11 @@ class Link(Protocol):
     async def come_home(self, robot: str) -> None:
         """Let the robot give up its route and return to where it began."""
 
+    def latest(self, robot: str) -> Report | None:
+        """The robot's last report, None before the first."""
+
     def reports(self) -> AsyncIterator[Report]:
-        """All reports of all robots as they arrive, until the link is closed."""
+        """All reports of all robots as they arrive, until the link is closed; for one reader at a time."""
 
     async def close(self) -> None:
-        """Let go of the connection; robots go on with what they do."""
+        """Let go of the connection; robots go on with what they do, or stop where they need the link."""

@@ -1,0 +1,201 @@
+"""Simulated vehicles, all on arrays: each drives its route at its own pace, is held up, runs down and dies.
+
+A vehicle's route is a chain of segments: straight at constant speed, or a wait. ``Vehicles.step`` moves all of them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.links.link import Mode
+from rota.route import Place3, Route, RouteStop
+
+Floats = NDArray[np.float64]
+
+PACE_MEMORY_S = 10.0  # in which a vehicle's pace becomes another
+SLOWEST, FASTEST = 0.2, 2.0  # paces, as multiples of the planned speed
+HOME_SPEED_M_S = 1.0  # of a vehicle that is called home and never had a speed
+
+
+class Segment(NamedTuple):
+    """From one place to another in ``duration_s``; a wait where they are the same."""
+
+    start_m: Place3
+    end_m: Place3
+    duration_s: float
+    is_drive: bool
+
+
+@dataclass(kw_only=True)
+class Drive:
+    """What one vehicle drives: ``segments``, of which those from ``repeats_from`` on are repeated for ever.
+
+    repeats_from None: it stays at the last one's end.
+    """
+
+    segments: list[Segment]
+    repeats_from: int | None
+
+
+def drive_of(route: Route) -> Drive:
+    """A route as segments; it begins at the route's start on the height that the vehicle takes off to."""
+    once = _segments(route.start_m, route.once)
+    rounds = _segments(route.loop[0].place_m, route.every_round)
+    return Drive(segments=once + rounds, repeats_from=len(once) if rounds else None)
+
+
+def drive_home(place_m: Place3, home_m: Place3, speed_m_s: float) -> Drive:
+    """Straight home."""
+    return Drive(segments=_segments(place_m, [RouteStop(place_m=home_m, speed_m_s=speed_m_s)]), repeats_from=None)
+
+
+def _segments(at_m: Place3, stops: list[RouteStop] | tuple[RouteStop, ...]) -> list[Segment]:
+    made: list[Segment] = []
+    for stop in stops:
+        length_m = math.dist(at_m, stop.place_m)
+        if length_m > 0:
+            duration_s = length_m / stop.speed_m_s if stop.speed_m_s is not None else 0.0
+            made.append(Segment(at_m, stop.place_m, duration_s, True))
+        if stop.hold_s > 0:
+            made.append(Segment(stop.place_m, stop.place_m, stop.hold_s, False))
+        at_m = stop.place_m
+    return [segment for segment in made if segment.duration_s > 0]
+
+
+@dataclass(kw_only=True)
+class Vehicle:
+    """What one vehicle has been told, beside what it is doing."""
+
+    home_m: Place3
+    route: Route | None = None
+    drive: Drive | None = None
+    mode: Mode = "idle"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tables:
+    """The drives of all vehicles end to end: (s, 3) metres, (s,) seconds, and which segment comes after each."""
+
+    start_m: Floats
+    step_m: Floats
+    duration_s: Floats
+    is_drive: NDArray[np.bool_]
+    after: NDArray[np.int64]
+
+
+@dataclass(kw_only=True)
+class Vehicles:
+    """A fleet at ``time_s``. positions_m (n, 3); battery (n,) from 1 to 0; running (n,); held_until_s (n,).
+
+    ``segment`` (n,) is where each is in the tables, ``done_s`` (n,) how far into it. speed_noise: the standard
+    deviation of paces. battery_s: how long a battery lasts while driving; infinite: for ever.
+    """
+
+    vehicles: list[Vehicle]
+    rng: np.random.Generator
+    speed_noise: float
+    battery_s: float
+    time_s: float = 0.0
+    battery: Floats = field(init=False)
+    running: NDArray[np.bool_] = field(init=False)
+    positions_m: Floats = field(init=False)
+    held_until_s: Floats = field(init=False)
+    _noise: Floats = field(init=False)
+    _segment: NDArray[np.int64] = field(init=False)
+    _done_s: Floats = field(init=False)
+    _tables: Tables | None = None
+
+    def __post_init__(self) -> None:
+        n = len(self.vehicles)
+        self.battery, self.running = np.ones(n), np.zeros(n, dtype=bool)
+        self.positions_m = np.array([vehicle.home_m for vehicle in self.vehicles], dtype=np.float64).reshape(n, 3)
+        self.held_until_s, self._done_s = np.full(n, -math.inf), np.zeros(n)
+        self._noise = self.rng.standard_normal(n)
+        self._segment = np.zeros(n, dtype=np.int64)
+
+    def place_m(self, k: int) -> Place3:
+        """Where the k-th vehicle is."""
+        x, y, height = self.positions_m[k].tolist()
+        return x, y, height
+
+    def give(self, k: int, drive: Drive | None) -> None:
+        """Let the k-th vehicle have a drive, from its beginning, or none."""
+        firsts = self._firsts()
+        inside = self._segment - firsts
+        self.vehicles[k].drive = drive
+        inside[k], self._done_s[k] = 0, 0.0
+        self._tables = None
+        self._segment = self._firsts() + inside
+
+    def _firsts(self) -> NDArray[np.int64]:
+        """The number of each vehicle's first segment; each drive is followed by one that lasts for ever."""
+        counts = [1 + len(vehicle.drive.segments) if vehicle.drive else 1 for vehicle in self.vehicles]
+        return np.cumsum([0, *counts[:-1]], dtype=np.int64)
+
+    def _made_tables(self) -> Tables:
+        starts: list[Place3] = []
+        steps: list[list[float]] = []
+        durations: list[float] = []
+        drives: list[bool] = []
+        after: list[int] = []
+        for k, vehicle in enumerate(self.vehicles):
+            drive, first = vehicle.drive, len(durations)
+            for start, end, duration_s, is_drive in drive.segments if drive else []:
+                starts.append(start)
+                steps.append([b - a for a, b in zip(start, end, strict=True)])
+                durations.append(duration_s)
+                drives.append(is_drive)
+                after.append(len(durations))
+            if drive and drive.repeats_from is not None:
+                after[-1] = first + drive.repeats_from
+            starts.append(drive.segments[-1].end_m if drive and drive.segments else self.place_m(k))
+            steps.append([0.0, 0.0, 0.0])
+            durations.append(math.inf)
+            drives.append(False)
+            after.append(len(durations) - 1)
+        return Tables(
+            start_m=np.array(starts, dtype=np.float64),
+            step_m=np.array(steps, dtype=np.float64),
+            duration_s=np.array(durations),
+            is_drive=np.array(drives, dtype=bool),
+            after=np.array(after, dtype=np.int64),
+        )
+
+    def step(self, until_s: float) -> None:
+        """Let time pass for all until ``until_s``; the same seed and orders give the same places, bit by bit."""
+        if self._tables is None:
+            self._tables = self._made_tables()
+        tables, duration_s = self._tables, until_s - self.time_s
+        memory = math.exp(-duration_s / PACE_MEMORY_S)
+        self._noise = memory * self._noise + math.sqrt(1 - memory**2) * self.rng.standard_normal(len(self._noise))
+        pace = np.clip(1 + self.speed_noise * self._noise, SLOWEST, FASTEST)
+        moving = self.running & (self.battery > 0)
+        # a vehicle that is held up until some time within the step drives for the rest of it
+        left_s = np.clip(until_s - np.maximum(self.held_until_s, self.time_s), 0, duration_s) * moving
+        going = np.flatnonzero(left_s > 0)
+        while len(going):
+            segment = self._segment[going]
+            rate = np.where(tables.is_drive[segment], pace[going], 1.0)
+            rest_s = (tables.duration_s[segment] - self._done_s[going]) / rate
+            ends = rest_s <= left_s[going]
+            taken_s = np.where(ends, rest_s, left_s[going])
+            self._done_s[going] = np.where(ends, 0.0, self._done_s[going] + taken_s * rate)
+            self._segment[going] = np.where(ends, tables.after[segment], segment)
+            left_s[going] -= taken_s
+            going = going[ends & (left_s[going] > 0)]
+        self.battery = np.maximum(self.battery - moving * duration_s / self.battery_s, 0.0)
+        self.time_s = until_s
+        lasting = tables.duration_s[self._segment]
+        share = np.divide(self._done_s, lasting, out=np.zeros_like(lasting), where=np.isfinite(lasting))
+        driven = tables.start_m[self._segment] + share[:, None] * tables.step_m[self._segment]
+        self.positions_m = np.where(moving[:, None], driven, self.positions_m)
+
+    def has_arrived(self, k: int) -> bool:
+        """Whether the k-th vehicle has come to the end of a drive that has one."""
+        drive = self.vehicles[k].drive
+        return drive is None or bool(self._segment[k] - self._firsts()[k] == len(drive.segments))
