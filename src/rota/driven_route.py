@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +12,8 @@ from rota.errors import PlanError
 from rota.limits import SHORTEST_LOOP_S
 from rota.plan import Trajectory
 from rota.route import Route, RouteStop
+
+ROUNDING_SHARE = 1e-9  # of a round or a second, that sums of many legs may be off
 
 
 def from_start(route: Route) -> tuple[RouteStop, ...]:
@@ -28,13 +30,44 @@ def from_start(route: Route) -> tuple[RouteStop, ...]:
     return tuple(stops)
 
 
-def trajectory_of(route: Route, *, flat: bool) -> Trajectory:
-    """The trajectory of a robot that drives the route exactly; ``flat``: with positions (n, 2), else (n, 3).
+def rounds_within(route: Route, duration_s: float) -> int:
+    """How many whole rounds end within so many seconds after the start, at least one; none where the robot stays."""
+    if not route.every_round:
+        return 0
+    driven = trajectory_of(route, flat=False)
+    fit = (duration_s - driven.loop_start_s) / driven.loop_duration_s
+    return max(1, math.floor(fit + ROUNDING_SHARE))
 
-    Raises PlanError for a loop that takes less time than a trajectory's may.
+
+def with_whole_waits(stops: Iterable[RouteStop]) -> list[RouteStop]:
+    """The stops with waits in whole seconds, rounded down; what is left of one makes the leg after it slower.
+
+    So the robot is at every next stop when it was to be there. What is left of the last wait is lost.
     """
-    start, *others = from_start(route)
-    times_s, places = [0.0], [start.place_m]
+    made: list[RouteStop] = []
+    late_s = 0.0
+    for stop in stops:
+        if made and stop.speed_m_s and late_s > 0:
+            length_m = math.dist(made[-1].place_m, stop.place_m)
+            stop = replace(stop, speed_m_s=length_m / (length_m / stop.speed_m_s + late_s))
+        whole_s = float(math.floor(stop.hold_s + ROUNDING_SHARE))
+        late_s = max(stop.hold_s - whole_s, 0.0)
+        made.append(replace(stop, hold_s=whole_s))
+    return made
+
+
+def trajectory_of(route: Route, *, flat: bool) -> Trajectory:
+    """The trajectory of a robot that drives the route exactly, see ``driven``."""
+    return driven(route.robot, from_start(route), route.every_round, flat=flat)
+
+
+def driven(robot: str, once: Sequence[RouteStop], every_round: Sequence[RouteStop], *, flat: bool) -> Trajectory:
+    """The trajectory of a robot that begins at the first stop of ``once`` and repeats ``every_round`` after the last.
+
+    every_round: empty where the robot stays. flat: with positions (n, 2), else (n, 3). A stop without a speed is
+    reached in no time. Raises PlanError for rounds that take less time than a trajectory's loop may.
+    """
+    times_s, places = [0.0], [once[0].place_m]
 
     def drive(stops: Iterable[RouteStop]) -> None:
         for stop in stops:
@@ -44,12 +77,10 @@ def trajectory_of(route: Route, *, flat: bool) -> Trajectory:
                     times_s.append(times_s[-1] + duration_s)
                     places.append(stop.place_m)
 
-    drive([start, *others])
+    drive(once)
     loop_start_s = times_s[-1]
-    drive(route.every_round)
-    if route.every_round and times_s[-1] - loop_start_s < SHORTEST_LOOP_S:
-        raise PlanError(
-            f"robot {route.robot}: its loop takes {times_s[-1] - loop_start_s:.3g} s, too short to be driven"
-        )
+    drive(every_round)
+    if every_round and times_s[-1] - loop_start_s < SHORTEST_LOOP_S:
+        raise PlanError(f"robot {robot}: its loop takes {times_s[-1] - loop_start_s:.3g} s, too short to be driven")
     positions_m = np.array(places)[:, : 2 if flat else 3]
-    return Trajectory(robot=route.robot, times_s=np.array(times_s), positions_m=positions_m, loop_start_s=loop_start_s)
+    return Trajectory(robot=robot, times_s=np.array(times_s), positions_m=positions_m, loop_start_s=loop_start_s)

@@ -1,38 +1,51 @@
-"""A folder with a file for each robot, named after it."""
+"""A folder with files for each robot, named after it."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rota.errors import PlanError, RotaError
-from rota.files.atomic_write import require_short_names, require_writable_folder, write_atomically
+from rota.files.atomic_write import replaced_file, require_short_names, require_writable_folder
 from rota.plan import Plan, Trajectory
 
 
 def write_robot_files(
     plan: Plan, folder: str | os.PathLike[str], suffix: str, text_of: Callable[[Trajectory], str]
 ) -> tuple[Path, ...]:
-    """Write ``ROBOT`` + ``suffix`` for each robot into ``folder`` (made if missing); returns their paths.
+    """Write a file for each robot, ``ROBOT`` + ``suffix``; returns their paths. Raises as ``write_contents``."""
+    return write_contents(plan, folder, lambda trajectory: {suffix: text_of(trajectory).encode()})
 
-    Letters that file names cannot have everywhere become ``_``. Raises PlanError for robots whose names give the same
-    file name, RotaError when the folder cannot be written to. Nothing is written unless every text could be made.
+
+def write_contents(
+    plan: Plan, folder: str | os.PathLike[str], contents_of: Callable[[Trajectory], Mapping[str, bytes]]
+) -> tuple[Path, ...]:
+    """Write ``ROBOT`` + suffix for each robot and suffix into ``folder`` (made if missing); returns their paths.
+
+    contents_of: from suffixes to contents. Letters that file names cannot have everywhere become ``_``. Raises
+    PlanError for robots whose names give the same file name, RotaError when the folder cannot be written to. Nothing is
+    written unless every content could be made.
     """
     require_writable_folder(folder)
-    texts: dict[str, str] = {}
+    contents: dict[str, bytes] = {}
+    known: set[str] = set()
     for trajectory in plan:
-        name = (re.sub(r"[^\w.-]+", "_", trajectory.robot).lstrip(".") or "robot") + suffix
-        if name.casefold() in (known.casefold() for known in texts):
-            raise PlanError(f"robot {trajectory.robot}: another robot's file is called {name}; rename one of them")
-        texts[name] = text_of(trajectory)
-    require_short_names(texts)
+        stem = re.sub(r"[^\w.-]+", "_", trajectory.robot).lstrip(".") or "robot"
+        for suffix, content in contents_of(trajectory).items():
+            name = stem + suffix
+            if name.casefold() in known:
+                raise PlanError(f"robot {trajectory.robot}: another robot's file is called {name}; rename one of them")
+            known.add(name.casefold())
+            contents[name] = content
+    require_short_names(contents)
     try:
         Path(folder).mkdir(exist_ok=True)
     except OSError as error:
         raise RotaError(f"{folder}: cannot be made: {error.strerror or error}") from error
-    paths = tuple(Path(folder) / name for name in texts)
-    for path, text in zip(paths, texts.values(), strict=True):
-        write_atomically(path, text)
+    paths = tuple(Path(folder) / name for name in contents)
+    for path, content in zip(paths, contents.values(), strict=True):
+        with replaced_file(path) as partial:
+            partial.write_bytes(content)
     return paths
