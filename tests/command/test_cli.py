@@ -516,7 +516,7 @@ def test_check_reads_stdin(
         (["export", "yard.rota.json", "--to", "create2-sketch", "-o", "p", "--origin", "1,2"], "own metres"),
         (
             ["export", "yard.rota.json", "--to", "csv", "-o", "p", "--start-time", "2000-01-01"],
-            "csv has no clock; kml and gpx have one",
+            "csv has no clock; these have one: kml, gpx, ",
         ),
         (
             ["export", "yard.rota.json", "--to", "gpx", "-o", "p", "--start-time", "noon"],

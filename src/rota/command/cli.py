@@ -225,7 +225,7 @@ def export(
     start_time: Annotated[
         str | None,
         typer.Option(
-            metavar="TIME", help="When robots start, in ISO 8601, for kml and gpx; default 2000-01-01T00:00Z."
+            metavar="TIME", help="When robots start, in ISO 8601, for formats with a clock; default 2000-01-01T00:00Z."
         ),
     ] = None,
 ) -> None:

@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rota.command.export_bag import rosbag1, rosbag2, rosbag2_sqlite3
 from rota.command.terminal import STANDARD_STREAM, say
 from rota.errors import RotaError
 
@@ -85,16 +86,24 @@ def gpx_tracks(plan: Plan, start: datetime) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """A format's line in the help, and what makes it: one of ``text``, ``timed_text`` (one file) and ``folder``.
+    """A format's line in the help, and what makes it: ``text``, ``timed_text`` (one file each), ``folder`` or ``bag``.
 
     ``folder`` writes a file for each robot and returns the paths; ``timed_text`` also takes the instant of the start.
+    ``bag`` takes that, too, and writes a file, or a folder where ``is_folder``.
     """
 
     holds: str
     text: Callable[[Plan], str] | None = None
     timed_text: Callable[[Plan, datetime], str] | None = None
     folder: Callable[[Plan, str], tuple[Path, ...]] | None = None
+    bag: Callable[[Plan, str, datetime], tuple[Path, ...]] | None = None
+    is_folder: bool = False
     takes_origin: bool = True
+
+    @property
+    def has_clock(self) -> bool:
+        """Whether what is written tells instants."""
+        return self.timed_text is not None or self.bag is not None
 
 
 FORMATS = {
@@ -106,11 +115,19 @@ FORMATS = {
     "qgroundcontrol-px4": Format(holds=".plan files for PX4", folder=px4_missions),
     "waypoints": Format(holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists),
     "create2-sketch": Format(holds="sketches for Create 2 robots", folder=create2_sketches, takes_origin=False),
+    "rosbag2": Format(
+        holds="a bag of ROS 2 in MCAP, for Foxglove and RViz", bag=rosbag2, is_folder=True, takes_origin=False
+    ),
+    "rosbag2-sqlite3": Format(
+        holds="a bag of ROS 2 in SQLite", bag=rosbag2_sqlite3, is_folder=True, takes_origin=False
+    ),
+    "rosbag1": Format(holds="a bag of ROS 1 (.bag)", bag=rosbag1, takes_origin=False),
 }
 FORMATS_HELP = f"One of {', '.join(FORMATS)}; see below."
 # \b keeps the lines as they are
 FORMATS_LIST = "\b\nFormats:\n" + "\n".join(
-    f"  {name:<18}  {'a folder' if kind.folder else 'a file  '}  {kind.holds}" for name, kind in FORMATS.items()
+    f"  {name:<18}  {'a folder' if kind.folder or kind.is_folder else 'a file  '}  {kind.holds}"
+    for name, kind in FORMATS.items()
 )
 
 
@@ -132,9 +149,11 @@ def write_export(
     kind = FORMATS[to]
     if origin is not None:
         plan = _placed(plan, origin, to)
-    if start_time is not None and kind.timed_text is None:
-        clocks = " and ".join(name for name, other in FORMATS.items() if other.timed_text)
-        raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; {clocks} have one")
+    if start_time is not None and not kind.has_clock:
+        clocks = ", ".join(name for name, other in FORMATS.items() if other.has_clock)
+        raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; these have one: {clocks}")
+    if kind.bag is not None:
+        return _write_bag(plan, kind.bag, source, to, output, start_time)
     if kind.folder is None:
         return _write_text(_text_of(plan, kind, start_time), source, output)
     if output == STANDARD_STREAM:
@@ -165,14 +184,34 @@ def _placed(plan: Plan, origin: str, to: str) -> Plan:
     return replace(plan, mission=replace(plan.mission, origin=place))
 
 
-def _text_of(plan: Plan, kind: Format, start_time: str | None) -> Callable[[], str]:
+def _write_bag(
+    plan: Plan,
+    write: Callable[[Plan, str, datetime], tuple[Path, ...]],
+    source: str,
+    to: str,
+    output: str,
+    start_time: str | None,
+) -> tuple[Path, ...]:
+    from rota.files.atomic_write import require_target
+
+    if output == STANDARD_STREAM:
+        raise RotaError(f"-: {to} cannot be written to stdout; a path is needed")
+    if not FORMATS[to].is_folder:
+        require_target(output, source)
+    return write(plan, output, _start_given(start_time))
+
+
+def _start_given(start_time: str | None) -> datetime:
     from rota.files.timed_places import START, instant_given
 
+    return START if start_time is None else instant_given(start_time, "--start-time")
+
+
+def _text_of(plan: Plan, kind: Format, start_time: str | None) -> Callable[[], str]:
     if kind.timed_text is None:
         assert kind.text is not None
         return partial(kind.text, plan)
-    start = START if start_time is None else instant_given(start_time, "--start-time")
-    return partial(kind.timed_text, plan, start)
+    return partial(kind.timed_text, plan, _start_given(start_time))
 
 
 def _write_text(text: Callable[[], str], source: str, output: str) -> tuple[str, ...]:

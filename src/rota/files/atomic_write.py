@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import secrets
 import stat
-from collections.abc import Iterable, Iterator
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -46,10 +47,42 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise RotaError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
+@contextmanager
+def replaced_folder(path: str | os.PathLike[str], known: Callable[[str], bool]) -> Iterator[Path]:
+    """A place for a new folder of the same name, which takes the place of ``path`` when the block ends well.
+
+    Otherwise it disappears. A folder that is there already is replaced if it holds only files whose names are
+    ``known``. Raises RotaError for another, and when it cannot be written.
+    """
+    require_writable_folder(path)
+    target = Path(os.path.realpath(path))
+    require_short_names([target.name])
+    try:
+        others = [entry.name for entry in sorted(target.iterdir()) if not known(entry.name)] if target.exists() else []
+        if others:
+            raise RotaError(f"{path}: holds {others[0]!r}, which would be lost; name another folder")
+        with tempfile.TemporaryDirectory(prefix=".rota.", suffix=".part", dir=target.parent) as aside:
+            partial = Path(aside) / "new" / target.name
+            partial.parent.mkdir()
+            yield partial
+            for file in partial.iterdir():
+                _bring_to_disk(file)
+            if target.exists():
+                os.replace(target, Path(aside) / "old")
+            os.replace(partial, target)
+            _sync_folder(target.parent)
+    except OSError as error:
+        raise RotaError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def _bring_to_disk(file: Path) -> None:
+    with file.open("rb") as opened:
+        os.fsync(opened.fileno())
+
+
 def _settle(partial: Path, target: Path) -> None:
     """Bring a finished file to the disk and give it its name."""
-    with partial.open("rb") as file:
-        os.fsync(file.fileno())
+    _bring_to_disk(partial)
     if target.exists():
         os.chmod(partial, stat.S_IMODE(target.stat().st_mode))
     os.replace(partial, target)

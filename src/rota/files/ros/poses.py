@@ -1,0 +1,107 @@
+"""Plan -> where each robot is and where it faces, at its timed points and often enough in between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rota.files.ros.names import namespaces
+from rota.plan import Floats, Plan, Trajectory
+
+USUAL_STEP_S = 0.1
+MOST_BETWEEN = 50_000  # poses of a whole plan that are not at timed points: beyond that steps are longer
+
+
+@dataclass(frozen=True, kw_only=True)
+class Track:
+    """A robot's poses at times_s (n,), rising: positions_m (n, 3), yaws_rad (n,) from x towards y.
+
+    Heights are 0 where the plan has none: the plane of the map.
+    """
+
+    namespace: str
+    times_s: Floats
+    positions_m: Floats
+    yaws_rad: Floats
+
+    @property
+    def still(self) -> bool:
+        """Whether the robot neither moves nor turns."""
+        return bool((self.positions_m == self.positions_m[0]).all() and (self.yaws_rad == self.yaws_rad[0]).all())
+
+
+def own_tracks(plan: Plan) -> list[Track]:
+    """Each robot's timed points: its approach and one round of its loop."""
+    return [
+        _track(trajectory, namespace, trajectory.times_s)
+        for trajectory, namespace in zip(plan, namespaces(plan), strict=True)
+    ]
+
+
+def sampled_tracks(plan: Plan, span_s: float) -> list[Track]:
+    """Each robot's poses from 0 to ``span_s``, in as many rounds as that takes: its timed points, and steps between.
+
+    A step is at most 0.1 s, or longer so that there are at most 50,000 poses in between, of all robots together.
+    """
+    step_s = max(USUAL_STEP_S, span_s * len(plan.trajectories) / MOST_BETWEEN)
+    return [
+        _track(trajectory, namespace, _with_steps(point_times_s(trajectory, span_s), span_s, step_s))
+        for trajectory, namespace in zip(plan, namespaces(plan), strict=True)
+    ]
+
+
+def _with_steps(times_s: Floats, span_s: float, step_s: float) -> Floats:
+    """The times and ``span_s``, with as many between them, evenly, as keep them at most ``step_s`` apart."""
+    times_s = np.union1d(times_s, [span_s])
+    apart_s = np.diff(times_s)
+    parts = np.maximum(np.ceil(apart_s / step_s - 1e-9), 1).astype(np.int64)
+    begins = np.repeat(np.cumsum(parts) - parts, parts)
+    share = (np.arange(len(begins)) - begins) / np.repeat(parts, parts)
+    return np.append(np.repeat(times_s[:-1], parts) + share * np.repeat(apart_s, parts), times_s[-1])
+
+
+def point_times_s(trajectory: Trajectory, span_s: float) -> Floats:
+    """The times (n,) in seconds from 0 to ``span_s`` at which a robot is at one of its timed points."""
+    times_s = trajectory.times_s
+    if trajectory.loop_duration_s > 0:
+        rounds = np.arange(np.ceil((span_s - trajectory.loop_start_s) / trajectory.loop_duration_s))
+        looped_s = times_s[trajectory.loop_index + 1 :] + rounds[:, None] * trajectory.loop_duration_s
+        times_s = np.concatenate([times_s[: trajectory.loop_index + 1], looped_s.ravel()])
+    return times_s[times_s <= span_s]
+
+
+def poses_at(trajectory: Trajectory, times_s: Floats) -> tuple[Floats, Floats]:
+    """Positions (n, 3) in metres and yaws (n,) in radians of a robot at ``times_s`` (n,) from 0 on, for ever.
+
+    Between timed points it turns the shorter way. Without headings it faces the way it goes; while it waits, the way
+    it came; and 0 where it never moves.
+    """
+    known_s, points = trajectory.times_s, trajectory.positions_m
+    times_s = np.asarray(times_s, np.float64)
+    if trajectory.loop_duration_s > 0:
+        looped_s = trajectory.loop_start_s + np.mod(times_s - trajectory.loop_start_s, trajectory.loop_duration_s)
+        times_s = np.where(times_s > known_s[-1], looped_s, times_s)
+    positions = np.zeros((len(times_s), 3))
+    for axis, along in enumerate(points.T):
+        positions[:, axis] = np.interp(times_s, known_s, along)
+    if trajectory.headings_rad is not None:
+        return positions, np.interp(times_s, known_s, np.unwrap(trajectory.headings_rad))
+    leg = np.searchsorted(known_s, times_s, side="right") - 1
+    return positions, _ways_rad(points)[leg]
+
+
+def _ways_rad(points: Floats) -> Floats:
+    """Where a robot faces from each of its points (n, 2 or 3) on, (n,); at the last: as it came."""
+    steps = np.diff(points[:, :2], axis=0)
+    ways = np.append(np.arctan2(steps[:, 1], steps[:, 0]), 0.0)
+    moves = np.append((steps != 0).any(axis=1), False)
+    if not moves.any():
+        return np.zeros(len(points))
+    last = np.maximum.accumulate(np.where(moves, np.arange(len(points)), -1))
+    return ways[np.where(last < 0, np.argmax(moves), last)]
+
+
+def _track(trajectory: Trajectory, namespace: str, times_s: Floats) -> Track:
+    positions_m, yaws_rad = poses_at(trajectory, times_s)
+    return Track(namespace=namespace, times_s=times_s, positions_m=positions_m, yaws_rad=yaws_rad)
