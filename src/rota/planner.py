@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rota.plan import Plan
     from rota.planner_settings import PlannerSettings
     from rota.progress import Watch
+    from rota.robot_processes import ProcessSettings, RobotProcesses
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,6 +86,10 @@ class Planner(ABC):
     def small_mission(self, methods: Sequence[str] = ()) -> Mission | None:
         """A mission planned in a moment that runs the loops of the methods, so that no time measured holds loading."""
         return None
+
+    def robot_processes(self, mission: Mission, settings: ProcessSettings) -> RobotProcesses:
+        """The mission's robots as processes of their own; MissionError for robots that do not decide for themselves."""
+        raise MissionError(f"planner: {self.settings.planner} is not allowed; only robots of a swarm decide themselves")
 
     def long_work(self, mission: Mission) -> Iterator[str]:
         """What makes planning this mission long, each with a rough estimate."""

@@ -26,6 +26,7 @@ from rota.command.interrupt import Terminated, clean_end_on_terminate
 from rota.command.plan import plan_and_write
 from rota.command.start import new, schema
 from rota.command.study import app as study_app
+from rota.command.swarm_processes import swarm_launch, swarm_node
 from rota.command.terminal import mention_compiling, reading_ahead, say
 from rota.errors import NoPlanFound, RotaError
 
@@ -234,6 +235,8 @@ def export(
         typer.echo(path)
 
 
+app.command()(swarm_node)
+app.command()(swarm_launch)
 app.command()(new)
 app.command()(schema)
 

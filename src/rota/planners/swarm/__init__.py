@@ -13,6 +13,7 @@ from rota.planners.swarm.planner_settings import SwarmSettings
 if TYPE_CHECKING:
     from rota.mission import Mission
     from rota.planner import Report
+    from rota.robot_processes import ProcessSettings, RobotProcesses
 
 
 class SwarmPlanner(Planner):
@@ -54,3 +55,9 @@ class SwarmPlanner(Planner):
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """The controllers."""
         return ("planners/swarm",)
+
+    def robot_processes(self, mission: Mission, settings: ProcessSettings) -> RobotProcesses:
+        """The mission's robots as processes of their own, which decide by the controller of the simulation."""
+        from rota.planners.swarm.nodes.processes import SwarmProcesses
+
+        return SwarmProcesses(mission, settings)

@@ -54,7 +54,7 @@ class Air:
     jitter_s: float = 0.002
     stall_s: float = 0.0
     stall_every: int = 50
-    holds_ns: tuple[int, ...] = ()
+    periods_ns: tuple[int, ...] = ()
     now_ns: int = 0
     begin_ns: int = 0
     nodes: dict[int, RobotNode] = field(default_factory=dict)
@@ -70,10 +70,12 @@ class Air:
 
     def start(self, robot: int) -> None:
         """Start the process of a robot, now or within a hold."""
-        hold_ns = self.holds_ns[robot % len(self.holds_ns)] if self.holds_ns else None
-        self.nodes[robot] = RobotNode(self.scene, robot, began_ns=self.now_ns, begin_ns=self.begin_ns, hold_ns=hold_ns)
+        period_ns = self.periods_ns[robot % len(self.periods_ns)] if self.periods_ns else None
+        self.nodes[robot] = RobotNode(
+            self.scene, robot, began_ns=self.now_ns, begin_ns=self.begin_ns, period_ns=period_ns
+        )
         self._inbox[robot] = []
-        self._at(self.now_ns + self._random.randrange(self.scene.hold_ns), TICK, robot, self.nodes[robot])
+        self._at(self.now_ns + self._random.randrange(self.scene.period_ns), TICK, robot, self.nodes[robot])
 
     def kill(self, robot: int) -> None:
         """End a robot's process at once; nobody is told."""
@@ -105,7 +107,7 @@ class Air:
             return
         stalls = self.stall_s > 0 and self._random.randrange(self.stall_every) == 0
         late_s = self._random.random() * (self.stall_s if stalls else self.jitter_s)
-        self._at((node.next_ns or self.now_ns + self.scene.hold_ns) + round(late_s * S), TICK, robot, node)
+        self._at((node.next_ns or self.now_ns + self.scene.period_ns) + round(late_s * S), TICK, robot, node)
 
     def _send(self, robot: int, other: int, datagram: bytes) -> None:
         way = (robot, other)

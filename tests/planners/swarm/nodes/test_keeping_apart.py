@@ -16,8 +16,8 @@ from rota.planners.swarm.nodes.scene import scene_of
 from rota.planners.swarm.nodes.telling import MEMBER
 
 COUNT, SIDE, BOX = 10, 16.0, (1.0, 15.0)
-HOLDS = (100_000_000, 70_000_000, 110_000_000)
-DELAYS = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.6)]  # with 2 lost in a row and holds of 0.11 s no news is older than 0.53 s
+PERIODS = (100_000_000, 70_000_000, 110_000_000)
+DELAYS = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.6)]  # with 2 lost in a row and periods of 0.11 s no news is older than 0.53 s
 
 
 def charging(snapshot: Any, rng: np.random.Generator) -> tuple[float, float]:
@@ -43,7 +43,7 @@ def battle(seed: int, delay_s: float, lost: float, **changed: Any) -> Air:
     speed = float(rng.uniform(1, 20))
     mission = mission_of(COUNT, SIDE, BOX, sensor_m=4, speed_m_s=speed)
     scene = replace(scene_of(mission, seed=seed, silent_s=0.6), decide=decide)
-    air = Air(scene, seed, delay_s=delay_s, lost=lost, holds_ns=HOLDS, **changed)
+    air = Air(scene, seed, delay_s=delay_s, lost=lost, periods_ns=PERIODS, **changed)
     for robot in range(COUNT):
         air.start(robot)
     return air

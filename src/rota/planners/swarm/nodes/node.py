@@ -2,74 +2,85 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 
 from rota.errors import MissionError
 from rota.planners.swarm.nodes.believing import Belief
 from rota.planners.swarm.nodes.hearing import Hearing, Known
-from rota.planners.swarm.nodes.scene import LEAST_SILENT_HOLDS, Scene
-from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
+from rota.planners.swarm.nodes.scene import HOLD_SHARE, LEAST_SILENT_PERIODS, Scene
+from rota.planners.swarm.nodes.telling import LEFT, MEMBER, MOST_COUNTED, WAITING, Telling, write_telling
 from rota.planners.swarm.world import moving_at
 
 
 class RobotNode:
     """A robot, by its number in the fleet; ``tick`` is all that it does, and nothing in here waits or sends.
 
-    It listens first, for twice as long as makes others forget; then, as soon as its start has room, it stands there and
-    announces itself; then, at ``begin_ns`` plus the time at which the mission lets it join, it takes part. One that was
-    held up for half as long as makes others forget begins with announcing itself again. ``in_the_way``: the robots that
-    keep it from joining, since their bodies may be where it starts. hold_ns: how long its decisions
-    hold (None: the mission's time step). began_ns: when it began to listen.
+    It listens first, for twice as long as makes others forget. As soon as its start has room it stands there and
+    announces itself. At ``begin_ns`` plus the time at which the mission lets it join it takes part. One that was held
+    up for half as long as makes others forget begins with announcing itself again.
+
+    began_ns: when it began to listen. period_ns: the time between its decisions (None: the mission's time step).
+    ``in_the_way``: the robots that keep it from joining, since their bodies may be where it starts. ``busy_us``:
+    processor time of its last tick, which who calls it may set.
     """
 
     def __init__(
-        self, scene: Scene, robot: int, *, began_ns: int, begin_ns: int | None = None, hold_ns: int | None = None
+        self, scene: Scene, robot: int, *, began_ns: int, begin_ns: int | None = None, period_ns: int | None = None
     ) -> None:
         robots = scene.mission.fleet.robots or ()
         if not 0 <= robot < len(robots):
             raise MissionError(f"robot: number {robot} is not allowed; the fleet has 0 to {len(robots) - 1}")
-        hold_ns = scene.hold_ns if hold_ns is None else hold_ns
-        if LEAST_SILENT_HOLDS * hold_ns > scene.silent_ns:
+        period_ns = scene.period_ns if period_ns is None else period_ns
+        if LEAST_SILENT_PERIODS * period_ns > scene.silent_ns:
             raise MissionError(
-                f"rate: {1e9 / hold_ns:.6g} Hz is not allowed: who is silent for {scene.silent_ns * 1e-9:.6g} s is"
-                f" forgotten; at least {LEAST_SILENT_HOLDS * 1e9 / scene.silent_ns:.6g} Hz are needed"
+                f"rate: {1e9 / period_ns:.6g} Hz is not allowed: who is silent for {scene.silent_ns * 1e-9:.6g} s is"
+                f" forgotten; at least {LEAST_SILENT_PERIODS * 1e9 / scene.silent_ns:.6g} Hz are needed"
             )
-        self._scene, self.robot, self._hold_ns = scene, robot, hold_ns
+        self._scene, self.robot, self._period_ns, self._hold_ns = scene, robot, period_ns, round(HOLD_SHARE * period_ns)
+        self._due_ns: int | None = None
         self._own, self._spec = scene.own_kind(robot), robots[robot]
         starts = scene.starts
         self._hearing = Hearing(
             starts, robot, scene.number, silent_ns=scene.silent_ns, clock_error_ns=scene.clock_error_ns
         )
-        self._belief = Belief(self._own, robot, len(robots), scene.grid, scene.rule(hold_ns), scene.decide)
+        self._belief = Belief(self._own, robot, len(robots), scene.grid, scene.rule(self._hold_ns), scene.decide)
         self._place_m = starts[robot].x, starts[robot].y
         self._listen_until_ns = began_ns + 2 * scene.silent_ns
         self._begin_ns = self._listen_until_ns + scene.silent_ns if begin_ns is None else begin_ns
         self._announced_ns: int | None = None
         self._left_ns: int | None = None
+        self._leaving = False
         self._told: Telling | None = None
         self._steps = 0
         self.in_the_way: tuple[int, ...] = ()
-        self._busy_us = 0
+        self.busy_us = 0
 
     @property
     def next_ns(self) -> int | None:
-        """The earliest time of the next tick: when the last decision's hold is over; None: any."""
-        return None if self._told is None else self._told.end_ns
+        """The time of the next tick, no sooner than the last decision's hold is over; None: any."""
+        return None if self._told is None or self._due_ns is None else max(self._told.end_ns, self._due_ns)
+
+    @property
+    def dropped(self) -> int:
+        """How many datagrams held no telling of the swarm."""
+        return self._hearing.dropped
+
+    def leave(self) -> None:
+        """Let it leave at the next tick."""
+        self._leaving = True
 
     @property
     def has_left(self) -> bool:
-        """Whether it has left and told so for long enough to be heard."""
-        return self._left_ns is not None and self._told is not None and (
-            self._told.told_ns - self._left_ns >= self._scene.silent_ns
-        )  # fmt: skip
+        """Whether it has left and told so for long enough to be heard, or nobody knows of it."""
+        if self._told is None:
+            return self._leaving
+        return self._left_ns is not None and self._told.told_ns - self._left_ns >= self._scene.silent_ns
 
     def tick(self, now_ns: int, datagrams: Iterable[bytes]) -> bytes | None:
         """Hear what has arrived, decide, and return what to tell all others; None while it only listens.
 
         Not to be called before ``next_ns``.
         """
-        cpu_ns = time.thread_time_ns()
         self._hearing.hear(datagrams, now_ns)
         if now_ns < self._listen_until_ns or not self._is_announced(now_ns):
             return None
@@ -80,9 +91,10 @@ class RobotNode:
             velocity = self._decision(now_ns)
         self._told = self._telling(now_ns, state, velocity)
         self._steps += 1
-        datagram = write_telling(self._told, self._scene.number)
-        self._busy_us = min((time.thread_time_ns() - cpu_ns) // 1000, 2**32 - 1)
-        return datagram
+        # on time again after a late tick, where the hold leaves room for it
+        on_time = self._due_ns is not None and now_ns - self._due_ns < self._period_ns
+        self._due_ns = (self._due_ns if on_time and self._due_ns is not None else now_ns) + self._period_ns
+        return write_telling(self._told, self._scene.number)
 
     def _is_announced(self, now_ns: int) -> bool:
         """Whether it may tell of itself, from when its start has room on; notes when it began to, last."""
@@ -110,7 +122,7 @@ class RobotNode:
     def _state(self, now_ns: int) -> int:
         """Whether it waits, takes part or has left."""
         leaves_s = self._spec.leaves_s
-        if leaves_s is not None and now_ns + self._hold_ns > self._begin_ns + leaves_s * 1e9:
+        if self._leaving or (leaves_s is not None and now_ns + self._hold_ns > self._begin_ns + leaves_s * 1e9):
             self._left_ns = now_ns if self._left_ns is None else self._left_ns
             return LEFT
         assert self._announced_ns is not None
@@ -133,8 +145,8 @@ class RobotNode:
             float(values[0]) for values in (self._own.body_m, self._own.sensor_m, self._own.speed_m_s)
         )
         height_m = self._scene.ground_m(x, y) + self._scene.mission.fleet.altitude_m
-        dropped = min(self._hearing.dropped, 2**32 - 1)
+        dropped, busy_us = (min(count, MOST_COUNTED) for count in (self._hearing.dropped, self.busy_us))
         return Telling(
-            state, self.robot, self._steps % 2**32, dropped, self._busy_us, now_ns, self._hold_ns, x, y, height_m,
-            *velocity, body_m, sensor_m, speed_m_s,
+            state, self.robot, self._steps % (MOST_COUNTED + 1), dropped, busy_us, now_ns, self._hold_ns, x, y,
+            height_m, *velocity, body_m, sensor_m, speed_m_s,
         )  # fmt: skip

@@ -21,24 +21,19 @@ from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.starts import place_starts
 from rota.planners.swarm.state import FleetKinds, Grid, Kinds, Rule
 from rota.planners.swarm.world import make_grid, walls_of
+from rota.robot_processes import HeightAt, level
 
-SILENT_HOLDS, LEAST_SILENT_HOLDS = 5, 4  # times the hold, after which a robot that tells nothing is forgotten
+SILENT_PERIODS, LEAST_SILENT_PERIODS = 5, 4  # after which a robot that tells nothing is forgotten
+HOLD_SHARE = 0.98  # of the time between decisions; robots that decide late by the rest of it keep their rate
 # of simulations, where news are late only because a mission says so
 OF_SIMULATIONS = {"delay_steps": 0, "messages_lost": 0.0, "device": "cpu", "altitudes_m": None, "filter": True}
-
-HeightAt = Callable[[float, float], float]
-
-
-def flat(_x: float, _y: float) -> float:
-    """The height of level ground."""
-    return 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
     """A mission as its robots' processes see it.
 
-    starts_m: (n, 2). hold_ns: how long a decision holds by default, the mission's time step. silent_ns: one that has
+    starts_m: (n, 2). period_ns: the time between decisions by default, the mission's time step. silent_ns: one that has
     told nothing for so long is forgotten; clock_error_ns: by which clocks may differ. decide: the controller, the very
     function that the simulation runs. ground_m: the height of the ground at a place (x, y), over which robots fly at
     the fleet's altitude.
@@ -50,11 +45,11 @@ class Scene:
     starts_m: NDArray[np.float64]
     fleet: FleetKinds
     grid: Grid
-    hold_ns: int
+    period_ns: int
     silent_ns: int
     clock_error_ns: int
     decide: Callable[..., None]
-    ground_m: HeightAt = flat
+    ground_m: HeightAt = level
 
     @property
     def starts(self) -> tuple[Start, ...]:
@@ -79,9 +74,9 @@ def scene_of(
     seed: int = 0,
     silent_s: float | None = None,
     clock_error_s: float = 0.0,
-    ground_m: HeightAt = flat,
+    ground_m: HeightAt = level,
 ) -> Scene:
-    """The scene of a mission. silent_s None: ``SILENT_HOLDS`` time steps of the mission.
+    """The scene of a mission. silent_s None: ``SILENT_PERIODS`` time steps of the mission.
 
     Raises MissionError for settings that only simulations have, for too many robots, for steps and limits out of range,
     and for starts without room.
@@ -92,12 +87,14 @@ def scene_of(
             raise MissionError(f"swarm.{name}: {value} is not allowed: robots in processes of their own have {only}")
     if len(robots) > MOST_ROBOTS:
         raise MissionError(f"fleet.robots: {len(robots)} is not allowed; at most {MOST_ROBOTS} can be told apart")
-    hold_ns = require_hold(settings.time_step_s, "swarm.time_step_s")
-    silent_s = SILENT_HOLDS * settings.time_step_s if silent_s is None else silent_s
-    least_s = LEAST_SILENT_HOLDS * settings.time_step_s
+    period_ns = require_period(settings.time_step_s, "swarm.time_step_s")
+    silent_s = SILENT_PERIODS * settings.time_step_s if silent_s is None else silent_s
+    least_s = LEAST_SILENT_PERIODS * settings.time_step_s
     if not least_s <= silent_s <= 1e3:
-        raise MissionError(f"silent: {silent_s:.6g} s is not allowed; {LEAST_SILENT_HOLDS} time steps, {least_s:.6g} s,"
-                           " to 1000 s are needed")  # fmt: skip
+        raise MissionError(
+            f"silent: {silent_s:.6g} s is not allowed; {least_s:.6g} s, {LEAST_SILENT_PERIODS} time steps, to"
+            " 1000 s are needed"
+        )
     if not 0 <= clock_error_s <= silent_s:
         raise MissionError(f"clock error: {clock_error_s:.6g} s is not allowed; 0 to {silent_s:.6g} s is needed")
     ground = free_ground(mission)
@@ -112,7 +109,7 @@ def scene_of(
         starts_m=place_starts(mission, ground, seed=seed, reserve_m=0.0),
         fleet=fleet,
         grid=grid,
-        hold_ns=hold_ns,
+        period_ns=period_ns,
         silent_ns=round(silent_s * 1e9),
         clock_error_ns=round(clock_error_s * 1e9),
         decide=DECIDE[settings.controller],
@@ -120,8 +117,8 @@ def scene_of(
     )
 
 
-def require_hold(hold_s: float, where: str) -> int:
-    """How long decisions hold, in nanoseconds; MissionError for what cannot be told."""
-    if not (math.isfinite(hold_s) and 1e-3 <= hold_s <= LONGEST_HOLD_NS * 1e-9):
-        raise MissionError(f"{where}: {hold_s:.6g} s is not allowed; 0.001 to {LONGEST_HOLD_NS * 1e-9:g} s is needed")
-    return round(hold_s * 1e9)
+def require_period(period_s: float, where: str) -> int:
+    """The time between decisions in nanoseconds; MissionError for one that cannot be told."""
+    if not (math.isfinite(period_s) and 1e-3 <= period_s <= LONGEST_HOLD_NS * 1e-9):
+        raise MissionError(f"{where}: {period_s:.6g} s is not allowed; 0.001 to {LONGEST_HOLD_NS * 1e-9:g} s is needed")
+    return round(period_s * 1e9)

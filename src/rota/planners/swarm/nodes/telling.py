@@ -19,6 +19,7 @@ WAITING, MEMBER, LEFT = 0, 1, 2  # stands and announces itself; takes part; has 
 MOST_ROBOTS = 4096  # numbers of robots are below that
 LONGEST_HOLD_NS = 10_000_000_000
 FASTEST_M_S = 1e5
+MOST_COUNTED = 2**32 - 1
 ROUNDED = 1 + 1e-9  # speeds may exceed the top speed by rounding
 
 # beginning, version, state, swarm, robot, tick, dropped, busy, told, hold, then x, y, height, vx, vy, body, sensor, top

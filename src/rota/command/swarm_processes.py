@@ -1,0 +1,214 @@
+"""`rota swarm-node` and `rota swarm-launch`: robots of a swarm as processes of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rota.command.arguments import require_target
+from rota.command.exit_codes import DONE
+from rota.command.interrupt import stop_on_interrupt
+from rota.command.terminal import mention_compiling, say
+from rota.errors import RotaError
+
+if TYPE_CHECKING:
+    from rota.mission import Mission
+    from rota.robot_processes import ProcessSettings, RobotProcesses, RobotRecord, SwarmRecord
+
+MissionPath = Annotated[Path, typer.Argument(metavar="MISSION", help="A mission file of a swarm, YAML or JSON.")]
+Seed = Annotated[int, typer.Option(min=0, metavar="NUMBER", help="For starts that the mission leaves open.")]
+Port = Annotated[int, typer.Option(metavar="PORT", help="Of the fleet's first robot; others and the recorder follow.")]
+Hosts = Annotated[
+    str, typer.Option(metavar="HOST,...", help="One for all, or one for each robot and then the recorder's.")
+]
+Rate = Annotated[float | None, typer.Option(metavar="HZ", help="Decisions in a second; default by the time step.")]
+Silent = Annotated[
+    float | None, typer.Option(metavar="SECONDS", help="Forget who was silent so long; default five time steps.")
+]
+ClockError = Annotated[float, typer.Option(metavar="SECONDS", help="By which clocks of several hosts may differ.")]
+HeightMap = Annotated[
+    str | None, typer.Option(metavar="FILE", help="Heights of the ground: a GeoTIFF, or a PNG with --heights.")
+]
+Heights = Annotated[str | None, typer.Option(metavar="LOW,HIGH", help="Metres that black and white stand for.")]
+
+SHARE_SHOWN = 95  # percent of a robot's decisions take no longer than what is shown beside the median
+
+
+def swarm_node(
+    mission: MissionPath,
+    robot: Annotated[str, typer.Option(metavar="ROBOT", help="Its name, or its number from 1 on in the fleet.")],
+    seed: Seed = 0,
+    port: Port = 47600,
+    hosts: Hosts = "127.0.0.1",
+    rate: Rate = None,
+    silent: Silent = None,
+    clock_error: ClockError = 0.0,
+    height_map: HeightMap = None,
+    heights: Heights = None,
+) -> None:
+    """Be one robot of a swarm, which knows only what the others send, until Ctrl-C."""
+    asked = _read(mission)
+    number = _number_of(asked, robot)
+    settings = _settings(asked, seed, port, hosts, rate, silent, clock_error, height_map, heights)
+    processes = _processes(asked, settings)
+    say(f"{(asked.fleet.robots or ())[number].name} listens on port {port + number}; Ctrl-C lets it leave")
+    with stop_on_interrupt(lambda by: say(f"leaving; {by} again ends at once")) as stop:
+        dropped = processes.run_robot(number, stop)
+    if dropped:
+        say(f"{dropped} datagrams could not be read")
+    raise typer.Exit(DONE)
+
+
+def swarm_launch(
+    mission: MissionPath,
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="PLAN", help="What was done; default MISSION.rota.json.")
+    ] = None,
+    robots: Annotated[
+        str | None, typer.Option(metavar="NUMBERS", help="Only these, such as 1-12,15; others may join by swarm-node.")
+    ] = None,
+    time_limit: Annotated[
+        float | None, typer.Option(min=0, metavar="SECONDS", help="How long to run; default until all rest.")
+    ] = None,
+    coverage: Annotated[
+        str | None, typer.Option(metavar="FILE.csv", help="Write what was covered at which time, as a table.")
+    ] = None,
+    seed: Seed = 0,
+    port: Port = 47600,
+    hosts: Hosts = "127.0.0.1",
+    rate: Rate = None,
+    silent: Silent = None,
+    clock_error: ClockError = 0.0,
+    height_map: HeightMap = None,
+    heights: Heights = None,
+) -> None:
+    """Start all robots of a swarm as processes of their own, and write a plan of what they did."""
+    from rota.files.atomic_write import require_suffix, write_atomically
+    from rota.files.plan_file import write_plan
+
+    target = output if output is not None else f"{mission.stem}.rota.json"
+    require_target(target, source=mission)
+    if coverage is not None:
+        require_suffix(coverage, (".csv",), "a table")
+        require_target(coverage, source=mission)
+    asked = _read(mission)
+    chosen = None if robots is None else _numbers_of(asked, robots)
+    processes = _processes(asked, _settings(asked, seed, port, hosts, rate, silent, clock_error, height_map, heights))
+    fleet = asked.fleet.robots or ()
+
+    def started(ids: dict[int, int]) -> None:
+        say(", ".join(f"{fleet[number].name} is process {pid}" for number, pid in ids.items()))
+
+    def measured(time_s: float, share: float, count: int) -> None:
+        typer.echo(f"{time_s:5.0f} s  {share:6.1%} covered by {count} robots")
+
+    with stop_on_interrupt(lambda by: say(f"ending with what was recorded; {by} again ends at once")) as stop:
+        record = processes.run_all(
+            robots=chosen, time_limit_s=time_limit, should_stop=stop, started=started, measured=measured
+        )
+    write_plan(record.plan, target)
+    if coverage is not None:
+        rows = [f"{time_s!r},{share!r},{count}\n" for time_s, share, count in record.coverage]
+        write_atomically(coverage, "time_s,coverage,robots\n" + "".join(rows))
+    _tell(record)
+    typer.echo(target)
+    raise typer.Exit(stop.exit_code or DONE)
+
+
+def _tell(record: SwarmRecord) -> None:
+    """Say how the robots ran."""
+    import numpy as np
+
+    for warning in record.warnings:
+        say(f"warning: {warning}")
+    for robot in record.robots:
+        typer.echo(_line(robot))
+    busy_ms = np.concatenate([robot.busy_ms for robot in record.robots])
+    if len(busy_ms):
+        typer.echo(
+            f"all: {np.median(busy_ms):.2f} ms of processor time for decision and messages in the median,"
+            f" {np.percentile(busy_ms, SHARE_SHOWN):.2f} ms in {SHARE_SHOWN} %"
+        )
+    if record.plan.run_end is not None:
+        typer.echo(f"the run was {record.plan.run_end.text()}")
+
+
+def _line(robot: RobotRecord) -> str:
+    lost = f", {robot.lost} tellings lost" if robot.lost else ""
+    dropped = f", {robot.dropped} datagrams that it could not read" if robot.dropped else ""
+    ends = {"runs": "to the end", "left": "until it left", "silent": "until it fell silent"}
+    return f"{robot.robot}: {robot.ticks} decisions at {robot.rate_hz:.1f} Hz {ends[robot.end]}{lost}{dropped}"
+
+
+def _read(path: Path) -> Mission:
+    from rota.files.mission_file import read_mission
+
+    read = read_mission(path)
+    for warning in read.warnings:
+        say(f"warning: {warning}")
+    return read.mission
+
+
+def _settings(
+    mission: Mission,
+    seed: int,
+    port: int,
+    hosts: str,
+    rate: float | None,
+    silent: float | None,
+    clock_error: float,
+    height_map: str | None,
+    heights: str | None,
+) -> ProcessSettings:
+    from rota.robot_processes import HeightAt, ProcessSettings, level
+
+    ground_m: HeightAt = level
+    if height_map is not None:
+        from rota.files.height_map import read_height_map
+
+        ground_m = read_height_map(height_map, mission, heights)
+    elif heights is not None:
+        raise RotaError(f"--heights: {heights!r} is not allowed without --height-map")
+    return ProcessSettings(
+        seed=seed,
+        port=port,
+        hosts=tuple(host.strip() for host in hosts.split(",")),
+        rate_hz=rate,
+        silent_s=silent,
+        clock_error_s=clock_error,
+        ground_m=ground_m,
+    )
+
+
+def _processes(mission: Mission, settings: ProcessSettings) -> RobotProcesses:
+    """The mission's robots, once it is said that compiling takes long."""
+    from rota.planner import planner_of
+
+    planner = planner_of(mission)
+    mention_compiling(*planner.compiled_packages(mission))
+    return planner.robot_processes(mission, settings)
+
+
+def _number_of(mission: Mission, robot: str) -> int:
+    """The place in the fleet of a robot given by its name or its number from 1 on; RotaError for others."""
+    names = [each.name for each in mission.fleet.robots or ()]
+    if robot in names:
+        return names.index(robot)
+    if robot.isascii() and robot.isdigit() and len(robot) < 10 and 1 <= int(robot) <= len(names):
+        return int(robot) - 1
+    raise RotaError(f"{robot!r} is no robot of the mission; one of its names or a number, 1 to {len(names)}, is needed")
+
+
+def _numbers_of(mission: Mission, text: str) -> list[int]:
+    """The places in the fleet of robots given as 1-12,15 or by names; RotaError for others."""
+    chosen: set[int] = set()
+    for part in text.split(","):
+        names = {each.name for each in mission.fleet.robots or ()}
+        first, dash, last = part.partition("-")
+        if dash and part not in names:
+            chosen.update(range(_number_of(mission, first), _number_of(mission, last) + 1))
+        else:
+            chosen.add(_number_of(mission, part))
+    return sorted(chosen)

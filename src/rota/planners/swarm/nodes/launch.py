@@ -1,0 +1,132 @@
+"""All robots of a mission as processes on this machine, and a recorder beside them."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from multiprocessing.process import BaseProcess
+
+from rota.errors import LinkError, RotaError
+from rota.planners.swarm.nodes.node import RobotNode
+from rota.planners.swarm.nodes.process import period_of, run_robot
+from rota.planners.swarm.nodes.recording import Recorder
+from rota.planners.swarm.nodes.scene import Scene
+from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of
+from rota.robot_processes import ProcessSettings, SwarmRecord
+
+START_S = 1.0  # for the processes to start, before they listen
+REST_S = 2.0  # a swarm that has not moved for so long is at rest
+LEAVE_S = 5.0  # for the processes to end, after they were asked to
+FAILED = 2  # exit code of a process that could not be its robot
+
+
+def run_swarm(
+    scene: Scene,
+    settings: ProcessSettings,
+    *,
+    robots: Sequence[int] | None = None,
+    time_limit_s: float | None = None,
+    should_stop: Callable[[], bool] = lambda: False,
+    started: Callable[[dict[int, int]], None] = lambda _pids: None,
+    measured: Callable[[float, float, int], None] = lambda _time_s, _share, _robots: None,
+) -> SwarmRecord:
+    """Start a process for each robot, record what they tell, end them, and return the record.
+
+    robots: the numbers of those to start; None: all. time_limit_s: how long they run after the begin; None: until they
+    have been at rest for ``REST_S``. started: called with the processes' ids by the robots' numbers. measured: called
+    every second with seconds since the begin, the share covered and how many take part. Raises LinkError where a port
+    is taken, and where a process does not start.
+    """
+    fleet = len(scene.mission.fleet.robots or ())
+    addresses = addresses_of(settings, fleet)
+    clock = clock_of(addresses)
+    port = UdpPort(addresses[-1], ())
+    processes: dict[int, BaseProcess] = {}
+    try:
+        compile_for(scene, settings)
+        begin_ns = clock() + 3 * scene.silent_ns + round(START_S * 1e9)
+        for robot in range(fleet) if robots is None else robots:
+            processes[robot] = _started(scene, robot, settings, begin_ns)
+        started({robot: process.pid or 0 for robot, process in processes.items()})
+        recorder, told = Recorder(scene, begin_ns), 0
+        while True:
+            now_ns = clock()
+            recorder.hear(port.received(), now_ns)
+            for row in recorder.coverage[told:]:
+                measured(*row)
+            told = len(recorder.coverage)
+            _require_started(processes, scene, now_ns < begin_ns)
+            over = _is_over(recorder, now_ns, begin_ns, time_limit_s)
+            if (stopped := should_stop()) or over or not any(process.is_alive() for process in processes.values()):
+                break
+            time.sleep(scene.period_ns * 1e-9 / 4)
+        at_rest = not stopped and recorder.quiet_s(now_ns) >= REST_S
+        return recorder.record(now_ns, stopped=not at_rest)
+    finally:
+        _end(processes.values())
+        port.close()
+
+
+def compile_for(scene: Scene, settings: ProcessSettings) -> None:
+    """Compile and load all that a robot's decision takes, so that processes forked afterwards have it.
+
+    Raises MissionError for a rate at which robots would forget each other.
+    """
+    node = RobotNode(scene, 0, began_ns=-2 * scene.silent_ns, begin_ns=0, period_ns=period_of(settings))
+    for now_ns in range(0, scene.silent_ns + 2 * scene.period_ns, scene.period_ns):
+        node.tick(now_ns, ())
+
+
+def _is_over(recorder: Recorder, now_ns: int, begin_ns: int, time_limit_s: float | None) -> bool:
+    """Whether the record has come to its end."""
+    if time_limit_s is not None:
+        return now_ns - begin_ns >= time_limit_s * 1e9
+    return now_ns > begin_ns + REST_S * 1e9 and recorder.quiet_s(now_ns) >= REST_S
+
+
+def _started(scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int) -> BaseProcess:
+    """The process of one robot: a fork, which is ready at once, where the system has that; else one that loads anew."""
+    methods = multiprocessing.get_all_start_methods()
+    context = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
+    process: BaseProcess = context.Process(  # type: ignore[attr-defined]
+        target=_be_robot, args=(scene, robot, settings, begin_ns, os.getpid()), name=f"robot {robot}", daemon=True
+    )
+    process.start()
+    return process
+
+
+def _be_robot(scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int, parent: int) -> None:
+    """What the process of a robot does: be one until SIGTERM; Ctrl-C is for who started it."""
+    asked: list[int] = []
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda number, _frame: asked.append(number))
+    try:
+        run_robot(scene, robot, settings, begin_ns=begin_ns, should_stop=lambda: bool(asked), parent=parent)
+    except RotaError as error:
+        print(f"rota: error: {error}", file=sys.stderr, flush=True)
+        os._exit(FAILED)
+
+
+def _require_started(processes: dict[int, BaseProcess], scene: Scene, before_begin: bool) -> None:
+    """Raise LinkError where a process ended before the begin; later ones may die, and the others go on."""
+    ended = [robot for robot, process in processes.items() if process.exitcode not in (None, 0)]
+    if before_begin and ended:
+        names = [(scene.mission.fleet.robots or ())[robot].name for robot in ended]
+        raise LinkError(f"{', '.join(names)}: the process ended before the begin; what it said stands above")
+
+
+def _end(processes: Iterable[BaseProcess]) -> None:
+    """Ask all processes to leave, and end those that do not."""
+    running = [process for process in processes if process.is_alive()]
+    for process in running:
+        process.terminate()
+    until = time.monotonic() + LEAVE_S
+    for process in running:
+        process.join(max(until - time.monotonic(), 0.0))
+        if process.is_alive():
+            process.kill()
+            process.join()

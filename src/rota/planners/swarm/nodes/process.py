@@ -1,0 +1,66 @@
+"""A robot's process: it ticks at its own rate until it is stopped, leaves, or whoever started it is gone."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+
+from rota.mission import Mission
+from rota.planners.swarm.nodes.node import RobotNode
+from rota.planners.swarm.nodes.scene import Scene, require_period, scene_of
+from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of
+from rota.robot_processes import ProcessSettings
+
+
+def scene_for(mission: Mission, settings: ProcessSettings) -> Scene:
+    """The scene that all processes of these settings have in common."""
+    return scene_of(
+        mission,
+        seed=settings.seed,
+        silent_s=settings.silent_s,
+        clock_error_s=settings.clock_error_s,
+        ground_m=settings.ground_m,
+    )
+
+
+def period_of(settings: ProcessSettings) -> int | None:
+    """The time between a robot's decisions in nanoseconds; None: the mission's time step."""
+    return None if settings.rate_hz is None else require_period(1 / settings.rate_hz, "rate")
+
+
+def run_robot(
+    scene: Scene,
+    robot: int,
+    settings: ProcessSettings,
+    *,
+    begin_ns: int | None = None,
+    should_stop: Callable[[], bool] = lambda: False,
+    parent: int | None = None,
+) -> RobotNode:
+    """Be a robot, by its number in the fleet, until it has left; returns it as it was in the end.
+
+    begin_ns: when all begin, by the shared clock; None: as soon as it is announced. Once ``should_stop`` says so, or
+    the process ``parent`` that started it is gone, it leaves, and tells so for as long as makes others forget. Raises
+    LinkError where another process has its port, MissionError for a rate at which others would forget it.
+    """
+    addresses = addresses_of(settings, len(scene.mission.fleet.robots or ()))
+    clock = clock_of(addresses)
+    others = (*addresses[:robot], *addresses[robot + 1 :])
+    node = RobotNode(scene, robot, began_ns=clock(), begin_ns=begin_ns, period_ns=period_of(settings))
+    port = UdpPort(addresses[robot], others)
+    try:
+        while not node.has_left:
+            if should_stop() or (parent is not None and os.getppid() != parent):
+                node.leave()
+            cpu_ns = time.thread_time_ns()
+            datagrams = list(port.received())  # before the clock is read, which none of them is ahead of then
+            datagram = node.tick(clock(), datagrams)
+            if datagram is not None:
+                port.send(datagram)
+            node.busy_us = (time.thread_time_ns() - cpu_ns) // 1000
+            next_ns = clock() + scene.period_ns if node.next_ns is None else node.next_ns
+            time.sleep(max(next_ns - clock(), 0) * 1e-9)
+    finally:
+        port.close()
+    return node

@@ -1,0 +1,41 @@
+"""The door to robots as processes of their own: one of them, or all with a recorder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rota.mission import Mission
+from rota.planners.swarm.nodes.launch import run_swarm
+from rota.planners.swarm.nodes.process import run_robot, scene_for
+from rota.robot_processes import ProcessSettings, SwarmRecord
+
+
+class SwarmProcesses:
+    """See ``robot_processes.RobotProcesses``."""
+
+    def __init__(self, mission: Mission, settings: ProcessSettings) -> None:
+        self._scene, self._settings = scene_for(mission, settings), settings
+
+    def run_robot(self, robot: int, should_stop: Callable[[], bool]) -> int:
+        """Be the robot of this number."""
+        return run_robot(self._scene, robot, self._settings, should_stop=should_stop).dropped
+
+    def run_all(
+        self,
+        *,
+        robots: Sequence[int] | None,
+        time_limit_s: float | None,
+        should_stop: Callable[[], bool],
+        started: Callable[[dict[int, int]], None],
+        measured: Callable[[float, float, int], None],
+    ) -> SwarmRecord:
+        """Start all, record and end them."""
+        return run_swarm(
+            self._scene,
+            self._settings,
+            robots=robots,
+            time_limit_s=time_limit_s,
+            should_stop=should_stop,
+            started=started,
+            measured=measured,
+        )
