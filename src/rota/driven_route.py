@@ -13,6 +13,7 @@ from rota.limits import SHORTEST_LOOP_S
 from rota.plan import Trajectory
 from rota.route import Route, RouteStop
 
+DURATION_S = 1200.0  # how long robots go on where a format ends: about what a battery lasts, less a reserve
 ROUNDING_SHARE = 1e-9  # of a round or a second, that sums of many legs may be off
 
 

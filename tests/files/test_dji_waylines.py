@@ -17,7 +17,7 @@ from tests.files.two_robots import ORIGIN, two_robots, with_heights
 
 from rota.errors import PlanError, RotaError
 from rota.files import dji_waylines
-from rota.files.dji_waylines import write_dji_waylines
+from rota.files.dji_waylines import WaylineSettings, write_dji_waylines
 from rota.mission import GeoPoint
 from rota.plan import Plan, Trajectory
 
@@ -53,7 +53,7 @@ def metres(lon: float, lat: float) -> tuple[float, float]:
 
 def test_djikmz_reads_whole_rounds_with_speeds_and_waits(tmp_path: Path) -> None:
     plan = two_robots()
-    looping, staying = write_dji_waylines(plan, tmp_path / "dji", duration_s=200, drone="M30T")
+    looping, staying = write_dji_waylines(plan, tmp_path / "dji", WaylineSettings(duration_s=200, drone="M30T"))
     kml = read_by_djikmz(kmz_documents(looping)[0])
     assert kml.mission_config.drone_info.drone_model == "M30T"
     assert kml.mission_config.finish_action == "goHome"
@@ -120,7 +120,7 @@ def one(element: etree._Element, path: str) -> str:
 
 
 def test_the_executable_file_has_what_dji_documents(tmp_path: Path) -> None:
-    path, _ = write_dji_waylines(two_robots(), tmp_path / "dji", duration_s=200)
+    path, _ = write_dji_waylines(two_robots(), tmp_path / "dji", WaylineSettings(duration_s=200))
     template, waylines = (etree.fromstring(text) for text in kmz_documents(path))
     (document,) = waylines.findall("k:Document", NAMES)
     for name, allows in DOCUMENTED.items():
@@ -151,7 +151,7 @@ def test_turns_fit_between_points_that_lie_close_to_each_other(tmp_path: Path) -
         robot="a", times_s=np.arange(9.0), positions_m=[[0.3 * x, 0] for x in (0, 1, 2, 3, 4, 3, 2, 1, 0)]
     )
     plan = two_robots(robots=("a", "b"))
-    (path,) = write_dji_waylines(replace(plan, trajectories=(dense,)), tmp_path / "dji", duration_s=1)
+    (path,) = write_dji_waylines(replace(plan, trajectories=(dense,)), tmp_path / "dji", WaylineSettings(duration_s=1))
     document = etree.fromstring(kmz_documents(path)[1])
     turns = document.findall(".//w:waypointTurnDampingDist", NAMES)
     assert [float(turn.text or "") for turn in turns] == pytest.approx([0.12] * 7)
@@ -159,7 +159,7 @@ def test_turns_fit_between_points_that_lie_close_to_each_other(tmp_path: Path) -
 
 def test_heights_of_their_own_are_flown_and_one_place_makes_two_waypoints(tmp_path: Path) -> None:
     plan = with_heights()
-    climbing, _ = write_dji_waylines(plan, tmp_path / "dji", duration_s=1)
+    climbing, _ = write_dji_waylines(plan, tmp_path / "dji", WaylineSettings(duration_s=1))
     read = read_by_djikmz(kmz_documents(climbing)[0]).waypoints
     assert [waypoint.height for waypoint in read] == [30, 40.125, 30]
     hover = Trajectory(robot="a", times_s=[0.0], positions_m=[[5, 5]])
@@ -167,9 +167,9 @@ def test_heights_of_their_own_are_flown_and_one_place_makes_two_waypoints(tmp_pa
     assert [waypoint.height for waypoint in read_by_djikmz(kmz_documents(path)[0]).waypoints] == [26, 25]
 
 
-def refused(plan: Plan, folder: Path, match: str, **options: object) -> None:
-    with pytest.raises(RotaError, match=match):
-        write_dji_waylines(plan, folder, **options)  # type: ignore[arg-type]
+def refused(plan: Plan, folder: Path, match: str) -> None:
+    with pytest.raises(PlanError, match=match):
+        write_dji_waylines(plan, folder)
     assert not folder.exists()
 
 
@@ -179,7 +179,8 @@ def test_what_dji_cannot_fly_is_refused_before_anything_is_written(
     folder = tmp_path / "dji"
     plan = two_robots(robots=("a", "b"))
     refused(two_robots(origin=None), folder, "without an origin .* which DJI WPML needs; give --origin LAT,LON")
-    refused(plan, folder, "--drone: 'Mavic' is not one of 'M300', .*", drone="Mavic")
+    with pytest.raises(RotaError, match=r"--set\.drone: \"Mavic\" is not allowed; M300, .* or M4T is needed"):
+        WaylineSettings(drone="Mavic")  # type: ignore[arg-type]
     fast = Trajectory(robot="b", times_s=[0, 10, 20], positions_m=[[0, 0], [151, 0], [0, 0]])
     refused(
         replace(plan, trajectories=(plan.trajectories[0], fast)),
@@ -194,7 +195,9 @@ def test_what_dji_cannot_fly_is_refused_before_anything_is_written(
 
 def test_more_rounds_than_a_wayline_holds_are_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dji_waylines, "MOST_WAYPOINTS", 13)
-    path, _ = write_dji_waylines(two_robots(origin=GeoPoint(lat=0, lon=0)), tmp_path / "dji", duration_s=1e6)
+    path, _ = write_dji_waylines(
+        two_robots(origin=GeoPoint(lat=0, lon=0)), tmp_path / "dji", WaylineSettings(duration_s=1e6)
+    )
     assert len(read_by_djikmz(kmz_documents(path)[0]).waypoints) == 2 + 2 * 4
 
 

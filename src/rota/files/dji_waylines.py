@@ -10,18 +10,19 @@ import io
 import os
 import zipfile
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from rota.driven_route import from_start, rounds_within, with_whole_waits
-from rota.errors import PlanError, RotaError
+from rota.driven_route import DURATION_S, from_start, rounds_within, with_whole_waits
+from rota.errors import PlanError
 from rota.files.geodesy import Projection, projection_of
 from rota.files.robot_files import write_contents
 from rota.files.timed_places import DEGREE_DIGITS, HEIGHT_DIGITS, START
 from rota.plan import Plan, Trajectory
+from rota.planner_settings import Settings, setting
 from rota.route import RouteStop, route_of
 
 TEMPLATE, WAYLINES = "wpmz/template.kml", "wpmz/waylines.wpml"
@@ -31,7 +32,6 @@ MOST_SPEED_M_S = 15.0  # wpml:globalTransitionalSpeed is at most 15, as is the s
 LEAST_TAKEOFF_M, MOST_TAKEOFF_M = 2.0, 1500.0  # wpml:takeOffSecurityHeight
 SHARE_OF_LEG = 0.4  # both turns of a leg take less than the leg
 TURN_M = 0.2  # how far from a waypoint a turn may begin; the least that DJI Pilot 2 offers
-DURATION_S = 1200.0  # about what a battery lasts, less a reserve
 ZIPPED_AT = (1980, 1, 1, 0, 0, 0)  # fixed, so that the same plan gives the same file
 
 HEAD = f'<kml xmlns="{KML_NAMESPACE}" xmlns:wpml="{WPML_NAMESPACE}"><Document>\n'
@@ -46,7 +46,16 @@ DRONES = {
     "M300": (60, 0), "M350": (89, 0), "M30": (67, 0), "M30T": (67, 1), "M3E": (77, 0), "M3T": (77, 1), "M3M": (77, 2),
     "M3D": (91, 0), "M3TD": (91, 1), "M4E": (99, 0), "M4T": (99, 1),
 }  # fmt: skip
-DRONE = "M3E"
+DroneName = Literal["M300", "M350", "M30", "M30T", "M3E", "M3T", "M3M", "M3D", "M3TD", "M4E", "M4T"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WaylineSettings(Settings):
+    """Settings of the export."""
+
+    place: ClassVar[str] = "--set"
+    duration_s: float = setting(DURATION_S, "how long aircraft go on: whole rounds that end within it", above=0)
+    drone: DroneName = setting("M3E", "the model of the aircraft, which DJI's ground stations compare")
 
 
 class Waypoint(NamedTuple):
@@ -64,23 +73,17 @@ class Waypoint(NamedTuple):
 
 
 def write_dji_waylines(
-    plan: Plan, folder: str | os.PathLike[str], *, duration_s: float = DURATION_S, drone: str = DRONE
+    plan: Plan, folder: str | os.PathLike[str], settings: WaylineSettings | None = None
 ) -> tuple[Path, ...]:
     """Write one ``ROBOT.kmz`` per robot into ``folder`` (made if missing); returns their paths.
 
-    duration_s: each flies as many whole rounds as end within so many seconds, at least one. drone: a name in
-    ``DRONES``; ground stations ask that the aircraft is of that model.
-
-    Raises RotaError for another drone and a folder that cannot be written to; PlanError for a mission without an
-    origin, for speeds, heights and numbers of waypoints beyond DJI's, and for robots whose names give the same file
-    name. Nothing is written on errors of the plan.
+    Raises PlanError for a mission without an origin, for speeds, heights and numbers of waypoints beyond DJI's, and for
+    robots whose names give the same file name; RotaError when the folder cannot be written to. Nothing is written on
+    errors of the plan.
     """
-    if drone not in DRONES:
-        raise RotaError(f"--drone: {drone!r} is not one of {', '.join(map(repr, DRONES))}")
+    settings = settings or WaylineSettings()
     projection = projection_of(plan.mission, "DJI WPML")
-    return write_contents(
-        plan, folder, lambda trajectory: {".kmz": _kmz(plan, trajectory, projection, duration_s, drone)}
-    )
+    return write_contents(plan, folder, lambda trajectory: {".kmz": _kmz(plan, trajectory, projection, settings)})
 
 
 def waypoints_of(plan: Plan, trajectory: Trajectory, projection: Projection, duration_s: float) -> list[Waypoint]:
@@ -144,11 +147,11 @@ def _require_flyable(robot: str, speed_m_s: float, height_m: float) -> None:
 # ---------------------------------------------------------------- files
 
 
-def _kmz(plan: Plan, trajectory: Trajectory, projection: Projection, duration_s: float, drone: str) -> bytes:
+def _kmz(plan: Plan, trajectory: Trajectory, projection: Projection, settings: WaylineSettings) -> bytes:
     """The archive with both documents."""
-    waypoints = waypoints_of(plan, trajectory, projection, duration_s)
+    waypoints = waypoints_of(plan, trajectory, projection, settings.duration_s)
     stays = trajectory.loop_duration_s == 0
-    config = _mission_config(waypoints, drone, stays)
+    config = _mission_config(waypoints, settings.drone, stays)
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name, parts in (

@@ -65,14 +65,19 @@ def instant_text(instant: datetime) -> str:
     return instant.astimezone(UTC).replace(tzinfo=None).isoformat(timespec="milliseconds") + "Z"
 
 
-def _instants(trajectory: Trajectory, start: datetime) -> list[str]:
+def require_dated(robot: str, start: datetime, duration_s: float) -> None:
+    """Raise PlanError for a robot's route of so many seconds that ends after the year 9999."""
     try:
-        start + timedelta(seconds=float(trajectory.times_s[-1]) + 1)
+        start + timedelta(seconds=duration_s + 1)
     except OverflowError:
         raise PlanError(
-            f"robot {trajectory.robot}: its route of {trajectory.times_s[-1]:g} s from {instant_text(start)} on ends"
-            " after the year 9999; name an earlier start"
+            f"robot {robot}: its route of {duration_s:g} s from {instant_text(start)} on ends after the year 9999; name"
+            " an earlier start"
         ) from None
+
+
+def _instants(trajectory: Trajectory, start: datetime) -> list[str]:
+    require_dated(trajectory.robot, start, float(trajectory.times_s[-1]))
     first = np.datetime64(start.astimezone(UTC).replace(tzinfo=None), "us")
     microseconds = np.round(trajectory.times_s * 1e6).astype("timedelta64[us]")
     milliseconds = (first + microseconds + np.timedelta64(500, "us")).astype("datetime64[ms]")

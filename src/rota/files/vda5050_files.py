@@ -1,0 +1,84 @@
+"""Plan -> VDA 5050 orders as files: for each robot its order and the updates that follow, a message a line."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import uuid
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from itertools import pairwise
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from rota.driven_route import DURATION_S, from_start, rounds_within
+from rota.errors import PlanError
+from rota.files.robot_files import write_robot_files
+from rota.files.timed_places import START, instant_text, require_dated
+from rota.files.vda5050_orders import Vehicle, Window, base_end, order_messages
+from rota.plan import Floats, Plan, Trajectory
+from rota.planner_settings import Settings, setting
+from rota.route import Route, route_of
+
+SUFFIX = ".orders.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrderSettings(Settings):
+    """Settings of the export."""
+
+    place: ClassVar[str] = "--set"
+    duration_s: float = setting(DURATION_S, "how long the orders go on: whole rounds that end within it", above=0)
+    manufacturer: str = setting("rota", "the vehicles' manufacturer, which their topics and orders name")
+
+
+def write_vda5050_orders(
+    plan: Plan, folder: str | os.PathLike[str], settings: OrderSettings | None = None, *, start: datetime = START
+) -> tuple[Path, ...]:
+    """Write one ``ROBOT.orders.jsonl`` per robot into ``folder`` (made if missing); returns their paths.
+
+    Each line is a message for the topic ``order`` of the vehicle whose serial number is the robot's name: the order
+    first, then updates that release the loop again and again, until as many whole rounds are released as end within
+    the settings' duration, one at least. A message's timestamp is when it is to be sent: ``start`` for the order; for
+    an update the instant at which the robot has as many stops ahead as one order releases.
+
+    Raises PlanError for plans with heights, of which VDA 5050 knows nothing, for names that it does not take and for
+    dates after the year 9999; RotaError when the folder cannot be written to. Nothing is written on errors of the plan.
+    """
+
+    settings = settings or OrderSettings()
+    return write_robot_files(plan, folder, SUFFIX, lambda trajectory: orders_text(trajectory, settings, start))
+
+
+def orders_text(trajectory: Trajectory, settings: OrderSettings, start: datetime) -> str:
+    """One robot's messages. The order's id comes from what is ordered, so that another plan is another order."""
+    if trajectory.positions_m.shape[1] == 3:
+        raise PlanError(f"robot {trajectory.robot}: its positions have heights, of which VDA 5050 knows nothing")
+    vehicle = Vehicle(serial_number=trajectory.robot, manufacturer=settings.manufacturer)
+    route, window = route_of(trajectory, 0.0), Window()
+    arrivals_s = _arrivals_s(route, rounds_within(route, settings.duration_s))
+    require_dated(trajectory.robot, start, float(arrivals_s[-1]))
+    order_id = str(uuid.uuid5(uuid.NAMESPACE_OID, repr(route)))
+
+    def timestamp(first: int) -> str:
+        return instant_text(start + timedelta(seconds=float(arrivals_s[max(first - window.released, 0)])))
+
+    lines: list[str] = []
+    for message in order_messages(route, vehicle, order_id, window=window, timestamp=timestamp):
+        lines.append(json.dumps(message, allow_nan=False, separators=(",", ":")) + "\n")
+        if base_end(message) >= len(arrivals_s) - 1:
+            break
+    return "".join(lines)
+
+
+def _arrivals_s(route: Route, rounds: int) -> Floats:
+    """(n,) seconds after the start at which the robot is at each stop, up to the end of so many rounds."""
+    stops = [*from_start(route), *(route.every_round * rounds)]
+    legs_s = [
+        before.hold_s + math.dist(before.place_m, stop.place_m) / (stop.speed_m_s or math.inf)
+        for before, stop in pairwise(stops)
+    ]
+    return np.concatenate([[0.0], np.cumsum(legs_s)])
