@@ -36,7 +36,7 @@ def messages(route: Route, window: Window, count: int) -> list[dict[str, Any]]:
     return list(islice(made, count))
 
 
-def drive(sent: list[dict[str, Any]]) -> list[tuple[float, float, float | None, float]]:
+def drive(sent: list[dict[str, Any]], map_id: str = "map") -> list[tuple[float, float, float | None, float]]:
     """x, y, speed and wait of every node that a vehicle passes, which takes orders as the SDK says and checks them."""
     session = VehicleSession(key=VehicleKey(manufacturer="Rota", serial_number="robot-1"))
     policy, schemas = OrderAcceptancePolicy(), SchemaValidator()
@@ -52,7 +52,7 @@ def drive(sent: list[dict[str, Any]]) -> list[tuple[float, float, float | None, 
         edges = {edge.sequence_id: edge for edge in order.edges if edge.released}
         for node in (node for node in order.nodes if node.released):
             assert node.node_position is not None
-            assert node.node_position.map_id == "quay"
+            assert node.node_position.map_id == map_id
             waits = [action for action in node.actions if action.action_type == "wait"]
             assert [str(action.blocking_type.value) for action in waits] == ["HARD"] * len(node.actions)
             wait_s = sum(parameter.value for action in waits for parameter in action.action_parameters or ())
@@ -67,7 +67,7 @@ def drive(sent: list[dict[str, Any]]) -> list[tuple[float, float, float | None, 
 @pytest.mark.parametrize("window", [Window(), Window(released=1, announced=0), Window(released=3, announced=2)])
 def test_a_vehicle_that_takes_all_updates_drives_the_loop_again_and_again(window: Window) -> None:
     looping, _ = routes()
-    passed = drive(messages(looping, window, 20))
+    passed = drive(messages(looping, window, 20), "quay")
     assert len(passed) >= 21
     start, *rest = passed
     assert start[:3] == (-20, 0, None)
@@ -95,7 +95,7 @@ def test_the_orders_of_a_robot_that_stays_come_to_an_end() -> None:
     (order,) = messages(staying, Window(), 9)
     assert [node["nodeId"] for node in order["nodes"]] == ["a0", "l0"]
     assert all(node["released"] for node in order["nodes"])
-    assert drive([order]) == [(200, 200, None, 0), (200, 90, 110 / 30, 0)]
+    assert drive([order], "quay") == [(200, 200, None, 0), (200, 90, 110 / 30, 0)]
     waiting = replace(staying, loop=(replace(staying.loop[0], speed_m_s=None),))
     (order,) = messages(waiting, Window(), 9)
     assert (len(order["nodes"]), order["edges"]) == (1, [])

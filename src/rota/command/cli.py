@@ -229,9 +229,13 @@ def export(
             metavar="TIME", help="When robots start, in ISO 8601, for formats with a clock; default 2000-01-01T00:00Z."
         ),
     ] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A setting of dji-wpml or vda5050.")
+    ] = None,
 ) -> None:
     """Export a plan to what maps and robots read."""
-    for path in write_export(read_plan_argument(plan), plan, to, output, origin=origin, start_time=start_time):
+    answer = read_plan_argument(plan)
+    for path in write_export(answer, plan, to, output, origin=origin, start_time=start_time, settings=settings or ()):
         typer.echo(path)
 
 

@@ -6,10 +6,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,10 @@ from rota.command.terminal import STANDARD_STREAM, say
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
+    from rota.files.dji_waylines import WaylineSettings
+    from rota.files.vda5050_files import OrderSettings
     from rota.plan import Plan
+    from rota.planner_settings import Settings
 
 
 def geojson(plan: Plan) -> str:
@@ -63,6 +67,27 @@ def waypoint_lists(plan: Plan, folder: str) -> tuple[Path, ...]:
     return write_waypoint_lists(plan, folder)
 
 
+def dji_waylines(plan: Plan, folder: str, settings: WaylineSettings) -> tuple[Path, ...]:
+    """A KMZ per robot, for DJI's ground stations."""
+    from rota.files.dji_waylines import write_dji_waylines
+
+    return write_dji_waylines(plan, folder, settings)
+
+
+def nav2_waypoints(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """Waypoints and a path per robot, for Nav2."""
+    from rota.files.nav2_waypoints import write_nav2_waypoints
+
+    return write_nav2_waypoints(plan, folder)
+
+
+def vda5050_orders(plan: Plan, folder: str, start: datetime, settings: OrderSettings) -> tuple[Path, ...]:
+    """Orders per robot, for vehicles that speak VDA 5050."""
+    from rota.files.vda5050_files import write_vda5050_orders
+
+    return write_vda5050_orders(plan, folder, settings, start=start)
+
+
 def csv_table(plan: Plan) -> str:
     """A table's text."""
     from rota.files.plan_table import csv_text
@@ -86,42 +111,71 @@ def gpx_tracks(plan: Plan, start: datetime) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """A format's line in the help, and what makes it: ``text``, ``timed_text`` (one file each), ``folder`` or ``bag``.
+    """A format and its line in the help. It is made by ``text`` or ``timed_text`` (a file), ``folder`` or ``timed``.
 
-    ``folder`` writes a file for each robot and returns the paths; ``timed_text`` also takes the instant of the start.
-    ``bag`` takes that, too, and writes a file, or a folder where ``is_folder``.
+    ``folder`` writes files for each robot and returns the paths; ``timed_text`` also takes the instant of the start.
+    ``timed`` takes that, too, and writes a file, or a folder where ``is_folder``. settings: the module and the name of
+    the ``Settings`` that either takes as well. in_phase: what keeps robots in phase where vehicles see no clock.
     """
 
     holds: str
     text: Callable[[Plan], str] | None = None
     timed_text: Callable[[Plan, datetime], str] | None = None
-    folder: Callable[[Plan, str], tuple[Path, ...]] | None = None
-    bag: Callable[[Plan, str, datetime], tuple[Path, ...]] | None = None
+    folder: Callable[..., tuple[Path, ...]] | None = None
+    timed: Callable[..., tuple[Path, ...]] | None = None
     is_folder: bool = False
     takes_origin: bool = True
+    settings: tuple[str, str] | None = None
+    in_phase: str | None = None
 
     @property
     def has_clock(self) -> bool:
         """Whether what is written tells instants."""
-        return self.timed_text is not None or self.bag is not None
+        return self.timed_text is not None or self.timed is not None
 
+
+BY_ARDUPILOT = "a speed for each leg and waits, which ArduPilot cuts to whole seconds; start all robots together"
 
 FORMATS = {
     "geojson": Format(holds="a map of ground and routes", text=geojson),
     "csv": Format(holds="a table of all timed points", text=csv_table),
     "kml": Format(holds="ground and tracks that Google Earth plays", timed_text=kml_tour),
     "gpx": Format(holds="tracks with times (GPX 1.1)", timed_text=gpx_tracks),
-    "qgroundcontrol": Format(holds=".plan files for ArduPilot", folder=ardupilot_missions),
-    "qgroundcontrol-px4": Format(holds=".plan files for PX4", folder=px4_missions),
-    "waypoints": Format(holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists),
+    "qgroundcontrol": Format(holds=".plan files for ArduPilot", folder=ardupilot_missions, in_phase=BY_ARDUPILOT),
+    "qgroundcontrol-px4": Format(
+        holds=".plan files for PX4",
+        folder=px4_missions,
+        in_phase="a speed for each leg and waits, for 65,535 rounds; start all robots together",
+    ),
+    "waypoints": Format(holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists, in_phase=BY_ARDUPILOT),
+    "dji-wpml": Format(
+        holds="KMZ for DJI's ground stations",
+        folder=dji_waylines,
+        settings=("rota.files.dji_waylines", "WaylineSettings"),
+        in_phase="a speed for each leg and waits of whole seconds, until robots fly home; start all together",
+    ),
+    "nav2": Format(
+        holds="waypoints and a nav_msgs/Path for Nav2 (YAML)",
+        folder=nav2_waypoints,
+        takes_origin=False,
+        in_phase="speed_m_s and wait_s of each waypoint, for clients that heed them; start all robots together",
+    ),
+    "vda5050": Format(
+        holds="VDA 5050 orders and their updates",
+        timed=vda5050_orders,
+        is_folder=True,
+        takes_origin=False,
+        settings=("rota.files.vda5050_files", "OrderSettings"),
+        in_phase="maxSpeed of each edge, driven at, and actions that wait; start all robots together",
+    ),
     "create2-sketch": Format(holds="sketches for Create 2 robots", folder=create2_sketches, takes_origin=False),
     "rosbag2": Format(
-        holds="a bag of ROS 2 in MCAP, for Foxglove and RViz", bag=rosbag2, is_folder=True, takes_origin=False
+        holds="a bag of ROS 2 in MCAP, for Foxglove and RViz", timed=rosbag2, is_folder=True, takes_origin=False
     ),
     "rosbag2-sqlite3": Format(
-        holds="a bag of ROS 2 in SQLite", bag=rosbag2_sqlite3, is_folder=True, takes_origin=False
+        holds="a bag of ROS 2 in SQLite", timed=rosbag2_sqlite3, is_folder=True, takes_origin=False
     ),
-    "rosbag1": Format(holds="a bag of ROS 1 (.bag)", bag=rosbag1, takes_origin=False),
+    "rosbag1": Format(holds="a bag of ROS 1 (.bag)", timed=rosbag1, takes_origin=False),
 }
 FORMATS_HELP = f"One of {', '.join(FORMATS)}; see below."
 # \b keeps the lines as they are
@@ -139,12 +193,19 @@ def export_format(name: str) -> str:
 
 
 def write_export(
-    plan: Plan, source: str, to: str, output: str, *, origin: str | None = None, start_time: str | None = None
+    plan: Plan,
+    source: str,
+    to: str,
+    output: str,
+    *,
+    origin: str | None = None,
+    start_time: str | None = None,
+    settings: Sequence[str] = (),
 ) -> tuple[str | Path, ...]:
     """Write the plan, read from ``source``, in a format; returns the paths written, none for stdout.
 
     output: a file for a format of one file (``-`` for stdout), else a folder. origin: LAT,LON for a mission without.
-    start_time: ISO 8601, for formats with a clock.
+    start_time: ISO 8601, for formats with a clock. settings: KEY=VALUE, for formats that have some.
     """
     kind = FORMATS[to]
     if origin is not None:
@@ -152,13 +213,32 @@ def write_export(
     if start_time is not None and not kind.has_clock:
         clocks = ", ".join(name for name, other in FORMATS.items() if other.has_clock)
         raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; these have one: {clocks}")
-    if kind.bag is not None:
-        return _write_bag(plan, kind.bag, source, to, output, start_time)
-    if kind.folder is None:
+    given = _settings_given(to, settings)
+    if kind.timed is not None:
+        paths = _write_timed(plan, partial(kind.timed, **given), source, to, output, start_time)
+    elif kind.folder is None:
         return _write_text(_text_of(plan, kind, start_time), source, output)
-    if output == STANDARD_STREAM:
-        raise RotaError(f"-: {to} makes one file per robot and cannot write to stdout; the path of a folder is needed")
-    return kind.folder(plan, output)
+    elif output == STANDARD_STREAM:
+        raise RotaError(f"-: {to} makes files for each robot and cannot write to stdout; a folder's path is needed")
+    else:
+        paths = kind.folder(plan, output, **given)
+    if kind.in_phase is not None:
+        say(f"what keeps robots in phase: {kind.in_phase} (rota check --executed {to} judges that)")
+    return paths
+
+
+def _settings_given(to: str, settings: Sequence[str]) -> dict[str, Settings]:
+    """The keyword for a format's settings; nothing for one that has none. RotaError for what they do not take."""
+    from rota.links.link_settings import parsed_settings
+
+    where = FORMATS[to].settings
+    if where is not None:
+        module, name = where
+        return {"settings": parsed_settings(getattr(import_module(module), name), settings)}
+    if settings:
+        having = ", ".join(name for name, other in FORMATS.items() if other.settings is not None)
+        raise RotaError(f"--set: {settings[0]!r} is not allowed: {to} has no settings; these have some: {having}")
+    return {}
 
 
 def _placed(plan: Plan, origin: str, to: str) -> Plan:
@@ -184,7 +264,7 @@ def _placed(plan: Plan, origin: str, to: str) -> Plan:
     return replace(plan, mission=replace(plan.mission, origin=place))
 
 
-def _write_bag(
+def _write_timed(
     plan: Plan,
     write: Callable[[Plan, str, datetime], tuple[Path, ...]],
     source: str,
