@@ -22,7 +22,9 @@ from rota.command.arguments import (
 from rota.command.compare import compare
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
 from rota.command.export import FORMATS_HELP, FORMATS_LIST, export_format, write_export
+from rota.command.fly import fly
 from rota.command.interrupt import Terminated, clean_end_on_terminate
+from rota.command.link_option import LINKS_LIST
 from rota.command.plan import plan_and_write
 from rota.command.start import new, schema
 from rota.command.study import app as study_app
@@ -241,6 +243,7 @@ def export(
 
 app.command()(swarm_node)
 app.command()(swarm_launch)
+app.command(epilog=LINKS_LIST)(fly)
 app.command()(new)
 app.command()(schema)
 

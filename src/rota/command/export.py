@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rota.command.arguments import placed_plan
 from rota.command.export_bag import rosbag1, rosbag2, rosbag2_sqlite3
 from rota.command.terminal import STANDARD_STREAM, say
 from rota.errors import RotaError
@@ -242,26 +243,10 @@ def _settings_given(to: str, settings: Sequence[str]) -> dict[str, Settings]:
 
 
 def _placed(plan: Plan, origin: str, to: str) -> Plan:
-    """The plan with its mission at LAT,LON; RotaError for other text, and for a mission that lies somewhere else."""
-    from rota.errors import MissionError
-    from rota.mission import GeoPoint
-
+    """The plan with its mission at LAT,LON; RotaError for formats in the mission's own metres."""
     if not FORMATS[to].takes_origin:
         raise RotaError(f"--origin: {origin!r} is not allowed: {to} is in the mission's own metres")
-    try:
-        lat, lon = (float(number) for number in origin.split(","))
-        place = GeoPoint(lat=lat, lon=lon)
-    except (ValueError, MissionError):
-        raise RotaError(
-            f"--origin: {origin!r} is not allowed; LAT,LON in degrees is needed, such as 48.1,11.5, with LAT in -90..90"
-            " and LON in -180..180"
-        ) from None
-    given = plan.mission.origin
-    if given not in (None, place):
-        raise RotaError(
-            f"--origin: {origin!r} is not allowed: the mission has its own, {given.lat:.9g},{given.lon:.9g}"
-        )
-    return replace(plan, mission=replace(plan.mission, origin=place))
+    return placed_plan(plan, origin)
 
 
 def _write_timed(

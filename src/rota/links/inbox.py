@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections import deque
-from collections.abc import AsyncIterator, Collection
+from collections.abc import AsyncGenerator, Collection
 from typing import Any, get_args
 
 from rota.limits import FAR_FROM_AREA_M, LONGEST_S
@@ -90,7 +90,7 @@ class ReportInbox:
         self._arrived.clear()
         return taken
 
-    async def reports(self) -> AsyncIterator[Report]:
+    async def reports(self) -> AsyncGenerator[Report, None]:
         """All reports as they arrive, until ``close``."""
         ended = False
         while not ended:

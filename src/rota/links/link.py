@@ -6,7 +6,7 @@ from what its robots speak.
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -76,7 +76,7 @@ class Link(Protocol):
     def latest(self, robot: str) -> Report | None:
         """The robot's last report, None before the first."""
 
-    def reports(self) -> AsyncIterator[Report]:
+    def reports(self) -> AsyncGenerator[Report, None]:
         """All reports of all robots as they arrive, until the link is closed; for one reader at a time."""
 
     async def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Settings of links, as `--set KEY=VALUE` gives them; and the links by name."""
+"""Settings of links, as `--set KEY=VALUE` gives them, and links made of them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,9 @@ from typing import Any
 
 from rota.errors import RotaError
 from rota.links.link import Link
+from rota.links.names import LINKS
 from rota.plan import Plan
 from rota.planner_settings import Setting, Settings, settings_of
-
-LINKS = {
-    "simulated": ("rota.links.simulated", "vehicles in this process, which need nothing"),
-}
 
 
 def make_link(name: str, plan: Plan, given: Iterable[str] = ()) -> Link:
@@ -28,9 +25,10 @@ def make_link(name: str, plan: Plan, given: Iterable[str] = ()) -> Link:
 
 
 def settings_help(name: str) -> str:
-    """A line for each setting of a link: KEY=DEFAULT and its meaning."""
-    settings = settings_of(import_module(LINKS[_link_name(name)][0]).SETTINGS)
-    return "\n".join(f"  {item.name}={_written(item.default)}  {item.meaning}" for item in settings)
+    """A line for each setting of a link: its key, default and meaning."""
+    block = import_module(LINKS[_link_name(name)][0]).SETTINGS
+    lines = (f"  {f'{item.name}={_written(item.default)}':<24}  {item.meaning}" for item in settings_of(block))
+    return "\n".join((f"Settings of the link {name}:", *lines))
 
 
 def _link_name(name: str) -> str:

@@ -10,7 +10,7 @@ import asyncio
 import heapq
 import math
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, get_args
 
@@ -195,7 +195,7 @@ class SimulatedLink:
 
     # ------------------------------------------------------------ reports
 
-    async def reports(self) -> AsyncIterator[Report]:
+    async def reports(self) -> AsyncGenerator[Report, None]:
         """All reports in the order of arrival; taking them lets the simulated time pass."""
         clock = self._settings.clock
         began_s, from_s = time.monotonic(), self.time_s

@@ -1,0 +1,7 @@
+"""The links by name: the module of each, and what it reaches."""
+
+from __future__ import annotations
+
+LINKS = {
+    "simulated": ("rota.links.simulated", "vehicles in this process, which need nothing"),
+}

@@ -1,0 +1,105 @@
+"""`rota fly` with simulated vehicles: what it prints, asks and refuses."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+from tests.links.fleets import three
+
+from rota.command.cli import run
+from rota.files.plan_file import write_plan
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> str:
+    path = tmp_path / "quay.rota.json"
+    write_plan(three(), path)
+    return str(path)
+
+
+class Terminal(io.StringIO):
+    """Somebody at a terminal, who has typed something."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_routes_are_sent_and_nothing_is_started(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["fly", plan, "--set", "clock=0", "--set", "position_noise_m=0"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["robot", "stops", "loop", "m", "loop", "s", "fence", "battery", "from", "start", "m"]
+    assert lines[1].split() == ["a", "5", "160.0", "43.0", "4", "corners,", "1", "out", "100%", "0.0"]
+    assert lines[3].split()[:4] == ["c", "1", "stays", "-"]
+    assert lines[4:] == [
+        "3 routes sent; read back, each is the one sent.",
+        "Nothing was started: --start does.",
+    ]
+
+
+def test_robots_start_when_somebody_says_yes(
+    plan: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", Terminal("yes\n"))
+    assert run(["fly", plan, "--set", "clock=0", "--start", "--seconds", "0.2"]) == 0
+    assert capsys.readouterr().out.endswith("Started: 3 robots.\n")
+
+
+@pytest.mark.parametrize("answer", ["no\n", "\n", "y\n", ""])
+def test_they_do_not_start_otherwise(
+    answer: str, plan: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", Terminal(answer))
+    assert run(["fly", plan, "--set", "clock=0", "--start"]) == 0
+    out = capsys.readouterr().out
+    assert out.endswith("Nothing was started; the robots hold their routes.\n")
+    assert "Started" not in out
+
+
+def test_scripts_say_yes_beforehand_and_failures_are_told(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--set", "clock=0", "--set", "faults=b:dies@5", "--start", "--yes", "--seconds", "0.3"]
+    assert run(["fly", plan, *options]) == 0
+    assert "Ctrl-C ends it" in capsys.readouterr().err
+
+
+def test_a_fault_of_one_robot_is_an_error_of_the_command(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["fly", plan, "--set", "clock=0", "--set", "faults=b:refuses", "--start", "--yes"]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.splitlines() == [
+        "rota: error: robot b: it refuses its route",
+        "rota: error: no robot holds a route: all were cleared",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--start"], "--start: somebody has to say yes on a terminal; scripts give --yes"),
+        (["--yes"], "--yes: is for --start only"),
+        (["--seconds", "3"], "--seconds: is for --start only"),
+        (["--start", "--yes", "--seconds", "nan"], "--seconds: nan is not allowed; a number greater than 0 is needed"),
+        (["--pause", "--home"], "--start, --pause, --home: only one of them is allowed"),
+        (["--link", "radio"], "--link: 'radio' is not one of 'simulated'"),
+        (["--set", "seed"], "--set: 'seed' is not allowed; KEY=VALUE is needed"),
+        (["--origin", "1,2"], "--origin: '1,2' is not allowed: the mission has its own, 48.1,11.5"),
+    ],
+)
+def test_bad_options_are_refused(
+    options: list[str], message: str, plan: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    assert run(["fly", plan, *options]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_robots_pause_and_come_home(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["fly", plan, "--pause"]) == 0
+    assert run(["fly", plan, "--home"]) == 0
+    assert capsys.readouterr().out.splitlines() == ["3 robots have stopped.", "3 robots are called home."]
+
+
+def test_settings_are_listed(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["fly", plan, "--settings"]) == 0
+    assert "  rate_hz=5.0               reports of each vehicle in a second" in capsys.readouterr().out
