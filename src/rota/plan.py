@@ -121,8 +121,8 @@ def _require_near(trajectory: Trajectory, bounds_m: Floats, flying: bool) -> Non
     places = trajectory.positions_m
     if places.shape[1] == 3 and not flying:
         raise PlanError(
-            f"robot {trajectory.robot}: positions_m[0] has 3 numbers; 2 are needed, since only a swarm with altitudes_m"
-            " has heights"
+            f"robot {trajectory.robot}: positions_m[0] has 3 numbers; 2 are needed, since only robots of a swarm"
+            " have heights"
         )
     low, high = bounds_m[:2] - FAR_FROM_AREA_M, bounds_m[2:] + FAR_FROM_AREA_M
     far = ((places[:, :2] < low) | (places[:, :2] > high)).any(axis=1)
@@ -172,7 +172,7 @@ class Plan:
     run of a swarm ended; None: not told, and for other planners.
 
     Raises PlanError for two trajectories of one robot, for positions more than 1e6 m away from the mission's area and
-    for heights in a mission that has none (only a swarm with ``altitudes_m`` has).
+    for heights of robots that are no swarm's: swarms with ``altitudes_m`` have them, and records of flights over hills.
     """
 
     mission: Mission
@@ -191,10 +191,9 @@ class Plan:
         planning = self.mission.planning
         if self.run_end is not None and not planning.makes_runs:
             raise PlanError(f"run_end: only swarms have runs; the planner is {planning.planner}")
-        flying = planning.altitudes_m is not None
         bounds_m = np.array(self.mission.area.bounds)
         for trajectory in self.trajectories:
-            _require_near(trajectory, bounds_m, flying)
+            _require_near(trajectory, bounds_m, planning.makes_runs)
 
     def __iter__(self) -> Iterator[Trajectory]:
         return iter(self.trajectories)

@@ -34,7 +34,7 @@ c is the assumption as long as B moves; for silent robots it is as follows.
 
 The silent. By the assumption a robot that was silent for D stopped within D after its last telling. It counts as a body
 anywhere within its reach up to then, for ever, and as nobody's neighbour. Its start is kept clear, too, so that it can
-join there again once whoever stood there has gone.
+join there again once whoever stood there has gone. That nobody died there whom it never heard is up to who starts it.
 """
 
 from __future__ import annotations

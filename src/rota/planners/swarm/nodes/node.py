@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 from rota.errors import MissionError
+from rota.planners.swarm.filter_kernels import ROUNDING_M
 from rota.planners.swarm.nodes.believing import Belief
 from rota.planners.swarm.nodes.hearing import Hearing, Known
 from rota.planners.swarm.nodes.scene import HOLD_SHARE, LEAST_SILENT_PERIODS, Scene
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, MOST_COUNTED, WAITING, Telling, write_telling
 from rota.planners.swarm.world import moving_at
+
+CLIMB_TRIES, SLOWER = 20, 1 - 1e-6  # on ground that is no steeper farther on the second try is slow enough
 
 
 class RobotNode:
@@ -108,11 +112,13 @@ class RobotNode:
         return True
 
     def _who_is_at_start(self, now_ns: int) -> Iterable[int]:
-        """The robots whose bodies may be where this one's would be."""
+        """The robots whose bodies are where this one's would be.
+
+        Who stood clear of it when it told something still does: all keep clear of the starts of those they do not hear.
+        """
         x, y = self._place_m
         for other in self._known(now_ns):
-            apart_m = float(self._own.body_m[0]) + other.body_m + other.reach_m
-            if (other.x - x) ** 2 + (other.y - y) ** 2 < apart_m**2 and other.reach_m > 0.0:
+            if math.hypot(other.x - x, other.y - y) < float(self._own.body_m[0]) + other.body_m - ROUNDING_M:
                 yield other.robot
 
     def _known(self, now_ns: int) -> list[Known]:
@@ -136,7 +142,24 @@ class RobotNode:
         last = (told.vx, told.vy) if told is not None else (0.0, 0.0)
         since_s = (now_ns - self._begin_ns) * 1e-9
         moving = moving_at(self._scene.mission.moving_obstacles, since_s, self._hold_ns * 1e-9)
-        return self._belief.decision(self._place_m, last, self._known(now_ns), moving, self._steps)
+        vx, vy = self._belief.decision(self._place_m, last, self._known(now_ns), moving, self._steps)
+        share = self._share_climbing(vx, vy)
+        return share * vx, share * vy
+
+    def _share_climbing(self, vx: float, vy: float) -> float:
+        """The share of a velocity at which the robot, climbing with the ground, is no faster than it can be.
+
+        The last filter allows every share of what it allows.
+        """
+        ground_m, (x, y), hold_s = self._scene.ground_m, self._place_m, self._hold_ns * 1e-9
+        top, share, here_m = float(self._own.speed_m_s[0]), 1.0, ground_m(*self._place_m)
+        for _ in range(CLIMB_TRIES):
+            climb = (ground_m(x + share * vx * hold_s, y + share * vy * hold_s) - here_m) / hold_s
+            speed = math.hypot(share * vx, share * vy, climb)
+            if speed <= top:
+                return share
+            share *= SLOWER * top / speed
+        return 0.0
 
     def _telling(self, now_ns: int, state: int, velocity: tuple[float, float]) -> Telling:
         """What it tells of itself now."""

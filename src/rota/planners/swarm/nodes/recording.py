@@ -18,7 +18,7 @@ from rota.planners.swarm.nodes.telling import LEFT, MEMBER, Telling, read_tellin
 from rota.planners.swarm.planner import sensors_of, squares_of
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.presence import holding_from_joining
-from rota.robot_processes import RobotRecord, SwarmRecord
+from rota.robot_processes import HeightAt, RobotRecord, SwarmRecord, level
 
 KEPT = 16  # tellings of each robot, from which its place a moment ago is known
 SAME_TIME_S = 1e-9
@@ -72,12 +72,12 @@ class Life:
                 return telling.place_at(time_ns)
         return self.recent[0].x, self.recent[0].y
 
-    def trajectory(self, name: str) -> Trajectory:
-        """Its way; at the end it holds."""
-        times_s = np.array(self.times_s)
-        return Trajectory(
-            robot=name, times_s=times_s, positions_m=np.array(self.places_m), loop_start_s=float(times_s[-1])
-        )
+    def trajectory(self, name: str, height_at: HeightAt | None) -> Trajectory:
+        """Its way, at heights where these are told; at the end it holds."""
+        times_s, places_m = np.array(self.times_s), np.array(self.places_m)
+        if height_at is not None:
+            places_m = np.column_stack([places_m, [height_at(x, y) for x, y in self.places_m]])
+        return Trajectory(robot=name, times_s=times_s, positions_m=places_m, loop_start_s=float(times_s[-1]))
 
 
 class Recorder:
@@ -153,7 +153,8 @@ class Recorder:
         names = {robot.name: k for k, robot in enumerate(self._robots)}
         lives = [self._lives[names[robot.name]] for robot in mission.fleet.robots or ()]
         trajectories = tuple(
-            life.trajectory(robot.name) for life, robot in zip(lives, mission.fleet.robots or (), strict=True)
+            life.trajectory(robot.name, self._height_at())
+            for life, robot in zip(lives, mission.fleet.robots or (), strict=True)
         )
         end = RunEnd(
             at_rest=not stopped, steps=max(life.last.tick for life in lives), reason="stopped" if stopped else "rest"
@@ -170,6 +171,11 @@ class Recorder:
             robots=tuple(self._robot_record(k, end_ns) for k in sorted(self._lives)),
             warnings=tuple(self._warnings()),
         )
+
+    def _height_at(self) -> HeightAt | None:
+        """Where robots fly over a place; None over level ground, where a plan needs no heights."""
+        ground_m, altitude_m = self._scene.ground_m, self._scene.mission.fleet.altitude_m
+        return None if ground_m is level else lambda x, y: ground_m(x, y) + altitude_m
 
     def _mission_done(self, end_ns: int) -> Mission:
         """The mission with the robots that were heard, and when they really joined and left."""
