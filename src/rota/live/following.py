@@ -1,0 +1,43 @@
+"""How robots follow their routes: how far behind the plan each is, and how far beside its route."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.live import following_kernels
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Following:
+    """Where robots are on their planned routes, as their last reports tell.
+
+    lags_s: (robots,) seconds behind the plan, below 0 ahead of it. away_m: (robots,) metres beside the route. A lag is
+    told up to whole rounds: a robot that stands for a round is one round behind.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self.lags_s = np.zeros(len(plan.trajectories))
+        self.away_m = np.zeros(len(plan.trajectories))
+        self._offsets = np.concatenate([[0], np.cumsum([len(way.times_s) for way in plan])]).astype(np.int64)
+        self._knots_s = np.concatenate([np.empty(0), *(way.times_s for way in plan)])
+        self._knots_m = np.vstack([np.empty((0, 2)), *(way.positions_m[:, :2] for way in plan)])
+        loops = np.array([way.loop_index for way in plan], np.int64)
+        self._loop_starts = self._offsets[:-1] + loops
+        self._speeds_m_s = np.array([plan.mission.fleet.robot(way.robot).speed_m_s for way in plan], np.float64)
+
+    def hear(self, robots: Ints, times_s: Floats, places_m: Floats, off_route_m: Floats) -> None:
+        """Take the last reports: of robots (m,), at times_s (m,), at places (m, 2); off_route_m: (robots,).
+
+        A robot off its route keeps the lag that it had.
+        """
+        lags_s, away_m = following_kernels.locate(
+            robots, times_s, places_m, self.lags_s, self._offsets, self._knots_s, self._knots_m, self._loop_starts,
+            self._speeds_m_s,
+        )  # fmt: skip
+        self.away_m[robots] = away_m
+        on = away_m <= off_route_m[robots]
+        self.lags_s[robots[on]] = lags_s[on]
