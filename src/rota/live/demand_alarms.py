@@ -15,7 +15,6 @@ from rota.live.ways import Ways
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 Place = tuple[float, float]
 
 CALM_LOOKS = 3  # forecasts in a row without a lapse until an alarm is taken back
@@ -70,12 +69,11 @@ class DemandAlarms:
     # ------------------------------------------------------------ what will happen
 
     def look_ahead(
-        self, now_s: float, ages: Ages, lags_s: Floats, counted: Flags, places_m: dict[int, Place]
+        self, now_s: float, ages: Ages, lags_s: Floats, until_s: Floats, places_m: dict[int, Place]
     ) -> list[Notice]:
-        """Simulate counted robots ahead; places_m: where robots are that can be asked to go somewhere."""
-        self._lapses = {
-            lapse.demand: lapse for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, counted)
-        }
+        """Simulate ahead; places_m: where robots are that can be asked to go somewhere. Others: ``Forecast.lapses``."""
+        found = self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s)
+        self._lapses = {lapse.demand: lapse for lapse in found}
         told = []
         for k, demand in enumerate(self._places.demands):
             lapse = self._lapses.get(k)
@@ -111,18 +109,23 @@ class DemandAlarms:
         facts = [{"robot": self._robots[number], "takes_s": takes} for takes, number in able]
         return self._notice(now_s, "will lapse", k, text, place_m=at, in_s=left_s, could=facts)
 
-    def missed_without(
-        self, robot: int, ages: Ages, lags_s: Floats, counted: Flags
+    def lapse_times_s(self, ages: Ages, lags_s: Floats, until_s: Floats) -> dict[int, float]:
+        """When demands will lapse, those that will."""
+        return {
+            lapse.demand: lapse.at_s for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s)
+        }
+
+    def missed(
+        self, now_s: float, ages: Ages, lags_s: Floats, until_s: Floats, with_it_s: dict[int, float]
     ) -> tuple[str, list[dict[str, Any]]]:
-        """What lapses, or lapses sooner, if the others go on without a robot; in words, and as a list."""
-        with_it, without = counted.copy(), counted.copy()
-        with_it[robot], without[robot] = True, False
-        now_s, seen_s = ages.known_s, ages.last_seen_s
-        before = {lapse.demand: lapse.at_s for lapse in self._forecast.lapses(seen_s, now_s, lags_s, with_it)}
+        """What lapses, or lapses sooner, than with a robot that is missing now; in words, and as a list.
+
+        with_it_s: what ``lapse_times_s`` gave with that robot.
+        """
         found = [
             lapse
-            for lapse in self._forecast.lapses(seen_s, now_s, lags_s, without)
-            if lapse.at_s < before.get(lapse.demand, math.inf)
+            for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s)
+            if lapse.at_s < with_it_s.get(lapse.demand, math.inf)
         ]
         names = [self._places.demands[lapse.demand].name for lapse in found]
         facts = [

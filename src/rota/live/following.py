@@ -11,17 +11,22 @@ from rota.plan import Plan
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+LOOKED_AT_S, HELD_UP = 2.0, 0.7  # a robot that in so long falls behind by more than this share of it is held up
+
 
 class Following:
     """Where robots are on their planned routes, as their last reports tell.
 
-    lags_s: (robots,) seconds behind the plan, below 0 ahead of it. away_m: (robots,) metres beside the route. A lag is
-    told up to whole rounds: a robot that stands for a round is one round behind.
+    lags_s: (robots,) seconds behind the plan, below 0 ahead of it. away_m: (robots,) metres beside the route. held_up:
+    (robots,) whether it fell behind by most of the last seconds. A lag is told up to whole rounds: a robot that stands
+    for a round is one round behind.
     """
 
     def __init__(self, plan: Plan) -> None:
         self.lags_s = np.zeros(len(plan.trajectories))
         self.away_m = np.zeros(len(plan.trajectories))
+        self.held_up = np.zeros(len(plan.trajectories), np.bool_)
+        self._since_s, self._lags_then_s = np.full(len(plan.trajectories), -np.inf), self.lags_s.copy()
         self._offsets = np.concatenate([[0], np.cumsum([len(way.times_s) for way in plan])]).astype(np.int64)
         self._knots_s = np.concatenate([np.empty(0), *(way.times_s for way in plan)])
         self._knots_m = np.vstack([np.empty((0, 2)), *(way.positions_m[:, :2] for way in plan)])
@@ -41,3 +46,8 @@ class Following:
         self.away_m[robots] = away_m
         on = away_m <= off_route_m[robots]
         self.lags_s[robots[on]] = lags_s[on]
+        passed_s = times_s - self._since_s[robots]
+        due = passed_s >= LOOKED_AT_S
+        judged, fell_s = robots[due], self.lags_s[robots[due]] - self._lags_then_s[robots[due]]
+        self.held_up[judged] = (fell_s > HELD_UP * passed_s[due]) & on[due]
+        self._since_s[judged], self._lags_then_s[judged] = times_s[due], self.lags_s[judged]

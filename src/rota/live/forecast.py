@@ -19,7 +19,6 @@ from rota.live.places import Places
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Sight = tuple[int, float, float, bool]
 
 PERIODS_AHEAD = 2.0  # how far a forecast looks, in periods of the demand
@@ -48,14 +47,14 @@ class Forecast:
         self._sights = planned(plan, places)
 
     def lapses(
-        self, last_seen_s: Floats, now_s: float, lags_s: Floats, counted: Flags, ahead: float = PERIODS_AHEAD
+        self, last_seen_s: Floats, now_s: float, lags_s: Floats, until_s: Floats, ahead: float = PERIODS_AHEAD
     ) -> list[Lapse]:
         """The first lapse of every demand that has one within ``ahead`` periods, soonest first.
 
-        last_seen_s: (n,) of the places. lags_s: (robots,) seconds that each is behind its plan. counted: (robots,)
-        who is trusted to go on.
+        last_seen_s: (n,) of the places. lags_s: (robots,) seconds that each is behind its plan. until_s: (robots,) how
+        long each goes on, inf for ever, -inf for one that is not counted on.
         """
-        team = Team(self._loops_s, np.ascontiguousarray(lags_s), np.ascontiguousarray(counted))
+        team = Team(self._loops_s, np.ascontiguousarray(lags_s), np.ascontiguousarray(until_s))
         places, count = self.places, len(self.places.demands)
         when, where = forecast_kernels.first_lapses(
             last_seen_s, places.demand, count, places.periods_s, now_s, ahead, self._sights, team

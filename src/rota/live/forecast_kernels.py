@@ -38,12 +38,12 @@ class PlannedSights(NamedTuple):
 class Team(NamedTuple):
     """How k robots follow their plan: loops_s (k,) durations of their loops, 0 where they stay.
 
-    lags_s: (k,) how far each is behind its plan. counted: (k,) whether it is trusted to go on.
+    lags_s: (k,) how far each is behind its plan. until_s: (k,) how long it goes on; -inf: it is not counted on.
     """
 
     loops_s: NDArray[np.float64]
     lags_s: NDArray[np.float64]
-    counted: NDArray[np.bool_]
+    until_s: NDArray[np.float64]
 
 
 @njit(cache=True)
@@ -97,7 +97,7 @@ def next_sight(place, after_s, now_s, sights, team):
     best, until, who = math.inf, math.inf, -1
     for i in range(sights.offsets[place], sights.offsets[place + 1]):
         robot = sights.robots[i]
-        if not team.counted[robot]:
+        if team.until_s[robot] <= now_s:
             continue
         start, end = sights.starts_s[i] + team.lags_s[robot], sights.ends_s[i] + team.lags_s[robot]
         if sights.again[i]:
@@ -106,15 +106,15 @@ def next_sight(place, after_s, now_s, sights, team):
             if end + rounds * loop <= from_s:
                 rounds += 1.0  # which rounding had taken away
             start, end = start + rounds * loop, end + rounds * loop
-        start = max(start, now_s)
-        if end > from_s and (start < best or (start == best and end > until)):
+        start, end = max(start, now_s), min(end, team.until_s[robot])
+        if start <= end and end > from_s and (start < best or (start == best and end > until)):
             best, until, who = start, end, robot
     return best, until, who
 
 
 @njit(cache=True)
 def lapse_of(place, seen_s, period_s, now_s, until_s, sights, team):
-    """When the period of a place lapses if counted robots go on by plan, each with its lag; inf: not until until_s.
+    """When the period of a place lapses if robots go on by plan, each with its lag; inf: not until until_s.
 
     seen_s: when it was seen last.
     """

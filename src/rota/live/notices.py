@@ -10,11 +10,11 @@ from typing import Any, Literal
 from rota.links.link import Mode
 
 NoticeKind = Literal[
-    "watching", "lost", "back", "off route", "on route", "mode", "battery low", "must leave",
+    "lost", "back", "off route", "on route", "held up", "goes on", "mode", "battery low", "must leave",
     "will lapse", "in time", "lapsed", "seen again", "dropped",
 ]  # fmt: skip
-ALARMS: tuple[NoticeKind, ...] = ("lost", "off route", "battery low", "must leave", "will lapse", "lapsed")
-Standing = Literal["ok", "waiting", "off route", "lost"]
+ALARMS: tuple[NoticeKind, ...] = ("lost", "off route", "held up", "battery low", "must leave", "will lapse", "lapsed")
+Standing = Literal["ok", "waiting", "held up", "off route", "lost"]
 DemandStanding = Literal["ok", "will lapse", "lapsed"]
 
 
@@ -79,7 +79,7 @@ class FleetState:
 
 def seconds(value: float) -> str:
     """A time as people read it."""
-    return "never" if math.isinf(value) else f"{value:.1f} s"
+    return "never" if math.isinf(value) else f"{value:.2g} s" if abs(value) < 1 else f"{value:.1f} s"
 
 
 def place_text(place_m: tuple[float, float]) -> str:

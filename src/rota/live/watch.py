@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 
 SETTLED_M = 0.8  # of the limit: nearer than this a robot that was off its route is on it again
 TOLD_MODES = ("paused", "returning", "failed")
+DRIVING = (None, "running")
 LEAVE_SOON_S = 60.0
 
 
@@ -154,6 +155,14 @@ class Watch:
         elif self._standing[number] == "off route" and away_m < SETTLED_M * limit_m:
             self._standing[number] = "ok"
             self._tell("on route", name, f"{name} is on its route again")
+        held_up, behind = bool(self._following.held_up[number]), seconds(float(self._following.lags_s[number]))
+        if self._standing[number] == "ok" and held_up and heard.mode in DRIVING:
+            self._standing[number] = "held up"
+            text = f"{name} is held up: it does not get on, {behind} behind its plan, at {place_text(at)}"
+            self._tell("held up", name, text, lag_s=float(self._following.lags_s[number]), place_m=at)
+        elif self._standing[number] == "held up" and not held_up:
+            self._standing[number] = "ok"
+            self._tell("goes on", name, f"{name} goes on, {behind} behind its plan")
         if heard.mode != self._mode[number]:
             if heard.mode in TOLD_MODES or self._mode[number] in TOLD_MODES:
                 self._tell("mode", name, f"{name} is {heard.mode or 'silent about its mode'}", mode=heard.mode)
@@ -164,9 +173,10 @@ class Watch:
         for number, robot in enumerate(self._robots):
             if self._standing[number] == "lost" or self._silent_s(number) <= self.settings.silent_s:
                 continue
+            with_it_s = self._alarms.lapse_times_s(self._ages, *self._team())
             self._standing[number] = "lost"
             self._settle()
-            missed, facts = self._alarms.missed_without(number, self._ages, *self._team())
+            missed, facts = self._alarms.missed(self._now_s, self._ages, *self._team(), with_it_s)
             last = self._last[number]
             at = "never heard" if last is None else f"last at {place_text((last.x_m, last.y_m))}"
             silent = self._silent_s(number)
@@ -189,13 +199,11 @@ class Watch:
         since_s = self._begun_s if last is None else last.time_s
         return self._now_s - (since_s if since_s is not None else self._now_s)
 
-    def _team(self) -> tuple[Floats, NDArray[np.bool_]]:
-        """The lags of all robots, and who is trusted to go on by plan."""
-        counted = [
-            standing == "ok" and mode in (None, "running")
-            for standing, mode in zip(self._standing, self._mode, strict=True)
-        ]
-        return self._following.lags_s, np.array(counted, np.bool_)
+    def _team(self) -> tuple[Floats, Floats]:
+        """The lags of all robots, and until when each is counted on: for ever, or not at all."""
+        pairs = zip(self._standing, self._mode, strict=True)
+        counted = [standing == "ok" and mode in DRIVING for standing, mode in pairs]
+        return self._following.lags_s, np.where(counted, math.inf, -math.inf)
 
     def _places_m(self) -> dict[int, tuple[float, float]]:
         """Where robots are that can be asked to go somewhere."""
@@ -220,10 +228,17 @@ class Watch:
                 continue
             self._battery_told[number] = kind
             if kind is not None:
-                missed, facts = self._alarms.missed_without(number, self._ages, *self._team())
+                missed, facts = self._missed_after(number, leaves_s)
                 when = "now" if kind == "must leave" else f"in {seconds(leaves_s)}" if leaves_s is not None else "soon"
                 text = f"{robot.name}: battery at {battery.level:.0%}; it must leave {when}; without it {missed}"
                 self._tell(kind, robot.name, text, battery=battery.level, leaves_in_s=leaves_s, lapses=facts)
+
+    def _missed_after(self, number: int, leaves_s: float | None) -> tuple[str, list[dict[str, object]]]:
+        """What lapses if a robot leaves in so many seconds (None: now) and the others go on."""
+        lags_s, until_s = self._team()
+        with_it_s = self._alarms.lapse_times_s(self._ages, lags_s, until_s)
+        until_s[number] = min(until_s[number], self._now_s + max(leaves_s or 0.0, 0.0))
+        return self._alarms.missed(self._now_s, self._ages, lags_s, until_s, with_it_s)
 
     def _leaves_in_s(self, number: int) -> float | None:
         """Seconds until a robot must leave for home, from the farthest place of its route; None: not known."""
@@ -246,7 +261,7 @@ class Watch:
         for number, robot in enumerate(self._robots):
             last, mode = self._last[number], self._mode[number]
             standing: Standing = self._standing[number]
-            if standing == "ok" and mode not in (None, "running"):
+            if standing == "ok" and mode not in DRIVING:
                 standing = "waiting"
             robots.append(
                 RobotState(
