@@ -36,7 +36,7 @@ MOST_UNMET_POINTS = 200_000
 
 
 @dataclass
-class _Verdicts:
+class Verdicts:
     """The verdicts on demands, and what is unmet: places (k, 2) and the number of each one's demand, (k,)."""
 
     demands: list[DemandVerdict] = field(default_factory=list)
@@ -58,14 +58,14 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     mission = plan.mission
     demands = demands_of(mission)
     sights = sights_of(plan, mission.area.bounds)
-    findings = _tile_and_refine(mission, demands, sights, finest_m)
-    excluded_violation = _too_much_excluded(mission, demands, findings)
-    verdicts = _Verdicts()
+    findings = tile_and_refine(mission, demands, sights, finest_m)
+    excluded_violation = too_much_excluded(mission, demands, findings)
+    verdicts = Verdicts()
     for k, demand in enumerate(demands):
         if demand.demand == "visit":
-            _judge_visits(verdicts, k, demand, sights, mission)
+            judge_visits(verdicts, k, demand, sights, mission)
         else:
-            _judge_points(verdicts, k, demand, findings[k], bool(excluded_violation))
+            judge_points(verdicts, k, demand, findings[k], bool(excluded_violation))
     violations = verdicts.violations + excluded_violation
     violations += _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
     violations += moving_violations(plan) + presence_violations(plan)
@@ -85,8 +85,8 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         )
         verdict = "violated"
     first = max(verdicts.firsts_s, default=0.0)
-    unmet, unmet_demand = _capped(verdicts.unmet_m, verdicts.unmet_demand)
-    shown, shown_demand = _capped(verdicts.shown_m, verdicts.shown_demand)
+    unmet, unmet_demand = capped(verdicts.unmet_m, verdicts.unmet_demand)
+    shown, shown_demand = capped(verdicts.shown_m, verdicts.shown_demand)
     return Report(
         verdict=verdict,
         robots=robots,
@@ -105,7 +105,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     )
 
 
-def _tile_and_refine(
+def tile_and_refine(
     mission: Mission, demands: tuple[DemandedGround, ...], sights: Sights, finest_m: float
 ) -> list[Findings]:
     """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined."""
@@ -173,7 +173,7 @@ def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
     return joined(tiles), np.concatenate(owners), size
 
 
-def _too_much_excluded(
+def too_much_excluded(
     mission: Mission, demands: tuple[DemandedGround, ...], findings: list[Findings]
 ) -> list[Violation]:
     """One violation where more ground is seen by nobody than the mission lets a plan leave out; else none."""
@@ -197,7 +197,7 @@ def _too_much_excluded(
     ]
 
 
-def _judge_points(verdicts: _Verdicts, k: int, demand: DemandedGround, findings: Findings, refused: bool) -> None:
+def judge_points(verdicts: Verdicts, k: int, demand: DemandedGround, findings: Findings, refused: bool) -> None:
     """Add the verdict on demand number k of every point; ``refused``: too much ground is seen by nobody."""
     outcome: Outcome = "not proven" if findings.undecided_cells else "met"
     if findings.worst_place_m is not None:
@@ -240,11 +240,11 @@ def _judge_points(verdicts: _Verdicts, k: int, demand: DemandedGround, findings:
     verdicts.shown_demand.append(np.full(len(shown), k, np.int64))
 
 
-def _judge_visits(verdicts: _Verdicts, k: int, demand: DemandedGround, sights: Sights, mission: Mission) -> None:
+def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sights, mission: Mission) -> None:
     """Add the verdict on demand number k of visits to its zone."""
     routes = sights.routes
     inside = visits(routes.legs_m, demand.region, slack_of(mission))
-    gap, begin = loop_gap(routes, inside)
+    gap, begin = loop_gap(routes, inside, sights.window_s)
     met = gap <= demand.period_s * (1 + PERIOD_TOLERANCE)
     if not met:
         reachable = shapely.intersection(demand.region, shapely.union_all([g.shape for g in standing_areas(mission)]))
@@ -320,7 +320,7 @@ def _common_start_violations(plan: Plan) -> list[Violation]:
     return violations
 
 
-def _capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
+def capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
     """All places and their demands, or an even choice of them when there are too many."""
     points = np.vstack([np.empty((0, 2)), *places_m])
     demand = np.concatenate([np.empty(0, np.int64), *demands])

@@ -250,7 +250,7 @@ def room_for_parts(parts, shadows):
 
 
 @njit(cache=True)
-def _times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
+def times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
     """When robots see the whole piece (c, 2) from the legs near a cell.
 
     Returns the ``SeenTimes``, which are ``times`` or larger ones; the number of robots in them; the time in seconds of
@@ -316,7 +316,7 @@ def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
         if shadows.number < 0:
             continue
         parts = room_for_parts(parts, shadows)
-        times, n, firsts[k], always = _times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times)
+        times, n, firsts[k], always = times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times)
         if always:
             gaps[k], begins[k] = 0.0, team.loops.from_s
         elif n:

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import contains_xy, prepare, union_all
 
-from rota.check import gap_kernels, kernels, passing_kernels, tiling_kernels
+from rota.check import gap_kernels, kernels, passing_kernels, tiling_kernels, window_kernels
 from rota.check.arrays import Binned, Floats, Grid, Legs, Loops, SeenTimes, Team
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
 from rota.check.tolerances import GRID_MARGIN_M, ROUNDING, slack_of
+from rota.mission import Mission
 from rota.plan import Plan
 
 MOST_GRID_CELLS = 1_000_000
@@ -26,7 +27,10 @@ MOST_ALONE = 1_000  # pieces that one thread looks at by itself
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sights:
-    """A plan made ready to be asked what it sees: legs and walls, found through one grid over the asked places."""
+    """A plan made ready to be asked what it sees: legs and walls, found through one grid over the asked places.
+
+    window_s: None for a plan, which goes on for ever; from when to when for a recording.
+    """
 
     routes: Routes
     origin_m: Floats
@@ -36,6 +40,7 @@ class Sights:
     team: Team
     walls: Binned
     hidden: Any
+    window_s: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,8 +58,18 @@ class Gaps:
 
 def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights:
     """Legs and walls of a plan in a grid over ``bounds_m`` (x0, y0, x1, y1 of all places that will be asked)."""
-    routes = seeing_routes(routes_of(plan), plan)
-    reaches, squares = sensors_of(plan)
+    return sights_along(seeing_routes(routes_of(plan), plan), sensors_of(plan), plan.mission, bounds_m)
+
+
+def sights_along(
+    routes: Routes,
+    sensors: tuple[Floats, NDArray[np.bool_]],
+    mission: Mission,
+    bounds_m: tuple[float, float, float, float],
+    window_s: tuple[float, float] | None = None,
+) -> Sights:
+    """The same of routes whose robots have ``sensors``: reaches and which of them are squares, see ``sensors_of``."""
+    reaches, squares = sensors
     reach = float((reaches * np.where(squares, math.sqrt(2), 1.0)).max(initial=0.0))
     x0, y0, x1, y1 = bounds_m
     origin = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
@@ -64,19 +79,20 @@ def sights_of(plan: Plan, bounds_m: tuple[float, float, float, float]) -> Sights
     grid = Grid(x0 - origin[0], y0 - origin[1], size, columns, rows)
     four = np.tile(origin, 2)
     legs = np.ascontiguousarray(routes.legs_m - four)
-    blocking = union_all([obstacle.shape for obstacle in plan.mission.obstacles if obstacle.blocks_sight])
+    blocking = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
     walls = np.ascontiguousarray(segments_of(blocking) - four)
     reach_m = reach * (1 + ROUNDING) + GRID_MARGIN_M
     return Sights(
         routes=routes,
         origin_m=origin,
-        slack_m=slack_of(plan.mission),
+        slack_m=slack_of(mission),
         grid=grid,
         legs=Legs(tiling_kernels.rasterise(legs, reach_m, grid), routes.times_s, routes.robots, routes.kinds),
         team=Team(reaches, squares, Loops(routes.classes, routes.parts, routes.units_s, routes.from_s)),
         # whatever hides part of a piece from a place in reach of all of it is not farther than twice the reach
         walls=tiling_kernels.rasterise(walls, 2 * reach + GRID_MARGIN_M, grid),
         hidden=blocking,
+        window_s=window_s,
     )
 
 
@@ -87,8 +103,15 @@ def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
     cuts = np.array_split(np.arange(len(pieces)), threads)
     arguments_of_parts = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
+
+    def gaps_of(arguments: tuple[Any, ...]) -> Any:
+        if sights.window_s is None:
+            return kernels.worst_gaps(*arguments)
+        within = (*arguments, *sights.window_s)
+        return window_kernels.gaps_within(*within)
+
     with ThreadPoolExecutor(max_workers=threads) as pool:
-        parts = list(pool.map(lambda arguments: kernels.worst_gaps(*arguments), arguments_of_parts))
+        parts = list(pool.map(gaps_of, arguments_of_parts))
     gaps_s, begins_s, firsts_s, exact = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     return Gaps(gaps_s=gaps_s, begins_s=begins_s, firsts_s=firsts_s, exact=exact)
 
@@ -97,9 +120,9 @@ def passing_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     """Worst gap of each piece that no single view may take in: each of its points is seen at a moment of its own.
 
     Only robots that drive one leg again and again count. The gap is inf where that does not show that all of a piece is
-    seen.
+    seen; so it is for a recording.
     """
-    if not len(sights.team.reaches_m) or not len(pieces):
+    if not len(sights.team.reaches_m) or not len(pieces) or sights.window_s is not None:
         return _never(len(pieces))
     gaps_s, firsts_s = passing_kernels.passing_gaps(*_arguments(sights, pieces, limits_s))
     n = len(pieces)
@@ -154,10 +177,13 @@ def worst_gaps_s(plan: Plan, points_m: Floats) -> Floats:
     return np.where(contains_xy(sights.hidden, *points.corners_m.T), np.inf, gaps)
 
 
-def loop_gap(routes: Routes, inside: list[tuple[int, float, float]]) -> tuple[float, float]:
+def loop_gap(
+    routes: Routes, inside: list[tuple[int, float, float]], window_s: tuple[float, float] | None = None
+) -> tuple[float, float]:
     """Worst gap between visits in seconds, and the time at which it begins (nan: not known).
 
-    inside: (leg, from, to) in 0..1, ascending: the parts of the legs that count as a visit. inf without any.
+    inside: (leg, from, to) in 0..1, ascending: the parts of the legs that count as a visit. inf without any. window_s:
+    see ``Sights``.
     """
     starts: list[float] = []
     ends: list[float] = []
@@ -182,6 +208,9 @@ def loop_gap(routes: Routes, inside: list[tuple[int, float, float]]) -> tuple[fl
     if not robots:
         return math.inf, math.nan
     times = SeenTimes(np.array(starts), np.array(ends), np.array(bounds, np.int64), np.array(robots, np.int64))
+    if window_s is not None:
+        gap, begin = window_kernels.gap_within(times, len(robots), *window_s)
+        return float(gap), float(begin)
     loops = Loops(routes.classes, routes.parts, routes.units_s, routes.from_s)
     gap, begin, _ = gap_kernels.team_gap(times, len(robots), loops, 0.0)
     return float(gap), float(begin)

@@ -109,14 +109,23 @@ class DemandAlarms:
         facts = [{"robot": self._robots[number], "takes_s": takes} for takes, number in able]
         return self._notice(now_s, "will lapse", k, text, place_m=at, in_s=left_s, could=facts)
 
-    def lapse_times_s(self, ages: Ages, lags_s: Floats, until_s: Floats) -> dict[int, float]:
-        """When demands will lapse, those that will."""
+    def lapse_times_s(
+        self, ages: Ages, lags_s: Floats, until_s: Floats, later_s: float | None = None
+    ) -> dict[int, float]:
+        """When demands will lapse, those that will; see ``Forecast.lapses``."""
         return {
-            lapse.demand: lapse.at_s for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s)
+            lapse.demand: lapse.at_s
+            for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s, later_s)
         }
 
     def missed(
-        self, now_s: float, ages: Ages, lags_s: Floats, until_s: Floats, with_it_s: dict[int, float]
+        self,
+        now_s: float,
+        ages: Ages,
+        lags_s: Floats,
+        until_s: Floats,
+        with_it_s: dict[int, float],
+        later_s: float | None = None,
     ) -> tuple[str, list[dict[str, Any]]]:
         """What lapses, or lapses sooner, than with a robot that is missing now; in words, and as a list.
 
@@ -124,7 +133,7 @@ class DemandAlarms:
         """
         found = [
             lapse
-            for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s)
+            for lapse in self._forecast.lapses(ages.last_seen_s, ages.known_s, lags_s, until_s, later_s)
             if lapse.at_s < with_it_s.get(lapse.demand, math.inf)
         ]
         names = [self._places.demands[lapse.demand].name for lapse in found]

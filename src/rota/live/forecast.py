@@ -47,17 +47,18 @@ class Forecast:
         self._sights = planned(plan, places)
 
     def lapses(
-        self, last_seen_s: Floats, now_s: float, lags_s: Floats, until_s: Floats, ahead: float = PERIODS_AHEAD
+        self, last_seen_s: Floats, now_s: float, lags_s: Floats, until_s: Floats, later_s: float | None = None
     ) -> list[Lapse]:
-        """The first lapse of every demand that has one within ``ahead`` periods, soonest first.
+        """The first lapse of every demand that has one within two of its periods after ``later_s``, soonest first.
 
         last_seen_s: (n,) of the places. lags_s: (robots,) seconds that each is behind its plan. until_s: (robots,) how
-        long each goes on, inf for ever, -inf for one that is not counted on.
+        long each goes on, inf for ever, -inf for one that is not counted on. later_s: None for now.
         """
         team = Team(self._loops_s, np.ascontiguousarray(lags_s), np.ascontiguousarray(until_s))
+        later_s = now_s if later_s is None else later_s
         places, count = self.places, len(self.places.demands)
         when, where = forecast_kernels.first_lapses(
-            last_seen_s, places.demand, count, places.periods_s, now_s, ahead, self._sights, team
+            last_seen_s, places.demand, count, places.periods_s, now_s, later_s, PERIODS_AHEAD, self._sights, team
         )
         found = []
         for k in np.argsort(when, kind="stable"):

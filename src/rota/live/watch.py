@@ -236,9 +236,10 @@ class Watch:
     def _missed_after(self, number: int, leaves_s: float | None) -> tuple[str, list[dict[str, object]]]:
         """What lapses if a robot leaves in so many seconds (None: now) and the others go on."""
         lags_s, until_s = self._team()
-        with_it_s = self._alarms.lapse_times_s(self._ages, lags_s, until_s)
-        until_s[number] = min(until_s[number], self._now_s + max(leaves_s or 0.0, 0.0))
-        return self._alarms.missed(self._now_s, self._ages, lags_s, until_s, with_it_s)
+        later_s = self._now_s + max(leaves_s or 0.0, 0.0)
+        with_it_s = self._alarms.lapse_times_s(self._ages, lags_s, until_s, later_s)
+        until_s[number] = min(until_s[number], later_s)
+        return self._alarms.missed(self._now_s, self._ages, lags_s, until_s, with_it_s, later_s)
 
     def _leaves_in_s(self, number: int) -> float | None:
         """Seconds until a robot must leave for home, from the farthest place of its route; None: not known."""

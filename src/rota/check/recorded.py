@@ -1,0 +1,134 @@
+"""The judgement of a recording: what was really covered, by the same intervals as a plan's, from when to when."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.check.demands import demands_of
+from rota.check.judge import Verdicts, capped, judge_points, judge_visits, tile_and_refine, too_much_excluded
+from rota.check.report import Outcome, Report
+from rota.check.revisits import sights_along
+from rota.check.routes import LOOP, Routes
+from rota.errors import PlanError
+from rota.mission import DiscSensor, Mission
+
+Floats = NDArray[np.float64]
+
+FINEST_M = 0.05  # robots know no better where they are
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordedTrack:
+    """What one robot drove: straight legs (m, 4) x0, y0, x1, y1 in metres, in times_s (m, 2), one after the other.
+
+    Between two legs it may have been anywhere, and nothing is credited. heights_m: (m,) the lower one of each leg's
+    ends.
+    """
+
+    robot: str
+    legs_m: Floats
+    times_s: Floats
+    heights_m: Floats
+
+
+def check_recording(
+    mission: Mission,
+    tracks: Sequence[RecordedTrack],
+    window_s: tuple[float, float],
+    *,
+    robots: int,
+    tolerance_m: float = 0.0,
+    finest_m: float = FINEST_M,
+) -> Report:
+    """The verdict on a recording: "met" only when every window of a period that lies within ``window_s`` had a sight.
+
+    So the time from the window's beginning to the first sight of a place counts as a gap, and so does the time from
+    the last one to its end. A demand whose period is longer than the window says nothing, and is told as not judged.
+    Motion and bodies are not judged: reports hold noise. robots: how many the plan has. tolerance_m: sensors are
+    credited with so much more reach, for places that are told with an error. finest_m: see ``check_plan``.
+
+    Raises PlanError for a window that does not last.
+    """
+    from_s, to_s = window_s
+    if not to_s > from_s:
+        raise PlanError(f"the recording lasts from {from_s:.6g} s to {to_s:.6g} s: there is nothing to judge")
+    demands = demands_of(mission)
+    sights = sights_along(*_driven(mission, tracks, tolerance_m), mission, mission.area.bounds, window_s)
+    findings = tile_and_refine(mission, demands, sights, finest_m)
+    excluded = too_much_excluded(mission, demands, findings)
+    verdicts, not_judged = Verdicts(), []
+    for found, demand in zip(findings, demands, strict=True):
+        number = len(verdicts.demands)
+        if demand.period_s > to_s - from_s:
+            lasted = f"longer than what was recorded, {to_s - from_s:.1f} s"
+            not_judged.append(f"{demand.name}: its period, {demand.period_s:g} s, is {lasted}")
+        elif demand.demand == "visit":
+            judge_visits(verdicts, number, demand, sights, mission)
+        else:
+            judge_points(verdicts, number, demand, found, bool(excluded))
+    outcomes = {demand.outcome for demand in verdicts.demands}
+    violated = "violated" in outcomes or excluded
+    verdict: Outcome = "violated" if violated else "met" if outcomes == {"met"} else "not proven"
+    first_s = max(verdicts.firsts_s, default=math.inf)
+    unmet, unmet_demand = capped(verdicts.unmet_m, verdicts.unmet_demand)
+    shown, shown_demand = capped(verdicts.shown_m, verdicts.shown_demand)
+    return Report(
+        verdict=verdict,
+        robots=robots,
+        lower_bound_robots=None,
+        cells_entered=None,
+        not_judged=tuple(not_judged),
+        demands=tuple(verdicts.demands),
+        violations=tuple(verdicts.violations + excluded),
+        clock_margin_s=None,
+        first_coverage_s=first_s if math.isfinite(first_s) else None,
+        unmet_points_m=unmet,
+        unmet_demand=unmet_demand,
+        shown_unmet_m=shown,
+        shown_unmet_demand=shown_demand,
+        run_end=None,
+    )
+
+
+def _driven(
+    mission: Mission, tracks: Sequence[RecordedTrack], tolerance_m: float
+) -> tuple[Routes, tuple[Floats, NDArray[np.bool_]]]:
+    """All legs as driven once, and what the robots of each see with.
+
+    A sensor whose reach depends on the height has one entry for each height, as a robot of its own.
+    """
+    legs, times, owners = [np.empty((0, 4))], [np.empty((0, 2))], [np.empty(0, np.int64)]
+    reaches: list[float] = []
+    squares: list[bool] = []
+    for track in tracks:
+        sensor = mission.fleet.robot(track.robot).sensor
+        if isinstance(sensor, DiscSensor):
+            reach_m = np.array([sensor.radius_at_m(float(height)) for height in track.heights_m])
+        else:
+            reach_m = np.full(len(track.legs_m), sensor.side_m / 2)
+        for reach in np.unique(reach_m):
+            own = reach_m == reach
+            legs.append(track.legs_m[own])
+            times.append(track.times_s[own])
+            owners.append(np.full(np.count_nonzero(own), len(reaches), np.int64))
+            reaches.append(float(reach) + tolerance_m)
+            squares.append(not isinstance(sensor, DiscSensor))
+    legs_m, count = np.ascontiguousarray(np.vstack(legs)), len(reaches)
+    routes = Routes(
+        legs_m=legs_m,
+        heights_m=np.full((len(legs_m), 2), np.nan),
+        times_s=np.ascontiguousarray(np.vstack(times)),
+        robots=np.concatenate(owners),
+        kinds=np.full(len(legs_m), LOOP, np.int64),
+        durations_s=np.zeros(count),
+        classes=np.arange(count, dtype=np.int64),
+        parts=np.ones(count, np.int64),
+        units_s=np.ones(count),
+        from_s=0.0,
+    )
+    return routes, (np.array(reaches, np.float64), np.array(squares, np.bool_))

@@ -1,0 +1,61 @@
+# mypy: disallow-untyped-decorators=False, disallow-untyped-defs=False, disallow-untyped-calls=False
+"""Compiled loops of the revisit check of a recording, which begins and ends: the worst gap within its time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from rota.check.arrays import Parts, SeenTimes
+from rota.check.kernels import FIRST_ROOM, room_for_parts, shadows_of, shrunk, times_of_sights
+from rota.check.tiling_kernels import cell_of
+
+
+@njit(cache=True)
+def gap_within(times, n, from_s, to_s):
+    """Worst gap in seconds of the n robots in ``times`` between two moments, and when it begins.
+
+    The ends count as gaps do: from ``from_s`` to the first sight, and from the last one to ``to_s``. Sights before and
+    after do not count. inf, nan: nothing is seen in that time.
+    """
+    starts, ends = times.starts_s[: times.bounds[n]], times.ends_s[: times.bounds[n]]
+    covered, worst, when, seen = from_s, 0.0, from_s, False
+    for i in np.argsort(starts):
+        if ends[i] < from_s or starts[i] > to_s:
+            continue
+        seen = True
+        if starts[i] - covered > worst:
+            worst, when = starts[i] - covered, covered
+        covered = max(covered, ends[i])
+    if not seen:
+        return np.inf, np.nan
+    if to_s - covered > worst:
+        worst, when = to_s - covered, covered
+    return worst, when
+
+
+@njit(cache=True, nogil=True)
+def gaps_within(offsets, corners, limits_s, slack_m, grid, legs, team, walls, from_s, to_s):
+    """Worst gap of each piece between two moments: an upper bound for its points, exact for a single point.
+
+    All but the last two arguments, and what is returned, are those of ``worst_gaps``; limits_s says nothing here. Legs
+    are taken as driven once, when they are timed.
+    """
+    n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
+    gaps, begins, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.nan), np.full(n_pieces, np.inf)
+    exact = np.ones(n_pieces, np.bool_)
+    bounds, robots = np.zeros(n_team + 1, np.int64), np.empty(n_team, np.int64)
+    times = SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
+    parts = Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
+    widest = team.reaches_m.max() if n_team else 0.0
+    for k in range(n_pieces):
+        piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
+        cell = cell_of(piece[:, 0].mean(), piece[:, 1].mean(), grid)
+        shadows = shadows_of(piece, walls, cell, slack_m, widest)
+        if shadows.number < 0:
+            continue
+        parts = room_for_parts(parts, shadows)
+        times, n, firsts[k], _always = times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times)
+        if n:
+            gaps[k], begins[k] = gap_within(times, np.int64(n), from_s, to_s)
+    return gaps, begins, firsts, exact
