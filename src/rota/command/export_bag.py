@@ -33,14 +33,16 @@ def rosbag2_sqlite3(plan: Plan, folder: str, start: datetime) -> tuple[Path, ...
 
 def rosbag1(plan: Plan, path: str, start: datetime) -> tuple[Path, ...]:
     """A bag of ROS 1."""
-    from rota.files.ros.bags import require_rosbags, write_rosbag1
+    from rota.files.ros.bags import write_rosbag1
+    from rota.files.ros.library import require_rosbags
 
     require_rosbags("a rosbag1")
     return write_rosbag1(plan, path, start, full_period_s(plan), ground_grids(plan))
 
 
 def _rosbag2(plan: Plan, folder: str, start: datetime, storage: Storage) -> tuple[Path, ...]:
-    from rota.files.ros.bags import require_rosbags, write_rosbag2
+    from rota.files.ros.bags import write_rosbag2
+    from rota.files.ros.library import require_rosbags
 
     require_rosbags("a rosbag2")
     return write_rosbag2(plan, folder, start, full_period_s(plan), ground_grids(plan), storage)

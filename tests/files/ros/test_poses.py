@@ -10,8 +10,8 @@ from tests.files.two_robots import two_robots, with_heights
 
 from rota.errors import PlanError
 from rota.files.ros.names import namespaces
-from rota.files.ros.poses import MOST_BETWEEN, own_tracks, poses_at, sampled_tracks
-from rota.plan import Trajectory
+from rota.files.ros.poses import MOST_BETWEEN, Motion, own_tracks, sampled_tracks
+from rota.plan import Plan, Trajectory
 
 SQUARE = Trajectory(
     robot="a",
@@ -22,7 +22,7 @@ SQUARE = Trajectory(
 
 
 def test_a_robot_faces_its_way_and_keeps_facing_it_while_it_waits() -> None:
-    positions_m, yaws_rad = poses_at(SQUARE, np.array([0, 1, 2, 4.5, 5, 6, 8, 10, 11.5, 20.5, 92.5]))
+    positions_m, yaws_rad = Motion(SQUARE).at(np.array([0, 1, 2, 4.5, 5, 6, 8, 10, 11.5, 20.5, 92.5]))
     assert positions_m[:, :2].tolist() == pytest.approx(
         np.array([[-2, 0], [-1, 0], [0, 0], [2, 0], [2, 0], [2, 1], [1, 2], [0, 1], [0.5, 0], [0.5, 0], [0.5, 0]])
     )
@@ -33,16 +33,17 @@ def test_a_robot_faces_its_way_and_keeps_facing_it_while_it_waits() -> None:
 
 def test_headings_turn_the_shorter_way() -> None:
     spinning = Trajectory(robot="a", times_s=[0, 1], positions_m=[[0, 0], [0, 0]], headings_rad=[3, -3])
-    _, yaws_rad = poses_at(spinning, np.array([0.5]))
+    _, yaws_rad = Motion(spinning).at(np.array([0.5]))
     assert math.cos(yaws_rad[0]) == pytest.approx(-1)
 
 
 def test_what_never_moves_faces_nowhere_and_is_still() -> None:
     plan = two_robots(robots=("a", "b"))
     standing = Trajectory(robot="a", times_s=[0], positions_m=[[1, 2]])
-    positions_m, yaws_rad = poses_at(standing, np.array([0, 5.0]))
+    positions_m, yaws_rad = Motion(standing).at(np.array([0, 5.0]))
     assert positions_m.tolist() == [[1, 2, 0], [1, 2, 0]]
     assert yaws_rad.tolist() == [0, 0]
+    assert Motion(standing).still
     assert [track.still for track in own_tracks(plan)] == [False, False]
 
 
@@ -64,6 +65,13 @@ def test_long_plans_have_longer_steps() -> None:
     tracks = sampled_tracks(two_robots(robots=("a", "b")), 1e6)
     assert all(np.diff(track.times_s).max() <= 2e6 / MOST_BETWEEN + 1e-9 for track in tracks)
     assert len(tracks[1].times_s) <= MOST_BETWEEN / 2 + 3
+
+
+def test_short_loops_beside_long_ones_are_refused_before_memory_is_full() -> None:
+    plan = two_robots(robots=("a", "b"))
+    trembling = Trajectory(robot="a", times_s=[0, 1e-6, 2e-6], positions_m=[[0, 0], [0, 1e-9], [0, 0]])
+    with pytest.raises(PlanError, match=r"a bag of 30 s has 4.5e\+07 timed points, .*; at most 2,000,000 are allowed"):
+        sampled_tracks(Plan(mission=plan.mission, trajectories=(trembling,)), 30.0)
 
 
 def test_heights_are_told_where_the_plan_has_them() -> None:

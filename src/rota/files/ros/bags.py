@@ -11,18 +11,16 @@ import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from rota.errors import PlanError, RotaError
 from rota.files.atomic_write import replaced_file, replaced_folder, require_suffix
-from rota.files.ros.grids import GRID_KIND, GroundGrid
-from rota.files.ros.names import MAP_FRAME
+from rota.files.ros.grids import GroundGrid
+from rota.files.ros.library import grid_message, require_rosbags, types_of
 from rota.files.ros.poses import own_tracks, sampled_tracks
 from rota.files.ros.wire import (
-    NS_PER_S,
-    TRANSFORMS_KIND,
     Generation,
     Messages,
     path_message,
@@ -59,7 +57,7 @@ def write_rosbag2(
     require_rosbags("a rosbag2")
     from rosbags.rosbag2 import StoragePlugin, Writer
 
-    types = _types(2)
+    types = types_of(2)
     messages = _all_messages(plan, start, span_s, grids, 2, types)
     name = Path(os.path.realpath(folder)).name
     files = (METADATA, *(name + suffix for suffix in SUFFIXES.values()))
@@ -88,7 +86,7 @@ def write_rosbag1(
     from rosbags.rosbag1 import Writer
 
     require_suffix(path, (".bag",), "a bag of ROS 1")
-    types = _types(1)
+    types = types_of(1)
     messages = _all_messages(plan, start, span_s, grids, 1, types)
     with replaced_file(path) as partial:
         if not partial.is_file():
@@ -104,24 +102,6 @@ def write_rosbag1(
     return (Path(path),)
 
 
-def require_rosbags(what: str) -> None:
-    """Raise RotaError where the library that writes bags is not installed."""
-    try:
-        import rosbags.interfaces  # noqa: F401
-    except ImportError:
-        raise RotaError(f"{what} needs the rosbags library: pip install 'rota[ros]'") from None
-
-
-def _types(generation: Generation) -> Typestore:
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    if generation == 2:
-        return get_typestore(Stores.ROS2_HUMBLE)
-    types = get_typestore(Stores.ROS1_NOETIC)
-    types.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TRANSFORMS_KIND))
-    return types
-
-
 def _all_messages(
     plan: Plan,
     start: datetime,
@@ -135,37 +115,13 @@ def _all_messages(
     if not tracks:
         raise PlanError("a plan without robots makes no bag")
     begin = stamps_ns(tracks[0], start, generation)[:1]
-    once = [
-        Messages(topic=topic, kind=GRID_KIND, stamps_ns=begin, data=data, size=len(data), latched=True)
-        for topic, data in (
-            (topic, _grid_data(grid, int(begin[0]), generation, types)) for topic, grid in grids.items()
-        )
-    ]
+    once = [grid_message(topic, grid, begin, generation, types) for topic, grid in grids.items()]
     once += [path_message(track, stamps_ns(track, start, generation), generation) for track in tracks]
     often = []
     for track in sampled:
         stamps = stamps_ns(track, start, generation)
         often += [pose_messages(track, stamps, generation), transform_messages(track, stamps, generation)]
     return [*once, *sorted(often, key=lambda each: not each.latched)]
-
-
-def _grid_data(grid: GroundGrid, stamp: int, generation: Generation, types: Typestore) -> bytes:
-    kinds: Mapping[str, Any] = types.types
-    stamp_type = kinds["builtin_interfaces/msg/Time"]
-    time = stamp_type(sec=stamp // NS_PER_S, nanosec=stamp % NS_PER_S)
-    counted = {"seq": 0} if generation == 1 else {}
-    header = kinds["std_msgs/msg/Header"](**counted, stamp=time, frame_id=MAP_FRAME)
-    x, y = grid.corner_m
-    corner = kinds["geometry_msgs/msg/Pose"](
-        position=kinds["geometry_msgs/msg/Point"](x=x, y=y, z=0.0),
-        orientation=kinds["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=0.0, w=1.0),
-    )
-    rows, columns = grid.values.shape
-    about = kinds["nav_msgs/msg/MapMetaData"](
-        map_load_time=time, resolution=grid.cell_m, width=columns, height=rows, origin=corner
-    )
-    message = kinds[GRID_KIND](header=header, info=about, data=grid.values.ravel())
-    return bytes((types.serialize_ros1 if generation == 1 else types.serialize_cdr)(message, GRID_KIND))
 
 
 def _one_a_topic(messages: Iterable[Messages]) -> Iterable[Messages]:

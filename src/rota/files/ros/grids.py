@@ -12,7 +12,6 @@ from rota.mission import Mission
 from rota.plan import Floats
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
-GRID_KIND = "nav_msgs/msg/OccupancyGrid"
 WITHIN = 1e-6  # of a cell: what only touches its border is not in it
 
 ROUNDING = 1e-9

@@ -6,11 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rota.errors import PlanError
 from rota.files.ros.names import namespaces
 from rota.plan import Floats, Plan, Trajectory
 
 USUAL_STEP_S = 0.1
 MOST_BETWEEN = 50_000  # poses of a whole plan that are not at timed points: beyond that steps are longer
+
+MOST_POINTS = 2_000_000  # timed points of all robots in all rounds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,17 +27,48 @@ class Track:
     times_s: Floats
     positions_m: Floats
     yaws_rad: Floats
+    still: bool = False
 
-    @property
-    def still(self) -> bool:
-        """Whether the robot neither moves nor turns."""
-        return bool((self.positions_m == self.positions_m[0]).all() and (self.yaws_rad == self.yaws_rad[0]).all())
+
+class Motion:
+    """A trajectory made ready to be asked for poses, of an endless time. ``still``: it neither moves nor turns.
+
+    Between timed points it turns the shorter way. Without headings it faces the way it goes; while it waits, the way
+    it came; and 0 where it never moves.
+    """
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        self._trajectory = trajectory
+        given = trajectory.headings_rad
+        self._turns = given is not None
+        self._yaws = _ways_rad(trajectory.positions_m) if given is None else np.unwrap(given)
+        points = trajectory.positions_m
+        self.still = bool((points == points[0]).all() and (self._yaws == self._yaws[0]).all())
+
+    def at(self, times_s: Floats) -> tuple[Floats, Floats]:
+        """Positions (n, 3) in metres and yaws (n,) in radians at ``times_s`` (n,) from 0 on."""
+        trajectory = self._trajectory
+        known_s, start_s, duration_s = trajectory.times_s, trajectory.loop_start_s, trajectory.loop_duration_s
+        times_s = np.asarray(times_s, np.float64)
+        if duration_s > 0:
+            times_s = np.where(times_s > known_s[-1], start_s + np.mod(times_s - start_s, duration_s), times_s)
+        positions = np.zeros((len(times_s), 3))
+        for axis, along in enumerate(trajectory.positions_m.T):
+            positions[:, axis] = np.interp(times_s, known_s, along)
+        if self._turns:
+            return positions, np.interp(times_s, known_s, self._yaws)
+        return positions, self._yaws[np.searchsorted(known_s, times_s, side="right") - 1]
+
+    def track(self, namespace: str, times_s: Floats) -> Track:
+        """The poses at ``times_s`` (n,)."""
+        positions_m, yaws_rad = self.at(times_s)
+        return Track(namespace=namespace, times_s=times_s, positions_m=positions_m, yaws_rad=yaws_rad, still=self.still)
 
 
 def own_tracks(plan: Plan) -> list[Track]:
     """Each robot's timed points: its approach and one round of its loop."""
     return [
-        _track(trajectory, namespace, trajectory.times_s)
+        Motion(trajectory).track(namespace, trajectory.times_s)
         for trajectory, namespace in zip(plan, namespaces(plan), strict=True)
     ]
 
@@ -42,11 +76,18 @@ def own_tracks(plan: Plan) -> list[Track]:
 def sampled_tracks(plan: Plan, span_s: float) -> list[Track]:
     """Each robot's poses from 0 to ``span_s``, in as many rounds as that takes: its timed points, and steps between.
 
-    A step is at most 0.1 s, or longer so that there are at most 50,000 poses in between, of all robots together.
+    A step is at most 0.1 s, or longer so that there are at most 50,000 poses in between, of all robots together. Raises
+    PlanError for more than 2,000,000 timed points in all rounds.
     """
+    poses = sum(_points_until(trajectory, span_s) for trajectory in plan)
+    if poses > MOST_POINTS:
+        raise PlanError(
+            f"a bag of {span_s:.6g} s has {poses:.4g} timed points, since short loops come round so often; at most"
+            f" {MOST_POINTS:,} are allowed"
+        )
     step_s = max(USUAL_STEP_S, span_s * len(plan.trajectories) / MOST_BETWEEN)
     return [
-        _track(trajectory, namespace, _with_steps(point_times_s(trajectory, span_s), span_s, step_s))
+        Motion(trajectory).track(namespace, _with_steps(point_times_s(trajectory, span_s), span_s, step_s))
         for trajectory, namespace in zip(plan, namespaces(plan), strict=True)
     ]
 
@@ -61,6 +102,13 @@ def _with_steps(times_s: Floats, span_s: float, step_s: float) -> Floats:
     return np.append(np.repeat(times_s[:-1], parts) + share * np.repeat(apart_s, parts), times_s[-1])
 
 
+def _points_until(trajectory: Trajectory, span_s: float) -> float:
+    """About how many timed points a robot passes."""
+    if trajectory.loop_duration_s == 0:
+        return len(trajectory.times_s)
+    return len(trajectory.times_s) * (1 + max(span_s - trajectory.loop_start_s, 0.0) / trajectory.loop_duration_s)
+
+
 def point_times_s(trajectory: Trajectory, span_s: float) -> Floats:
     """The times (n,) in seconds from 0 to ``span_s`` at which a robot is at one of its timed points."""
     times_s = trajectory.times_s
@@ -69,26 +117,6 @@ def point_times_s(trajectory: Trajectory, span_s: float) -> Floats:
         looped_s = times_s[trajectory.loop_index + 1 :] + rounds[:, None] * trajectory.loop_duration_s
         times_s = np.concatenate([times_s[: trajectory.loop_index + 1], looped_s.ravel()])
     return times_s[times_s <= span_s]
-
-
-def poses_at(trajectory: Trajectory, times_s: Floats) -> tuple[Floats, Floats]:
-    """Positions (n, 3) in metres and yaws (n,) in radians of a robot at ``times_s`` (n,) from 0 on, for ever.
-
-    Between timed points it turns the shorter way. Without headings it faces the way it goes; while it waits, the way
-    it came; and 0 where it never moves.
-    """
-    known_s, points = trajectory.times_s, trajectory.positions_m
-    times_s = np.asarray(times_s, np.float64)
-    if trajectory.loop_duration_s > 0:
-        looped_s = trajectory.loop_start_s + np.mod(times_s - trajectory.loop_start_s, trajectory.loop_duration_s)
-        times_s = np.where(times_s > known_s[-1], looped_s, times_s)
-    positions = np.zeros((len(times_s), 3))
-    for axis, along in enumerate(points.T):
-        positions[:, axis] = np.interp(times_s, known_s, along)
-    if trajectory.headings_rad is not None:
-        return positions, np.interp(times_s, known_s, np.unwrap(trajectory.headings_rad))
-    leg = np.searchsorted(known_s, times_s, side="right") - 1
-    return positions, _ways_rad(points)[leg]
 
 
 def _ways_rad(points: Floats) -> Floats:
@@ -100,8 +128,3 @@ def _ways_rad(points: Floats) -> Floats:
         return np.zeros(len(points))
     last = np.maximum.accumulate(np.where(moves, np.arange(len(points)), -1))
     return ways[np.where(last < 0, np.argmax(moves), last)]
-
-
-def _track(trajectory: Trajectory, namespace: str, times_s: Floats) -> Track:
-    positions_m, yaws_rad = poses_at(trajectory, times_s)
-    return Track(namespace=namespace, times_s=times_s, positions_m=positions_m, yaws_rad=yaws_rad)
