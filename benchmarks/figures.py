@@ -11,6 +11,7 @@ from benchmarks.bounce_joint_maps import bounce_map
 from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
 from benchmarks.check_legs import check_legs
 from benchmarks.create2_sketch import create2_sketch
+from benchmarks.export_formats import export_formats
 from benchmarks.house import house, suite
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
@@ -144,6 +145,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "square-kilometre": square_kilometre,
     "examples": examples,
     "methods": methods,
+    "formats": export_formats,
     "sun-cases": sun_cases,
     "sun2019-deploy": sun_deploy,
     "sun2019-frame": sun_frame,

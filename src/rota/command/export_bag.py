@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rota.plan import Plan
 
 GRID_CELLS, LEAST_CELLS = 40_000, 2_500
-CELLS_BY_POINTS = 1_000_000_000  # a gap at a place takes the longer the more timed points there are
+CELLS_BY_POINTS = 500_000_000  # a gap at a place takes the longer the more timed points there are
 MOST_ROUNDS = 8  # of the longest loop, that a bag plays until all loops begin together again
 MOST_POINTS = 200_000
 

@@ -125,7 +125,10 @@ def _all_messages(
 
 
 def _one_a_topic(messages: Iterable[Messages]) -> Iterable[Messages]:
-    return {each.topic: each for each in messages}.values()
+    """One of each topic's; those told often first, since the writers look for a message's connection in a list."""
+    return {
+        each.topic: each for each in sorted(messages, key=lambda each: (each.latched, each.topic != "/tf"))
+    }.values()
 
 
 def _in_time(messages: list[Messages]) -> Iterator[tuple[str, int, bytes]]:
