@@ -135,8 +135,7 @@ def _pixels_of(path: Path) -> tuple[Floats, dict[int, Any]]:
 
     data = read_bytes(path, "a .png or .tif image")
     try:
-        with warnings.catch_warnings(), Image.open(io.BytesIO(data), formats=["TIFF"]) as image:
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"), Image.open(io.BytesIO(data), formats=["TIFF"]) as image:
             columns, rows = image.size
             if columns * rows > MOST_PIXELS:
                 raise MissionError(f"{path}: {columns} x {rows} pixels; at most {MOST_PIXELS:,} are allowed")

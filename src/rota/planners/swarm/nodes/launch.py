@@ -18,7 +18,7 @@ from rota.planners.swarm.nodes.scene import Scene
 from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of
 from rota.robot_processes import ProcessSettings, SwarmRecord
 
-START_S = 1.0  # for the processes to start, before they listen
+START_S = 0.5  # for the processes to start, before they listen
 REST_S = 2.0  # a swarm that has not moved for so long is at rest
 LEAVE_S = 5.0  # for the processes to end, after they were asked to
 FAILED = 2  # exit code of a process that could not be its robot

@@ -1,0 +1,199 @@
+"""Real processes on loopback: they start, one dies by SIGKILL, the rest go on, all end, and a plan is left."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import socket
+import threading
+import time
+from dataclasses import replace
+
+import pytest
+from tests.planners.swarm.nodes.air import S, mission_of
+from tests.planners.swarm.nodes.test_hearing import malformed
+
+from rota.check import check_plan
+from rota.errors import LinkError, MissionError
+from rota.planners.swarm.nodes.launch import run_swarm
+from rota.planners.swarm.nodes.process import run_robot, scene_for
+from rota.planners.swarm.nodes.recording import Recorder
+from rota.planners.swarm.nodes.scene import scene_of
+from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
+from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of, is_loopback
+from rota.robot_processes import ProcessSettings
+
+
+def free_ports(count: int) -> int:
+    """The first of so many ports in a row that nobody has, by trying."""
+    for first in range(20_000 + os.getpid() % 10_000, 60_000, count):
+        taken = []
+        try:
+            for port in range(first, first + count):
+                taken.append(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+                taken[-1].bind(("127.0.0.1", port))
+        except OSError:
+            continue
+        finally:
+            for one in taken:
+                one.close()
+        return first
+    raise AssertionError("no free ports")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="starting anew takes seconds for each process")
+def test_processes_go_on_when_one_is_killed_and_all_end() -> None:
+    mission = mission_of(5, 40, (15, 25), sensor_m=9, speed_m_s=10)
+    settings = ProcessSettings(seed=1, port=free_ports(6))
+    ids: dict[int, int] = {}
+    noise = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    rows = []
+
+    def measured(time_s: float, share: float, robots: int) -> None:
+        rows.append((time_s, share, robots))
+        for datagram in malformed(50):
+            noise.sendto(datagram, ("127.0.0.1", settings.port))
+        if len(rows) == 2:
+            os.kill(ids[2], signal.SIGKILL)
+
+    record = run_swarm(scene_for(mission, settings), settings, time_limit_s=3.2, started=ids.update, measured=measured)
+    noise.close()
+    assert not multiprocessing.active_children()
+    assert [robot.end for robot in record.robots] == ["runs", "runs", "silent", "runs", "runs"]
+    assert (rows[0][2], rows[-1][2]) == (5, 4)
+    assert rows[1][1] > 1.3 * rows[0][1]
+    assert 40 <= record.robots[0].dropped <= 200
+    assert sum(robot.dropped for robot in record.robots[1:]) == 0
+    for robot in record.robots:
+        assert robot.ticks > (8 if robot.end == "silent" else 25)
+    (died,) = (robot for robot in record.plan.mission.fleet.robots or () if robot.leaves_s is not None)
+    assert died.name == "robot-3"
+    assert 0.9 < died.leaves_s < 2.0
+    report = check_plan(record.plan)
+    assert report.verdict == "met", report.violations
+
+
+def test_a_robot_by_itself_listens_tells_and_leaves_when_asked() -> None:
+    mission = mission_of(2, 40, (15, 25), sensor_m=9, speed_m_s=10, time_step_s=0.02)
+    settings = ProcessSettings(port=free_ports(3))
+    scene = scene_for(mission, settings)
+    ear = UdpPort(addresses_of(settings, 2)[2], ())
+    asked = threading.Event()
+    robot = threading.Thread(target=run_robot, args=(scene, 0, settings), kwargs={"should_stop": asked.is_set})
+    robot.start()
+    clock = clock_of(addresses_of(settings, 2))
+    recorder, life = Recorder(scene, clock()), None
+    until = time.monotonic() + 60
+    while (life is None or life.left_s is None) and time.monotonic() < until:
+        recorder.hear(ear.received(), clock())
+        life = recorder._lives.get(0)
+        if life is not None and life.joined_s is not None and not asked.is_set():
+            with pytest.raises(LinkError, match=r"cannot listen there .* is this robot running already"):
+                run_robot(scene, 0, settings)
+            asked.set()
+        time.sleep(0.002)
+    robot.join(60)
+    ear.close()
+    assert life is not None
+    assert (life.first.state, life.last.state) == (WAITING, LEFT)
+    assert not robot.is_alive()
+
+
+def test_addresses_and_the_clock_follow_from_the_hosts() -> None:
+    assert addresses_of(ProcessSettings(port=50_000), 2) == tuple(("127.0.0.1", 50_000 + k) for k in range(3))
+    far = ProcessSettings(hosts=("10.0.0.1", "10.0.0.2", "10.0.0.9"))
+    assert addresses_of(far, 2)[2] == ("10.0.0.9", 47602)
+    assert clock_of(addresses_of(far, 2)) is time.time_ns
+    assert clock_of(addresses_of(ProcessSettings(), 2)) is time.monotonic_ns
+    assert [is_loopback(host) for host in ("127.0.0.3", "localhost", "::1", "10.0.0.1", "example.org")] == [
+        True, True, True, False, False,
+    ]  # fmt: skip
+    with pytest.raises(MissionError, match="hosts: 2 is not allowed; give one, or one for each of the 4 robots"):
+        addresses_of(ProcessSettings(hosts=("a", "b")), 4)
+    with pytest.raises(MissionError, match="port: 65533 is not allowed: 4 robots and a recorder need ports"):
+        addresses_of(ProcessSettings(port=65533), 4)
+    with pytest.raises(MissionError, match="port: 0 is not allowed"):
+        ProcessSettings(port=0)
+
+
+# ------------------------------------------------------------ what a recorder makes of hand-made tellings
+
+
+def telling(robot: int, tick: int, time_s: float, x: float, vx: float = 0.0, state: int = MEMBER) -> Telling:
+    told_ns = round((10 + time_s) * S)
+    return Telling(state, robot, tick, 0, 500, told_ns, S // 10, x, 20.0, 30.0, vx, 0.0, 0.5, 9.0, 10.0)
+
+
+def recorded(*tellings: Telling, end_s: float) -> tuple[Recorder, int]:
+    scene = scene_of(mission_of(3, 40, (5, 35), sensor_m=9, speed_m_s=10))
+    recorder, end_ns = Recorder(scene, 10 * S), round((10 + end_s) * S)
+    for one in sorted(tellings, key=lambda one: one.told_ns):
+        recorder.hear([write_telling(one, scene.number)], one.told_ns)
+    recorder.hear([], end_ns)
+    return recorder, end_ns
+
+
+def test_a_record_is_the_way_that_was_told_and_what_was_lost_is_crossed_straight() -> None:
+    recorder, end_ns = recorded(
+        telling(0, 0, 0.0, 5.0, 10.0),
+        telling(0, 1, 0.1, 6.0, 10.0),
+        telling(0, 3, 0.3, 9.0, 5.0),  # the one between was lost
+        telling(0, 4, 0.45, 9.5),
+        telling(1, 0, 0.05, 25.0),
+        telling(1, 4, 0.45, 25.0),
+        end_s=0.5,
+    )
+    record = recorder.record(end_ns, stopped=True)
+    assert [t.robot for t in record.plan] == ["robot-1", "robot-2"]
+    moved, stood = record.plan.trajectories
+    assert moved.times_s == pytest.approx([0, 0.1, 0.2, 0.3, 0.4], abs=1e-6)
+    assert moved.positions_m[:, 0] == pytest.approx([5, 6, 7, 9, 9.5])
+    assert stood.times_s.tolist() == [0.0]
+    assert [robot.lost for robot in record.robots] == [1, 3]
+    assert record.plan.run_end is not None
+    assert record.plan.run_end.reason == "stopped"
+    assert "4 tellings were lost" in record.warnings[1]
+    assert "robot-3 was never heard" in record.warnings[0]
+    assert record.coverage[0][2] == 2
+
+
+def test_the_silent_have_left_and_a_second_life_is_not_in_the_plan() -> None:
+    again = telling(0, 0, 1.4, 5.0, state=WAITING)
+    steady = [telling(1, k, 0.1 * k, 25.0) for k in range(16)]
+    recorder, end_ns = recorded(telling(0, 0, 0.0, 5.0, 10.0), telling(0, 1, 0.1, 6.0, 10.0), again, *steady, end_s=1.6)
+    record = recorder.record(end_ns, stopped=False)
+    first = record.plan.mission.fleet.robot("robot-1")
+    assert first.leaves_s == pytest.approx(0.2)
+    assert record.plan.mission.fleet.robot("robot-2").leaves_s is None
+    assert record.plan.trajectories[0].positions_m[-1].tolist() == pytest.approx([7.0, 20.0])
+    assert any("robot-1 came back" in warning for warning in record.warnings)
+    assert [count for _, _, count in record.coverage] == [2, 1]
+
+
+def test_a_plan_over_hills_has_heights() -> None:
+    mission = mission_of(2, 40, (5, 35), sensor_m=9, speed_m_s=10)
+    scene = scene_of(mission, ground_m=lambda x, y: 0.5 * x + y)
+    recorder = Recorder(scene, 10 * S)
+    recorder.hear([write_telling(telling(0, 0, 0.0, 5.0, 4.0), scene.number)], 10 * S)
+    (way,) = recorder.record(11 * S, stopped=False).plan.trajectories
+    altitude = mission.fleet.altitude_m
+    assert way.positions_m.ravel() == pytest.approx([5.0, 20.0, 22.5 + altitude, 5.4, 20.0, 22.7 + altitude])
+
+
+def test_nothing_heard_is_nothing_recorded() -> None:
+    recorder, end_ns = recorded(end_s=1)
+    with pytest.raises(LinkError, match="no robot was heard"):
+        recorder.record(end_ns, stopped=True)
+
+
+def test_other_planners_have_no_processes() -> None:
+    from rota.mission import DiscSensor, Fleet
+    from rota.planner import planner_of
+    from rota.planners.patrol.planner_settings import PatrolSettings
+
+    mission = mission_of(2, 40, (5, 35), sensor_m=9, speed_m_s=10)
+    fleet = Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=5))
+    patrol = replace(mission, fleet=fleet, period_s=100.0, planning=PatrolSettings())
+    with pytest.raises(MissionError, match="planner: patrol is not allowed"):
+        planner_of(patrol).robot_processes(patrol, ProcessSettings())
