@@ -123,8 +123,12 @@ def test_compiled_loops_live_in_kernels_files_only() -> None:
 
 
 def test_test_tools_stay_out_of_the_package() -> None:
-    for tool in ("pytest", "hypothesis", "jsonschema", "pymavlink", "mavsdk"):
+    for tool in ("pytest", "hypothesis", "jsonschema", "pymavlink"):
         assert importers(tool) == set(), tool
+
+
+def test_libraries_of_robots_are_known_to_their_links_only() -> None:
+    assert importers("mavsdk") == {"rota.links.mavlink"}
 
 
 def modules_after(statement: str) -> set[str]:

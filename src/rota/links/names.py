@@ -4,4 +4,5 @@ from __future__ import annotations
 
 LINKS = {
     "simulated": ("rota.links.simulated", "vehicles in this process, which need nothing"),
+    "mavlink": ("rota.links.mavlink", "ArduPilot and PX4 vehicles; needs rota[mavlink]"),
 }

@@ -1,0 +1,353 @@
+"""MAVLink vehicles by MAVSDK: a mission and a fence for each, an address for each.
+
+ArduPilot and PX4 are told apart by their heartbeats. Needs the extra ``mavlink``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+from collections.abc import AsyncGenerator, Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from rota.errors import LinkError
+from rota.files.geodesy import Projection, projection_of
+from rota.files.mission_items import Autopilot
+from rota.links.extras import required
+from rota.links.inbox import ReportInbox
+from rota.links.link import Mode, Report
+from rota.links.mavlink_address import addresses
+from rota.links.mavlink_items import (
+    DEGREES,
+    WirePolygon,
+    fence_differences,
+    item_differences,
+    item_of,
+    polygons_of,
+    wire_items,
+    wire_polygons,
+)
+from rota.links.plan_clock import PlanClock
+from rota.plan import Plan
+from rota.planner_settings import Settings, setting
+from rota.route import Route
+
+if TYPE_CHECKING:
+    from mavsdk import System
+
+VehicleType = Literal["multicopter", "fixed_wing", "rover", "submarine", "any"]
+
+AUTOPILOTS: dict[str, Autopilot] = {"ARDUPILOT": "ardupilot", "PX4": "px4"}
+MODES: dict[str, Mode] = {"MISSION": "running", "HOLD": "paused", "RETURN_TO_LAUNCH": "returning", "READY": "ready"}
+MISSION_START = 300  # MAV_CMD
+TRIES = 3  # MAVSDK gives a transfer up when its last answer is lost; all that is asked may be asked again
+
+
+@dataclass(frozen=True, kw_only=True)
+class MavlinkSettings(Settings):
+    """Settings of the link ``mavlink``."""
+
+    place: ClassVar[str] = "mavlink"
+    address: str = setting(
+        "udpin://127.0.0.1:14540", "of the first vehicle, each next one a port higher; or all, with + between"
+    )
+    vehicle: VehicleType = setting("multicopter", "what every vehicle must be: fixed_wing, rover, submarine, any")
+    wait_s: float = setting(10.0, "how long a vehicle may take to be heard", above=0, most=3600)
+    answer_s: float = setting(20.0, "how long it may take for a command, or a route", above=0, most=3600)
+    rate_hz: float = setting(5.0, "reports of each vehicle in a second", above=0, most=100)
+    start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
+
+
+SETTINGS = MavlinkSettings
+
+
+@dataclass(kw_only=True)
+class _Vehicle:
+    """One vehicle, once it has been heard."""
+
+    robot: str
+    mavsdk: Any
+    system: System
+    autopilot: Autopilot
+    plugins: dict[str, Any] = field(default_factory=dict)
+    battery: float | None = None
+    mode: Mode | None = None
+
+
+def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
+    """A vehicle for each robot of the plan, in its order."""
+    required("mavsdk", "mavlink")
+    projection = projection_of(plan.mission, "MAVLink")
+    return MavlinkLink([trajectory.robot for trajectory in plan], plan.mission.area.bounds, projection, settings)
+
+
+class MavlinkLink:
+    """A Link to MAVLink vehicles; see the module."""
+
+    takes_fences = True
+    drives_along = False
+
+    def __init__(
+        self,
+        robots: list[str],
+        bounds_m: tuple[float, float, float, float],
+        projection: Projection,
+        settings: MavlinkSettings,
+    ) -> None:
+        self._addresses = dict(zip(robots, addresses(settings.address, len(robots)), strict=True))
+        self._projection, self._settings = projection, settings
+        self._inbox = ReportInbox(robots, bounds_m)
+        self._clock = PlanClock(settings.start_time, "mavlink.start_time")
+        self._vehicles: dict[str, _Vehicle] = {}
+        self._instances: list[Any] = []
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The names of the robots, in the plan's order."""
+        return tuple(self._addresses)
+
+    @property
+    def rejected(self) -> int:
+        """How many reports were dropped."""
+        return self._inbox.rejected
+
+    @property
+    def time_s(self) -> float:
+        """Seconds since the plan's start."""
+        return self._clock.now_s()
+
+    def latest(self, robot: str) -> Report | None:
+        """The robot's last report, None before the first."""
+        return self._inbox.latest(robot)
+
+    # ------------------------------------------------------------ connecting
+
+    async def open(self) -> None:
+        """Raises LinkError for addresses in use, vehicles that are not heard, and those of another type."""
+        self._clock.begin()
+        outcomes = await asyncio.gather(*map(self._connect, self._addresses), return_exceptions=True)
+        faults = [outcome for outcome in outcomes if isinstance(outcome, BaseException)]
+        for fault in faults:
+            if not isinstance(fault, LinkError):
+                raise fault
+        if faults:
+            raise LinkError("\n".join(map(str, faults)))
+
+    async def _connect(self, robot: str) -> None:
+        from mavsdk import ComponentType, Configuration, Mavsdk
+        from mavsdk.logging import log_subscribe
+
+        log_subscribe(lambda *_: True)  # what it would print; errors are told by their callers
+        address, wait_s = self._addresses[robot], self._settings.wait_s
+        mavsdk = Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION))
+        self._instances.append(mavsdk)
+        result = mavsdk.add_any_connection(address)
+        if result.name != "SUCCESS":
+            raise LinkError(f"robot {robot}: {address} cannot be used: {_worded(result)}")
+        heard: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+        mavsdk.first_autopilot_async(wait_s, _into(heard))
+        (system,) = await heard
+        if system is None:
+            raise LinkError(f"robot {robot}: no vehicle was heard on {address} within {wait_s:g} s")
+        self._vehicles[robot] = vehicle = self._known(robot, mavsdk, system)
+        self._listen(vehicle)
+
+    def _known(self, robot: str, mavsdk: Any, system: System) -> _Vehicle:
+        """The vehicle; LinkError where it is not what it has to be."""
+        needed, kind = self._settings.vehicle, _worded(system.vehicle_type()).replace(" ", "_")
+        if needed not in (kind, "any"):
+            where = self._addresses[robot]
+            raise LinkError(f"robot {robot}: the vehicle on {where} is a {kind}; a {needed} is needed (--set vehicle=)")
+        autopilot = AUTOPILOTS.get(system.autopilot_type().name)
+        if autopilot is None:
+            told = _worded(system.autopilot_type())
+            raise LinkError(f"robot {robot}: its autopilot is {told}; ArduPilot or PX4 is needed")
+        return _Vehicle(robot=robot, mavsdk=mavsdk, system=system, autopilot=autopilot)
+
+    def _listen(self, vehicle: _Vehicle) -> None:
+        loop = asyncio.get_running_loop()
+        telemetry = _plugin(vehicle, "telemetry", "Telemetry")
+
+        def locate(position: Any, _data: Any) -> None:
+            loop.call_soon_threadsafe(self._take, vehicle, position)
+
+        def charge(battery: Any, _data: Any) -> None:
+            percent = battery.remaining_percent
+            vehicle.battery = percent / 100 if 0 <= percent <= 100 else None
+
+        def change(mode: Any, _data: Any) -> None:
+            vehicle.mode = MODES.get(mode.name)
+
+        telemetry.subscribe_battery(charge)
+        telemetry.subscribe_flight_mode(change)
+        telemetry.subscribe_position(locate)
+        telemetry.set_rate_position_async(self._settings.rate_hz, lambda *_: None)
+
+    def _take(self, vehicle: _Vehicle, position: Any) -> None:
+        lat, lon, height_m = position.latitude_deg, position.longitude_deg, position.relative_altitude_m
+        if not (abs(lat) <= 90 and abs(lon) <= 180 and math.isfinite(height_m)):
+            self._inbox.reject()
+            return
+        x, y = self._projection.to_metres(lon, lat)
+        now_s = self._clock.now_s()
+        self._inbox.offer(
+            now_s=now_s,
+            robot=vehicle.robot,
+            time_s=now_s,
+            position_m=(float(x), float(y), float(height_m)),
+            battery=vehicle.battery,
+            mode=vehicle.mode,
+        )
+
+    def reports(self) -> AsyncGenerator[Report, None]:
+        """All reports as they arrive."""
+        return self._inbox.reports()
+
+    async def close(self) -> None:
+        """Vehicles go on with what they do."""
+        self._inbox.close()
+        instances, self._instances = self._instances, []
+        self._vehicles = {}
+        for mavsdk in instances:
+            await asyncio.to_thread(mavsdk.destroy)
+
+    # ------------------------------------------------------------ routes
+
+    async def send_route(self, route: Route) -> None:
+        """Replace the vehicle's mission and its fence; a route without a fence takes the old one away."""
+        from mavsdk.plugins.mission_raw import MissionItem
+
+        vehicle = self._vehicle(route.robot)
+        wired = wire_items(route, self._projection, vehicle.autopilot)
+        items = [
+            MissionItem(
+                item.seq, item.frame, item.command, int(item.seq == 0), 1, *item.params, item.x, item.y, item.z, 0
+            )
+            for item in wired
+        ]
+        raw = _plugin(vehicle, "mission_raw", "MissionRaw")
+        await self._ask(vehicle, "the mission", raw.upload_mission_async, items)
+        geofence = _plugin(vehicle, "geofence", "Geofence")
+        polygons = wire_polygons(route.fence, self._projection)
+        if polygons:
+            await self._ask(vehicle, "the fence", geofence.upload_geofence_async, _fence_data(polygons))
+        else:
+            await self._ask(vehicle, "clearing the fence", geofence.clear_geofence_async)
+
+    async def differences(self, route: Route) -> tuple[str, ...]:
+        """Download mission and fence, and compare them item by item with what was sent."""
+        vehicle = self._vehicle(route.robot)
+        raw = _plugin(vehicle, "mission_raw", "MissionRaw")
+        (read,) = await self._ask(vehicle, "reading the mission", raw.download_mission_async)
+        sent = wire_items(route, self._projection, vehicle.autopilot)
+        found = item_differences(sent, [item_of(item) for item in read], vehicle.autopilot)
+        (raw_fence,) = await self._ask(vehicle, "reading the fence", raw.download_geofence_async)
+        polygons = wire_polygons(route.fence, self._projection)
+        return (*found, *fence_differences(polygons, polygons_of(raw_fence)))
+
+    async def clear_route(self, robot: str) -> None:
+        """Take mission and fence away."""
+        vehicle = self._vehicle(robot)
+        raw = _plugin(vehicle, "mission_raw", "MissionRaw")
+        await self._ask(vehicle, "clearing the mission", raw.clear_mission_async)
+        await self._ask(vehicle, "clearing the fence", _plugin(vehicle, "geofence", "Geofence").clear_geofence_async)
+
+    # ------------------------------------------------------------ commands
+
+    async def start(self, robot: str) -> None:
+        """Arm it and let it fly its mission."""
+        vehicle = self._vehicle(robot)
+        raw, action = _plugin(vehicle, "mission_raw", "MissionRaw"), _plugin(vehicle, "action", "Action")
+        await self._ask(vehicle, "arming", action.arm_async)
+        await self._ask(vehicle, "starting the mission", raw.start_mission_async)
+        if vehicle.autopilot == "ardupilot":
+            # on the ground its mode AUTO waits for somebody to raise the throttle, or for this
+            await self._command(vehicle, "starting the mission", MISSION_START)
+
+    async def pause(self, robot: str) -> None:
+        """Hold."""
+        vehicle = self._vehicle(robot)
+        await self._ask(vehicle, "pausing", _plugin(vehicle, "mission_raw", "MissionRaw").pause_mission_async)
+
+    async def come_home(self, robot: str) -> None:
+        """Return to launch."""
+        vehicle = self._vehicle(robot)
+        await self._ask(vehicle, "returning", _plugin(vehicle, "action", "Action").return_to_launch_async)
+
+    async def _command(self, vehicle: _Vehicle, what: str, command: int) -> None:
+        from mavsdk.plugins.mavlink_direct import MavlinkMessage
+
+        target = vehicle.system.get_system_id()
+        fields = {"target_system": target, "target_component": 1, "command": command, "confirmation": 0}
+        fields |= {f"param{k}": 0 for k in range(1, 8)}
+        message = MavlinkMessage("COMMAND_LONG", 0, 0, target, 1, json.dumps(fields))
+        direct = _plugin(vehicle, "mavlink_direct", "MavlinkDirect")
+        (answer,) = await self._ask(vehicle, what, direct.send_command_async, message)
+        result = json.loads(answer.fields_json).get("result")
+        if result != 0:
+            raise LinkError(f"robot {vehicle.robot}: {what}: refused, result {result!r}")
+
+    def _vehicle(self, robot: str) -> _Vehicle:
+        if robot not in self._vehicles:
+            raise LinkError(f"robot {robot}: no vehicle has been heard for it")
+        return self._vehicles[robot]
+
+    async def _ask(self, vehicle: _Vehicle, what: str, call: Callable[..., Any], *given: Any) -> tuple[Any, ...]:
+        """Call what answers by a callback from another thread; what it answers beside success."""
+        result, rest = None, []
+        try:
+            async with asyncio.timeout(self._settings.answer_s):
+                for _ in range(TRIES):
+                    answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+                    call(*given, _into(answered))
+                    result, *rest = await answered
+                    if result.name != "TIMEOUT":
+                        break
+                    if not vehicle.system.is_connected():
+                        raise LinkError(f"robot {vehicle.robot}: {what}: it has fallen silent")
+        except TimeoutError:
+            raise LinkError(f"robot {vehicle.robot}: {what}: no answer within {self._settings.answer_s:g} s") from None
+        if result is None or result.name != "SUCCESS":
+            raise LinkError(f"robot {vehicle.robot}: {what}: {_worded(result)}")
+        return tuple(rest[:-1])  # without the data that callbacks are handed
+
+
+def _into(future: asyncio.Future[Any]) -> Callable[..., None]:
+    """A callback for MAVSDK's threads that puts its arguments into a future, the first time."""
+    loop = future.get_loop()
+
+    def take(arguments: tuple[Any, ...]) -> None:
+        if not future.done():
+            future.set_result(arguments)
+
+    def called(*arguments: Any) -> None:
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(take, arguments)
+
+    return called
+
+
+def _plugin(vehicle: _Vehicle, module: str, name: str) -> Any:
+    """A plugin of MAVSDK for the vehicle, made once."""
+    from importlib import import_module
+
+    if module not in vehicle.plugins:
+        vehicle.plugins[module] = getattr(import_module(f"mavsdk.plugins.{module}"), name)(vehicle.system)
+    return vehicle.plugins[module]
+
+
+def _fence_data(polygons: list[WirePolygon]) -> Any:
+    from mavsdk.plugins.geofence import FenceType, GeofenceData, Point, Polygon
+
+    def points(polygon: WirePolygon) -> list[Any]:
+        return [Point(lat / DEGREES, lon / DEGREES) for lat, lon in polygon.corners]
+
+    kinds = {True: FenceType.INCLUSION, False: FenceType.EXCLUSION}
+    return GeofenceData([Polygon(points(polygon), kinds[polygon.keeps_in]) for polygon in polygons], [])
+
+
+def _worded(result: Any) -> str:
+    """An enum's name as words."""
+    return str(result.name).lower().replace("_", " ")

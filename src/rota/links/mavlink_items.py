@@ -1,0 +1,152 @@
+"""A route -> the mission items and the fence that a MAVLink vehicle takes, and how what it holds differs from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rota.files.geodesy import Projection
+from rota.files.mission_items import DO_JUMP, WAYPOINT, Autopilot, Item, route_items
+from rota.route import Fence, Ring, Route
+
+DEGREES = 1e7  # MAVLink's whole numbers in a degree
+FRAME_GLOBAL = 0
+RELATIVE_ALTITUDE = frozenset({3, 6})  # one frame by two names
+WITH_PLACE = frozenset({WAYPOINT, 17, 22})
+NAMES = {16: "waypoint", 17: "loiter", 22: "take-off", 177: "jump", 178: "speed"}
+
+Corners = tuple[tuple[int, int], ...]  # 1e-7 degrees of latitude and longitude
+
+
+class WireItem(NamedTuple):
+    """MISSION_ITEM_INT: x, y in 1e-7 degrees of latitude and longitude, the rest as float32; NaN: left open."""
+
+    seq: int
+    command: int
+    frame: int
+    params: tuple[float, float, float, float]
+    x: int
+    y: int
+    z: float
+
+
+class WirePolygon(NamedTuple):
+    """A polygon of a fence."""
+
+    keeps_in: bool
+    corners: Corners
+
+
+def wire_items(route: Route, projection: Projection, autopilot: Autopilot) -> list[WireItem]:
+    """The items that are sent: those of ``route_items``, numbered from 0.
+
+    On ArduPilot item 0 is home, here the take-off point. It keeps holds as whole seconds, so they are rounded, each
+    with what was left over before.
+    """
+    items = route_items(route, projection, autopilot=autopilot)
+    if autopilot == "px4":
+        return [_wired(number, item, 1) for number, item in enumerate(items)]
+    home = Item(WAYPOINT, FRAME_GLOBAL, [0, 0, 0, 0, *items[0].params[4:6], 0])
+    return [_wired(number, item, 0) for number, item in enumerate([home, *_whole_holds(items)])]
+
+
+def _whole_holds(items: Sequence[Item]) -> list[Item]:
+    left_s, rounded = 0.0, []
+    for item in items:
+        if item.command == WAYPOINT:
+            wanted_s = (item.params[0] or 0.0) + left_s
+            hold_s = max(0, math.floor(wanted_s + 0.5))
+            left_s = wanted_s - hold_s
+            item = item._replace(params=[hold_s, *item.params[1:]])
+        rounded.append(item)
+    return rounded
+
+
+def _wired(number: int, item: Item, first: int) -> WireItem:
+    """An item under its number; ``first``: what items count from in its jumps."""
+    values = [math.nan if value is None else float(value) for value in item.params]
+    if item.command == DO_JUMP:
+        values[0] -= first
+    a, b, c, d = (float(np.float32(value)) for value in values[:4])
+    x, y = (round(value * DEGREES) for value in values[4:6])
+    return WireItem(number, item.command, item.frame, (a, b, c, d), x, y, float(np.float32(values[6])))
+
+
+def wire_polygons(fence: Fence | None, projection: Projection) -> list[WirePolygon]:
+    """The fence's polygons, the one that keeps in first; none without a fence."""
+    if fence is None:
+        return []
+    rings = [(True, fence.inside_m), *((False, ring) for ring in fence.outside_m)]
+    return [WirePolygon(keeps_in, _corners(ring, projection)) for keeps_in, ring in rings]
+
+
+def _corners(ring: Ring, projection: Projection) -> Corners:
+    lon, lat = projection.to_degrees(*zip(*ring, strict=True))
+    places = np.round(np.column_stack([lat, lon]) * DEGREES).astype(np.int64).tolist()
+    return tuple((north, east) for north, east in places)
+
+
+def item_of(read: Any) -> WireItem:
+    """An item that MAVSDK has read back."""
+    params = (float(read.param1), float(read.param2), float(read.param3), float(read.param4))
+    return WireItem(int(read.seq), int(read.command), int(read.frame), params, int(read.x), int(read.y), float(read.z))
+
+
+def item_differences(sent: Sequence[WireItem], held: Sequence[WireItem], autopilot: Autopilot) -> list[str]:
+    """A sentence for each item that differs. Of items without a place only the parameters count.
+
+    ArduPilot keeps a home of its own as item 0. What was left open (NaN) may come back as anything.
+    """
+    if len(sent) != len(held):
+        return [f"it holds {len(held)} items of {len(sent)}"]
+    first = 1 if autopilot == "ardupilot" else 0
+    pairs = zip(sent[first:], held[first:], strict=True)
+    return [f"item {was.seq}: {told}" for was, have in pairs if (told := _item_difference(was, have))]
+
+
+def _item_difference(was: WireItem, have: WireItem) -> str:
+    if (was.seq, was.command) != (have.seq, have.command):
+        return f"it holds command {have.command} as item {have.seq}; {was.command} ({NAMES[was.command]}) was sent"
+    name = NAMES[was.command]
+    for number, (value, kept) in enumerate(zip(was.params, have.params, strict=True), start=1):
+        if not math.isnan(value) and value != kept:
+            return f"{name}, parameter {number}: it holds {kept:g}; {value:g} was sent"
+    if was.command not in WITH_PLACE:
+        return ""
+    if was.frame != have.frame and not {was.frame, have.frame} <= RELATIVE_ALTITUDE:
+        return f"{name}: it holds frame {have.frame}; {was.frame} was sent"
+    if (was.x, was.y, was.z) != (have.x, have.y, have.z):
+        return f"{name}: it holds {_place(have)}; {_place(was)} was sent"
+    return ""
+
+
+def _place(item: WireItem) -> str:
+    return f"{item.x / DEGREES:.7f}, {item.y / DEGREES:.7f} at {item.z:g} m"
+
+
+def fence_differences(sent: Sequence[WirePolygon], held: Sequence[WirePolygon]) -> list[str]:
+    """A sentence for each polygon that differs."""
+    if len(sent) != len(held):
+        return [f"its fence has {len(held)} polygons of {len(sent)}"]
+    pairs = enumerate(zip(sent, held, strict=True), start=1)
+    return [f"polygon {number} of its fence is another one" for number, (was, have) in pairs if was != have]
+
+
+POLYGON_KEEPS_IN = {5001: True, 5002: False}  # commands of a fence's corners, each with the polygon's count as param1
+
+
+def polygons_of(items: Sequence[Any]) -> list[WirePolygon]:
+    """The polygons of a fence as MAVSDK has read its items back; what is no polygon counts as one without corners."""
+    found: list[WirePolygon] = []
+    rest = list(items)
+    while rest:
+        keeps_in, count = POLYGON_KEEPS_IN.get(rest[0].command), rest[0].param1
+        size = int(count) if keeps_in is not None and 3 <= count <= len(rest) else 1
+        whole = size > 1 and all(item.command == rest[0].command for item in rest[:size])
+        corners = tuple((int(item.x), int(item.y)) for item in rest[:size]) if whole else ()
+        found.append(WirePolygon(bool(keeps_in), corners))
+        rest = rest[size:]
+    return found
