@@ -6,10 +6,9 @@ ArduPilot and PX4 are told apart by their heartbeats. Needs the extra ``mavlink`
 from __future__ import annotations
 
 import asyncio
-import json
 import math
-from collections.abc import AsyncGenerator, Callable
-from dataclasses import dataclass, field
+from collections.abc import AsyncGenerator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from rota.errors import LinkError
@@ -29,6 +28,7 @@ from rota.links.mavlink_items import (
     wire_items,
     wire_polygons,
 )
+from rota.links.mavlink_vehicle import MavlinkVehicle, into, worded
 from rota.links.plan_clock import PlanClock
 from rota.plan import Plan
 from rota.planner_settings import Settings, setting
@@ -42,7 +42,6 @@ VehicleType = Literal["multicopter", "fixed_wing", "rover", "submarine", "any"]
 AUTOPILOTS: dict[str, Autopilot] = {"ARDUPILOT": "ardupilot", "PX4": "px4"}
 MODES: dict[str, Mode] = {"MISSION": "running", "HOLD": "paused", "RETURN_TO_LAUNCH": "returning", "READY": "ready"}
 MISSION_START = 300  # MAV_CMD
-TRIES = 3  # MAVSDK gives a transfer up when its last answer is lost; all that is asked may be asked again
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,19 +60,6 @@ class MavlinkSettings(Settings):
 
 
 SETTINGS = MavlinkSettings
-
-
-@dataclass(kw_only=True)
-class _Vehicle:
-    """One vehicle, once it has been heard."""
-
-    robot: str
-    mavsdk: Any
-    system: System
-    autopilot: Autopilot
-    plugins: dict[str, Any] = field(default_factory=dict)
-    battery: float | None = None
-    mode: Mode | None = None
 
 
 def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
@@ -100,7 +86,7 @@ class MavlinkLink:
         self._projection, self._settings = projection, settings
         self._inbox = ReportInbox(robots, bounds_m)
         self._clock = PlanClock(settings.start_time, "mavlink.start_time")
-        self._vehicles: dict[str, _Vehicle] = {}
+        self._vehicles: dict[str, MavlinkVehicle] = {}
         self._instances: list[Any] = []
 
     @property
@@ -145,30 +131,30 @@ class MavlinkLink:
         self._instances.append(mavsdk)
         result = mavsdk.add_any_connection(address)
         if result.name != "SUCCESS":
-            raise LinkError(f"robot {robot}: {address} cannot be used: {_worded(result)}")
+            raise LinkError(f"robot {robot}: {address} cannot be used: {worded(result)}")
         heard: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-        mavsdk.first_autopilot_async(wait_s, _into(heard))
+        mavsdk.first_autopilot_async(wait_s, into(heard))
         (system,) = await heard
         if system is None:
             raise LinkError(f"robot {robot}: no vehicle was heard on {address} within {wait_s:g} s")
-        self._vehicles[robot] = vehicle = self._known(robot, mavsdk, system)
+        self._vehicles[robot] = vehicle = self._known(robot, system)
         self._listen(vehicle)
 
-    def _known(self, robot: str, mavsdk: Any, system: System) -> _Vehicle:
+    def _known(self, robot: str, system: System) -> MavlinkVehicle:
         """The vehicle; LinkError where it is not what it has to be."""
-        needed, kind = self._settings.vehicle, _worded(system.vehicle_type()).replace(" ", "_")
+        needed, kind = self._settings.vehicle, worded(system.vehicle_type()).replace(" ", "_")
         if needed not in (kind, "any"):
             where = self._addresses[robot]
             raise LinkError(f"robot {robot}: the vehicle on {where} is a {kind}; a {needed} is needed (--set vehicle=)")
         autopilot = AUTOPILOTS.get(system.autopilot_type().name)
         if autopilot is None:
-            told = _worded(system.autopilot_type())
+            told = worded(system.autopilot_type())
             raise LinkError(f"robot {robot}: its autopilot is {told}; ArduPilot or PX4 is needed")
-        return _Vehicle(robot=robot, mavsdk=mavsdk, system=system, autopilot=autopilot)
+        return MavlinkVehicle(robot=robot, system=system, autopilot=autopilot, answer_s=self._settings.answer_s)
 
-    def _listen(self, vehicle: _Vehicle) -> None:
+    def _listen(self, vehicle: MavlinkVehicle) -> None:
         loop = asyncio.get_running_loop()
-        telemetry = _plugin(vehicle, "telemetry", "Telemetry")
+        telemetry = vehicle.plugin("telemetry", "Telemetry")
 
         def locate(position: Any, _data: Any) -> None:
             loop.call_soon_threadsafe(self._take, vehicle, position)
@@ -185,7 +171,7 @@ class MavlinkLink:
         telemetry.subscribe_position(locate)
         telemetry.set_rate_position_async(self._settings.rate_hz, lambda *_: None)
 
-    def _take(self, vehicle: _Vehicle, position: Any) -> None:
+    def _take(self, vehicle: MavlinkVehicle, position: Any) -> None:
         lat, lon, height_m = position.latitude_deg, position.longitude_deg, position.relative_altitude_m
         if not (abs(lat) <= 90 and abs(lon) <= 180 and math.isfinite(height_m)):
             self._inbox.reject()
@@ -227,115 +213,59 @@ class MavlinkLink:
             )
             for item in wired
         ]
-        raw = _plugin(vehicle, "mission_raw", "MissionRaw")
-        await self._ask(vehicle, "the mission", raw.upload_mission_async, items)
-        geofence = _plugin(vehicle, "geofence", "Geofence")
+        raw = vehicle.plugin("mission_raw", "MissionRaw")
+        await vehicle.ask("the mission", raw.upload_mission_async, items)
+        geofence = vehicle.plugin("geofence", "Geofence")
         polygons = wire_polygons(route.fence, self._projection)
         if polygons:
-            await self._ask(vehicle, "the fence", geofence.upload_geofence_async, _fence_data(polygons))
+            await vehicle.ask("the fence", geofence.upload_geofence_async, _fence_data(polygons))
         else:
-            await self._ask(vehicle, "clearing the fence", geofence.clear_geofence_async)
+            await vehicle.ask("clearing the fence", geofence.clear_geofence_async)
 
     async def differences(self, route: Route) -> tuple[str, ...]:
         """Download mission and fence, and compare them item by item with what was sent."""
         vehicle = self._vehicle(route.robot)
-        raw = _plugin(vehicle, "mission_raw", "MissionRaw")
-        (read,) = await self._ask(vehicle, "reading the mission", raw.download_mission_async)
+        raw = vehicle.plugin("mission_raw", "MissionRaw")
+        (read,) = await vehicle.ask("reading the mission", raw.download_mission_async)
         sent = wire_items(route, self._projection, vehicle.autopilot)
         found = item_differences(sent, [item_of(item) for item in read], vehicle.autopilot)
-        (raw_fence,) = await self._ask(vehicle, "reading the fence", raw.download_geofence_async)
+        (raw_fence,) = await vehicle.ask("reading the fence", raw.download_geofence_async)
         polygons = wire_polygons(route.fence, self._projection)
         return (*found, *fence_differences(polygons, polygons_of(raw_fence)))
 
     async def clear_route(self, robot: str) -> None:
         """Take mission and fence away."""
         vehicle = self._vehicle(robot)
-        raw = _plugin(vehicle, "mission_raw", "MissionRaw")
-        await self._ask(vehicle, "clearing the mission", raw.clear_mission_async)
-        await self._ask(vehicle, "clearing the fence", _plugin(vehicle, "geofence", "Geofence").clear_geofence_async)
+        raw = vehicle.plugin("mission_raw", "MissionRaw")
+        await vehicle.ask("clearing the mission", raw.clear_mission_async)
+        await vehicle.ask("clearing the fence", vehicle.plugin("geofence", "Geofence").clear_geofence_async)
 
     # ------------------------------------------------------------ commands
 
     async def start(self, robot: str) -> None:
         """Arm it and let it fly its mission."""
         vehicle = self._vehicle(robot)
-        raw, action = _plugin(vehicle, "mission_raw", "MissionRaw"), _plugin(vehicle, "action", "Action")
-        await self._ask(vehicle, "arming", action.arm_async)
-        await self._ask(vehicle, "starting the mission", raw.start_mission_async)
+        raw, action = vehicle.plugin("mission_raw", "MissionRaw"), vehicle.plugin("action", "Action")
+        await vehicle.ask("arming", action.arm_async)
+        await vehicle.ask("starting the mission", raw.start_mission_async)
         if vehicle.autopilot == "ardupilot":
             # on the ground its mode AUTO waits for somebody to raise the throttle, or for this
-            await self._command(vehicle, "starting the mission", MISSION_START)
+            await vehicle.command("starting the mission", MISSION_START)
 
     async def pause(self, robot: str) -> None:
         """Hold."""
         vehicle = self._vehicle(robot)
-        await self._ask(vehicle, "pausing", _plugin(vehicle, "mission_raw", "MissionRaw").pause_mission_async)
+        await vehicle.ask("pausing", vehicle.plugin("mission_raw", "MissionRaw").pause_mission_async)
 
     async def come_home(self, robot: str) -> None:
         """Return to launch."""
         vehicle = self._vehicle(robot)
-        await self._ask(vehicle, "returning", _plugin(vehicle, "action", "Action").return_to_launch_async)
+        await vehicle.ask("returning", vehicle.plugin("action", "Action").return_to_launch_async)
 
-    async def _command(self, vehicle: _Vehicle, what: str, command: int) -> None:
-        from mavsdk.plugins.mavlink_direct import MavlinkMessage
-
-        target = vehicle.system.get_system_id()
-        fields = {"target_system": target, "target_component": 1, "command": command, "confirmation": 0}
-        fields |= {f"param{k}": 0 for k in range(1, 8)}
-        message = MavlinkMessage("COMMAND_LONG", 0, 0, target, 1, json.dumps(fields))
-        direct = _plugin(vehicle, "mavlink_direct", "MavlinkDirect")
-        (answer,) = await self._ask(vehicle, what, direct.send_command_async, message)
-        result = json.loads(answer.fields_json).get("result")
-        if result != 0:
-            raise LinkError(f"robot {vehicle.robot}: {what}: refused, result {result!r}")
-
-    def _vehicle(self, robot: str) -> _Vehicle:
+    def _vehicle(self, robot: str) -> MavlinkVehicle:
         if robot not in self._vehicles:
             raise LinkError(f"robot {robot}: no vehicle has been heard for it")
         return self._vehicles[robot]
-
-    async def _ask(self, vehicle: _Vehicle, what: str, call: Callable[..., Any], *given: Any) -> tuple[Any, ...]:
-        """Call what answers by a callback from another thread; what it answers beside success."""
-        result, rest = None, []
-        try:
-            async with asyncio.timeout(self._settings.answer_s):
-                for _ in range(TRIES):
-                    answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-                    call(*given, _into(answered))
-                    result, *rest = await answered
-                    if result.name != "TIMEOUT":
-                        break
-                    if not vehicle.system.is_connected():
-                        raise LinkError(f"robot {vehicle.robot}: {what}: it has fallen silent")
-        except TimeoutError:
-            raise LinkError(f"robot {vehicle.robot}: {what}: no answer within {self._settings.answer_s:g} s") from None
-        if result is None or result.name != "SUCCESS":
-            raise LinkError(f"robot {vehicle.robot}: {what}: {_worded(result)}")
-        return tuple(rest[:-1])  # without the data that callbacks are handed
-
-
-def _into(future: asyncio.Future[Any]) -> Callable[..., None]:
-    """A callback for MAVSDK's threads that puts its arguments into a future, the first time."""
-    loop = future.get_loop()
-
-    def take(arguments: tuple[Any, ...]) -> None:
-        if not future.done():
-            future.set_result(arguments)
-
-    def called(*arguments: Any) -> None:
-        if not loop.is_closed():
-            loop.call_soon_threadsafe(take, arguments)
-
-    return called
-
-
-def _plugin(vehicle: _Vehicle, module: str, name: str) -> Any:
-    """A plugin of MAVSDK for the vehicle, made once."""
-    from importlib import import_module
-
-    if module not in vehicle.plugins:
-        vehicle.plugins[module] = getattr(import_module(f"mavsdk.plugins.{module}"), name)(vehicle.system)
-    return vehicle.plugins[module]
 
 
 def _fence_data(polygons: list[WirePolygon]) -> Any:
@@ -346,8 +276,3 @@ def _fence_data(polygons: list[WirePolygon]) -> Any:
 
     kinds = {True: FenceType.INCLUSION, False: FenceType.EXCLUSION}
     return GeofenceData([Polygon(points(polygon), kinds[polygon.keeps_in]) for polygon in polygons], [])
-
-
-def _worded(result: Any) -> str:
-    """An enum's name as words."""
-    return str(result.name).lower().replace("_", " ")

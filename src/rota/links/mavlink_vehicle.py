@@ -1,0 +1,93 @@
+"""One MAVLink vehicle that MAVSDK has heard: what is asked of it, with a limit on time, and what it last said."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from rota.errors import LinkError
+from rota.files.mission_items import Autopilot
+from rota.links.link import Mode
+
+if TYPE_CHECKING:
+    from mavsdk import System
+
+TRIES = 3  # MAVSDK gives a transfer up when its last answer is lost; all that is asked may be asked again
+
+
+@dataclass(kw_only=True)
+class MavlinkVehicle:
+    """A vehicle; it has ``answer_s`` for all that is asked of it."""
+
+    robot: str
+    system: System
+    autopilot: Autopilot
+    answer_s: float
+    battery: float | None = None
+    mode: Mode | None = None
+    _plugins: dict[str, Any] = field(default_factory=dict)
+
+    def plugin(self, module: str, name: str) -> Any:
+        """A plugin of MAVSDK, made once."""
+        if module not in self._plugins:
+            self._plugins[module] = getattr(import_module(f"mavsdk.plugins.{module}"), name)(self.system)
+        return self._plugins[module]
+
+    async def ask(self, what: str, call: Callable[..., Any], *given: Any) -> tuple[Any, ...]:
+        """Call what answers by a callback from another thread; returns what it answers beside success.
+
+        Raises LinkError, which says ``what``, for refusals and where no answer comes.
+        """
+        result, rest = None, []
+        try:
+            async with asyncio.timeout(self.answer_s):
+                for _ in range(TRIES):
+                    answered: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+                    call(*given, into(answered))
+                    result, *rest = await answered
+                    if result.name != "TIMEOUT":
+                        break
+                    if not self.system.is_connected():
+                        raise LinkError(f"robot {self.robot}: {what}: it has fallen silent")
+        except TimeoutError:
+            raise LinkError(f"robot {self.robot}: {what}: no answer within {self.answer_s:g} s") from None
+        if result is None or result.name != "SUCCESS":
+            raise LinkError(f"robot {self.robot}: {what}: {worded(result)}")
+        return tuple(rest[:-1])  # without the data that callbacks are handed
+
+    async def command(self, what: str, number: int) -> None:
+        """A command of MAVLink without parameters (MAV_CMD); LinkError where it is not accepted."""
+        from mavsdk.plugins.mavlink_direct import MavlinkMessage
+
+        target = self.system.get_system_id()
+        fields = {"target_system": target, "target_component": 1, "command": number, "confirmation": 0}
+        fields |= {f"param{k}": 0 for k in range(1, 8)}
+        message = MavlinkMessage("COMMAND_LONG", 0, 0, target, 1, json.dumps(fields))
+        (answer,) = await self.ask(what, self.plugin("mavlink_direct", "MavlinkDirect").send_command_async, message)
+        result = json.loads(answer.fields_json).get("result")
+        if result != 0:
+            raise LinkError(f"robot {self.robot}: {what}: refused with result {result!r}")
+
+
+def into(future: asyncio.Future[Any]) -> Callable[..., None]:
+    """A callback for MAVSDK's threads that puts its arguments into a future, the first time."""
+    loop = future.get_loop()
+
+    def take(arguments: tuple[Any, ...]) -> None:
+        if not future.done():
+            future.set_result(arguments)
+
+    def called(*arguments: Any) -> None:
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(take, arguments)
+
+    return called
+
+
+def worded(result: Any) -> str:
+    """An enum's name as words."""
+    return str(result.name).lower().replace("_", " ")
