@@ -241,8 +241,8 @@ def export(
         typer.echo(path)
 
 
-app.command()(swarm_node)
-app.command()(swarm_launch)
+app.command("swarm-node")(swarm_node)
+app.command("swarm-launch")(swarm_launch)
 app.command(epilog=LINKS_LIST)(fly)
 app.command()(new)
 app.command()(schema)
