@@ -30,6 +30,7 @@ from rota.command.start import new, schema
 from rota.command.study import app as study_app
 from rota.command.swarm_processes import swarm_launch, swarm_node
 from rota.command.terminal import mention_compiling, reading_ahead, say
+from rota.command.watch import watch
 from rota.errors import NoPlanFound, RotaError
 
 if TYPE_CHECKING:
@@ -244,6 +245,7 @@ def export(
 app.command("swarm-node")(swarm_node)
 app.command("swarm-launch")(swarm_launch)
 app.command(epilog=LINKS_LIST)(fly)
+app.command(epilog=LINKS_LIST)(watch)
 app.command()(new)
 app.command()(schema)
 

@@ -18,6 +18,7 @@ Ints = NDArray[np.int64]
 Place = tuple[float, float]
 
 CALM_LOOKS = 3  # forecasts in a row without a lapse until an alarm is taken back
+MOST_PRESSING = 3  # demands for which it is worked out at every look who could still make it
 CALM_S = 5.0  # and so long without a gap that was too long
 ON_TIME = 1 + 1e-9  # a gap that equals the period to rounding meets it
 
@@ -86,16 +87,25 @@ class DemandAlarms:
             elif self._standing[k] == "ok" and lapse.at_s > now_s:
                 self._standing[k] = "will lapse"
                 told.append(self._will_lapse(now_s, lapse, places_m))
+        pressing = [lapse for lapse in found if self._standing[lapse.demand] == "will lapse"]
+        for lapse in pressing[:MOST_PRESSING]:
+            self._able(now_s, lapse, places_m)
         return told
+
+    def _able(self, now_s: float, lapse: Lapse, places_m: dict[int, Place]) -> list[tuple[float, int]]:
+        """Who could see a place before it lapses: seconds and number of each robot, the nearest first."""
+        numbers = sorted(places_m)
+        from_m = np.array([places_m[number] for number in numbers]).reshape(-1, 2)
+        takes_s = self._ways.times_s(lapse.place, numbers, from_m).tolist()
+        pairs = zip(takes_s, numbers, strict=True)
+        able = sorted((takes, number) for takes, number in pairs if takes <= lapse.at_s - now_s)
+        self._could[lapse.demand] = tuple(self._robots[number] for _, number in able)
+        return able
 
     def _will_lapse(self, now_s: float, lapse: Lapse, places_m: dict[int, Place]) -> Notice:
         k, at = lapse.demand, self._at(lapse.place)
         left_s = lapse.at_s - now_s
-        numbers = sorted(places_m)
-        from_m = np.array([places_m[number] for number in numbers]).reshape(-1, 2)
-        takes_s = self._ways.times_s(lapse.place, numbers, from_m)
-        able = sorted((takes, number) for takes, number in zip(takes_s, numbers, strict=True) if takes <= left_s)
-        self._could[k] = tuple(self._robots[number] for _, number in able)
+        able = self._able(now_s, lapse, places_m)
         if lapse.next_robot is None:
             due = "nobody is due there"
         else:

@@ -13,8 +13,8 @@ from rota.check.demands import visits
 from rota.check.revisits import Sights, sights_of
 from rota.check.routes import HOLD, LOOP
 from rota.check.tolerances import slack_of
-from rota.live import forecast_kernels
-from rota.live.forecast_kernels import PlannedSights, Team
+from rota.live import kernels
+from rota.live.kernels import PlannedSights, Team
 from rota.live.places import Places
 from rota.plan import Plan
 
@@ -57,14 +57,14 @@ class Forecast:
         team = Team(self._loops_s, np.ascontiguousarray(lags_s), np.ascontiguousarray(until_s))
         later_s = now_s if later_s is None else later_s
         places, count = self.places, len(self.places.demands)
-        when, where = forecast_kernels.first_lapses(
+        when, where = kernels.first_lapses(
             last_seen_s, places.demand, count, places.periods_s, now_s, later_s, PERIODS_AHEAD, self._sights, team
         )
         found = []
         for k in np.argsort(when, kind="stable"):
             if math.isfinite(when[k]):
                 place = int(where[k])
-                start_s, _, who = forecast_kernels.next_sight(place, float(when[k]), now_s, self._sights, team)
+                start_s, _, who = kernels.next_sight(place, float(when[k]), now_s, self._sights, team)
                 found.append(
                     Lapse(
                         demand=int(k), place=place, at_s=float(when[k]), next_s=float(start_s),
@@ -79,9 +79,7 @@ def planned(plan: Plan, places: Places) -> PlannedSights:
     bounds = plan.mission.area.bounds
     sights = sights_of(plan, bounds)
     points = np.ascontiguousarray(places.points_m[: places.points] - sights.origin_m)
-    arrays = forecast_kernels.planned_sights(
-        points, sights.slack_m, sights.grid, sights.legs, sights.team, sights.walls
-    )
+    arrays = kernels.planned_sights(points, sights.slack_m, sights.grid, sights.legs, sights.team, sights.walls)
     rows = [_visits(plan, sights, demand.region) for demand in places.demands if demand.demand == "visit"]
     offsets, *columns = arrays
     ends = offsets[-1] + np.cumsum([len(row) for row in rows], dtype=np.int64)
@@ -101,7 +99,7 @@ def _visits(plan: Plan, sights: Sights, region: object) -> list[Sight]:
         end = math.inf if routes.kinds[leg] == HOLD else t0 + hi * (t1 - t0)
         row = (int(routes.robots[leg]), t0 + lo * (t1 - t0), end, bool(routes.kinds[leg] == LOOP))
         before = found[-1] if found else None
-        if before and before[0] == row[0] and before[3] == row[3] and row[1] <= before[2] + forecast_kernels.SAME_S:
+        if before and before[0] == row[0] and before[3] == row[3] and row[1] <= before[2] + kernels.SAME_S:
             found[-1] = (row[0], before[1], max(before[2], row[2]), row[3])
         else:
             found.append(row)

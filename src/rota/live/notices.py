@@ -119,5 +119,17 @@ def state_line(state: FleetState) -> str:
     return f"{state.time_s:9.1f} s         {fleet}; ages: {', '.join(demands)}"
 
 
+def summary(state: FleetState, lapses: int) -> str:
+    """What a watch came to, as a line for people."""
+    longest = [(demand.name, max(demand.worst_s, demand.age_s), demand.period_s) for demand in state.demands]
+    worst = [f"{name} {gap_s:.1f} of {period_s:g} s" for name, gap_s, period_s in longest]
+    times = (
+        "no period has lapsed" if not lapses else "a period has lapsed" + ("" if lapses == 1 else f" {lapses} times")
+    )
+    dropped = sum(state.dropped.values())
+    more = f"; {dropped} messages were dropped" if dropped else ""
+    return f"until {state.time_s:.1f} s {times}; longest gaps: {', '.join(worst)}{more}"
+
+
 def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value

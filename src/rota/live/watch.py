@@ -67,6 +67,16 @@ class Watch:
         self._next_forecast_s = -math.inf
 
     @property
+    def now_s(self) -> float:
+        """The time of the last tick; -inf before the first."""
+        return self._now_s
+
+    @property
+    def begun(self) -> bool:
+        """Whether there was a tick."""
+        return self._begun_s is not None
+
+    @property
     def lapses(self) -> int:
         """How often a demand's period has lapsed so far."""
         return self._alarms.lapses
@@ -273,7 +283,7 @@ class Watch:
                     lag_s=float(self._following.lags_s[number]),
                     silent_s=self._silent_s(number),
                     battery=self._batteries[number].level,
-                    leaves_in_s=self._leaves_in_s(number),
+                    leaves_in_s=None if standing == "lost" else self._leaves_in_s(number),
                     mode=mode,
                 )
             )

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.errors import MissionError
-from rota.fleet import Robot, inner_reach_m
+from rota.fleet import Robot, Sensor, inner_reach_m
 from rota.geometry.free_space import border_corners, nearest_free_point, sight_walls, standing_space
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.geometry.shortest_path import ShortestPaths
@@ -41,12 +41,17 @@ class Ways:
         self._spaces = spaces if self.known else {}
         self._paths = {body: ShortestPaths(space) for body, space in self._spaces.items()}
 
-    def times_s(self, place: int, robots: list[int], from_m: Floats) -> list[float]:
-        """Seconds that robots at from_m (robots, 2) take to see (or visit) a place; inf where no way was found."""
-        return [
-            self._way_m(robot, at, self._views(place, self._robots[robot])) / self._robots[robot].speed_m_s
-            for robot, at in zip(robots, from_m, strict=True)
-        ]
+    def times_s(self, place: int, robots: list[int], from_m: Floats) -> Floats:
+        """Seconds (n,) that robots at from_m (n, 2) take to see (or visit) a place; inf where no way was found."""
+        takes_s = np.full(len(robots), math.inf)
+        kinds: dict[tuple[float, Sensor], list[int]] = {}
+        for m, number in enumerate(robots):
+            kinds.setdefault((self._robots[number].body_radius_m, self._robots[number].sensor), []).append(m)
+        for members in kinds.values():
+            one = self._robots[robots[members[0]]]
+            speeds_m_s = np.array([self._robots[robots[m]].speed_m_s for m in members])
+            takes_s[members] = self._ways_m(one, from_m[members], self._views(place, one)) / speeds_m_s
+        return takes_s
 
     def home_s(self, robot: int, route_m: Floats, home_m: Floats) -> float:
         """Seconds home from the farthest of the places (n, 2) of a robot's route; inf where no way was found."""
@@ -60,17 +65,20 @@ class Ways:
             return math.inf
         return float(self._paths[body].distances(home, ends).max()) / self._robots[robot].speed_m_s
 
-    def _way_m(self, robot: int, from_m: Floats, views_m: Floats) -> float:
-        """The length of the shortest way to one of several places (n, 2); from outside, by way of the nearest place."""
-        body = self._robots[robot].body_radius_m
+    def _ways_m(self, robot: Robot, from_m: Floats, views_m: Floats) -> Floats:
+        """Lengths (n,) of the shortest ways of such a robot from places (n, 2) to one of several places (m, 2).
+
+        From outside of where it can stand, by way of the nearest place.
+        """
         if not self.known or not len(views_m):
-            return math.inf
+            return np.full(len(from_m), math.inf)
+        space = self._spaces[robot.body_radius_m]
         try:
-            begin = nearest_free_point(self._spaces[body], (float(from_m[0]), float(from_m[1])))
+            begin = np.array([nearest_free_point(space, (float(x), float(y))) for x, y in from_m]).reshape(-1, 2)
         except MissionError:
-            return math.inf
-        lengths = self._paths[body].distances(np.array([begin]), views_m)
-        return math.dist(begin, from_m) + float(lengths.min())
+            return np.full(len(from_m), math.inf)
+        lengths = self._paths[robot.body_radius_m].distances(begin, views_m)
+        return np.asarray(np.hypot(*(begin - from_m).T) + lengths.min(axis=1))
 
     def _views(self, place: int, robot: Robot) -> Floats:
         """Places (n, 2) where a robot can stand and sees a point, or is inside what it is to visit."""
