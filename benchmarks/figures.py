@@ -37,6 +37,7 @@ from benchmarks.swarm_peer import swarm_peer
 from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
+from benchmarks.watched_fleet import watched_fleet
 from rota.files.mission_file import read_mission
 from rota.planners.patrol.planner_settings import PatrolSettings
 
@@ -172,6 +173,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "random-missions": random_missions,
     "house": house,
     "suite": suite,
+    "watched-fleet": watched_fleet,
 }
 LONG = (
     "random-missions",

@@ -41,7 +41,7 @@ class Watch:
         self.plan, self.settings = plan, settings or WatchSettings()
         mission = plan.mission
         self._robots = [mission.fleet.robot(way.robot) for way in plan]
-        places = places_of(mission)
+        self.places = places = places_of(mission)
         self._ages = Ages(mission, places)
         ways = Ways(mission, self._robots, places)
         self._alarms = DemandAlarms(Forecast(plan, places), ways, [robot.name for robot in self._robots])
