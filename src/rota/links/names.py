@@ -5,4 +5,5 @@ from __future__ import annotations
 LINKS = {
     "simulated": ("rota.links.simulated", "vehicles in this process, which need nothing"),
     "mavlink": ("rota.links.mavlink", "ArduPilot and PX4 vehicles; needs rota[mavlink]"),
+    "vda5050": ("rota.links.vda5050", "VDA 5050 vehicles over MQTT; needs rota[vda5050]"),
 }

@@ -1,0 +1,230 @@
+"""A simulated VDA 5050 vehicle, and Debian's mosquitto on loopback: all that is sent keeps the official schemas."""
+
+from __future__ import annotations
+
+import asyncio
+import getpass
+import json
+import shutil
+import socket
+import subprocess
+from collections.abc import AsyncIterator, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+from aiomqtt import Client, MqttError, Will
+from vda5050.validation.schema_validator import SchemaValidator
+
+Json = dict[str, Any]
+SCHEMAS = SchemaValidator()
+STEP_S = 0.02  # in which it drives from one node to the next
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ways:
+    """How a vehicle is special. keeps: how many nodes of an order it keeps at most."""
+
+    refuses: bool = False
+    deaf: bool = False
+    keeps: int | None = None
+    map_id: str = "map"
+    automatic: bool = True
+    cannot_pause: bool = False
+    dies_at: int | None = None
+
+
+@dataclass
+class Agv:
+    """A vehicle that passes a released node every ``STEP_S``; ``passed`` are the places of all of them."""
+
+    serial: str
+    ways: Ways = field(default_factory=Ways)
+    place: tuple[float, float] = (0.0, 0.0)
+    order: Json | None = None
+    nodes: list[Json] = field(default_factory=list)
+    edges: list[Json] = field(default_factory=list)
+    last: Json = field(default_factory=lambda: {"nodeId": "", "sequenceId": 0})
+    actions: dict[str, str] = field(default_factory=dict)
+    errors: list[Json] = field(default_factory=list)
+    paused: bool = False
+    passed: list[tuple[float, float]] = field(default_factory=list)
+    taken: list[str] = field(default_factory=list)
+    headers: int = 0
+    dead: bool = False
+
+    def topic(self, name: str) -> str:
+        return f"uagv/v2/rota/{self.serial}/{name}"
+
+    async def run(self, client: Client) -> None:
+        await client.subscribe(self.topic("order"))
+        await client.subscribe(self.topic("instantActions"))
+        await client.publish(self.topic("connection"), json.dumps(self.connection("ONLINE")), qos=1, retain=True)
+        driving = asyncio.create_task(self.drive(client))
+        try:
+            async for message in client.messages:
+                if self.ways.deaf or self.dead:
+                    continue
+                name = message.topic.value.rsplit("/", 1)[1]
+                read = json.loads(bytes(message.payload))
+                assert SCHEMAS.errors(name, read) == [], read
+                (self.take_order if name == "order" else self.take_actions)(read)
+                await self.tell(client)
+        finally:
+            driving.cancel()
+
+    def connection(self, state: str) -> Json:
+        return {**self.head(), "connectionState": state}
+
+    def head(self) -> Json:
+        self.headers += 1
+        now = datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+        return {
+            "headerId": self.headers,
+            "timestamp": now,
+            "version": "2.1.0",
+            "manufacturer": "rota",
+            "serialNumber": self.serial,
+        }
+
+    def take_order(self, order: Json) -> None:
+        ident = order["orderId"]
+        self.taken.append(f"{ident}:{order['orderUpdateId']}")
+        if self.ways.refuses:
+            reference = {"referenceKey": "orderId", "referenceValue": ident}
+            self.errors = [{"errorType": "orderError", "errorLevel": "WARNING", "errorReferences": [reference]}]
+            return
+        if self.order is not None and self.order["orderId"] == ident:
+            if order["orderUpdateId"] <= self.order["orderUpdateId"]:
+                return
+            base = [part for part in [*self.nodes, self.last] if part.get("released", True)]
+            assert order["nodes"][0]["sequenceId"] == max(part["sequenceId"] for part in base)
+            self.nodes = [node for node in self.nodes if node["released"]]
+            self.edges = [edge for edge in self.edges if edge["released"]]
+            news = order["nodes"][1:]
+        else:
+            assert not self.nodes, "an order while another one is going on"
+            first, *news = order["nodes"]
+            self.pass_node(first)
+        kept = news if self.ways.keeps is None else news[: self.ways.keeps]
+        self.order = order
+        self.nodes += kept
+        self.edges += order["edges"][: len(kept)]
+        for node in order["nodes"]:
+            for action in node["actions"]:
+                self.actions.setdefault(action["actionId"], "WAITING")
+
+    def take_actions(self, message: Json) -> None:
+        for action in message["actions"]:
+            kind, ident = action["actionType"], action["actionId"]
+            if ident in self.actions:
+                continue
+            self.actions[ident] = "FINISHED"
+            if kind in ("startPause", "stopPause"):
+                if self.ways.cannot_pause and kind == "startPause":
+                    self.actions[ident] = "FAILED"
+                else:
+                    self.paused = kind == "startPause"
+            elif kind == "cancelOrder":
+                if not self.nodes:
+                    self.actions[ident] = "FAILED"
+                self.nodes, self.edges = [], []
+
+    def pass_node(self, node: Json) -> None:
+        self.last = node
+        self.place = (node["nodePosition"]["x"], node["nodePosition"]["y"])
+        self.passed.append(self.place)
+        for action in node["actions"]:
+            self.actions[action["actionId"]] = "FINISHED"
+
+    async def drive(self, client: Client) -> None:
+        while True:
+            await asyncio.sleep(STEP_S)
+            if not self.paused and self.nodes and self.nodes[0]["released"] and not self.dead:
+                self.pass_node(self.nodes.pop(0))
+                self.edges.pop(0)
+                self.dead = self.ways.dies_at is not None and len(self.passed) > self.ways.dies_at
+                await self.tell(client)
+
+    async def tell(self, client: Client) -> None:
+        if not self.dead:
+            state = self.state()
+            assert SCHEMAS.errors("state", state) == [], state
+            await client.publish(self.topic("state"), json.dumps(state))
+
+    def state(self) -> Json:
+        x, y = self.place
+        states = [{"actionId": ident, "actionStatus": status} for ident, status in self.actions.items()]
+        node_keys, edge_keys = ("nodeId", "sequenceId", "released"), ("edgeId", "sequenceId", "released")
+        return {
+            **self.head(),
+            "orderId": self.order["orderId"] if self.order else "",
+            "orderUpdateId": self.order["orderUpdateId"] if self.order else 0,
+            "lastNodeId": self.last["nodeId"],
+            "lastNodeSequenceId": self.last["sequenceId"],
+            "driving": bool(self.nodes) and not self.paused,
+            "paused": self.paused,
+            "operatingMode": "AUTOMATIC" if self.ways.automatic else "MANUAL",
+            "nodeStates": [{key: node[key] for key in node_keys} for node in self.nodes],
+            "edgeStates": [{key: edge[key] for key in edge_keys} for edge in self.edges],
+            "actionStates": states[-1000:],
+            "agvPosition": {"x": x, "y": y, "theta": 0.0, "mapId": self.ways.map_id, "positionInitialized": True},
+            "batteryState": {"batteryCharge": 70.0, "charging": False},
+            "errors": self.errors,
+            "safetyState": {"eStop": "NONE", "fieldViolation": False},
+        }
+
+
+def told_at(agv: Agv, ahead_s: float) -> Json:
+    """A state of its with another time."""
+    instant = datetime.now(UTC) + timedelta(seconds=ahead_s)
+    return {**agv.state(), "timestamp": instant.isoformat(timespec="milliseconds").replace("+00:00", "Z")}
+
+
+@contextmanager
+def broker(folder: Path, *lines: str) -> Iterator[int]:
+    """Mosquitto on a free port of loopback, with more lines in its configuration; gives the port."""
+    program = shutil.which("mosquitto", path="/usr/sbin:/usr/bin:/usr/local/sbin:/usr/local/bin")
+    assert program is not None, "apt install mosquitto"
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    access = () if any(line.startswith("allow_anonymous") for line in lines) else ("allow_anonymous true",)
+    (folder / "mosquitto.conf").write_text(
+        "\n".join((f"user {getpass.getuser()}", f"listener {port} 127.0.0.1", *access, *lines, ""))
+    )
+    with subprocess.Popen([program, "-c", folder / "mosquitto.conf"], stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stderr is not None
+            told = []
+            for line in process.stderr:
+                told.append(line)
+                if "running" in line:
+                    break
+            else:
+                raise AssertionError("".join(told))
+            yield port
+        finally:
+            process.terminate()
+
+
+@asynccontextmanager
+async def driving(port: int, *agvs: Agv) -> AsyncIterator[None]:
+    """The vehicles at the broker until the block ends; what goes wrong in them is raised."""
+    async with AsyncExitStack() as stack:
+        tasks = []
+        for agv in agvs:
+            will = Will(agv.topic("connection"), json.dumps(agv.connection("CONNECTIONBROKEN")), qos=1, retain=True)
+            client = await stack.enter_async_context(Client("127.0.0.1", port, will=will))
+            tasks.append(asyncio.create_task(agv.run(client)))
+        try:
+            yield
+        finally:
+            for task in tasks:
+                task.cancel()
+            outcomes = await asyncio.gather(*tasks, return_exceptions=True)
+            for outcome in outcomes:
+                if isinstance(outcome, Exception) and not isinstance(outcome, MqttError):
+                    raise outcome
