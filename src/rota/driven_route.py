@@ -40,21 +40,35 @@ def rounds_within(route: Route, duration_s: float) -> int:
     return max(1, math.floor(fit + ROUNDING_SHARE))
 
 
-def with_whole_waits(stops: Iterable[RouteStop]) -> list[RouteStop]:
-    """The stops with waits in whole seconds, rounded down; what is left of one makes the leg after it slower.
+def with_whole_waits(stops: Sequence[RouteStop]) -> list[RouteStop]:
+    """The stops with waits in whole seconds, rounded down; what is left of one makes the leg to it slower.
 
-    So the robot is at every next stop when it was to be there. What is left of the last wait is lost.
+    So the robot leaves every stop when it was to leave it. What is left of the wait at the first stop makes the leg
+    after it slower.
     """
     made: list[RouteStop] = []
     late_s = 0.0
     for stop in stops:
-        if made and stop.speed_m_s and late_s > 0:
-            length_m = math.dist(made[-1].place_m, stop.place_m)
-            stop = replace(stop, speed_m_s=length_m / (length_m / stop.speed_m_s + late_s))
         whole_s = float(math.floor(stop.hold_s + ROUNDING_SHARE))
-        late_s = max(stop.hold_s - whole_s, 0.0)
+        late_s += max(stop.hold_s - whole_s, 0.0)
+        if made:
+            length_m = math.dist(made[-1].place_m, stop.place_m)
+            if stop.speed_m_s and length_m and late_s:
+                stop = replace(stop, speed_m_s=length_m / (length_m / stop.speed_m_s + late_s))
+            late_s = 0.0
         made.append(replace(stop, hold_s=whole_s))
     return made
+
+
+def route_with_whole_waits(route: Route) -> Route:
+    """The same for a route: what is left of the wait at the loop's first stop makes the leg after it slower."""
+    first = route.loop[0]
+    *approach, reached = with_whole_waits((*route.approach, replace(first, hold_s=0.0)))
+    if route.closing is None:
+        return replace(route, approach=tuple(approach), loop=(reached,))
+    begin, *others, closing = with_whole_waits((*route.loop, route.closing))
+    loop = (replace(begin, speed_m_s=reached.speed_m_s), *others)
+    return replace(route, approach=tuple(approach), loop=loop, closing=closing)
 
 
 def trajectory_of(route: Route, *, flat: bool) -> Trajectory:

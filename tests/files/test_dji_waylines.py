@@ -64,9 +64,8 @@ def test_djikmz_reads_whole_rounds_with_speeds_and_waits(tmp_path: Path) -> None
     np.testing.assert_allclose([metres(w.longitude, w.latitude) for w in read], places, atol=1e-3)
     assert {waypoint.height for waypoint in read} == {25}
     assert [hover_s(waypoint) for waypoint in read] == [0, 0, *[1, 0, 0, 0] * 3]
-    # the third of a second that is left of the wait makes the leg after it slower
-    slower = (50 - 1 / 3) / (35.5 - 76 / 3 + 1 / 3)
-    round_m_s = [np.hypot(100, 1 / 3) / 20, slower, 5, 50 / 10.0004]
+    # the third of a second that is left of the wait makes the leg before it slower
+    round_m_s = [np.hypot(100, 1 / 3) / (20 + 1 / 3), (50 - 1 / 3) / (35.5 - 76 / 3), 5, 50 / 10.0004]
     expected = [5, *round_m_s * 3, round_m_s[-1]]
     assert [waypoint.speed for waypoint in read] == pytest.approx(expected, rel=1e-12)
     modes = [waypoint.turn_param.waypoint_turn_mode for waypoint in read]

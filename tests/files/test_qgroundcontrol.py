@@ -71,7 +71,7 @@ def metres(item: dict[str, Any]) -> tuple[float, float]:
 
 
 def test_a_patrol_takes_off_flies_its_loop_and_jumps_back_for_ever() -> None:
-    items = items_of(plan_of(square_loop()))
+    items = items_of(plan_of(square_loop()), autopilot="px4")
     assert commands(items) == [TAKEOFF, SPEED, WAYPOINT, WAYPOINT, WAYPOINT, WAYPOINT, JUMP]
     assert [item["doJumpId"] for item in items] == [1, 2, 3, 4, 5, 6, 7]
     assert all(len(item["params"]) == 7 and item["autoContinue"] and item["type"] == "SimpleItem" for item in items)
@@ -81,7 +81,19 @@ def test_a_patrol_takes_off_flies_its_loop_and_jumps_back_for_ever() -> None:
     assert [item["frame"] for item in items] == [3, 2, 3, 3, 3, 3, 2]
     assert items[1]["params"] == [1, 5, -1, 0, 0, 0, 0]
     assert [item["params"][0] for item in items[2:6]] == [0, 1.5, 0, 0]
-    assert items[6]["params"] == [3, -1, 0, 0, 0, 0, 0]
+    assert items[6]["params"] == [3, 65535, 0, 0, 0, 0, 0]
+
+
+def test_ardupilot_waits_whole_seconds_and_flies_the_leg_before_slower() -> None:
+    items = items_of(plan_of(square_loop()))
+    assert [item["params"][0] for item in items if item["command"] == WAYPOINT] == [0, 1, 0, 0]
+    # half a second of the wait at the second corner goes to the 20 s of the leg before
+    speed, legs = math.nan, []
+    for item in items:
+        speed = item["params"][1] if item["command"] == SPEED else speed
+        legs += [speed] if item["command"] == WAYPOINT else []
+    assert legs == pytest.approx([5, 100 / 20.5, 5, 5])
+    assert items[-1]["params"][:2] == [3, -1]
 
 
 def test_the_document_is_what_qgroundcontrol_asks_for() -> None:

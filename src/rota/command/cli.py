@@ -21,7 +21,7 @@ from rota.command.arguments import (
 )
 from rota.command.compare import compare
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
-from rota.command.export import FORMATS_HELP, FORMATS_LIST, export_format, write_export
+from rota.command.export import FORMATS_HELP, FORMATS_LIST, export_format, plan_as_executed, write_export
 from rota.command.fly import fly
 from rota.command.interrupt import Terminated, clean_end_on_terminate
 from rota.command.link_option import LINKS_LIST
@@ -154,12 +154,28 @@ app.command()(compare)
 
 @app.command()
 def check(
-    plan: PlanPath, as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False
+    plan: PlanPath,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+    executed: Annotated[
+        str | None,
+        typer.Option(metavar="FORMAT", help="Check the plan as the files of rota export --to FORMAT drive it."),
+    ] = None,
+    in_phase_every: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="With --executed: robots are brought into phase anew so often."),
+    ] = None,
+    origin: Annotated[
+        str | None, typer.Option(metavar="LAT,LON", help="With --executed: where x = y = 0 lies, as in rota export.")
+    ] = None,
 ) -> None:
-    """Check a plan: exit code 0 when every demand is met, 1 when not."""
+    """Check a plan: exit code 0 when all is met, 1 when not."""
     from rota.check import check_plan, report_table, report_to_json
 
     answer = read_plan_argument(plan)
+    if executed is not None:
+        answer = plan_as_executed(answer, executed, in_phase_every, origin)
+    elif in_phase_every is not None or origin is not None:
+        raise RotaError(f"{'--origin' if in_phase_every is None else '--in-phase-every'}: is for --executed only")
     mention_compiling(*compiled_for_check(answer.mission))
     report = check_plan(answer)
     typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else report_table(report))
@@ -199,7 +215,7 @@ def animate(
         int | None, typer.Option(metavar="FRAMES", help="Frames per second; default 8 for .gif, 20 for .mp4.")
     ] = None,
 ) -> None:
-    """Animate a plan: robots, and how long ago each place was seen."""
+    """Animate a plan: robots, and the time since last seen."""
     answer = _plan_to_show(plan, output, (".gif", ".mp4"), "a film")
     from rota.draw import animate_plan
 

@@ -186,10 +186,10 @@ FORMATS_LIST = "\b\nFormats:\n" + "\n".join(
 )
 
 
-def export_format(name: str) -> str:
-    """The name of a format; raises RotaError for others."""
+def export_format(name: str, where: str = "--to") -> str:
+    """The name of a format; raises RotaError for others, which says ``where`` they were given."""
     if name not in FORMATS:
-        raise RotaError(f"--to: {name!r} is not one of {', '.join(map(repr, FORMATS))}")
+        raise RotaError(f"{where}: {name!r} is not one of {', '.join(map(repr, FORMATS))}")
     return name
 
 
@@ -220,12 +220,28 @@ def write_export(
     elif kind.folder is None:
         return _write_text(_text_of(plan, kind, start_time), source, output)
     elif output == STANDARD_STREAM:
-        raise RotaError(f"-: {to} makes files for each robot and cannot write to stdout; a folder's path is needed")
+        raise RotaError(f"-: {to} makes files for each robot, not for stdout; the path of a folder is needed")
     else:
         paths = kind.folder(plan, output, **given)
     if kind.in_phase is not None:
         say(f"what keeps robots in phase: {kind.in_phase} (rota check --executed {to} judges that)")
     return paths
+
+
+def plan_as_executed(plan: Plan, name: str, in_phase_every_s: float | None, origin: str | None) -> Plan:
+    """The plan as the files of a format drive it; says on stderr how far that is from the plan."""
+    from rota.command.executed import executed_plan, in_phase_every
+
+    export_format(name, "--executed")
+    if origin is not None:
+        plan = _placed(plan, origin, name)
+    made, told, drifts = executed_plan(plan, name)
+    say(told)
+    if in_phase_every_s is not None:
+        return in_phase_every(plan, made, in_phase_every_s)
+    if drifts:
+        say("nobody brings them into phase again; --in-phase-every SECONDS judges robots that somebody does")
+    return made
 
 
 def _settings_given(to: str, settings: Sequence[str]) -> dict[str, Settings]:

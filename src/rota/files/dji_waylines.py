@@ -83,16 +83,16 @@ def write_dji_waylines(
     """
     settings = settings or WaylineSettings()
     projection = projection_of(plan.mission, "DJI WPML")
-    return write_contents(plan, folder, lambda trajectory: {".kmz": _kmz(plan, trajectory, projection, settings)})
+    return write_contents(plan, folder, lambda trajectory: {".kmz": kmz_of(plan, trajectory, projection, settings)})
 
 
 def waypoints_of(plan: Plan, trajectory: Trajectory, projection: Projection, duration_s: float) -> list[Waypoint]:
     """One robot's waypoints: the approach from its start, then whole rounds; for one that stays the last is its place.
 
     A waypoint's speed is that of the leg after it, as in WPML. DJI's aircraft wait whole seconds only: what is left of
-    a wait makes the next leg slower. Where the robot does not wait it turns within 0.2 m of the point, or less where
-    legs are short, since stopping at every point would take more time than planned. A robot that never moves has two
-    waypoints, the first a metre higher, since a wayline has two at least.
+    a wait makes the leg before it slower. Where the robot does not wait it turns within 0.2 m of the point, or less
+    where legs are short, since stopping at every point would take more time than planned. A robot that never moves has
+    two waypoints, the first a metre higher, since a wayline has two at least.
     """
     route = route_of(trajectory, plan.mission.fleet.altitude_m)
     once, every_round = from_start(route), route.every_round
@@ -147,7 +147,7 @@ def _require_flyable(robot: str, speed_m_s: float, height_m: float) -> None:
 # ---------------------------------------------------------------- files
 
 
-def _kmz(plan: Plan, trajectory: Trajectory, projection: Projection, settings: WaylineSettings) -> bytes:
+def kmz_of(plan: Plan, trajectory: Trajectory, projection: Projection, settings: WaylineSettings) -> bytes:
     """The archive with both documents."""
     waypoints = waypoints_of(plan, trajectory, projection, settings.duration_s)
     stays = trajectory.loop_duration_s == 0

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from rota.driven_route import route_with_whole_waits
 from rota.errors import PlanError
 from rota.files.geodesy import Projection
 from rota.plan import Plan, Trajectory
@@ -22,7 +23,7 @@ WAYPOINT, LOITER_UNLIMITED, TAKEOFF, DO_JUMP, DO_CHANGE_SPEED = 16, 17, 22, 177,
 FRAME_MISSION, FRAME_RELATIVE_ALTITUDE = 2, 3
 ENDLESS_REPEATS = {"ardupilot": -1, "px4": 65535}
 DEGREE_DIGITS = 9
-SAME_SPEED = 1e-3  # share by which two legs' speeds may differ before the vehicle is told
+SAME_SPEED = 1e-6  # share by which two legs' speeds may differ before the vehicle is told; 4 ms in an hour
 MOST_ITEMS = 65534  # MAVLink counts items in 16 bits, and item 0 is home
 
 
@@ -58,7 +59,9 @@ def mission_items(
 
 
 def route_items(route: Route, projection: Projection, *, autopilot: Autopilot) -> list[Item]:
-    """The same of a route."""
+    """The same of a route. ArduPilot keeps whole seconds of waits: what is left of one makes a leg slower."""
+    if autopilot == "ardupilot":
+        route = route_with_whole_waits(route)
     items = _Items()
     start = _on_globe([RouteStop(place_m=route.start_m, speed_m_s=None)], projection)[0].place
     items.add(TAKEOFF, FRAME_RELATIVE_ALTITUDE, [0, 0, 0, None, *start])

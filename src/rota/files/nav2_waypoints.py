@@ -36,10 +36,13 @@ def write_nav2_waypoints(plan: Plan, folder: str | os.PathLike[str]) -> tuple[Pa
     Raises PlanError for times beyond 2^31 s and for robots whose names give the same file name, RotaError when the
     folder cannot be written to. Nothing is written on errors of the plan.
     """
-    return write_contents(plan, folder, lambda trajectory: _files(plan, trajectory))
+    return write_contents(
+        plan, folder, lambda trajectory: {name: text.encode() for name, text in nav2_texts(trajectory).items()}
+    )
 
 
-def _files(plan: Plan, trajectory: Trajectory) -> dict[str, bytes]:
+def nav2_texts(trajectory: Trajectory) -> dict[str, str]:
+    """One robot's texts by the suffixes of their files. Raises PlanError as ``write_nav2_waypoints``."""
     if trajectory.times_s[-1] > MOST_SECONDS:
         raise PlanError(
             f"robot {trajectory.robot}: its route takes {trajectory.times_s[-1]:.6g} s; ROS 2 counts at most"
@@ -49,9 +52,9 @@ def _files(plan: Plan, trajectory: Trajectory) -> dict[str, bytes]:
     route = route_of(trajectory, 0.0)
     once, loop = from_start(route), route.every_round or from_start(route)[-1:]
     return {
-        APPROACH: _waypoints_text(once, before=[], after=route.every_round[:1]).encode(),
-        LOOP: _waypoints_text(loop, before=once, after=route.every_round[:1]).encode(),
-        PATH: _path_text(trajectory).encode(),
+        APPROACH: _waypoints_text(once, before=[], after=route.every_round[:1]),
+        LOOP: _waypoints_text(loop, before=once, after=route.every_round[:1]),
+        PATH: _path_text(trajectory),
     }
 
 

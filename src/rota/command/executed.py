@@ -1,0 +1,94 @@
+"""What `rota check --executed FORMAT` judges: the plan as a format drives it, and how far that is from the plan."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from rota.errors import RotaError
+
+if TYPE_CHECKING:
+    from rota.plan import Floats, Plan, Trajectory
+
+SAME_S = 1e-6  # of a round, that is not worth a word
+HOUR_S = 3600.0
+
+
+def executed_plan(plan: Plan, name: str) -> tuple[Plan, str, bool]:
+    """The plan as a format drives it, a sentence on what differs, and whether rounds differ.
+
+    Raises RotaError for a format whose files are judged when they are written.
+    """
+    from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
+
+    if name not in DRIVEN:
+        raise RotaError(f"--executed: {name!r} is not allowed: such files are judged as driven when they are written")
+    made = plan_as_driven(plan, name)
+    off_m = max((_off_m(*pair) for pair in zip(plan, made, strict=True)), default=0.0)
+    told = f"as {name} drives it, places are up to {off_m:.2g} m off the plan's routes"
+    moving = [pair for pair in zip(plan, made, strict=True) if pair[0].loop_duration_s > 0]
+    late_s = [new.loop_duration_s - old.loop_duration_s for old, new in moving]
+    if max(map(abs, late_s), default=0.0) < SAME_S:
+        return made, f"{told}, and rounds take as long as planned", False
+    first, last = int(np.argmin(late_s)), int(np.argmax(late_s))
+    shares = [abs(late) / old.loop_duration_s for late, (old, _) in zip(late_s, moving, strict=True)]
+    return (
+        made,
+        f"{told}, and rounds differ from the plan's by {late_s[first]:+.2g} s ({moving[first][0].robot}) to"
+        f" {late_s[last]:+.2g} s ({moving[last][0].robot}), which makes up to {max(shares) * HOUR_S:.2g} s an hour",
+        True,
+    )
+
+
+def _off_m(planned: Trajectory, made: Trajectory) -> float:
+    """The greatest distance of a place that is driven to from the planned route."""
+    places = shapely.points(made.positions_m[:, :2])
+    route = planned.positions_m[:, :2]
+    line = shapely.linestrings(route) if len(route) > 1 else shapely.points(route[0])
+    return float(shapely.distance(places, line).max())
+
+
+def in_phase_every(plan: Plan, made: Plan, every_s: float) -> Plan:
+    """The plan as driven by robots that are brought into phase anew every ``every_s`` seconds, or less often.
+
+    Loops that share a period in ``plan`` are driven until so much time has passed and all of them are to begin
+    together; then each robot waits at the place where its loop begins, until the slowest is there. Raises RotaError for
+    a time that is not more than 0.
+    """
+    from rota.check.routes import commensurable_classes
+
+    if not 0 < every_s < math.inf:
+        raise RotaError(f"--in-phase-every: {every_s:g} is not allowed; seconds are needed, more than 0")
+    planned_s = [trajectory.loop_duration_s for trajectory in plan]
+    classes, parts, units_s = commensurable_classes(planned_s)
+    again = list(made.trajectories)
+    for number in set(classes.tolist()):
+        members = [k for k in np.flatnonzero(classes == number).tolist() if planned_s[k] > 0]
+        if not members:
+            continue
+        common = math.lcm(*(int(parts[k]) for k in members))
+        times = max(1, math.floor(every_s / (common * float(units_s[number]))))
+        rounds = {k: times * common // int(parts[k]) for k in members}
+        until_s = max(rounds[k] * again[k].loop_duration_s for k in members)
+        for k in members:
+            again[k] = _rounds_then_wait(again[k], rounds[k], until_s)
+    return replace(made, trajectories=tuple(again))
+
+
+def _rounds_then_wait(trajectory: Trajectory, rounds: int, until_s: float) -> Trajectory:
+    """The trajectory whose loop is so many rounds of its own, then a wait until the loop has taken ``until_s``."""
+    k, round_s = trajectory.loop_index, trajectory.loop_duration_s
+    times_s, places_m = trajectory.times_s, trajectory.positions_m
+    begun: list[Floats] = [times_s[k + 1 :] + number * round_s for number in range(rounds)]
+    made_s = np.concatenate([times_s[: k + 1], *begun])
+    made_m = np.concatenate([places_m[: k + 1], *([places_m[k + 1 :]] * rounds)])
+    end_s = trajectory.loop_start_s + until_s
+    if end_s > made_s[-1]:
+        made_s, made_m = np.append(made_s, end_s), np.concatenate([made_m, made_m[-1:]])
+    return replace(
+        trajectory, times_s=made_s, positions_m=made_m, headings_rad=None, loop_start_s=trajectory.loop_start_s
+    )

@@ -1,0 +1,44 @@
+"""The plan as a format drives it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from rota.files.executed.mavlink import as_qgroundcontrol, as_waypoints
+from rota.files.executed.timed_files import as_bag, as_csv, as_geojson, as_gpx, as_kml
+from rota.files.executed.written_routes import as_dji_waylines, as_nav2_waypoints, as_vda5050_orders
+from rota.plan import Plan, Trajectory
+
+Driven = Callable[[Plan], tuple[Trajectory, ...]]
+
+
+def _each(drives: Callable[[Plan, Trajectory], Trajectory]) -> Driven:
+    return lambda plan: tuple(drives(plan, trajectory) for trajectory in plan)
+
+
+DRIVEN: dict[str, Driven] = {
+    "geojson": as_geojson,
+    "csv": as_csv,
+    "kml": as_kml,
+    "gpx": as_gpx,
+    "qgroundcontrol": _each(partial(as_qgroundcontrol, autopilot="ardupilot")),
+    "qgroundcontrol-px4": _each(partial(as_qgroundcontrol, autopilot="px4")),
+    "waypoints": _each(as_waypoints),
+    "dji-wpml": _each(as_dji_waylines),
+    "nav2": _each(as_nav2_waypoints),
+    "vda5050": _each(as_vda5050_orders),
+    "rosbag2": as_bag,
+    "rosbag2-sqlite3": as_bag,
+    "rosbag1": as_bag,
+}
+
+
+def plan_as_driven(plan: Plan, name: str) -> Plan:
+    """The plan with the trajectories that a format's files make, for names in ``DRIVEN``.
+
+    Raises PlanError for what the format cannot say, as its export does. Vehicles are taken to drive each leg at the
+    speed that they are told, to wait as long as they are told, and to lose no time where they turn, speed up and brake.
+    """
+    return replace(plan, trajectories=DRIVEN[name](plan))

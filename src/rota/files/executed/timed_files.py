@@ -1,0 +1,135 @@
+"""Files with a clock, read again: places and times as their digits have them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from datetime import datetime
+from xml.etree import ElementTree
+
+import numpy as np
+
+from rota.files import gpx_tracks, kml_tour
+from rota.files.geodesy import Projection, projection_of
+from rota.files.geojson import geojson_text
+from rota.files.plan_table import csv_text
+from rota.files.timed_places import START
+from rota.plan import Floats, Plan, Trajectory
+
+NAMES = {"k": kml_tour.NAMESPACE, "gx": kml_tour.EXTENSIONS, "g": gpx_tracks.NAMESPACE}
+NANOSECONDS = 1e9
+SAME_SPEED = 1e-9  # share by which the check lets speeds be exceeded
+
+
+def as_csv(plan: Plan) -> tuple[Trajectory, ...]:
+    """All robots as a table of their timed points has them."""
+    rows: dict[str, list[dict[str, str]]] = {}
+    for row in csv.DictReader(io.StringIO(csv_text(plan))):
+        rows.setdefault(row["robot"], []).append(row)
+    made = []
+    for trajectory in plan:
+        own = rows[trajectory.robot]
+        columns = ["x_m", "y_m", *(["z_m"] if trajectory.positions_m.shape[1] == 3 else [])]
+        places_m = np.array([[float(row[column]) for column in columns] for row in own])
+        first = [row["in_loop"] for row in own].index("1")
+        made.append(_again(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
+    return tuple(made)
+
+
+def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
+    """All robots as the lines of a map have them, with the times that are its properties."""
+    to_metres = Projection(plan.mission.origin).to_metres if plan.mission.origin is not None else None
+    times: dict[str, list[float]] = {}
+    places: dict[str, list[list[float]]] = {}
+    first: dict[str, int] = {}
+    for feature in json.loads(geojson_text(plan))["features"]:
+        told, shape = feature["properties"], feature["geometry"]
+        if told["kind"] not in ("approach", "loop"):
+            continue
+        points = [shape["coordinates"]] if shape["type"] == "Point" else shape["coordinates"]
+        known = places.setdefault(told["robot"], [])
+        if known:  # the approach ends where the loop begins
+            known.pop()
+            times[told["robot"]].pop()
+        if told["kind"] == "loop":
+            first[told["robot"]] = len(known)
+        known += points
+        times.setdefault(told["robot"], []).extend(told["times_s"])
+    made = []
+    for trajectory in plan:
+        places_m = np.array(places[trajectory.robot], dtype=np.float64)
+        if to_metres is not None:
+            places_m[:, :2] = np.column_stack(to_metres(places_m[:, 0], places_m[:, 1]))
+        made.append(_again(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
+    return tuple(made)
+
+
+def as_kml(plan: Plan) -> tuple[Trajectory, ...]:
+    """All robots as a globe plays their tracks, the loop again and again."""
+    root = ElementTree.fromstring(kml_tour.kml_text(plan))  # of our own making
+    projection, made = projection_of(plan.mission, "KML"), []
+    for track, trajectory in zip(root.iter(f"{{{NAMES['gx']}}}Track"), plan, strict=True):
+        times_s = _seconds([when.text or "" for when in track.findall("k:when", NAMES)])
+        places = np.array([(coord.text or "").split() for coord in track.findall("gx:coord", NAMES)], dtype=np.float64)
+        made.append(_on_ground(plan, trajectory, times_s, places, projection))
+    return tuple(made)
+
+
+def as_gpx(plan: Plan) -> tuple[Trajectory, ...]:
+    """All robots as their tracks' points have them, the loop again and again."""
+    root = ElementTree.fromstring(gpx_tracks.gpx_text(plan))  # of our own making
+    projection, made = projection_of(plan.mission, "GPX"), []
+    for track, trajectory in zip(root.findall("g:trk", NAMES), plan, strict=True):
+        points = track.findall("g:trkseg/g:trkpt", NAMES)
+        times_s = _seconds([point.findtext("g:time", "", NAMES) for point in points])
+        rows = [(point.get("lon"), point.get("lat"), point.findtext("g:ele", "", NAMES)) for point in points]
+        made.append(_on_ground(plan, trajectory, times_s, np.array(rows, dtype=np.float64), projection))
+    return tuple(made)
+
+
+def as_bag(plan: Plan) -> tuple[Trajectory, ...]:
+    """All robots as bags of ROS have them: places with all digits, times to the nanosecond."""
+    return tuple(
+        _again(
+            plan,
+            trajectory,
+            np.round(trajectory.times_s * NANOSECONDS) / NANOSECONDS,
+            trajectory.positions_m,
+            trajectory.loop_index,
+        )
+        for trajectory in plan
+    )
+
+
+def _seconds(instants: list[str]) -> Floats:
+    return np.array([(datetime.fromisoformat(instant) - START).total_seconds() for instant in instants])
+
+
+def _on_ground(
+    plan: Plan, trajectory: Trajectory, times_s: Floats, degrees: Floats, projection: Projection
+) -> Trajectory:
+    places_m = np.column_stack([*projection.to_metres(degrees[:, 0], degrees[:, 1]), degrees[:, 2]])
+    return _again(plan, trajectory, times_s, places_m, trajectory.loop_index)
+
+
+def _again(plan: Plan, trajectory: Trajectory, times_s: Floats, places_m: Floats, first: int) -> Trajectory:
+    """The robot's trajectory of other numbers, with as many coordinates; the loop begins at number ``first``.
+
+    Of points that come at one time the last one counts. The robot is late where it had to be faster than it can.
+    """
+    places_m = places_m[:, : trajectory.positions_m.shape[1]]
+    legs_m = np.linalg.norm(np.diff(places_m, axis=0), axis=1)
+    needed_s = legs_m / plan.mission.fleet.robot(trajectory.robot).speed_m_s
+    times_s = times_s - times_s[0]
+    if (np.diff(times_s) < needed_s * (1 - SAME_SPEED)).any():
+        # arrival k = max of told k and arrival k - 1 + needed k, all at once
+        total_s = np.concatenate([[0.0], np.cumsum(needed_s)])
+        times_s = total_s + np.maximum.accumulate(times_s - total_s)
+    kept = np.append(np.diff(times_s) > 0, True)
+    return Trajectory(
+        robot=trajectory.robot,
+        times_s=times_s[kept],
+        positions_m=places_m[kept],
+        loop_start_s=float(times_s[first]),
+    )

@@ -1,0 +1,120 @@
+"""Routes without a clock as the other formats hold them, and as who heeds all of it drives them."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from xml.etree import ElementTree
+
+import numpy as np
+
+from rota.driven_route import driven, from_start
+from rota.files.dji_waylines import (
+    KML_NAMESPACE,
+    WAYLINES,
+    WPML_NAMESPACE,
+    WaylineSettings,
+    kmz_of,
+)
+from rota.files.geodesy import projection_of
+from rota.files.nav2_waypoints import APPROACH, LOOP, nav2_texts
+from rota.files.timed_places import START
+from rota.files.vda5050_files import OrderSettings, orders_text
+from rota.files.vda5050_orders import WAIT, Json
+from rota.plan import Plan, Trajectory
+from rota.route import RouteStop, route_of
+
+NAMES = {"k": KML_NAMESPACE, "w": WPML_NAMESPACE}
+PANEL_ENTRY = re.compile(
+    r"pose: \[(.*), (.*), (.*)\]\n    orientation: .*\n(?:    speed_m_s: (.*)\n)?    wait_s: (.*)\n"
+)
+
+
+def as_dji_waylines(plan: Plan, trajectory: Trajectory) -> Trajectory:
+    """One robot as DJI's aircraft fly its wayline, were it to go on with the second round for ever.
+
+    It passes where it turns: a turn within 0.2 m of a waypoint is taken to go through it.
+    """
+    projection = projection_of(plan.mission, "DJI WPML")
+    settings = WaylineSettings(duration_s=_two_rounds_s(trajectory))
+    with zipfile.ZipFile(io.BytesIO(kmz_of(plan, trajectory, projection, settings))) as archive:
+        document = ElementTree.fromstring(archive.read(WAYLINES))  # of our own making
+    marks = document.findall("k:Document/k:Folder/k:Placemark", NAMES)
+    degrees = np.array([_text(mark, "k:Point/k:coordinates").split(",") for mark in marks], dtype=np.float64)
+    x, y = projection.to_metres(degrees[:, 0], degrees[:, 1])
+    stops: list[RouteStop] = []
+    speed_m_s = None
+    for mark, east, north in zip(marks, x.tolist(), y.tolist(), strict=True):
+        hold = mark.find("w:actionGroup/w:action/w:actionActuatorFuncParam/w:hoverTime", NAMES)
+        place_m = (east, north, float(_text(mark, "w:executeHeight")))
+        stops.append(
+            RouteStop(place_m=place_m, speed_m_s=speed_m_s, hold_s=float(hold.text or 0) if hold is not None else 0.0)
+        )
+        speed_m_s = float(_text(mark, "w:waypointSpeed"))
+    return _in_rounds(trajectory, stops, plan.mission.fleet.altitude_m)
+
+
+def as_nav2_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
+    """One robot as a client of Nav2 drives its waypoints that heeds their speeds and waits."""
+    texts = nav2_texts(trajectory)
+    parts = []
+    for name in (APPROACH, LOOP):
+        found = PANEL_ENTRY.findall(texts[name])
+        parts.append(
+            [
+                RouteStop(
+                    place_m=(float(x), float(y), float(z)),
+                    speed_m_s=float(speed) if speed else None,
+                    hold_s=float(wait),
+                )
+                for x, y, z, speed, wait in found
+            ]
+        )
+    once, every_round = parts
+    stays = trajectory.loop_duration_s == 0
+    return driven(trajectory.robot, once, [] if stays else every_round, flat=trajectory.positions_m.shape[1] == 2)
+
+
+def as_vda5050_orders(plan: Plan, trajectory: Trajectory) -> Trajectory:
+    """One robot as a vehicle drives its orders that is as fast as they allow and knows the action ``wait``."""
+    settings = OrderSettings(duration_s=_two_rounds_s(trajectory))
+    nodes: dict[int, Json] = {}
+    edges: dict[int, Json] = {}
+    for line in orders_text(trajectory, settings, START).splitlines():
+        message = json.loads(line)
+        nodes |= {node["sequenceId"]: node for node in message["nodes"] if node["released"]}
+        edges |= {edge["sequenceId"]: edge for edge in message["edges"] if edge["released"]}
+    stops = []
+    for number in sorted(nodes):
+        node, edge = nodes[number], edges.get(number - 1)
+        waits = [action for action in node["actions"] if action["actionType"] == WAIT]
+        place = node["nodePosition"]
+        stops.append(
+            RouteStop(
+                place_m=(place["x"], place["y"], 0.0),
+                speed_m_s=edge["maxSpeed"] if edge is not None else None,
+                hold_s=sum(parameter["value"] for wait in waits for parameter in wait["actionParameters"]),
+            )
+        )
+    return _in_rounds(trajectory, stops, 0.0)
+
+
+def _text(element: ElementTree.Element, path: str) -> str:
+    return element.findtext(path, "", NAMES)
+
+
+def _two_rounds_s(trajectory: Trajectory) -> float:
+    """A time within which the robot drives two rounds, and not three."""
+    return max(trajectory.loop_start_s + 2.5 * trajectory.loop_duration_s, 1.0)
+
+
+def _in_rounds(trajectory: Trajectory, stops: list[RouteStop], altitude_m: float) -> Trajectory:
+    """The trajectory of stops that hold an approach and two rounds: the second goes on for ever."""
+    route = route_of(trajectory, altitude_m)
+    first, a_round = len(from_start(route)), len(route.every_round)
+    flat = trajectory.positions_m.shape[1] == 2
+    if not a_round:
+        return driven(trajectory.robot, stops, [], flat=flat)
+    return driven(trajectory.robot, stops[: first + a_round], stops[first + a_round : first + 2 * a_round], flat=flat)
