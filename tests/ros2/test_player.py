@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -159,3 +161,15 @@ def test_paths_beyond_the_clock_of_ros_are_refused() -> None:
     with pytest.raises(PlanError, match="robot a: its path ends after the year 2038; play it faster"):
         Player(long, speed=1.0).begin(BEGIN_NS)
     assert Player(long, speed=100.0).begin(BEGIN_NS)
+
+
+def test_the_layout_for_foxglove_shows_what_is_played() -> None:
+    layout = json.loads((Path(__file__).parents[2] / "examples" / "foxglove-layout.json").read_text())
+    panel = layout["configById"][layout["layout"]]
+    player = Player(two_robots(robots=("robot-1", "robot-8")), speed=1.0)
+    told = {each.topic for each in (*player.begin(BEGIN_NS), *player.poses(0), *player.footprints(0), *player.ages(0))}
+    assert told - {"/tf"} <= set(panel["topics"])
+    robots = {f"/robot_{k}/{what}" for k in range(1, 9) for what in ("path", "pose")}
+    assert set(panel["topics"]) == robots | {"/map", "/footprints", "/time_since_seen", "/worst_gaps"}
+    assert all(settings["visible"] for settings in panel["topics"].values())
+    assert panel["followTf"] == "map"

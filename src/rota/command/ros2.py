@@ -29,7 +29,8 @@ def ros2(
         float, typer.Option(min=0.1, max=100, metavar="HZ", help="Poses, transforms and footprints per second.")
     ] = 10.0,
     until: Annotated[
-        float | None, typer.Option(min=0, max=1e10, metavar="SECONDS", help="Stop at this time of the plan; default: never.")
+        float | None,
+        typer.Option(min=0, max=1e10, metavar="SECONDS", help="Stop at this time of the plan; default: never."),
     ] = None,
     network: Annotated[
         bool, typer.Option("--network", help="Let other machines listen, too; default: this one alone.")
