@@ -25,6 +25,8 @@ demo: setup
 pictures: demo
 	$(BIN)/rota draw out/harbour.rota.json -o docs/harbour.png
 	$(BIN)/rota animate out/harbour.rota.json -o docs/harbour.gif
+	$(BIN)/rota plan examples/coast.yaml -o out/coast.rota.json
+	$(BIN)/rota draw out/coast.rota.json -o docs/coast.png
 	$(BIN)/rota plan examples/swarm-port.yaml -o out/swarm-port.rota.json
 	$(BIN)/rota draw out/swarm-port.rota.json -o docs/swarm-port.png
 	$(BIN)/rota plan examples/bounce-monitor.yaml -o out/bounce-monitor.rota.json

@@ -13,6 +13,7 @@ from rota.refusals import require, require_positive, require_text
 
 Place = tuple[float, float]
 
+TURNS_ONE_WAY = "must be 0 where turn_rate_rad_s is given: a robot turns on the spot or on arcs"
 COORDINATES = f"coordinates must be within {LARGEST_M:g} m of 0"
 
 
@@ -81,6 +82,8 @@ def inner_reach_m(sensor: Sensor) -> float:
 class Robot:
     """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere.
 
+    ``turn_radius_m``: it turns on arcs of this radius or more, never on the spot; 0: it turns where it stands.
+
     It takes part from ``joins_s`` on until ``leaves_s`` (None: for ever). Before, it stands at its start, and after
     that where it is: it neither moves nor sees, but its body is there.
     """
@@ -90,6 +93,7 @@ class Robot:
     sensor: Sensor
     body_radius_m: float = 0.0
     turn_rate_rad_s: float | None = None
+    turn_radius_m: float = 0.0
     start: Place | None = None
     joins_s: float = 0.0
     leaves_s: float | None = None
@@ -101,11 +105,19 @@ class Robot:
         require(0 <= self.body_radius_m <= LARGEST_M, f"robot {self.name}: body_radius_m", self.body_radius_m, allowed)
         if self.turn_rate_rad_s is not None:
             require_positive(f"robot {self.name}: turn_rate_rad_s", self.turn_rate_rad_s)
+        require(0 <= self.turn_radius_m <= LARGEST_M, f"robot {self.name}: turn_radius_m", self.turn_radius_m, allowed)
+        ok = self.turn_radius_m == 0 or self.turn_rate_rad_s is None
+        require(ok, f"robot {self.name}: turn_radius_m", self.turn_radius_m, TURNS_ONE_WAY)
         ok = 0 <= self.joins_s <= LONGEST_S
         require(ok, f"robot {self.name}: joins_s", self.joins_s, f"must be 0 to {LONGEST_S:g}")
         ok = self.leaves_s is None or self.joins_s < self.leaves_s <= LONGEST_S
         allowed = f"must come after joins_s, {self.joins_s:.6g}, and by {LONGEST_S:g}"
         require(ok, f"robot {self.name}: leaves_s", self.leaves_s, allowed)
+
+    @property
+    def turns_at_once(self) -> bool:
+        """Whether it turns on the spot and in no time."""
+        return self.turn_rate_rad_s is None and self.turn_radius_m == 0
 
     @property
     def stays(self) -> bool:
@@ -156,6 +168,7 @@ class Fleet:
     robots: tuple[Robot, ...] | None = None
     body_radius_m: float = 0.0
     turn_rate_rad_s: float | None = None
+    turn_radius_m: float = 0.0
     altitude_m: float = 30.0
     start: StartBox | StartPoints | None = None
 
@@ -181,6 +194,7 @@ class Fleet:
             sensor=self.sensor,
             body_radius_m=self.body_radius_m,
             turn_rate_rad_s=self.turn_rate_rad_s,
+            turn_radius_m=self.turn_radius_m,
         )
 
     def robot(self, name: str) -> Robot:

@@ -253,6 +253,7 @@ def _as_written(mission: Mission) -> dict[str, Any]:
             "robots": "fewest" if fleet.robots is None else [_robot_as_written(robot, fleet) for robot in fleet.robots],
             "sensor": _sensor_as_written(fleet.sensor),
             "turn_rate_rad_s": fleet.turn_rate_rad_s,
+            "turn_radius_m": fleet.turn_radius_m,
             "start": {"box": start.low_m} if isinstance(start, StartBox) else start and {"points": start.points_m},
         },
         mission.planning.planner: vars(mission.planning),
@@ -266,6 +267,8 @@ def _robot_as_written(robot: Robot, fleet: Fleet) -> dict[str, Any]:
         told["sensor"] = _sensor_as_written(robot.sensor)
     if robot.turn_rate_rad_s != fleet.turn_rate_rad_s:
         told["turn_rate_rad_s"] = robot.turn_rate_rad_s
+    if robot.turn_radius_m != fleet.turn_radius_m:
+        told["turn_radius_m"] = robot.turn_radius_m
     return told
 
 

@@ -11,6 +11,7 @@ ViolationKind = Literal[
     "no trajectory", "no start left", "start", "moves while away", "sees before it joins",
     # motion
     "outside area", "obstacle", "moving obstacle", "below altitudes", "above altitudes", "speed", "turn",
+    "turn radius",
     # robots together
     "bodies touch", "clocks may differ",
     # robots that bounce

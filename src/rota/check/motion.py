@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
-from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, STILL_M, TOUCH_M, TURN_TOLERANCE_RAD
+from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, TOUCH_M
+from rota.check.turning import MOST_PER_ROBOT, turn_radius_violations, turn_violations
 from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
 from rota.violation_kinds import ViolationKind
@@ -19,7 +20,6 @@ from rota.violation_kinds import ViolationKind
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_PER_ROBOT = 20
 MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together
 
 
@@ -34,6 +34,7 @@ def motion_violations(plan: Plan) -> list[Violation]:
         violations += place_violations(trajectory, robot, blocked, "obstacle")
         violations += speed_violations(trajectory, robot)
         violations += turn_violations(trajectory, robot)
+        violations += turn_radius_violations(trajectory, robot)
         violations += altitude_violations(trajectory, robot, mission)
     return violations
 
@@ -185,59 +186,4 @@ def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
         value = float(length[m] / time[m])
         when = float(trajectory.times_s[m])
         violations.append(violation("speed", robot.name, (x, y), when, value, robot.speed_m_s, "m/s"))
-    return violations
-
-
-def turn_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
-    """Corners without the pause that turning takes, the seam of the loop included, and headings that turn too fast.
-
-    The value of a corner is its pause in seconds, the limit the least pause. The value of headings is their rate in
-    rad/s. Steps of up to 1e-9 m count as standing still.
-    """
-    if robot.turn_rate_rad_s is None:
-        return []
-    violations = _heading_violations(trajectory, robot, robot.turn_rate_rad_s)
-    xy, times = trajectory.positions_m[:, :2], trajectory.times_s
-    steps = np.diff(xy, axis=0)
-    length = np.hypot(steps[:, 0], steps[:, 1])
-    moving = np.flatnonzero(length > STILL_M)
-    if not len(moving):
-        return violations
-    before, after = moving[:-1], moving[1:]
-    pause = times[after] - times[before + 1]
-    looping = moving[moving >= trajectory.loop_index]
-    if len(looping):
-        last, first = looping[-1], looping[0]
-        before, after = np.append(before, last), np.append(after, first)
-        seam = times[-1] - times[last + 1] + times[first] - trajectory.loop_start_s
-        pause = np.append(pause, seam)
-    a, b = steps[before], steps[after]
-    angle = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
-    noise = TURN_TOLERANCE_RAD + 4 * FLOAT_EPS * np.abs(xy).max() * (1 / length[before] + 1 / length[after])
-    need = angle / robot.turn_rate_rad_s
-    allowed = np.maximum(0.0, angle - noise) / robot.turn_rate_rad_s * (1 - SPEED_TOLERANCE) - 4 * FLOAT_EPS * times[-1]
-    for k in np.flatnonzero(pause < allowed)[:MOST_PER_ROBOT]:
-        m = before[k] + 1
-        place = (xy[m, 0], xy[m, 1])
-        violations.append(violation("turn", robot.name, place, float(times[m]), float(pause[k]), float(need[k]), "s"))
-    return violations
-
-
-def _heading_violations(trajectory: Trajectory, robot: Robot, rate_rad_s: float) -> list[Violation]:
-    """Headings that turn faster than the rate from one timed point to the next, the seam of the loop included."""
-    if trajectory.headings_rad is None:
-        return []
-    change = np.diff(trajectory.headings_rad)
-    if trajectory.loop_duration_s > 0:
-        change = np.append(change, trajectory.headings_rad[trajectory.loop_index] - trajectory.headings_rad[-1])
-    turn = np.abs((change + math.pi) % (2 * math.pi) - math.pi)
-    time = np.append(np.diff(trajectory.times_s), 0.0)[: len(turn)]
-    allowed = rate_rad_s * (time * (1 + SPEED_TOLERANCE) + 4 * FLOAT_EPS * trajectory.times_s[-1]) + TURN_TOLERANCE_RAD
-    violations = []
-    for m in np.flatnonzero(turn > allowed)[:MOST_PER_ROBOT]:
-        x, y = trajectory.positions_m[m, :2]
-        value = float(turn[m] / time[m]) if time[m] > 0 else math.inf
-        violations.append(
-            violation("turn", robot.name, (x, y), float(trajectory.times_s[m]), value, rate_rad_s, "rad/s")
-        )
     return violations

@@ -18,6 +18,8 @@ TOUCH_M = 1e-6  # bodies may overlap each other, walls, borders and height limit
 PERIOD_TOLERANCE = 1e-9  # a gap may exceed its period by this share
 SPEED_TOLERANCE = 1e-9  # a robot may exceed its speed, and its turn rate, by this share
 TURN_TOLERANCE_RAD = 1e-9  # a turn may take no time up to this angle
+RADIUS_TOLERANCE = 1e-9  # arcs may have a radius smaller than the turn radius by this share
+TURN_OFF_SHARE = 5e-3  # legs may leave the curve that a robot drives by this share of its turn radius
 CLOCK_TOLERANCE = 1e-9  # the clocks' margin may fall short of what the mission asks by this share
 BOUNCE_TOLERANCE_RAD = 1e-6  # a bounce, and the way a robot faces, may be off by this angle
 MOST_EXCLUDED = 0.05  # a plan may leave out, as seen by nobody, up to this share of the demanded area
@@ -25,6 +27,7 @@ MOST_EXCLUDED = 0.05  # a plan may leave out, as seen by nobody, up to this shar
 # ------------------------------------------------------------ numbers so near each other that they count as one
 
 STILL_M = 1e-9  # a robot that moves by no more than this stands still
+STRAIGHT_RAD = 1e-3  # legs whose turns are rounding, and add up to no more than this, are in a straight row
 SAME_TIME = 1e-9  # times that differ by this share of them, or by this many seconds below 1 s, are one moment
 SAME_TURN = 1e-9  # numbers of turns of a loop that differ by this are one number
 SAME_RATIO = 1e-9  # the durations of two loops have the ratio p / q if they miss it by no more than this share

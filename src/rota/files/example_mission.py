@@ -43,6 +43,7 @@ fleet:
   sensor: {shape: disc, radius_m: 4}     # or {shape: square, side_m: 8}
   body_radius_m: 0                   # how far robots keep from walls and from each other
   turn_rate_rad_s: null              # null: turning takes no time
+  turn_radius_m: 0                   # wings and fast multirotors: turns are arcs of this radius or more
   altitude_m: 30                     # for exports
   start: null                        # {box: [[0, 0], [5, 5]]} or {points: [[1, 1], [2, 1]]}; null: anywhere
 

@@ -206,6 +206,7 @@ def _fleet(block: FleetBlock) -> Fleet:
         sensor=_sensor(block.sensor),
         body_radius_m=block.body_radius_m,
         turn_rate_rad_s=block.turn_rate_rad_s,
+        turn_radius_m=block.turn_radius_m,
         altitude_m=block.altitude_m,
     )
     if isinstance(block.robots, int):
@@ -226,6 +227,7 @@ def _robot(fleet: Fleet, block: RobotBlock) -> Robot:
         sensor=_sensor(block.sensor) if block.sensor is not None else fleet.sensor,
         body_radius_m=block.body_radius_m if block.body_radius_m is not None else fleet.body_radius_m,
         turn_rate_rad_s=turn_rate,
+        turn_radius_m=block.turn_radius_m if block.turn_radius_m is not None else fleet.turn_radius_m,
         joins_s=block.joins_s,
         leaves_s=block.leaves_s,
     )

@@ -90,7 +90,7 @@ def _fleet_to_json(fleet: Fleet) -> Json:
             "speed_m_s": float(robot.speed_m_s),
             "sensor": _sensor_to_json(robot.sensor),
             "body_radius_m": float(robot.body_radius_m),
-            "turn_rate_rad_s": _number(robot.turn_rate_rad_s),
+            **_turning_to_json(robot),
             "start": None if robot.start is None else [float(robot.start[0]), float(robot.start[1])],
             **({} if robot.stays else {"joins_s": float(robot.joins_s), "leaves_s": _number(robot.leaves_s)}),
         }
@@ -100,10 +100,16 @@ def _fleet_to_json(fleet: Fleet) -> Json:
         "speed_m_s": float(fleet.speed_m_s),
         "sensor": _sensor_to_json(fleet.sensor),
         "body_radius_m": float(fleet.body_radius_m),
-        "turn_rate_rad_s": _number(fleet.turn_rate_rad_s),
+        **_turning_to_json(fleet),
         "altitude_m": float(fleet.altitude_m),
         "start": _start_to_json(fleet.start),
     }
+
+
+def _turning_to_json(turning: Fleet | Robot) -> Json:
+    """How fast robots turn on the spot, and their turn radius only where they have one."""
+    radius = {"turn_radius_m": float(turning.turn_radius_m)} if turning.turn_radius_m else {}
+    return {"turn_rate_rad_s": _number(turning.turn_rate_rad_s), **radius}
 
 
 def _start_to_json(start: StartBox | StartPoints | None) -> Json | None:
@@ -192,6 +198,7 @@ def _fleet(fields: FleetFields) -> Fleet:
             sensor=_sensor(fields.sensor),
             body_radius_m=fields.body_radius_m,
             turn_rate_rad_s=fields.turn_rate_rad_s,
+            turn_radius_m=fields.turn_radius_m,
             altitude_m=fields.altitude_m,
             start=_start(fields.start),
         )
@@ -206,6 +213,7 @@ def _robot(fields: RobotFields, field: str) -> Robot:
             sensor=_sensor(fields.sensor),
             body_radius_m=fields.body_radius_m,
             turn_rate_rad_s=fields.turn_rate_rad_s,
+            turn_radius_m=fields.turn_radius_m,
             start=None if fields.start is None else (fields.start[0], fields.start[1]),
             joins_s=fields.joins_s,
             leaves_s=fields.leaves_s,

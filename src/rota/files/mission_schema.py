@@ -22,6 +22,7 @@ from rota.files.schema_block import (
 )
 from rota.files.settings_schema import settings_field
 from rota.files.shape_schema import Area, ObstacleEntry, Point, ZoneBlock, one_of
+from rota.fleet import TURNS_ONE_WAY
 from rota.mission import all_refused
 from rota.planner import loadable_planners, planner_named
 from rota.planner_registry import DEFAULT, PLANNERS, planner_names
@@ -98,6 +99,12 @@ class Start(Block):
             yield (), "give exactly one of box and points"
 
 
+def _two_ways_to_turn(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+    """A turn rate and a turn radius of the same robot."""
+    if data.get("turn_rate_rad_s") is not None and data.get("turn_radius_m"):
+        yield ("turn_radius_m",), f"{data['turn_radius_m']} is not allowed; it {TURNS_ONE_WAY}"
+
+
 class RobotBlock(Block):
     """One robot: what is not given is as in the fleet."""
 
@@ -106,13 +113,15 @@ class RobotBlock(Block):
     sensor: SensorBlock | None = None
     body_radius_m: LengthOrZero | None = None
     turn_rate_rad_s: Rate | None = None
+    turn_radius_m: LengthOrZero | None = None
     start: Point | None = None
     joins_s: Moment = Field(0.0, description="of a swarm: it stands at its start until then, and sees nothing")
     leaves_s: Moment | None = Field(None, description="of a swarm: it stays where it is then, and sees nothing more")
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A robot that leaves before it joins."""
+        """A robot that leaves before it joins, or turns in two ways."""
+        yield from _two_ways_to_turn(data)
         joins, leaves = data.get("joins_s", 0.0), data.get("leaves_s")
         if all(isinstance(time, int | float) for time in (joins, leaves)) and leaves <= joins:
             yield ("leaves_s",), f"{leaves} is not allowed; it must come after joins_s, {joins}"
@@ -146,8 +155,14 @@ class FleetBlock(Block):
     sensor: SensorBlock
     body_radius_m: LengthOrZero = 0.0
     turn_rate_rad_s: Rate | None = Field(None, description="null: turning takes no time")
+    turn_radius_m: LengthOrZero = Field(0.0, description="robots turn on arcs of this radius or more; 0: on the spot")
     altitude_m: Length = Field(30.0, description="for exports")
     start: Start | None = None
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """Robots that turn in two ways."""
+        yield from _two_ways_to_turn(data)
 
 
 class OriginBlock(Block):

@@ -63,6 +63,7 @@ class RobotFields(_Strict):
     sensor: SensorFields
     body_radius_m: Radius
     turn_rate_rad_s: Positive | None
+    turn_radius_m: Radius = 0.0
     start: Point | None
     joins_s: Time = 0.0
     leaves_s: Period | None = None
@@ -99,6 +100,7 @@ class FleetFields(_Strict):
     sensor: SensorFields
     body_radius_m: Radius
     turn_rate_rad_s: Positive | None
+    turn_radius_m: Radius = 0.0
     altitude_m: Length
     start: StartFields | None = None
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, Self
 from rota.errors import MissionError
 from rota.limits import LARGEST_M
 from rota.planner_settings import LENGTH, Bouncing, Contact, ContactFree, Corners, PlannerSettings, setting
-from rota.refusals import Where, every_period, inner, listed_robots, robot_count, shown
+from rota.refusals import Where, every_period, fleet_blocks, inner, listed_robots, robot_count, shown
 
 BounceTask = Literal["monitor", "cover"]
 BounceMethod = Literal["improved", "as_printed"]
@@ -157,6 +157,9 @@ class BounceSettings(PlannerSettings):
         """Starts in a box, angles for other robots, and demands that the robots' task does not know."""
         if inner(data, "fleet", "start", "box") is not None:
             yield ("fleet", "start", "box"), "bouncing robots start at points: give points, or remove it"
+        for where, block in fleet_blocks(data):
+            if inner(block, "turn_radius_m"):
+                yield (*where, "turn_radius_m"), "bouncing robots turn on the spot: remove it"
         if inner(data, "bounce", "cells") == "none":
             yield from _starts_without_cells(data)
         elif inner(data, "bounce", "cell_m") is None and inner(data, "area", "text") is None:

@@ -82,7 +82,19 @@ class PatrolSettings(PlannerSettings):
         if inner(data, "patrol", "method") == "sun2019" and inner(data, "fleet", "sensor", "shape") == "square":
             message = "square is not allowed: patrol.method sun2019 is made for discs; give disc"
             yield ("fleet", "sensor", "shape"), message
+        yield from _ways_to_turn(data)
         yield from _too_much_reserve(data)
+
+
+def _ways_to_turn(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
+    """A fleet of which some robots take time to turn on the spot and others turn on arcs."""
+    blocks = fleet_blocks(data)
+    if all(inner(block, "turn_rate_rad_s") is None for _, block in blocks):
+        return
+    for where, block in blocks:
+        if inner(block, "turn_radius_m"):
+            message = "patrol plans for robots that all turn on the spot or all on arcs: remove it, or turn_rate_rad_s"
+            yield (*where, "turn_radius_m"), message
 
 
 def _too_much_reserve(data: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -127,6 +127,8 @@ class SwarmSettings(PlannerSettings):
                 yield (*where, "sensor", "shape"), message
             if inner(block, "turn_rate_rad_s") is not None:
                 yield (*where, "turn_rate_rad_s"), "robots of a swarm turn at once: remove it"
+            if inner(block, "turn_radius_m"):
+                yield (*where, "turn_radius_m"), "robots of a swarm turn at once: remove it"
         if not flying:
             return
         if data.get("moving_obstacles"):

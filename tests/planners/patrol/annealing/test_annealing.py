@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,9 +26,9 @@ from rota.planners.patrol.annealing.state_kernels import (
     VERTICES_LEFT,
     Tours,
     bucket_of,
-    corner_m,
     tour_length,
 )
+from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
@@ -139,7 +140,7 @@ def test_cutting_keeps_the_line_and_its_length() -> None:
     ],
 )
 def test_turning_counts_as_metres(way: list[float], turn_rad: float) -> None:
-    assert corner_m(*way, 2.0) == pytest.approx(2 * turn_rad)
+    assert corner_m(*way, 2.0, 0.0) == pytest.approx(2 * turn_rad)
 
 
 def test_the_random_numbers_are_xorshift64_star() -> None:
@@ -168,8 +169,8 @@ ZONES = (
 )
 
 
-def problem(sensor: Sensor = ROBOT.sensor, turn_rate_rad_s: float | None = None, body_radius_m: float = 0) -> Problem:
-    fleet = Fleet(speed_m_s=3, sensor=sensor, turn_rate_rad_s=turn_rate_rad_s, body_radius_m=body_radius_m)
+def problem(sensor: Sensor = ROBOT.sensor, **turning_and_body: Any) -> Problem:
+    fleet = Fleet(speed_m_s=3, sensor=sensor, **turning_and_body)
     return set_up_problem(
         Mission(name="yard", area=box(0, 0, 40, 40), obstacles=OBSTACLES, zones=ZONES, period_s=60, fleet=fleet)
     )
@@ -274,6 +275,7 @@ CASES = [
     pytest.param({}, id="disc"),
     pytest.param({"sensor": SquareSensor(side_m=5)}, id="square"),
     pytest.param({"turn_rate_rad_s": 1.0}, id="turning"),
+    pytest.param({"turn_radius_m": 0.7}, id="arcs"),
     pytest.param({"body_radius_m": 0.4}, id="body"),
     pytest.param({"sensor": SquareSensor(side_m=5), "turn_rate_rad_s": 2.0, "body_radius_m": 0.3}, id="all"),
 ]
@@ -420,3 +422,16 @@ def test_how_far_from_done_is_what_the_books_say() -> None:
     assert search.unseen_share == pytest.approx(weight[~seen].sum() / weight.sum())
     excess = [tour_length_m(one) / one.budget_m - 1 for one in search.tours]
     assert search.over_budget_share == pytest.approx(max(0.0, *excess))
+
+
+def test_arcs_cost_a_circle_more_where_legs_are_too_short_for_a_turn() -> None:
+    # the kernel and the tour's length agree, and say in closed form what a square costs whose sides are half as long as
+    # its right angles need: half a circle more at each
+    arcs = replace(ROBOT, turn_radius_m=2.0)
+    square = [[0, 0], [2, 0], [2, 2], [0, 2]]
+    turning_m = (1 - 2 / math.pi) * 2 * 2 * math.pi
+    assert tour_length_m(tour(square, robot=arcs)) == pytest.approx(8 + turning_m + 4 * math.pi * 2)
+    assert corner_m(0, 0, 2, 0, 2, 2, 1.0, 2.0) == pytest.approx(2.5 * math.pi)
+    wide = [[0, 0], [4, 0], [4, 4], [0, 4]]
+    assert tour_length_m(tour(wide, robot=arcs)) == pytest.approx(16 + turning_m)
+    assert corner_m(0, 0, 4, 0, 4, 4, 1.0, 2.0) == pytest.approx(math.pi / 2)

@@ -12,7 +12,6 @@ from rota.planners.patrol.annealing.state_kernels import (
     Tours,
     apart,
     corner_at,
-    corner_m,
     enter_bucket,
     free_vertex,
     leave_bucket,
@@ -20,6 +19,7 @@ from rota.planners.patrol.annealing.state_kernels import (
     new_vertex,
     old_leg,
 )
+from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
@@ -30,7 +30,7 @@ def chain_m(p: int, q: int, added: int, most_m: float, k: int, t: Tours) -> floa
 
     With the turning at p and q, if tour k takes time to turn, and at all places between them.
     """
-    turn_m = t.turn_m[k]
+    turn_m, arc_m = t.turn_m[k], t.arc_m[k]
     total = 0.0
     ax, ay = t.x[t.before[p]], t.y[t.before[p]]
     bx, by = t.x[p], t.y[p]
@@ -41,10 +41,10 @@ def chain_m(p: int, q: int, added: int, most_m: float, k: int, t: Tours) -> floa
             return math.inf
         total += leg
         if turn_m > 0:
-            total += corner_m(ax, ay, bx, by, cx, cy, turn_m)
+            total += corner_m(ax, ay, bx, by, cx, cy, turn_m, arc_m)
         ax, ay, bx, by = bx, by, cx, cy
     if turn_m > 0:
-        total += corner_m(ax, ay, bx, by, t.x[t.after[q]], t.y[t.after[q]], turn_m)
+        total += corner_m(ax, ay, bx, by, t.x[t.after[q]], t.y[t.after[q]], turn_m, arc_m)
     return total
 
 
@@ -87,7 +87,7 @@ def short_ring_m(p: int, removed: int, added: int, k: int, t: Tours) -> float:
         a, b, c = i, (i + 1) % count, (i + 2) % count
         total += norm(x[b] - x[a], y[b] - y[a])
         if count > 1:
-            total += corner_m(x[a], y[a], x[b], y[b], x[c], y[c], t.turn_m[k])
+            total += corner_m(x[a], y[a], x[b], y[b], x[c], y[c], t.turn_m[k], t.arc_m[k])
     return total
 
 

@@ -105,6 +105,7 @@ class Annealing:
             square=np.array([0 if isinstance(t.robot.sensor, DiscSensor) else 1 for t in tours], dtype=np.int64),
             period_class=np.array([t.period_class for t in tours], dtype=np.int64),
             turn_m=np.array([t.turn_m_per_rad for t in tours]),
+            arc_m=np.array([t.robot.turn_radius_m for t in tours]),
             length_weight=np.asarray(self._length_weight, dtype=np.float64),
             budget_m=np.array([t.budget_m for t in tours]) * (1 - self._reserve),
             budget_penalty=np.asarray(self._budget_penalty, dtype=np.float64),

@@ -10,13 +10,13 @@ being unseen; only when it is kept do the rings change.
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.by_reference import by_reference
+from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Index, Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import compiled, norm
 
@@ -57,6 +57,7 @@ class Tours(NamedTuple):
     square: Ints  # 1 where the sensor is a square
     period_class: Ints  # the period class
     turn_m: Floats  # metres in the time of a turn by 1 rad
+    arc_m: Floats  # the turn radius; 0 where robots turn on the spot
     length_weight: Floats  # of a metre
     budget_m: Floats
     budget_penalty: Floats  # of a metre over budget
@@ -121,18 +122,9 @@ def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
 
 
 @compiled
-def corner_m(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, turn_m: float) -> float:
-    """Turning at b on the way a-b-c, as metres of travel that take the same time."""
-    ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
-    if turn_m == 0 or (ux == 0 and uy == 0) or (vx == 0 and vy == 0):
-        return 0.0
-    return turn_m * abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
-
-
-@compiled
 def corner_at(a: int, b: int, c: int, t: Tours) -> float:
     """Turning at vertex b on the way from vertex a to vertex c, as metres."""
-    return corner_m(t.x[a], t.y[a], t.x[b], t.y[b], t.x[c], t.y[c], t.turn_m[t.tour[b]])
+    return corner_m(t.x[a], t.y[a], t.x[b], t.y[b], t.x[c], t.y[c], t.turn_m[t.tour[b]], t.arc_m[t.tour[b]])
 
 
 @compiled

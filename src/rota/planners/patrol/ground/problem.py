@@ -146,6 +146,7 @@ def common_robot(fleet: Fleet) -> Robot:
         sensor=sensor,
         body_radius_m=max(robot.body_radius_m for robot in robots),
         turn_rate_rad_s=min(rates) if rates else None,
+        turn_radius_m=max(robot.turn_radius_m for robot in robots),
     )
 
 

@@ -23,6 +23,7 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.repair.detours import ON_ROUTE_M, led_past, nearby_place, visit_places
+from rota.planners.patrol.tours.curves import curved
 from rota.planners.patrol.tours.timetable import as_trajectories
 from rota.planners.patrol.tours.tour import Tour, driven, over_budget_share, tour_length_m
 from rota.planners.patrol.traffic.bodies.reroutes import rerouted
@@ -62,7 +63,7 @@ class Repaired:
 
 def plan_of(problem: Problem, tours: Sequence[Tour], *, seed: int, bound: ProvedBound | None = None) -> Plan:
     """The plan that drives these tours, with the bound; the fleet's names for robots, or robot-1, robot-2, ..."""
-    rounds = timed_rounds(driven(tours), problem.robot.body_radius_m)
+    rounds = timed_rounds(curved(driven(tours), problem.paths.grid), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
     names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
     return Plan(

@@ -15,6 +15,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+# a turn back past the end of a long leg, in a half circle, takes (pi - 2) times its radius more than the leg itself
+ARC_SHARE = 1 - 2 / math.pi
+
+
 @dataclass(frozen=True, kw_only=True)
 class Pace:
     """How a robot keeps step with others that go round the same hub.
@@ -59,15 +63,33 @@ class Tour:
 
     @property
     def turn_m_per_rad(self) -> float:
-        """Metres that could be travelled while turning by one radian."""
-        return 0.0 if self.robot.turn_rate_rad_s is None else self.robot.speed_m_s / self.robot.turn_rate_rad_s
+        """Metres that could be travelled while turning by one radian; on arcs, what these add at most."""
+        if self.robot.turn_rate_rad_s is None:
+            return ARC_SHARE * self.robot.turn_radius_m
+        return self.robot.speed_m_s / self.robot.turn_rate_rad_s
 
 
 def tour_length_m(tour: Tour) -> float:
     """Length of the tour, with turning counted as the metres that take the same time; 0 for a tour of one vertex."""
     legs = np.diff(np.vstack([tour.vertices_m, tour.vertices_m[:1]]), axis=0)
-    total = float(np.hypot(legs[:, 0], legs[:, 1]).sum())
-    return total + tour.turn_m_per_rad * float(turns_rad(tour.vertices_m).sum())
+    lengths = np.hypot(legs[:, 0], legs[:, 1])
+    turns = turns_rad(tour.vertices_m)
+    turning_m = tour.turn_m_per_rad * float(turns.sum())
+    return float(lengths.sum()) + turning_m + spool_m(lengths, turns, tour.robot.turn_radius_m)
+
+
+def spool_m(lengths_m: Floats, turns: Floats, radius_m: float) -> float:
+    """Metres that arcs add beyond their turns: where legs are too short for a turn, a robot goes round up to once more.
+
+    lengths_m (n,): of the legs from each vertex on. turns (n,): in rad, at the vertices. An arc through a turn takes
+    radius * tan(turn / 2) of each leg; where half of the shorter leg is less, a share of a full circle is counted.
+    """
+    if radius_m == 0 or len(turns) < 2:
+        return 0.0
+    need_m = 2 * radius_m * np.tan(np.minimum(turns, math.pi / 2) / 2)
+    short_m = np.minimum(lengths_m, np.roll(lengths_m, 1))
+    tight = short_m < need_m
+    return float(2 * math.pi * radius_m * (1 - short_m[tight] / need_m[tight]).sum())
 
 
 def turns_rad(vertices_m: Floats) -> Floats:

@@ -72,6 +72,7 @@ def for_anyone(context: Context) -> Context:
         sensor=robot.sensor,
         body_radius_m=robot.body_radius_m,
         turn_rate_rad_s=robot.turn_rate_rad_s,
+        turn_radius_m=robot.turn_radius_m,
     )
     return replace(context, problem=replace(problem, mission=replace(problem.mission, fleet=fleet)))
 

@@ -37,7 +37,7 @@ def can_bend(problem: Problem) -> bool:
     Nor do robots that stand have lengths to speak of.
     """
     stands = any(robots_stand(problem, period_s) for period_s in problem.periods_s)
-    return not stands and problem.robot.turn_rate_rad_s is None and not len(problem.border_places_m)
+    return not stands and problem.robot.turns_at_once and not len(problem.border_places_m)
 
 
 class Bending:

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.errors import MissionError, NoPlanFound
-from rota.geometry.free_space import nearest_free_point, standing_space
-from rota.geometry.shortest_path import ShortestPaths
+from rota.geometry.free_space import standing_space
 from rota.mission import Mission, Robot, StartBox, StartPoints
 from rota.plan import Plan
 from rota.planners.patrol.tours.timetable import started_at
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_squares, served
 from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.traffic.starts.places import in_turn
 from rota.planners.patrol.verdict import Judge, counted, worst_reached
 
@@ -37,33 +37,6 @@ class Starts:
 
     robots: list[Robot]
     places_m: list[Floats | None]
-
-
-class PathsByBody:
-    """Shortest paths for bodies of every size in the fleet, made when they are needed."""
-
-    def __init__(self, mission: Mission) -> None:
-        self._mission = mission
-        self._paths: dict[float, ShortestPaths] = {}
-
-    def paths(self, body_radius_m: float) -> ShortestPaths:
-        """Shortest paths of the centre of such a body."""
-        if body_radius_m not in self._paths:
-            self._paths[body_radius_m] = ShortestPaths(standing_space(self._mission, body_radius_m))
-        return self._paths[body_radius_m]
-
-    def standing(self, robot: Robot, place_m: Floats) -> Floats:
-        """The place (2,) itself, or the nearest in the standing space, which rounds off corners a little more."""
-        paths = self.paths(robot.body_radius_m)
-        if paths.part_of(place_m[None])[0] >= 0:
-            return place_m
-        nearest = nearest_free_point(standing_space(self._mission, robot.body_radius_m), (place_m[0], place_m[1]))
-        return np.array(nearest)
-
-    def line(self, robot: Robot, start_m: Floats, end_m: Floats) -> Floats:
-        """The shortest path (n, 2) from a start to a place of a loop."""
-        path = self.paths(robot.body_radius_m).path(self.standing(robot, start_m), end_m)
-        return np.vstack([start_m, path])
 
 
 def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
@@ -327,9 +300,10 @@ def timed_approaches(
         robot, start_m, entry_m = starts.robots[k], starts.places_m[k], begun[i][1][0]
         if start_m is None:
             return Approach(times_s=np.zeros(1), places_m=entry_m[None])
-        return timed_approach(paths_by_body.line(robot, start_m, entry_m), robot, first_step_m(begun[i][1]))
+        onward_m = first_step_m(begun[i][1])
+        return timed_approach(paths_by_body.line(robot, start_m, entry_m, onward_m), robot, onward_m)
 
-    turning = any(robot.turn_rate_rad_s is not None for robot in starts.robots)
+    turning = not all(robot.turns_at_once for robot in starts.robots)
     if not anew or not turning or len(starts.robots) * len(begun) > MOST_TIMED_APPROACHES:
         return [approach_of(int(k), i) for i, k in enumerate(who)], who
     every: dict[tuple[int, int], Approach] = {}

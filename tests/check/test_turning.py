@@ -1,0 +1,89 @@
+"""The turn radius: polygons round circles in closed form, corners, straight rows of legs, and seams."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from shapely import MultiPolygon, box
+
+from rota.check.motion import motion_violations
+from rota.check.report import Violation
+from rota.mission import DiscSensor, Fleet, Mission
+from rota.plan import Plan, Trajectory
+
+Floats = NDArray[np.float64]
+RADIUS_M = 5.0
+
+
+def violations(xy: object, *, loop_from: int = 0, radius_m: float = RADIUS_M) -> list[Violation]:
+    """What is wrong with a robot that drives these points at 1 m/s, and loops from one of them on."""
+    points = np.array(xy, dtype=np.float64)
+    times = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    fleet = Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=1), turn_radius_m=radius_m)
+    mission = Mission(name="m", area=MultiPolygon([box(-100, -100, 100, 100)]), fleet=fleet, period_s=1)
+    trajectory = Trajectory(robot="a", times_s=times, positions_m=points, loop_start_s=float(times[loop_from]))
+    return motion_violations(Plan(mission=mission, trajectories=(trajectory,)))
+
+
+def circle(corners: int, *, touching: float) -> Floats:
+    """A closed polygon whose sides touch a circle of this radius; with its first corner again at the end."""
+    angles = np.arange(corners + 1) * (2 * math.pi / corners)
+    ring = touching / math.cos(math.pi / corners) * np.column_stack([np.cos(angles), np.sin(angles)])
+    ring[-1] = ring[0]
+    return ring
+
+
+@pytest.mark.parametrize("corners", [32, 45, 200])
+def test_polygons_round_a_circle_leave_room_for_just_that_circle(corners: int) -> None:
+    assert violations(circle(corners, touching=RADIUS_M)) == []
+    found = violations(circle(corners, touching=0.99 * RADIUS_M))
+    assert {v.kind for v in found} == {"turn radius"}
+    assert len(found) == 20
+    assert found[0].value == pytest.approx(0.99 * RADIUS_M)
+    assert (found[0].limit, found[0].unit, found[0].who) == (RADIUS_M, "m", "a")
+
+
+def test_corners_that_leave_the_arc_too_far_are_too_sharp_however_wide() -> None:
+    assert {v.value for v in violations(circle(31, touching=50))} == {0.0}
+    assert violations(circle(31, touching=50), radius_m=0) == []
+
+
+def test_a_leg_may_be_cut_into_pieces_and_a_round_begin_anywhere() -> None:
+    ring = circle(32, touching=RADIUS_M)
+    cut = np.vstack([ring[:1], (3 * ring[0] + ring[1]) / 4, (ring[0] + ring[1]) / 2, ring[1:]])
+    assert violations(cut) == []
+    assert violations(np.vstack([cut[2:-1], cut[:3]])) == []  # begun in the middle of a leg
+    tight = circle(32, touching=0.9 * RADIUS_M)
+    begun = np.vstack([(tight[0] + tight[1]) / 2, tight[1:], (tight[0] + tight[1]) / 2])
+    assert {round(v.value, 9) for v in violations(begun)} == {4.5}
+
+
+def test_the_seam_of_a_loop_is_a_corner() -> None:
+    drop = np.vstack([[20.0, 0.0], circle(32, touching=RADIUS_M)[4:-4], [20.0, 0.0]])
+    found = violations(drop)
+    assert (20.0, 0.0) in {v.place_m for v in found}
+
+
+def test_an_approach_must_run_into_its_loop() -> None:
+    ring = circle(32, touching=RADIUS_M)
+    along = ring[0] - (ring[1] - ring[0]) * 10
+    assert violations(np.vstack([along, ring]), loop_from=1) == []
+    found = violations(np.vstack([[30.0, 0.0], ring]), loop_from=1)
+    assert found[0].place_m == pytest.approx((ring[0, 0], 0))
+    assert found[0].value == 0
+
+
+def test_many_turns_below_rounding_add_up() -> None:
+    # a turn on the spot in 100,000 legs too short to tell their directions exactly
+    angles = np.linspace(0, math.pi / 2, 100_000)
+    spot = np.cumsum(1e-8 * np.column_stack([np.cos(angles), np.sin(angles)]), axis=0)
+    found = violations(np.vstack([[-50.0, 0.0], [0.0, 0.0], spot, spot[-1] + [0, 50.0]]), loop_from=len(spot) + 2)
+    assert {v.kind for v in found} == {"turn radius"}
+
+
+def test_robots_that_stay_or_never_turn_are_fine() -> None:
+    assert violations([[0, 0]]) == []
+    assert violations([[0, 0], [10, 0], [20, 0]], loop_from=2) == []
