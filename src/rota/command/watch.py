@@ -76,11 +76,10 @@ def watch(
         typer.echo(settings_help(link))
         return
     chosen = _settings(silent, battery, off_route)
-    _require_sense(replay, judge, log, bool(settings) or chosen is not None, seconds, every)
+    _require_sense(replay, judge, log, bool(settings) or chosen is not None, seconds, every, tolerance)
     answer = read_plan_argument(plan)
     if judge is not None:
         raise typer.Exit(_judge(answer, judge, tolerance, as_json))
-    mention_compiling("live")
     if replay is not None:
         raise typer.Exit(_replay(answer, replay, every, as_json))
     made = make_link(link, answer if origin is None else placed_plan(answer, origin), settings or ())
@@ -106,14 +105,20 @@ def _settings(silent: float | None, battery: float | None, off_route: float | No
 
 
 def _require_sense(
-    replay: str | None, judge: str | None, log: str | None, has_settings: bool, seconds: float | None, every: float
+    replay: str | None,
+    judge: str | None,
+    log: str | None,
+    has_settings: bool,
+    seconds: float | None,
+    every: float,
+    tolerance: float,
 ) -> None:
     if replay is not None and judge is not None:
         raise RotaError("--replay, --judge: only one of them is allowed")
     if (replay or judge) and (log is not None or has_settings or seconds is not None):
         option = "--replay" if replay else "--judge"
         raise RotaError(f"{option}: the log says what was watched, and how; leave out all but --every and --json")
-    for option, value in (("--seconds", seconds), ("--every", every)):
+    for option, value in (("--seconds", seconds), ("--every", every), ("--tolerance", tolerance or None)):
         if value is not None and not 0 < value < math.inf:
             raise RotaError(f"{option}: {value:g} is not allowed; a number greater than 0 is needed")
 
@@ -168,10 +173,13 @@ def _watch(
     as_json: bool,
 ) -> int:
     from rota.command.watch_table import WatchTable
+    from rota.live.ready import make_ready
     from rota.live.session import Session
     from rota.live.watch import Watch
     from rota.live.watch_log import LogWriter
 
+    mention_compiling("live")
+    make_ready()
     watched = Watch(plan, chosen)
     is_table = sys.stdout.isatty() and not as_json
     until_s = math.inf if seconds is None else seconds
@@ -214,6 +222,7 @@ def _replay(plan: Plan, path: str, every: float, as_json: bool) -> int:
     from rota.live.watch_log import LogReader
 
     log = LogReader.of(path, plan)
+    mention_compiling("live")
     watched = Watch(plan, log.settings)
     lines = Lines(watched, every, as_json)
     replay(log, watched, lines.show)

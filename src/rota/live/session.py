@@ -9,7 +9,7 @@ import asyncio
 import math
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import aclosing, suppress
 
 from rota.links.link import Link
 from rota.live.events import Event, Tick
@@ -72,13 +72,14 @@ class Session:
                 await reader
 
     async def _read(self, link: Link, clock: LinkClock, until_s: float) -> None:
-        async for report in link.reports():
-            clock.hear(report.time_s)
-            heard = self._intake.take(report, clock.now_s() or 0.0)
-            if heard is not None:
-                self._take(heard)
-            if self._tick_if_due(link, clock, until_s):
-                return
+        async with aclosing(link.reports()) as reports:
+            async for report in reports:
+                clock.hear(report.time_s)
+                heard = self._intake.take(report, clock.now_s() or 0.0)
+                if heard is not None:
+                    self._take(heard)
+                if self._tick_if_due(link, clock, until_s):
+                    return
 
     def _tick_if_due(self, link: Link, clock: LinkClock, until_s: float) -> bool:
         """Tick where it is time to; whether it is ``until_s``."""
