@@ -89,7 +89,6 @@ def first_base(_: Any, grouping: Any, counts: list[int], __: int) -> list[Any]:
 
 MECHANISMS = (
     Mechanism("bending", (f"{REPAIR}.can_bend", f"{ALTERNATION}.can_bend"), lambda *_: False),
-    Mechanism("shortening before the first repair", (f"{ALTERNATION}.shortened",), tours_as_given, changed),
     Mechanism("drawing to the border", (f"{REPAIR}.drawn_to_border",), lambda tours, *_, **__: tours, any_changed),
     Mechanism("tightening", (f"{REPAIR}.tightened",), tours_as_given, always),
     Mechanism("rerouting for bodies", (f"{REPAIR}.led_apart",), lambda *_: None, is_there),

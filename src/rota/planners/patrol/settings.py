@@ -178,11 +178,10 @@ class AlternationSettings:
     unseen_limit: an attempt ends if the tours it begins with leave a larger share of the ground unseen.
     later_unseen_limit: the same after the first annealing, where linear programs do the repair.
     over_budget_limit: an attempt ends if tours are over a budget by a larger share of it.
-    bent_over_budget_limit: the same of tours shortened by linear programs, before the first repair.
+    bent_over_budget_limit: the same before a repair by linear programs.
     gain_limit: an attempt goes on if a repair leaves at most this multiple of the least excess so far.
     near_budget_limit: it goes on, too, if the excess is at most this share of a budget.
     retry_limit: another attempt is made if some repair came within this share of the budgets.
-    shortening_steps: linear programs that shorten the tours before the first repair.
     """
 
     attempts: int
@@ -198,7 +197,6 @@ class AlternationSettings:
     over_budget_limit: float = 0.03
     gain_limit: float = 0.8
     retry_limit: float = 0.002
-    shortening_steps: int = 40
 
     @property
     def stages(self) -> list[Stage]:
@@ -267,7 +265,6 @@ class BendingSettings:
     most_trust: the same of any step.
     least_trust: the bending ends when the steps become smaller than this share of the reach.
     least_gain: a step must promise at least this share of the cost.
-    least_shortening_m: a step that only shortens tours must promise at least this.
     handover_deficit: what tight tours see is handed to others that lack at most this share of the reach for it.
     tight_share: a tour that leaves less of a budget than this share is tight.
     budget_penalty: of a metre over a budget.
@@ -282,7 +279,6 @@ class BendingSettings:
     most_trust: float = 0.1
     least_trust: float = 1e-4
     least_gain: float = 1e-3
-    least_shortening_m: float = 0.003
     handover_deficit: float = 0.02
     tight_share: float = 0.003
     budget_penalty: float = 2.0

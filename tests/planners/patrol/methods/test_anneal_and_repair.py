@@ -26,7 +26,7 @@ def begun(mission: Mission, *, robots: int) -> tuple[Context, Annealing]:
     context = search_on(mission)
     settings = context.settings
     few = replace(settings, annealing=replace(settings.annealing, moves=40_000))
-    few = replace(few, alternation=replace(few.alternation, annealings=2, moves=10_000, shortening_steps=2))
+    few = replace(few, alternation=replace(few.alternation, annealings=2, moves=10_000))
     few = replace(few, repair=replace(few.repair, rounds=1, bending_steps=2))
     context = replace(context, settings=few)
     tours = period_groupings(context.problem, 1)[0].with_robots([robots]).tours

@@ -8,12 +8,12 @@ from collections.abc import Generator, Iterator
 from rota.planners.patrol.annealing.schedule import anneal_tours
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.repair.bending.search import Bending, can_bend
-from rota.planners.patrol.repair.repair import Repaired, are_tight, repair_until_feasible, with_tight_margin
+from rota.planners.patrol.repair.bending.search import can_bend
+from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.settings import AlternationSettings, Stage
-from rota.planners.patrol.tours.tour import Tour, over_budget_share
+from rota.planners.patrol.tours.tour import over_budget_share
 
 SEEDS_APART = 10  # the annealings of one attempt take seeds of their own
 
@@ -52,11 +52,10 @@ def attempt_with_seed(context: Context, search: Annealing, *, seed: int) -> Gene
         search = annealed_once_more(context, search, extra, stage, seed=seed + 1 + turn)
         if turn + 1 < len(settings.first_stages):
             continue
-        tours = shortened(context, search.tours, extra)
-        if bends and over_budget_share(tours) > settings.bent_over_budget_limit:
+        if bends and search.over_budget_share > settings.bent_over_budget_limit:
             break
         repaired = repair_until_feasible(
-            context, tours, extra, may_add=False, rounds=context.settings.repair.rounds, annealed=True
+            context, search.tours, extra, may_add=False, rounds=context.settings.repair.rounds, annealed=True
         )
         if repaired.met and repaired.within_budgets:
             yield repaired
@@ -84,15 +83,3 @@ def goes_on(excess: float, least_excess: float, settings: AlternationSettings) -
     """Whether another annealing may bring the tours within budgets that they exceed by this share after a repair."""
     gains = excess <= max(settings.gain_limit * least_excess, settings.near_budget_limit)
     return gains and excess <= settings.over_budget_limit
-
-
-def shortened(context: Context, tours: list[Tour], extra: SamplePoints) -> list[Tour]:
-    """Tight tours bent as short as they come while they see as much, so that the repair has most to spend."""
-    problem, settings = context.problem, context.settings
-    if not can_bend(problem) or not are_tight(context, tours):
-        return tours
-    _, samples = prepared_with(problem, extra)
-    weight = settings.annealing.length_weight
-    bending = Bending(with_tight_margin(context, tours), tours, samples, settings.bending, length_weight=weight)
-    bending.run(settings.alternation.shortening_steps, should_stop=context.should_stop)
-    return bending.tours

@@ -57,7 +57,8 @@ def samples_at(problem: Problem, places_m: object) -> tuple[SamplePoints, object
 
 
 def shortest(problem: Problem, begun: Tour, places_m: object) -> Tour:
-    search = Bending(problem, [begun], samples_at(problem, places_m)[1], BENDING, length_weight=0.3)  # type: ignore[arg-type]
+    far_too_long = replace(begun, period_s=1.0)
+    search = Bending(problem, [far_too_long], samples_at(problem, places_m)[1], BENDING)  # type: ignore[arg-type]
     search.run(300, should_stop=lambda: False)
     return search.tours[0]
 
@@ -179,8 +180,8 @@ def test_nobody_leaves_the_space() -> None:
     problem = problem_of(box(20, 20, 40, 40))
     # the short way leads through the obstacle, and everything pulls there
     corners = [[18, 18], [42, 18], [42, 42], [18, 42]]
-    begun = tour(problem, corners)
-    search = Bending(problem, [begun], samples_at(problem, corners)[1], BENDING, length_weight=0.3)  # type: ignore[arg-type]
+    begun = tour(problem, corners, period_s=1.0)
+    search = Bending(problem, [begun], samples_at(problem, corners)[1], BENDING)  # type: ignore[arg-type]
     search.run(60, should_stop=lambda: False)
     ring = search.tours[0].vertices_m
     assert free_segments(ring, np.roll(ring, -1, axis=0), problem.paths.grid).all()

@@ -38,12 +38,11 @@ class Step(NamedTuple):
 def best_step(
     layout: Layout, places_m: Floats, settings: BendingSettings, ranges: Rows, clearances: Rows, *,
     fixed: Flags, trust_m: float, reserve: float,
-    length_weight: float,
 ) -> Step | None:  # fmt: skip
     """The moves, along either axis at most twice ``trust_m``, after which least is lacking; None: there is no answer.
 
     ranges: what samples may lose, for a price. clearances: how near vertices may come to the border, at no price.
-    fixed (n,): vertices that stay. reserve: share of the budgets that is left alone. length_weight: of every metre.
+    fixed (n,): vertices that stay. reserve: share of the budgets that is left alone.
     """
     n, b = len(places_m), len(layout.budget_m)
     moved = moves_of(layout, fixed)
@@ -51,15 +50,12 @@ def best_step(
     lengths_m = layout.lengths_m(places_m)
     budgets = csr_array(csr_array(layout.counts) @ by_tour)
     left_m = layout.budget_m * (1 - reserve) - layout.counts @ lengths_m
-    longer = length_weight * np.asarray((by_tour @ moved).sum(axis=0)).ravel()
     most_m = np.repeat(np.where(fixed, 0.0, trust_m), 2)
     used, nearer, closer = budgets @ moved, csr_array(ranges.along @ moved), clearances.along @ moved
     # a variable is the difference of two numbers that are not negative, so that its size has a price
     hard = [[used, -used, -eye_array(b)], *([[closer, -closer, None]] if closer.shape[0] else [])]
     program = GrowingProgram(
-        np.concatenate(
-            [settings.move_weight + longer, settings.move_weight - longer, np.full(b, settings.budget_penalty)]
-        ),
+        np.concatenate([np.full(4 * n, settings.move_weight), np.full(b, settings.budget_penalty)]),
         np.concatenate([most_m, most_m, np.full(b, np.inf)]),
         csr_array(block_array(hard)),
         np.concatenate([left_m, clearances.most_m]),
@@ -76,7 +72,7 @@ def best_step(
         variables = values[: 2 * n] - values[2 * n : 4 * n]
         beyond_m = nearer @ variables - ranges.most_m
         if not (beyond_m[~taken] > AIM_M).any():
-            return Step((moved @ variables).reshape(n, 2), cost + length_weight * float(lengths_m.sum()))
+            return Step((moved @ variables).reshape(n, 2), cost)
         new = ~taken & (beyond_m > -settings.first_rows * trust_m)
         taken = taken | new
 

@@ -51,14 +51,10 @@ class Bending:
         settings: BendingSettings,
         *,
         reserve: float = 0.0,
-        length_weight: float = 0.0,
     ) -> None:
-        """length_weight: of every metre; 0: tours within their budgets are as good as shorter ones.
-
-        Then they move no more than they need to, so that nothing else is lost.
-        """
+        """Tours within their budgets are as good as shorter ones: they move no more than they need to."""
         self._problem, self._samples, self._settings = problem, samples, settings
-        self._reserve, self._length_weight = reserve, length_weight
+        self._reserve = reserve
         self._reach_m = problem.reach_m
         self._square = not isinstance(problem.robot.sensor, DiscSensor)
         self._border = Border(border_segments(problem.space))
@@ -112,7 +108,7 @@ class Bending:
         step = best_step(
             layout, places_m, self._settings,
             range_rows(layout, places_m, self._sightings, self._samples, square=self._square, near_m=near_m),
-            clearances, fixed=fixed, trust_m=self._trust_m, reserve=self._reserve, length_weight=self._length_weight,
+            clearances, fixed=fixed, trust_m=self._trust_m, reserve=self._reserve,
         )  # fmt: skip
         if step is None or self._cost - step.cost < self._worth:
             return False
@@ -138,17 +134,14 @@ class Bending:
     @property
     def _worth(self) -> float:
         """What a step must promise to gain."""
-        lengths_m = float(self._layout.lengths_m(self._places_m).sum())
-        least = self._settings.least_shortening_m * self._length_weight if self._length_weight else ROUNDING
-        return max(least, self._settings.least_gain * (self._cost - self._length_weight * lengths_m))
+        return max(ROUNDING, self._settings.least_gain * self._cost)
 
     def _cost_of(self, places_m: Floats, sightings: Sightings) -> float:
         layout, settings = self._layout, self._settings
         lengths_m = layout.lengths_m(places_m)
         over_m = np.maximum(0.0, layout.counts @ lengths_m - layout.budget_m * (1 - self._reserve)).sum()
         deficit_m = np.clip(sightings.range_deficit_m, 0.0, settings.deficit_limit * self._reach_m).sum()
-        weighed = settings.budget_penalty * over_m + settings.range_weight * deficit_m
-        return float(weighed + self._length_weight * lengths_m.sum())
+        return float(settings.budget_penalty * over_m + settings.range_weight * deficit_m)
 
     def _kept_free(self, then_m: Floats) -> Floats:
         """The places, with the vertices of legs that would leave the space back where they were."""
