@@ -38,12 +38,13 @@ def ros2(
 ) -> None:
     """Play a plan on ROS 2 topics, for RViz and Foxglove."""
     from rota.files.ros.library import require_rosbags
-    from rota.ros2.node import Publishers, opened_node, stay_on_loopback
+    from rota.ros2.node import Publishers, opened_node, require_rclpy, stay_on_loopback
 
     require_rosbags("rota ros2")
     answer = read_plan_argument(plan)
     if not answer.trajectories:
         raise PlanError("a plan without robots has nothing to play")
+    require_rclpy("geometry_msgs.msg", "nav_msgs.msg")
     if not network:
         stay_on_loopback()
     with opened_node("rota") as node:

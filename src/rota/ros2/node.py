@@ -22,7 +22,9 @@ CHOSEN_BY = (
     "CYCLONEDDS_URI",
 )
 BEFORE_RANGES = ("foxy", "galactic", "humble")  # know ROS_LOCALHOST_ONLY alone
-WHEELS = "ros-kilted-rclpy ros-kilted-rmw-fastrtps-cpp ros-kilted-nav-msgs ros-kilted-visualization-msgs"
+WHEELS = " ".join(f"ros-kilted-{name}" for name in (
+    "rclpy", "rmw-fastrtps-cpp", "nav-msgs", "sensor-msgs", "std-srvs", "visualization-msgs"
+))  # fmt: skip
 
 
 def stay_on_loopback() -> None:
@@ -75,19 +77,24 @@ class Publishers:
         return self._node.create_publisher(kind, message.topic, quality)
 
 
-@contextmanager
-def opened_node(name: str) -> Iterator[Any]:
-    """A node that is gone after the block, with signals left to the program. RotaError where rclpy is missing."""
+def require_rclpy(*packages: str) -> None:
+    """Raise RotaError where rclpy or one of these packages of messages is not installed."""
     try:
-        import rclpy
-        from rclpy.signals import SignalHandlerOptions
-
-        for package in ("nav_msgs.msg", "geometry_msgs.msg"):
+        for package in ("rclpy", *packages):
             import_module(package)
     except ImportError as error:
         raise RotaError(
             f"ROS 2 cannot be reached: {error}. Source a ROS 2 installation, or pip install {WHEELS}"
         ) from None
+
+
+@contextmanager
+def opened_node(name: str) -> Iterator[Any]:
+    """A node that is gone after the block, with signals left to the program. RotaError where ROS 2 cannot be used."""
+    require_rclpy()
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
     try:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         node = rclpy.create_node(name)

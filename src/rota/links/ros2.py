@@ -1,0 +1,216 @@
+"""Robots on ROS 2, by rclpy and standard messages: each in a namespace of its own, on the frame ``map``.
+
+A robot publishes ``pose`` (geometry_msgs/PoseStamped), and may publish ``battery_state`` (sensor_msgs/BatteryState),
+``mode`` (std_msgs/String, a mode of ``rota.links.link``) and ``robot_type`` (std_msgs/String, latched). It takes
+``route`` (nav_msgs/Path, see ``rota.links.ros2_route``), and serves ``get_route`` (nav_msgs/GetPlan: the route that it
+holds) and ``start``, ``pause``, ``come_home`` and ``clear_route`` (std_srvs/Trigger).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import AsyncGenerator, Callable
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, ClassVar
+
+from rota.errors import LinkError
+from rota.files.ros.names import MAP_FRAME, namespaces
+from rota.links.inbox import Bounds, ReportInbox
+from rota.links.link import Report
+from rota.links.plan_clock import PlanClock
+from rota.links.ros2_robot import ASK_AGAIN_S, Ros2Robot, nanoseconds
+from rota.links.ros2_route import NS_PER_S, path_differences, timed_path
+from rota.plan import Plan
+from rota.planner_settings import Settings, setting
+from rota.ros2.node import opened_node, require_rclpy, stay_on_loopback
+from rota.route import Route
+
+MOST_PENDING = 10_000  # messages that have arrived and that nobody has looked at yet
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ros2Settings(Settings):
+    """Settings of the link ``ros2``."""
+
+    place: ClassVar[str] = "ros2"
+    network: bool = setting(False, "robots on other machines, too, and not on this one alone")
+    robot_type: str = setting("", "what robots must say on robot_type; empty: anything or nothing")
+    wait_s: float = setting(10.0, "how long a robot may take to be heard", above=0, most=3600)
+    answer_s: float = setting(5.0, "how long it may take to answer", above=0, most=3600)
+    start_time: str = setting("", "when the plan started, in ISO 8601; empty: when this link opened")
+
+
+SETTINGS = Ros2Settings
+
+
+def link_to(plan: Plan, settings: Ros2Settings) -> Ros2Link:
+    """A robot for each of the plan's, in the namespace that its name gives."""
+    require_rclpy("geometry_msgs.msg", "nav_msgs.srv", "sensor_msgs.msg", "std_msgs.msg", "std_srvs.srv")
+    names = dict(zip((trajectory.robot for trajectory in plan), namespaces(plan), strict=True))
+    return Ros2Link(names, plan.mission.area.bounds, settings)
+
+
+class Ros2Link:
+    """A Link to robots on ROS 2; see the module."""
+
+    takes_fences = False
+    drives_along = False
+
+    def __init__(self, names: dict[str, str], bounds_m: Bounds, settings: Ros2Settings) -> None:
+        self._settings = settings
+        self._robots = {robot: Ros2Robot(name=robot, namespace=namespace) for robot, namespace in names.items()}
+        self._inbox = ReportInbox(self._robots, bounds_m)
+        self._clock = PlanClock(settings.start_time, "ros2.start_time")
+        self._closing = ExitStack()
+        self._pending = 0
+        self._too_many = 0
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The names of the robots, in the plan's order."""
+        return tuple(self._robots)
+
+    @property
+    def rejected(self) -> int:
+        """How many messages were dropped."""
+        return self._inbox.rejected + self._too_many
+
+    def latest(self, robot: str) -> Report | None:
+        """The robot's last report, None before the first."""
+        return self._inbox.latest(robot)
+
+    # ------------------------------------------------------------ the node
+
+    async def open(self) -> None:
+        """Raises LinkError for robots that are not heard or of another type."""
+        if not self._settings.network:
+            stay_on_loopback()
+        self._clock.begin()
+        node = self._closing.enter_context(opened_node("rota_link"))
+        deliver = partial(self._deliver, asyncio.get_running_loop())
+        for robot in self._robots.values():
+            robot.connect(node, deliver, self._take_pose, self._inbox.reject)
+        self._closing.callback(_spinning(node))
+        robots = self._robots.values()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(self._settings.wait_s):
+                await asyncio.gather(*(robot.heard.wait() for robot in robots))
+        silent = {robot.name for robot in robots if not robot.heard.is_set()}
+        limit_s = self._settings.wait_s
+        faults = [f"robot {robot.name}: not heard within {limit_s:g} s" for robot in robots if robot.name in silent]
+        faults += await self._of_another_type(self._settings.robot_type, silent)
+        if faults:
+            raise LinkError("\n".join(faults))
+
+    async def _of_another_type(self, needed: str, silent: set[str]) -> list[str]:
+        """A sentence for each robot that is heard and does not say in time that it is of the type needed."""
+        others = [robot for robot in self._robots.values() if needed and robot.name not in silent]
+        with suppress(TimeoutError):
+            async with asyncio.timeout(self._settings.answer_s):
+                while any(robot.kind is None for robot in others):
+                    await asyncio.sleep(ASK_AGAIN_S)
+        return [
+            f"robot {robot.name}: it is {robot.kind or 'of no type that it tells'}; {needed} is needed"
+            for robot in others
+            if robot.kind != needed
+        ]
+
+    def _deliver(self, loop: asyncio.AbstractEventLoop, take: Callable[[], None]) -> None:
+        """Let the event loop take what has arrived in the thread of rclpy; drop it where too much waits."""
+        if self._pending >= MOST_PENDING or loop.is_closed():
+            self._too_many += 1
+            return
+        self._pending += 1
+        loop.call_soon_threadsafe(self._take, take)
+
+    def _take(self, take: Callable[[], None]) -> None:
+        self._pending -= 1
+        take()
+
+    def _take_pose(self, robot: Ros2Robot, message: Any) -> None:
+        """Offer a pose as a report; a stamp of 0 is no time, and the report is then of now."""
+        if message.header.frame_id != MAP_FRAME:
+            self._inbox.reject()
+            return
+        stamp_ns, now_s = nanoseconds(message.header.stamp), self._clock.now_s()
+        place = message.pose.position
+        taken = self._inbox.offer(
+            now_s=now_s,
+            robot=robot.name,
+            time_s=self._clock.of_unix_s(stamp_ns / NS_PER_S) if stamp_ns else now_s,
+            position_m=(place.x, place.y, place.z),
+            battery=robot.battery,
+            mode=robot.mode,
+        )
+        if taken:
+            robot.heard.set()
+
+    async def reports(self) -> AsyncGenerator[Report, None]:
+        """All reports as they arrive."""
+        async for report in self._inbox.reports():
+            yield report
+
+    async def close(self) -> None:
+        """The node is gone; robots go on with what they do."""
+        self._inbox.close()
+        await asyncio.to_thread(self._closing.close)
+
+    # ------------------------------------------------------------ orders
+
+    async def send_route(self, route: Route) -> None:
+        """Take away what the robot holds, publish its route, and wait until it holds one."""
+        robot = self._robot(route.robot)
+        await robot.order("clear_route", self._settings.answer_s)
+        await robot.hold(timed_path(route), self._settings.answer_s)
+
+    async def differences(self, route: Route) -> tuple[str, ...]:
+        """Ask the robot for its route, and compare it pose by pose."""
+        held = await self._robot(route.robot).held(self._settings.answer_s)
+        return path_differences(timed_path(route), held)
+
+    async def clear_route(self, robot: str) -> None:
+        """Call the robot's clear_route."""
+        await self._robot(robot).order("clear_route", self._settings.answer_s)
+
+    async def start(self, robot: str) -> None:
+        """Call the robot's start."""
+        await self._robot(robot).order("start", self._settings.answer_s)
+
+    async def pause(self, robot: str) -> None:
+        """Call the robot's pause."""
+        await self._robot(robot).order("pause", self._settings.answer_s)
+
+    async def come_home(self, robot: str) -> None:
+        """Call the robot's come_home."""
+        await self._robot(robot).order("come_home", self._settings.answer_s)
+
+    def _robot(self, name: str) -> Ros2Robot:
+        if name not in self._robots:
+            raise LinkError(f"robot {name}: nothing is known of it; the link reaches {', '.join(self._robots)}")
+        return self._robots[name]
+
+
+def _spinning(node: Any) -> Callable[[], None]:
+    """Let a thread look after the node's messages; returns what ends that."""
+    from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+
+    def spin() -> None:
+        try:
+            executor.spin()
+        except ExternalShutdownException:
+            return
+
+    thread = threading.Thread(target=spin, name="rota ROS 2", daemon=True)
+    thread.start()
+
+    def end() -> None:
+        executor.shutdown()
+        thread.join(5.0)
+
+    return end

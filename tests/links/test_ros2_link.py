@@ -1,0 +1,147 @@
+"""The ROS 2 link with robots of rclpy, on loopback."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Awaitable, Callable
+from contextlib import aclosing
+from typing import Any
+
+import pytest
+from tests.links.fleets import loop_of, plan_of, routes_of, staying
+from tests.links.ros2_robots import ScriptedRobot, on_air
+
+from rota.errors import LinkError
+from rota.links.link_settings import make_link
+from rota.links.sending import routes_for, send_all, start_all
+from rota.ros2.node import CHOSEN_BY, stay_on_loopback
+
+pytestmark = pytest.mark.ros
+
+PLAN = plan_of(loop_of("robot-1", 0.0), staying("b"))
+
+
+@pytest.fixture(autouse=True)
+def alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A domain that no other program on this machine is likely to use, and loopback."""
+    pytest.importorskip("rclpy")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    for name in CHOSEN_BY:
+        monkeypatch.setenv(name, "")
+    stay_on_loopback()
+
+
+def two(**faults: str) -> tuple[ScriptedRobot, ScriptedRobot]:
+    first = ScriptedRobot("robot_1", (-10.0, 0.0, 0.5), fault=faults.get("first", ""))
+    return first, ScriptedRobot("b", (0.0, 60.0, 0.0), fault=faults.get("second", ""))
+
+
+def with_link(robots: Any, what: Callable[[Any], Awaitable[Any]], **given: Any) -> Any:
+    """What comes of doing something with a link to the robots."""
+    settings = {"answer_s": 10, **given}
+
+    async def run() -> Any:
+        link = make_link("ros2", PLAN, [f"{key}={value}" for key, value in settings.items()])
+        try:
+            await link.open()
+            return await what(link)
+        finally:
+            await link.close()
+
+    with on_air(*robots):
+        return asyncio.run(run())
+
+
+def test_routes_arrive_whole_and_orders_are_obeyed() -> None:
+    robots = two()
+
+    async def drive(link: Any) -> None:
+        routes = routes_for(PLAN, link)
+        assert link.robots == ("robot-1", "b")
+        await send_all(link, routes)
+        await start_all(link, routes)
+        await link.pause("b")
+        async with aclosing(link.reports()) as reports, asyncio.timeout(30):
+            async for report in reports:
+                if report.robot == "b" and report.mode == "paused":
+                    break
+        latest = link.latest("robot-1")
+        assert latest.position_m == (-10.0, 0.0, 0.5)
+        assert latest.battery == pytest.approx(0.75)
+        assert latest.mode == "running"
+        assert -1 < latest.time_s < 60
+        await link.come_home("b")
+        assert link.rejected == 0
+
+    with_link(robots, drive)
+    held = robots[0].route
+    assert held.header.frame_id == "map"
+    assert [pose.header.stamp.sec for pose in held.poses] == [0, 2, 17, 20, 25, 40, 45]
+    assert held.header.stamp.sec == 2
+    places = [(pose.pose.position.x, pose.pose.position.y) for pose in held.poses]
+    assert places == [tuple(place) for place in PLAN.trajectories[0].positions_m.tolist()]
+    assert [robot.orders for robot in robots] == [
+        ["clear_route", "start"],
+        ["clear_route", "start", "pause", "come_home"],
+    ]
+
+
+def test_half_a_route_leaves_nobody_with_any() -> None:
+    robots = two(second="half")
+
+    async def send(link: Any) -> None:
+        with pytest.raises(LinkError, match="robot b: read back, its route is another one: it holds 1 poses of 2"):
+            await send_all(link, routes_of(PLAN))
+
+    with_link(robots, send)
+    assert [len(robot.route.poses) for robot in robots] == [0, 0]
+
+
+def test_a_refusal_is_told_and_the_others_are_called_home() -> None:
+    robots = two(second="refuses")
+
+    async def go(link: Any) -> None:
+        await send_all(link, routes_of(PLAN))
+        with pytest.raises(LinkError, match="robot b: start: it refuses: the emergency stop is pressed"):
+            await start_all(link, routes_of(PLAN))
+
+    with_link(robots, go)
+    assert robots[0].orders[-1] == "come_home"
+
+
+def test_silence_is_an_error_that_names_the_robot() -> None:
+    async def send(link: Any) -> None:
+        with pytest.raises(LinkError, match="robot b: clear_route: no answer within 1 s"):
+            await send_all(link, routes_of(PLAN))
+
+    with_link(two(second="deaf"), send, answer_s=1)
+    with pytest.raises(LinkError, match=r"^robot b: not heard within 1.5 s$"):
+        with_link(two()[:1], send, wait_s=1.5)
+
+
+def test_robots_of_another_type_are_refused() -> None:
+    async def nothing(link: Any) -> None:
+        assert link.robots
+
+    with pytest.raises(LinkError, match="robot robot-1: it is drone; boat is needed\nrobot b: it is drone; boat"):
+        with_link(two(), nothing, robot_type="boat")
+    with_link(two(), nothing, robot_type="drone")
+
+
+@pytest.mark.parametrize("fault", ["nan", "frame"])
+def test_poses_that_cannot_be_used_are_dropped_and_counted(fault: str) -> None:
+    counted = []
+
+    async def run() -> None:
+        link = make_link("ros2", PLAN, ["wait_s=2"])
+        try:
+            with pytest.raises(LinkError, match=r"^robot b: not heard within 2 s$"):
+                await link.open()
+            counted.append(link.rejected)
+        finally:
+            await link.close()
+
+    with on_air(*two(second=fault)):
+        asyncio.run(run())
+    assert counted[0] > 3
