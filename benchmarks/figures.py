@@ -34,6 +34,7 @@ from benchmarks.swarm_coverage import swarm_coverage
 from benchmarks.swarm_jams import swarm_jams
 from benchmarks.swarm_million import swarm_million
 from benchmarks.swarm_peer import swarm_peer
+from benchmarks.swarm_processes import swarm_processes
 from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
@@ -159,6 +160,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "swarm-peer": swarm_peer,
     "swarm-million": swarm_million,
     "swarm-space": swarm_space,
+    "swarm-processes": swarm_processes,
     "create2-sketch": create2_sketch,
     "bounce-map": bounce_map,
     "bounce-monitoring": bounce_monitoring,

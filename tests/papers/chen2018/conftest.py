@@ -20,6 +20,8 @@ SMALL = StudySettings(
     gain_seeds=1,
     claim_seeds=1,
     long_steps=60,
+    process_seeds=1,
+    process_s=2.0,
 )
 
 

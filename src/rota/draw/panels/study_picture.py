@@ -21,8 +21,9 @@ from rota.draw.palette import GROUND, OBSTACLE, OUTSIDE, OVER_PERIOD, ROUTE_COLO
 from rota.draw.panels.cells_panel import HEAT, HeatPanel
 from rota.draw.panels.curve_panel import CurvePanel
 from rota.draw.panels.map_panel import MapPanel
+from rota.draw.panels.relief_panel import ReliefPanel
 
-Panel = MapPanel | CurvePanel
+Panel = MapPanel | CurvePanel | ReliefPanel
 
 # inches
 WIDTH, MARGIN, GAP, Y_AXIS, X_AXIS, TITLE, NOTE, CURVE_HEIGHT = 6.1, 0.06, 0.16, 0.5, 0.4, 0.24, 0.17, 2.1
@@ -48,8 +49,10 @@ class _Row:
         return self.head + self.high + self.foot
 
 
-def _slope(panel: MapPanel) -> float:
+def _slope(panel: MapPanel | ReliefPanel) -> float:
     """Height over width of the map with its rim."""
+    if isinstance(panel, ReliefPanel):
+        return panel.slope
     left, bottom, right, top = panel.mission.area.bounds
     pad_m = 0.05 * ((right - left) * (top - bottom)) ** 0.5
     return float((top - bottom + pad_m) / (right - left + pad_m))
@@ -68,7 +71,7 @@ def _rows(panels: Sequence[Panel], columns: int, width: float) -> list[_Row]:
     for group in groups:
         share = 1 if isinstance(group[0], CurvePanel) and group[0].wide else columns
         wide = (width - 2 * MARGIN - (share - 1) * GAP) / share - Y_AXIS
-        high = max([wide * _slope(one) for one in group if isinstance(one, MapPanel)], default=CURVE_HEIGHT)
+        high = max([wide * _slope(one) for one in group if not isinstance(one, CurvePanel)], default=CURVE_HEIGHT)
         head = TITLE + (NOTE if any(panel.note for panel in group) else 0.0)
         foot = X_AXIS + max(legend_height(panel.entries, wide + LEGEND_BEYOND) for panel in group)
         rows.append(_Row(panels=tuple(group), width=wide, high=high, head=head, foot=foot))

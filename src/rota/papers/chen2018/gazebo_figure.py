@@ -54,8 +54,7 @@ def figure_23_section(runs: Runs) -> Section:
         "values are told, nor where they start, nor the step.",
         ours=f"{_told(by_controller[EXACT.name])} At most {MOST:.1%} can be covered. With a step of 0.25 s a robot "
         "goes up to 5 m in one, a third of its sensor's reach, so that neighbours overshoot each other. Robots here "
-        "decide all at once in one process; 16 ROS nodes do not. Flights in Gazebo, with their dynamics, are not made "
-        "again.",
+        "decide all at once in one process; those of Figure 22 do not.",
         tables=(table,),
         verdicts=(_verdict(by_controller[EXACT.name]),),
     )  # fmt: skip

@@ -26,6 +26,8 @@ OBSTACLE_CENTRE_M = (125.0, 125.0)
 LARGE_STARTS_M: dict[LargeStart, tuple[float, float]] = {"corner": (0, 0), "left": (0, 250), "centre": (500, 250)}
 """Of Figure 21: where the start box begins. The paper shows it in a picture only; three places of ours."""
 GAZEBO_START_M = 40.0
+HILLS = ((0.25, 0.3, 26, 14), (0.7, 0.25, 20, 9), (0.55, 0.75, 30, 18), (0.15, 0.8, 18, 8), (0.9, 0.6, 16, 7))
+"""Of Section 5.3: middles as shares of the side, widths and heights in metres. The paper shows mountains only."""
 LARGE_OBSTACLES_M = ((500, 650, 700, 750), (1100, 700, 1150, 900), (1200, 200, 1300, 350), (1500, 600, 1600, 800))
 """Of Figure 21: x0, y0, x1, y1 of rectangles, outside the start box in the corner."""
 
@@ -78,6 +80,15 @@ def gazebo() -> Mission:
         area=MultiPolygon([box(0, 0, paper.GAZEBO_SIDE_M, paper.GAZEBO_SIDE_M)]),
         fleet=Fleet(robots=robots, start=StartBox(low_m=(low_m, low_m), high_m=(high_m, high_m)), **like),
         planning=SwarmSettings(),
+    )
+
+
+def hills_m(x: float, y: float) -> float:
+    """Height in metres of our mountainous region at a place of Section 5.3: five round hills; the paper tells none."""
+    side_m = paper.GAZEBO_SIDE_M
+    return sum(
+        height_m * math.exp(-((x - a * side_m) ** 2 + (y - b * side_m) ** 2) / width_m**2)
+        for a, b, width_m, height_m in HILLS
     )
 
 

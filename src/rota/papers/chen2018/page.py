@@ -42,7 +42,8 @@ LEFT_OPEN = (
     "**The baselines** are told by reference only; ours are made as well as we could. The gain of VFA is chosen by "
     "a sweep "
     "(Figure 18).",
-    "**Figures 1 to 8 and 10** are drawings that explain; Figure 22 is a screenshot. They have no result.",
+    "**Figures 1 to 8 and 10** are drawings that explain; they have no result. Figure 22 is a screenshot; in its place "
+    "stands what we recorded of sixteen processes.",
     "**Table 3.** Which cases it has is not told. RD's average is printed as 14.807 ms, its three cases make 14.801.",
     "**One run.** The paper shows single runs; ours are as many seeds as the tables say, with mean ± standard "
     "deviation.",
@@ -80,7 +81,8 @@ def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
         "area and hold. Each figure has what the paper says beside what its controller, the two methods that it "
         "compares "
         "with and Rota's own do here. All numbers under **Here** and in columns of ours come from that one run; only "
-        "the times of decisions (Table 3 and the last section) differ from machine to machine, and from hour to hour.",
+        "the times of decisions (Table 3 and the last section) and the processes of Figure 22, which run in real time, "
+        "differ from machine to machine, and from hour to hour.",
         *(["## What became of the claims", _claims(sections)] if any(section.verdicts for section in sections) else []),
         "## The controllers",
         "\n".join(f"- {line}" for line in CONTROLLERS),

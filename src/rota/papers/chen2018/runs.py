@@ -68,6 +68,7 @@ class StudySettings:
 
     scales, scale_seeds, scale_steps: Figure 20; large_robots, large_steps: Figure 21, long_steps: how that goes on.
     timed_steps: Table 3. gain_seeds: of the sweep in Figure 18; claim_seeds: of what the paper has no figure for.
+    process_seeds, process_s: how often, and for how long, robots run as processes of their own (Figure 22).
     """
 
     seeds: int = 10
@@ -81,6 +82,8 @@ class StudySettings:
     gain_seeds: int = 5
     claim_seeds: int = 5
     long_steps: int = 20_000
+    process_seeds: int = 3
+    process_s: float = 20.0
 
 
 class Job(NamedTuple):
@@ -125,7 +128,7 @@ class Runs:
         self.settings = settings
         self.seed = seed
         self.tell = tell
-        self._should_stop = should_stop
+        self.should_stop = should_stop
         self._known: dict[tuple[str, str, int, int], Outcome] = {}
 
     def __call__(self, mission: Mission, controller: Controller, *, most_steps: int | None = None) -> Outcome:
@@ -155,7 +158,7 @@ class Runs:
 
     def stop_if_asked(self) -> None:
         """Raise StudyStopped when somebody asked for it."""
-        if self._should_stop():
+        if self.should_stop():
             raise StudyStopped
 
     def _run(self, job: Job) -> Outcome:
@@ -163,7 +166,7 @@ class Runs:
         self.stop_if_asked()
         self.tell(f"{job.mission.name}: {job.controller.name}, seed {job.seed}")
         mission = replace(job.mission, planning=replace(job.controller.settings, most_steps=job.most_steps))
-        run = run_mission(mission, seed=job.seed, should_stop=self._should_stop, observed=True)
+        run = run_mission(mission, seed=job.seed, should_stop=self.should_stop, observed=True)
         self.stop_if_asked()  # what was stopped early is not shown
         return outcome_of(mission, run)
 
