@@ -19,7 +19,7 @@ from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
 from rota.papers.chen2018.gazebo_figure import MOST, SHOWN_S
 from rota.papers.chen2018.panels import COLOURS, SHADE
-from rota.papers.chen2018.runs import FILTERED, SETTLE, Controller, Runs, covered_in
+from rota.papers.chen2018.runs import FILTERED, SETTLE, Controller, Outcome, Runs, covered_in
 from rota.papers.chen2018.small_figures import plus_minus
 from rota.papers.chen2018.verdicts import holds_if
 from rota.papers.section import Picture, Section, Verdict
@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 CONTROLLERS = (FILTERED, SETTLE)
 STEP_S = 0.1
 ALTITUDE_M = 50.0
+SPREAD = 2.0  # times what they cover at the start, at least, by which robots have spread
 WITHIN = 0.01  # of the coverage in the end, from when on robots count as steady
 PORTS = range(47_700, 49_000, 20)  # the first that are free
 TOLD_S = (2.0, 5.0, paper.GAZEBO_REST_S)
@@ -90,7 +91,7 @@ def figure_22_section(runs: Runs) -> Section:
         "Rota's last filter, which heeds how old news are: without it nothing keeps bodies apart. Processes run when "
         "the system lets them, so that a run differs from the next one of the same seed.",
         tables=(_table(flights, runs.settings.process_s),),
-        verdicts=_verdicts(published),
+        verdicts=_verdicts(published, runs.seeds(maps.gazebo(), FILTERED, runs.settings.claim_seeds)),
     )  # fmt: skip
 
 
@@ -220,19 +221,22 @@ def _table(flights: dict[str, list[Flight]], run_s: float) -> Table:
     )  # fmt: skip
 
 
-def _verdicts(flights: Sequence[Flight]) -> tuple[Verdict, ...]:
-    steady_s = [flight.steady_s for flight in flights]
+def _verdicts(flights: Sequence[Flight], together: Sequence[Outcome]) -> tuple[Verdict, ...]:
+    """On RD; together: the same controller's runs in one program (Figure 23)."""
+    steady = plus_minus([flight.steady_s for flight in flights], ".1f")
     end = plus_minus([100 * float(flight.shares[-1]) for flight in flights], ".1f")
+    one = plus_minus([100 * run.coverage for run in together], ".1f")
+    spread = min(float(flight.shares[-1] / flight.shares[0]) for flight in flights) > SPREAD
     return (
         Verdict(
-            "Run in a distributed way, each UAV a node of its own, the swarm spreads as it does in one program",
-            "5.3, Figure 22", holds_if(min(float(flight.shares[-1]) for flight in flights) > MOST - 0.1),
-            f"In processes that decide by what the others sent RD covers {end} % in the end, of at most {MOST:.1%}.",
+            "Each UAV is a node of its own, so that the swarm runs in a distributed way", "5.3, Figure 22",
+            holds_if(spread),
+            f"Sixteen processes that know what the others send cover {end} % in the end, RD in one program {one} %, of "
+            f"at most {MOST:.1%}.",
         ),
         Verdict(
-            "Sixteen nodes reach their maximum coverage at 10 s", "5.3, Figures 22 and 23",
-            holds_if(max(steady_s) <= paper.GAZEBO_REST_S),
-            f"RD in processes is within a point of the coverage that it ends with from {plus_minus(steady_s, '.1f')} s "
-            "on.",
+            "Sixteen nodes are steady at 10 s", "5.3, Figures 22 and 23",
+            holds_if(max(flight.steady_s for flight in flights) <= paper.GAZEBO_REST_S),
+            f"Within a point of what they cover in the end from {steady} s on; that is not the most that they can.",
         ),
     )  # fmt: skip
