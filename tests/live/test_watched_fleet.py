@@ -176,3 +176,20 @@ def test_a_jump_is_not_driven() -> None:
     x = watch._ages.places.points_m[seen][:, 0]
     assert x.min() < 4
     assert not ((x > 5) & (x < 86)).any()
+
+
+def test_robots_that_began_late_are_found_on_their_routes() -> None:
+    plan = two_robots()
+    watch = watched(plan)
+    late_s = 13.0
+    events: list[Event] = [
+        event._replace(at_s=event.at_s + late_s, time_s=event.time_s + late_s)
+        if isinstance(event, Heard)
+        else event._replace(now_s=event.now_s + late_s)
+        if isinstance(event, Tick)
+        else event
+        for event in driven(plan, 30.0)
+    ]
+    assert told(watch, events) == []
+    assert [robot.lag_s for robot in watch.state().robots] == pytest.approx([late_s] * 2)
+    assert [robot.standing for robot in watch.state().robots] == ["ok", "ok"]

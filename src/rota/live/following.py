@@ -11,7 +11,8 @@ from rota.plan import Plan
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LOOKED_AT_S, HELD_UP = 2.0, 0.7  # a robot that in so long falls behind by more than this share of it is held up
+# a robot that in so long falls behind by a share of it between these is held up
+LOOKED_AT_S, HELD_UP, MOST_HELD_UP = 2.0, 0.7, 1.3
 
 
 class Following:
@@ -41,7 +42,7 @@ class Following:
         """
         lags_s, away_m = following_kernels.locate(
             robots, times_s, places_m, self.lags_s, self._offsets, self._knots_s, self._knots_m, self._loop_starts,
-            self._speeds_m_s,
+            self._speeds_m_s, off_route_m,
         )  # fmt: skip
         self.away_m[robots] = away_m
         on = away_m <= off_route_m[robots]
@@ -49,5 +50,7 @@ class Following:
         passed_s = times_s - self._since_s[robots]
         due = passed_s >= LOOKED_AT_S
         judged, fell_s = robots[due], self.lags_s[robots[due]] - self._lags_then_s[robots[due]]
-        self.held_up[judged] = (fell_s > HELD_UP * passed_s[due]) & on[due]
+        # one that falls behind by more than the time that passes was somewhere else than was thought
+        stands = (fell_s > HELD_UP * passed_s[due]) & (fell_s < MOST_HELD_UP * passed_s[due])
+        self.held_up[judged] = stands & on[due]
         self._since_s[judged], self._lags_then_s[judged] = times_s[due], self.lags_s[judged]

@@ -8,7 +8,8 @@ import math
 import numpy as np
 from numba import njit
 
-DOUBT = 0.1  # of the speed: metres away that a second of another lag weighs as much as
+# of the speed: metres away that a second of another lag weighs as much as; the second one where the first finds nothing
+DOUBTS = (0.1, 0.001)
 
 
 @njit(cache=True)
@@ -22,40 +23,48 @@ def _nearest_on_leg(t0, t1, ax, ay, bx, by, x, y, likely_s, weight):
 
 
 @njit(cache=True)
-def locate(robots, times_s, places, lags_s, offsets, knots_s, knots_m, loop_starts, speeds_m_s):
+def _nearest_on_route(x, y, likely, weight, knots_s, knots_m, first, last, loop_start):
+    """The planned moment on a route, knots first..last, that fits a place best, and how far it is away in metres."""
+    loop = knots_s[last] - knots_s[loop_start]
+    best, when = math.inf, likely
+    for i in range(first, last):
+        t0, t1 = knots_s[i], knots_s[i + 1]
+        rounds = 0.0
+        if loop > 0.0 and i >= loop_start:
+            rounds = max(0.0, math.floor((likely - (t0 + t1) / 2) / loop + 0.5)) * loop
+        ax, ay, bx, by = knots_m[i, 0], knots_m[i, 1], knots_m[i + 1, 0], knots_m[i + 1, 1]
+        at, miss = _nearest_on_leg(t0 + rounds, t1 + rounds, ax, ay, bx, by, x, y, likely, weight)
+        if miss < best:
+            best, when = miss, at
+    if loop == 0.0:
+        # it stays: any moment from its arrival on fits
+        at = max(likely, knots_s[last])
+        miss = (knots_m[last, 0] - x) ** 2 + (knots_m[last, 1] - y) ** 2 + weight * (at - likely) ** 2
+        if miss < best:
+            best, when = miss, at
+    return when, math.sqrt(max(0.0, best - weight * (when - likely) ** 2))
+
+
+@njit(cache=True)
+def locate(robots, times_s, places, lags_s, offsets, knots_s, knots_m, loop_starts, speeds_m_s, off_route_m):
     """Where on their planned routes robots are that were at places (m, 2) at times_s (m,).
 
     robots: (m,) whose they are. lags_s: (k,) how far each of all robots was behind its plan last. offsets (k + 1,),
     knots_s (n,), knots_m (n, 2): the timed points of all robots; loop_starts: (k,) index of the first in the loop.
-    Returns (m,) how far each is behind its plan in seconds, and how far it is from its route in metres.
+    Returns (m,) how far each is behind its plan in seconds, and how far it is from its route in metres. Where that is
+    more than off_route_m (k,), any other lag will do.
     """
     lags, away = np.empty(len(robots)), np.empty(len(robots))
     for m in range(len(robots)):
         k = robots[m]
-        x, y, likely = places[m, 0], places[m, 1], times_s[m] - lags_s[k]
-        first, last = offsets[k], offsets[k + 1] - 1
-        loop = knots_s[last] - knots_s[loop_starts[k]]
-        weight = (DOUBT * speeds_m_s[k]) ** 2
-        best, when = math.inf, likely
-        for i in range(first, last):
-            t0, t1 = knots_s[i], knots_s[i + 1]
-            rounds = 0.0
-            if loop > 0.0 and i >= loop_starts[k]:
-                rounds = max(0.0, math.floor((likely - (t0 + t1) / 2) / loop + 0.5)) * loop
-            at, miss = _nearest_on_leg(
-                t0 + rounds, t1 + rounds, knots_m[i, 0], knots_m[i, 1], knots_m[i + 1, 0], knots_m[i + 1, 1], x, y,
-                likely, weight,
+        likely = times_s[m] - lags_s[k]
+        for doubt in DOUBTS:
+            weight = (doubt * speeds_m_s[k]) ** 2
+            when, away[m] = _nearest_on_route(
+                places[m, 0], places[m, 1], likely, weight, knots_s, knots_m, offsets[k], offsets[k + 1] - 1,
+                loop_starts[k],
             )  # fmt: skip
-            if miss < best:
-                best, when = miss, at
-        if loop == 0.0:
-            # it stays: any moment from its arrival on fits
-            dx, dy = knots_m[last, 0] - x, knots_m[last, 1] - y
-            at = max(likely, knots_s[last])
-            miss = dx * dx + dy * dy + weight * (at - likely) ** 2
-            if miss < best:
-                best, when = miss, at
-        lags[m] = times_s[m] - when
-        late = when - likely
-        away[m] = math.sqrt(max(0.0, best - weight * late * late))
+            lags[m] = times_s[m] - when
+            if away[m] <= off_route_m[k]:
+                break
     return lags, away
