@@ -48,7 +48,7 @@ def swarm_node(
     height_map: HeightMap = None,
     heights: Heights = None,
 ) -> None:
-    """Be one robot of a swarm, which knows only what the others send, until Ctrl-C."""
+    """Be one robot of a swarm; it knows only what others send."""
     asked = _read(mission)
     number = _number_of(asked, robot)
     settings = _settings(asked, seed, port, hosts, rate, silent, clock_error, height_map, heights)
@@ -84,7 +84,7 @@ def swarm_launch(
     height_map: HeightMap = None,
     heights: Heights = None,
 ) -> None:
-    """Start all robots of a swarm as processes of their own, and write a plan of what they did."""
+    """Start a swarm's robots as processes; write what they did."""
     from rota.files.atomic_write import require_suffix, write_atomically
     from rota.files.plan_file import write_plan
 

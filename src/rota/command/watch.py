@@ -66,7 +66,7 @@ def watch(
     as_json: Annotated[bool, typer.Option("--json", help="Print notices and states as lines of JSON.")] = False,
     list_settings: ListSettings = False,
 ) -> None:
-    """Watch robots along their plan: exit code 1 when a period lapsed.
+    """Watch robots along their plan: exit code 1 on a lapse.
 
     Alarms come before: which zone, in how many seconds, and who could still make it.
     """
