@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, box
 
+from rota.cell_map import cell_map_of
 from rota.check import check_plan
-from rota.draw.cell_map import cell_map_of
 from rota.draw.sightings import Sightings
 from rota.errors import MissionError
 from rota.files.checkpoint_file import read_checkpoint, write_checkpoint

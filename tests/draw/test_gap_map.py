@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from shapely import Polygon, box
 
-from rota.draw.cell_map import neighbours
+from rota.cell_map import neighbours
 from rota.draw.gap_map import gap_legend, gap_map
 from rota.draw.palette import AREA_EDGE
 from rota.draw.plan_picture import draw_gaps

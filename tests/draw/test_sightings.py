@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import MultiPolygon, Point, box
 
-from rota.draw.cell_map import cell_map_of
+from rota.cell_map import cell_map_of
 from rota.draw.footprint import cut_footprint, open_footprint, walls_of
 from rota.draw.sightings import Sightings, in_range
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor

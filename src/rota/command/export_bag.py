@@ -71,7 +71,7 @@ def full_period_s(plan: Plan) -> float:
 
 def ground_grids(plan: Plan) -> dict[str, GroundGrid]:
     """By topic: where robots may drive, and each place's worst gap in percent of its period."""
-    from rota.draw.cell_map import cell_map_of
+    from rota.cell_map import cell_map_of
     from rota.draw.gap_map import gap_map
     from rota.files.ros.grids import GroundGrid, free_space, percent_of_period
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from rota.draw.cell_map import cell_map_of, neighbours
+from rota.cell_map import cell_map_of, neighbours
 from rota.draw.deployment_maps import filled
 from rota.draw.gif_file import Frame
 from rota.draw.mission_picture import draw_mission, plain

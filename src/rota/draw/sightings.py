@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shapely import GeometryCollection
 from shapely.geometry.base import BaseGeometry
 
-from rota.draw.cell_map import CellMap
+from rota.cell_map import CellMap
 from rota.draw.footprint import cut_footprint, open_footprint, sensor_from, walls_of
 from rota.draw.routes import corner_times_s, places_at
 from rota.mission import DiscSensor, Sensor, inner_reach_m

@@ -8,7 +8,7 @@ import numpy as np
 from shapely import get_coordinates, get_rings
 from shapely.geometry.base import BaseGeometry
 
-from rota.draw.cell_map import cell_map_of
+from rota.cell_map import cell_map_of
 from rota.draw.route_lines import robot_colours
 from rota.draw.sightings import Sightings
 from rota.errors import PlanError

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.draw.entered_cells import entries_of_cells
 from rota.draw.palette import route_style
 from rota.draw.panels.cells_panel import HeadingsPanel, HeatPanel
 from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
+from rota.entered_cells import entries_of_cells
 from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.bounce.cells import Cells

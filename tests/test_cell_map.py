@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapely import Polygon, box
 
-from rota.draw.cell_map import cell_map_of, neighbours
+from rota.cell_map import cell_map_of, neighbours
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 
 FLEET = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1))

@@ -1,0 +1,48 @@
+"""When robots see places by plan, in closed form as the check has it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.check.demands import visits
+from rota.check.revisits import Sights
+from rota.check.routes import HOLD, LOOP
+from rota.live import kernels
+from rota.live.kernels import PlannedSights
+
+Sight = tuple[int, float, float, bool]
+
+
+def sights_by_plan(sights: Sights, points_m: NDArray[np.float64], regions: Sequence[Any] = ()) -> PlannedSights:
+    """When each of ``points_m`` (n, 2) is seen, then when robots are inside each of the ``regions`` to visit."""
+    points = np.ascontiguousarray(points_m - sights.origin_m)
+    arrays = kernels.planned_sights(points, sights.slack_m, sights.grid, sights.legs, sights.team, sights.walls)
+    rows = [_visits(sights, region) for region in regions]
+    offsets, *columns = arrays
+    ends = offsets[-1] + np.cumsum([len(row) for row in rows], dtype=np.int64)
+    flat = [sight for row in rows for sight in row]
+    kinds = (np.int64, np.float64, np.float64, np.bool_)
+    added: list[NDArray[Any]] = [np.array([sight[k] for sight in flat], kind) for k, kind in enumerate(kinds)]
+    joined = [np.concatenate(pair) for pair in zip(columns, added, strict=True)]
+    return PlannedSights(np.concatenate([offsets, ends]), *joined)
+
+
+def _visits(sights: Sights, region: object) -> list[Sight]:
+    """When robots are in a region by plan: robot, start, end and whether it repeats."""
+    routes = sights.routes
+    found: list[Sight] = []
+    for leg, lo, hi in visits(routes.legs_m, region, sights.slack_m):
+        t0, t1 = (float(time) for time in routes.times_s[leg])
+        end = math.inf if routes.kinds[leg] == HOLD else t0 + hi * (t1 - t0)
+        row = (int(routes.robots[leg]), t0 + lo * (t1 - t0), end, bool(routes.kinds[leg] == LOOP))
+        before = found[-1] if found else None
+        if before and before[0] == row[0] and before[3] == row[3] and row[1] <= before[2] + kernels.SAME_S:
+            found[-1] = (row[0], before[1], max(before[2], row[2]), row[3])
+        else:
+            found.append(row)
+    return found
