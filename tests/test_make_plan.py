@@ -165,3 +165,36 @@ def test_a_failure_after_stopping_early_says_so(monkeypatch: pytest.MonkeyPatch)
 def test_a_time_limit_is_greater_than_zero(limit_s: float) -> None:
     with pytest.raises(MissionError, match=r"time_limit_s: .* must be greater than 0"):
         make_plan(MISSION, time_limit_s=limit_s)
+
+
+def test_each_better_plan_is_told_once_as_it_is_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    two = replace(GOOD, trajectories=(*GOOD.trajectories, replace(GOOD.trajectories[0], robot="robot-2")))
+    three = replace(two, trajectories=(*two.trajectories, replace(GOOD.trajectories[0], robot="robot-3")))
+
+    def planner(_mission: Mission, *, judge: Any, **_: Any) -> Plan:
+        for plan in (TOO_FAST, two, three, TOO_FAST, GOOD):
+            judge(plan)
+        return GOOD
+
+    use(monkeypatch, planner)
+    told: list[tuple[Plan, str]] = []
+    search_plan(MISSION, on_better=lambda plan, report: told.append((plan, report.verdict)))
+    assert told == [(TOO_FAST, "violated"), (two, "met"), (GOOD, "met")]
+
+
+def test_better_plans_are_told_for_the_mission_as_it_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    slack = replace(MISSION, period_s=400)
+    slow = Trajectory(robot="robot-1", times_s=[0, 40, 80], positions_m=[[3, 5], [7, 5], [3, 5]])
+    near_sighted = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=6))
+    asked = replace(MISSION, fleet=near_sighted)
+    part = replace(MISSION, area=box(0, 0, 5, 5))
+
+    def planner(_mission: Mission, *, judge: Any, **_: Any) -> Plan:
+        assert judge(Plan(mission=replace(slack, fleet=near_sighted), trajectories=(slow,))).verdict == "met"
+        judge(replace(GOOD, mission=part))
+        return replace(GOOD, mission=asked)
+
+    use(monkeypatch, planner)
+    told: list[tuple[Mission, str]] = []
+    search_plan(asked, on_better=lambda plan, report: told.append((plan.mission, report.verdict)))
+    assert told == [(asked, "violated"), (asked, "met")]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from rota.better_plans import BetterPlans, OnBetter, checked_state
 from rota.errors import MissionError, NoPlanFound
 from rota.planner import Answer, Request, planner_of
-from rota.progress import SearchState, Watch
+from rota.progress import Watch
 
 if TYPE_CHECKING:
     from rota.check.report import Report
@@ -71,6 +71,7 @@ def search_plan(
     watch: Watch | None = None,
     resume: Checkpoint | None = None,
     observe: Callable[[Any], None] | None = None,
+    on_better: OnBetter | None = None,
 ) -> PlanSearch:
     """Plan ``mission`` with the planner that its settings name, and check the outcome.
 
@@ -79,14 +80,16 @@ def search_plan(
     being done. should_stop: asked now and then; True stops like the time limit. watch: called with every state that
     the search comes to, from several threads; it changes nothing of what is found. resume: a swarm's run to go on with;
     the outcome is the plan of the same run without a stop, bit for bit. observe: called with what every step of a swarm
-    in the plane came to (``History``), those since the stop of one that goes on.
+    in the plane came to (``History``), those since the stop of one that goes on. on_better: called with each plan, and
+    its report, that is better than all before it (``BetterPlans``), from one thread at a time; the plan may not meet
+    its demand yet. It changes nothing of what is found.
 
     Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
     is not greater than 0 or a mission that the planner cannot use; CheckpointError for a run of another one or seed.
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
-    judge = _Judge(mission, watch)
+    judge = _Judge(mission, watch, on_better)
     stop = _StopRule(time_limit_s, should_stop)
     planner = planner_of(mission)
     if not mission.planning.makes_runs and (resume is not None or observe is not None):
@@ -124,8 +127,9 @@ def _judged(report: Report) -> str:
 class _Judge:
     """The check as a planner sees it; remembers its last report, since the plan judged last is mostly the one given."""
 
-    def __init__(self, mission: Mission, watch: Watch | None) -> None:
+    def __init__(self, mission: Mission, watch: Watch | None, on_better: OnBetter | None) -> None:
         self._last: tuple[Plan, Report] | None = None
+        self._better = None if on_better is None else BetterPlans(mission, on_better)
         self._mission = mission
         self._watch = watch
 
@@ -140,21 +144,10 @@ class _Judge:
             self._last = last = (plan, check_plan(judged))
             # plans for parts of the area tell nothing of how far the whole has come
             if self._watch is not None and plan.mission.area == self._mission.area:
-                self._watch(_checked(*last))
+                self._watch(checked_state(*last))
+            if self._better is not None:
+                self._better.judged(*last)
         return last[1]
-
-
-def _checked(plan: Plan, report: Report) -> SearchState:
-    whole_m2 = sum(demand.area_m2 for demand in report.demands)
-    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
-    ratios = [d.worst_gap_at_least_s / d.period_s for d in report.demands if math.isfinite(d.worst_gap_at_least_s)]
-    return SearchState(
-        stage="checked",
-        robots=len(plan.trajectories),
-        unseen_share=unseen_m2 / whole_m2 if whole_m2 else 0.0,
-        late_share=max(0.0, *(ratio - 1 for ratio in ratios)) if ratios else 0.0,
-        met=report.verdict == "met",
-    )
 
 
 class _StopRule:

@@ -75,6 +75,13 @@ class Planner(ABC):
         """What is said below a new plan, paragraph by paragraph; None in place of what there is nothing to say of."""
         yield from answer.facts
 
+    def proved_bound(self, mission: Mission) -> tuple[int, str] | None:
+        """The fewest robots that any plan takes, proved without planning, and the reason; None: nothing is proved.
+
+        The reason goes on after "... robots at least:". Raises NoPlanFound where no robot can stand or see.
+        """
+        return None
+
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """Folders below the package rota whose ``kernels.py`` planning the mission runs; compiling them takes long."""
         return ()

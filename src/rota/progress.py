@@ -47,12 +47,13 @@ def progress_curve(told: Iterable[tuple[float, SearchState]]) -> tuple[ProgressP
     points: list[ProgressPoint] = []
     for time_s, state in sorted(told, key=lambda entry: entry[0]):
         before = points[-1].best if points else state
-        best = state if _rank(state) < _rank(before) else before
+        best = state if rank(state) < rank(before) else before
         points.append(ProgressPoint(time_s=time_s, state=state, best=best))
     return tuple(points)
 
 
-def _rank(state: SearchState) -> tuple[bool, float, float]:
+def rank(state: SearchState) -> tuple[bool, float, float]:
+    """The order in which ``progress_curve`` tells states apart; the best has the least."""
     if state.met:
         return False, state.robots, 0.0
     return True, state.unseen_share + state.late_share, state.robots

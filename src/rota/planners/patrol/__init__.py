@@ -41,6 +41,14 @@ class PatrolPlanner(Planner):
         yield from answer.facts
         yield from (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
 
+    def proved_bound(self, mission: Mission) -> tuple[int, str]:
+        """The highest of the bounds of ``bounds/``, for the mission as it is asked."""
+        from rota.planners.patrol.bounds.best_bound import prove_bound
+        from rota.planners.patrol.ground.problem import set_up_problem
+
+        bound = prove_bound(set_up_problem(mission))
+        return bound.robots, bound.reason
+
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """The annealing, and the geometry that it stands on."""
         return "planners/patrol/annealing", "geometry"

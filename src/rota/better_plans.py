@@ -1,0 +1,67 @@
+"""The better plans that a search comes by before its end, for those who want to see them at once."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from rota.progress import SearchState, rank
+
+if TYPE_CHECKING:
+    from rota.check.report import Report
+    from rota.mission import Mission
+    from rota.plan import Plan
+
+OnBetter = Callable[["Plan", "Report"], None]
+
+
+class BetterPlans:
+    """Tells every plan of the whole mission that is better than all before it, in the order of ``progress_curve``.
+
+    Planners also try other periods and missions without starts. Such a plan is checked again for the mission as it is
+    asked: always until a plan meets it, and then only if the plan met what it was tried for with fewer robots.
+    """
+
+    def __init__(self, mission: Mission, tell: OnBetter) -> None:
+        self._mission, self._tell = mission, tell
+        self._best: SearchState | None = None
+        self._lock = threading.Lock()
+
+    def judged(self, plan: Plan, report: Report) -> None:
+        """Note a plan that was judged, in any thread; tells it if it is better. The tellings do not overlap."""
+        from rota.check import check_plan
+
+        if plan.mission.area != self._mission.area:
+            return
+        with self._lock:
+            if plan.mission is not self._mission:
+                if not self._worth_a_check(plan, report):
+                    return
+                plan = replace(plan, mission=self._mission)
+                report = check_plan(plan)
+            state = checked_state(plan, report)
+            if self._best is None or rank(state) < rank(self._best):
+                self._best = state
+                self._tell(plan, report)
+
+    def _worth_a_check(self, plan: Plan, report: Report) -> bool:
+        """Whether a plan for other demands may be better than the best for those that are asked."""
+        best = self._best
+        return best is None or not best.met or (report.verdict == "met" and len(plan.trajectories) < best.robots)
+
+
+def checked_state(plan: Plan, report: Report) -> SearchState:
+    """Where a search stands with a plan that was judged."""
+    whole_m2 = sum(demand.area_m2 for demand in report.demands)
+    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
+    ratios = [d.worst_gap_at_least_s / d.period_s for d in report.demands if math.isfinite(d.worst_gap_at_least_s)]
+    return SearchState(
+        stage="checked",
+        robots=len(plan.trajectories),
+        unseen_share=unseen_m2 / whole_m2 if whole_m2 else 0.0,
+        late_share=max(0.0, *(ratio - 1 for ratio in ratios)) if ratios else 0.0,
+        met=report.verdict == "met",
+    )
