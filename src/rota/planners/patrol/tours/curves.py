@@ -15,6 +15,7 @@ from rota.geometry.kernels import EdgeGrid, free_segments, points_in_space
 from rota.planners.patrol.tours.curve_kernels import (
     BLOCKED_M,
     STEP_RAD,
+    Leg,
     chosen_headings,
     curve_corners,
     look_for_walls,
@@ -135,10 +136,9 @@ class _Curve:
     def _measure(self, k: int) -> None:
         """The lengths of leg k by all headings, whatever is in the way."""
         n = len(self.points_m)
-        shortest_words(
-            self.points_m[k], self.points_m[(k + 1) % n], self._headings[k], self._headings[(k + 1) % n],
-            self._radius_m, self._grid, False, self._lengths[k], self._words[k],
-        )  # fmt: skip
+        after = (k + 1) % n
+        leg = Leg(self.points_m[k], self.points_m[after], self._headings[k], self._headings[after])
+        shortest_words(leg, self._radius_m, self._grid, False, self._lengths[k], self._words[k])
         self._looked[k] = False
 
     def _solved(self) -> tuple[Floats, Floats, Ints]:
