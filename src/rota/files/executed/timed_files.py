@@ -19,6 +19,7 @@ from rota.plan import Floats, Plan, Trajectory
 
 NAMES = {"k": kml_tour.NAMESPACE, "gx": kml_tour.EXTENSIONS, "g": gpx_tracks.NAMESPACE}
 NANOSECONDS = 1e9
+METRE_DIGITS = 8
 SAME_SPEED = 1e-9  # share by which the check lets speeds be exceeded
 
 
@@ -39,7 +40,7 @@ def as_csv(plan: Plan) -> tuple[Trajectory, ...]:
 
 def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
     """All robots as the lines of a map have them, with the times that are its properties."""
-    to_metres = Projection(plan.mission.origin).to_metres if plan.mission.origin is not None else None
+    projection = Projection(plan.mission.origin) if plan.mission.origin is not None else None
     times: dict[str, list[float]] = {}
     places: dict[str, list[list[float]]] = {}
     first: dict[str, int] = {}
@@ -59,8 +60,8 @@ def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
     made = []
     for trajectory in plan:
         places_m = np.array(places[trajectory.robot], dtype=np.float64)
-        if to_metres is not None:
-            places_m[:, :2] = np.column_stack(to_metres(places_m[:, 0], places_m[:, 1]))
+        if projection is not None:
+            places_m[:, :2] = metres_read(places_m, projection)
         made.append(_again(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
     return tuple(made)
 
@@ -102,14 +103,31 @@ def as_bag(plan: Plan) -> tuple[Trajectory, ...]:
     )
 
 
+def metres_read(degrees: Floats, projection: Projection) -> Floats:
+    """x, y (n, 2) in metres of degrees (n, 2 or 3) with all digits of float64, longitude first.
+
+    They are rounded to 1e-8 m: float64 holds degrees, and the projection is exact, to 5e-9 m. So places on a lattice,
+    between which robots drive straight on, come out in a straight row again.
+    """
+    places_m = np.column_stack(projection.to_metres(degrees[:, 0], degrees[:, 1]))
+    return np.asarray(np.round(places_m, METRE_DIGITS), dtype=np.float64)
+
+
 def _seconds(instants: list[str]) -> Floats:
-    return np.array([(datetime.fromisoformat(instant) - START).total_seconds() for instant in instants])
+    """(n,) seconds after the start of instants such as 2000-01-01T00:00:59.123456789Z."""
+    parts = [instant.removesuffix("Z").split(".") for instant in instants]
+    return np.array(
+        [
+            (datetime.fromisoformat(f"{whole}Z") - START).total_seconds() + float(f"0.{decimals}")
+            for whole, decimals in parts
+        ]
+    )
 
 
 def _on_ground(
     plan: Plan, trajectory: Trajectory, times_s: Floats, degrees: Floats, projection: Projection
 ) -> Trajectory:
-    places_m = np.column_stack([*projection.to_metres(degrees[:, 0], degrees[:, 1]), degrees[:, 2]])
+    places_m = np.column_stack([metres_read(degrees, projection), degrees[:, 2]])
     return _again(plan, trajectory, times_s, places_m, trajectory.loop_index)
 
 
