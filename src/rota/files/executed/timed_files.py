@@ -18,7 +18,6 @@ from rota.files.timed_places import START
 from rota.plan import Floats, Plan, Trajectory
 
 NAMES = {"k": kml_tour.NAMESPACE, "gx": kml_tour.EXTENSIONS, "g": gpx_tracks.NAMESPACE}
-NANOSECONDS = 1e9
 METRE_DIGITS = 8
 SAME_SPEED = 1e-9  # share by which the check lets speeds be exceeded
 
@@ -34,7 +33,7 @@ def as_csv(plan: Plan) -> tuple[Trajectory, ...]:
         columns = ["x_m", "y_m", *(["z_m"] if trajectory.positions_m.shape[1] == 3 else [])]
         places_m = np.array([[float(row[column]) for column in columns] for row in own])
         first = [row["in_loop"] for row in own].index("1")
-        made.append(_again(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
+        made.append(driven_at(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
     return tuple(made)
 
 
@@ -62,7 +61,7 @@ def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
         places_m = np.array(places[trajectory.robot], dtype=np.float64)
         if projection is not None:
             places_m[:, :2] = metres_read(places_m, projection)
-        made.append(_again(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
+        made.append(driven_at(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
     return tuple(made)
 
 
@@ -87,20 +86,6 @@ def as_gpx(plan: Plan) -> tuple[Trajectory, ...]:
         rows = [(point.get("lon"), point.get("lat"), point.findtext("g:ele", "", NAMES)) for point in points]
         made.append(_on_ground(plan, trajectory, times_s, np.array(rows, dtype=np.float64), projection))
     return tuple(made)
-
-
-def as_bag(plan: Plan) -> tuple[Trajectory, ...]:
-    """All robots as bags of ROS have them: places with all digits, times to the nanosecond."""
-    return tuple(
-        _again(
-            plan,
-            trajectory,
-            np.round(trajectory.times_s * NANOSECONDS) / NANOSECONDS,
-            trajectory.positions_m,
-            trajectory.loop_index,
-        )
-        for trajectory in plan
-    )
 
 
 def metres_read(degrees: Floats, projection: Projection) -> Floats:
@@ -128,10 +113,10 @@ def _on_ground(
     plan: Plan, trajectory: Trajectory, times_s: Floats, degrees: Floats, projection: Projection
 ) -> Trajectory:
     places_m = np.column_stack([metres_read(degrees, projection), degrees[:, 2]])
-    return _again(plan, trajectory, times_s, places_m, trajectory.loop_index)
+    return driven_at(plan, trajectory, times_s, places_m, trajectory.loop_index)
 
 
-def _again(plan: Plan, trajectory: Trajectory, times_s: Floats, places_m: Floats, first: int) -> Trajectory:
+def driven_at(plan: Plan, trajectory: Trajectory, times_s: Floats, places_m: Floats, first: int) -> Trajectory:
     """The robot's trajectory of other numbers, with as many coordinates; the loop begins at number ``first``.
 
     Of points that come at one time the last one counts. The robot is late where it had to be faster than it can.
