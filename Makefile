@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: setup demo pictures docs test bench clean
+.PHONY: setup demo serve pictures docs test bench clean
 
 setup: .venv/ready
 
@@ -20,6 +20,10 @@ demo: setup
 	$(BIN)/rota check out/harbour.rota.json
 	$(BIN)/rota draw out/harbour.rota.json -o out/harbour.png
 	@echo "The plan: out/harbour.rota.json   its picture: out/harbour.png"
+
+# the page
+serve: setup
+	$(BIN)/rota serve
 
 # the README's pictures
 pictures: demo

@@ -27,6 +27,7 @@ from rota.command.interrupt import Terminated, clean_end_on_terminate
 from rota.command.link_option import LINKS_LIST
 from rota.command.plan import plan_and_write
 from rota.command.ros2 import ros2
+from rota.command.serve import serve
 from rota.command.start import new, schema
 from rota.command.study import app as study_app
 from rota.command.swarm_processes import swarm_launch, swarm_node
@@ -264,6 +265,7 @@ app.command("swarm-node")(swarm_node)
 app.command("swarm-launch")(swarm_launch)
 app.command(epilog=LINKS_LIST)(fly)
 app.command(epilog=LINKS_LIST)(watch)
+app.command()(serve)
 app.command()(new)
 app.command()(schema)
 

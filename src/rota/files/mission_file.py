@@ -37,6 +37,19 @@ MOST_CELLS = 50e6
 CELLS_PER_REACH = 4  # a lattice coarser than a quarter of the sensor's reach plans badly
 
 
+class JudgedDocument(NamedTuple):
+    """What a document comes to: its mission, or what is wrong with it; the ground, where that can be read all the same.
+
+    ``contradictions``: what the mission as a whole was refused for, each with its field in words.
+    """
+
+    mission: Mission | None
+    ground: Ground | None
+    faults: list[Fault]
+    contradictions: tuple[str, ...]
+    warnings: list[Fault]
+
+
 class ReadMission(NamedTuple):
     """A mission, and what its author should know about the way it was read (``file:line:column: field: ...``)."""
 
@@ -57,13 +70,25 @@ def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None
     what = "a mission file"
     document = parse_text(read_text(path, what), str(path), what + " ('rota new' writes an example)")
     document = _overridden(document, overrides or {})
+    judged = judge_document(document, path.parent, confine=confine)
+    if judged.mission is None:
+        faults = positioned(document, judged.faults)
+        raise MissionError(*(faults or (f"{path}: {contradiction}" for contradiction in judged.contradictions)))
+    return ReadMission(judged.mission, tuple(positioned(document, judged.warnings)))
+
+
+def judge_document(document: Document, folder: Path, *, confine: bool) -> JudgedDocument:
+    """The mission of a parsed document whose paths begin at ``folder``, or all its faults, each with its place.
+
+    confine: refuse paths that leave the folder.
+    """
     faults: list[Fault] = []
     file: MissionFile | None = None
     try:
         file = mission_file_type(document.value).model_validate(document.value)
     except ValidationError as error:
         faults += schema_faults(document, error)
-    ground, ground_faults, warnings = read_ground(document.value, path.parent, confine=confine)
+    ground, ground_faults, warnings = read_ground(document.value, folder, confine=confine)
     faults += ground_faults
     if file is not None:
         faults += _period_faults(file, ground)
@@ -74,12 +99,12 @@ def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None
             if not name_faults:
                 faults += fleet_at_its_starts(_fleet(file.fleet), file, ground)[1]
     if faults or file is None or ground is None:
-        raise MissionError(*positioned(document, faults))
+        return JudgedDocument(None, ground, faults, (), warnings)
     try:
         mission = _mission(file, ground)
     except MissionError as error:
-        raise MissionError(*(f"{path}: {fault}" for fault in error.faults)) from None
-    return ReadMission(mission, tuple(positioned(document, [*warnings, *_blind(mission)])))
+        return JudgedDocument(None, ground, [], error.faults, warnings)
+    return JudgedDocument(mission, ground, [], (), [*warnings, *_blind(mission)])
 
 
 def _blind(mission: Mission) -> list[Fault]:

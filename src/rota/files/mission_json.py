@@ -45,14 +45,14 @@ def mission_to_json(mission: Mission) -> Json:
     origin = mission.origin
     return {
         "name": mission.name,
-        "area": _polygons_to_json(mission.area),
-        "obstacles": [{"shape": _polygons_to_json(o.shape), "blocks": o.blocks} for o in mission.obstacles],
+        "area": polygons_to_json(mission.area),
+        "obstacles": [{"shape": polygons_to_json(o.shape), "blocks": o.blocks} for o in mission.obstacles],
         "zones": [
             {
                 "name": zone.name,
                 "period_s": _number(zone.period_s),
                 "demand": zone.demand,
-                "shape": _polygons_to_json(zone.shape),
+                "shape": polygons_to_json(zone.shape),
             }
             for zone in mission.zones
         ],
@@ -127,7 +127,7 @@ def _sensor_to_json(sensor: Sensor) -> Json:
     return {"shape": "square", "side_m": float(sensor.side_m)}
 
 
-def _polygons_to_json(shape: MultiPolygon) -> list[list[list[list[float]]]]:
+def polygons_to_json(shape: MultiPolygon) -> list[list[list[list[float]]]]:
     """A list of polygons, each a list of rings, the outer one first, whose first point is not repeated."""
 
     def ring_to_json(ring: Any) -> list[list[float]]:

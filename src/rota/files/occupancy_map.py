@@ -82,6 +82,23 @@ def read_map(
     return MapArea(_to_metres(sheet, area), None if rest.is_empty else _to_metres(sheet, rest), warnings)
 
 
+def free_place(path: Path, *, confine_to: Path | None = None) -> tuple[float, float]:
+    """A point (x, y) in metres in the largest free part of a ROS map, as far from its border as there is.
+
+    Raises MissionError as ``read_map`` does.
+    """
+    from scipy import ndimage
+
+    sheet = _read_sheet(path)
+    image = local_file(path.parent, sheet.image, confine_to=confine_to)
+    free, _ = _free_cells(path, sheet, read_brightness(image, alpha_counts=sheet.mode == "trinary")[::-1], "blocked")
+    labels, _ = ndimage.label(free)
+    largest = labels == np.bincount(labels[free]).argmax()
+    away = ndimage.distance_transform_cdt(np.pad(largest, 1), metric="taxicab")[1:-1, 1:-1]
+    row, column = np.unravel_index(int(away.argmax()), away.shape)
+    return _placed(sheet, float(column) + 0.5, float(row) + 0.5)
+
+
 def _read_sheet(path: Path) -> MapFile:
     what = "a ROS map_server .yaml file"
     document = parse_text(read_text(path, what), str(path), what)

@@ -1,0 +1,102 @@
+"""The server: its routes behind its guard, and what starts and ends with it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from starlette.applications import Starlette
+from starlette.convertors import Convertor, register_url_convertor
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import Response
+
+from rota.web.jobs.queue import JobQueue
+from rota.web.limits import Limits
+from rota.web.refusal import Refusal
+from rota.web.routes.answers import JsonAnswer
+from rota.web.security import Guard, Security
+from rota.web.state import State
+from rota.web.store.database import Database
+from rota.web.store.sole_user import SoleUser
+from rota.web.workers.pool import Pool
+
+log = logging.getLogger(__name__)
+POOL_SIZE = 2
+
+
+class _FileKind(Convertor[str]):
+    """The suffixes of a mission's download."""
+
+    regex = "yaml|zip"
+
+    def convert(self, value: str) -> str:
+        """As it is."""
+        return value
+
+    def to_string(self, value: str) -> str:
+        """As it is."""
+        return value
+
+
+register_url_convertor("kind", _FileKind())
+
+
+def make_app(data: Path, guard: Guard, limits: Limits | None = None, tile_url: str | None = None) -> Starlette:
+    """The server of a data folder. RotaError, once it starts, for a folder that another server uses."""
+    from rota.web.routes import jobs, missions, page, plans
+
+    given = limits or Limits()
+
+    @asynccontextmanager
+    async def life(app: Starlette) -> AsyncIterator[None]:
+        sole = SoleUser(data)
+        database = Database(data)
+        pool = Pool(POOL_SIZE, str(data), given)
+        queue = JobQueue(database, given)
+        app.state.rota = State(database=database, pool=pool, jobs=queue, limits=given, tile_url=tile_url)
+        try:
+            await queue.open()
+            await pool.warm()
+            yield
+        finally:
+            await queue.close()
+            await pool.close()
+            database.close()
+            sole.close()
+
+    return Starlette(
+        routes=[*page.routes, *missions.routes, *jobs.routes, *plans.routes],
+        middleware=[
+            Middleware(
+                Security,
+                guard=guard,
+                tile_url=tile_url,
+                json_bytes=given.document_bytes,
+                upload_bytes=given.upload_bytes,
+            )
+        ],
+        exception_handlers={Refusal: _refused, HTTPException: _http_error, Exception: _fault},
+        lifespan=life,
+    )
+
+
+async def _refused(request: Request, error: Exception) -> Response:
+    assert isinstance(error, Refusal)
+    headers = {"retry-after": "5"} if error.status in (429, 503) else None
+    return JsonAnswer(error.to_json(), error.status, headers=headers)
+
+
+async def _http_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    message = {404: "there is nothing at this address", 405: "this is not possible at this address"}
+    refusal = Refusal(error.status_code, message.get(error.status_code, error.detail))
+    return JsonAnswer(refusal.to_json(), error.status_code, headers=error.headers)
+
+
+async def _fault(request: Request, error: Exception) -> Response:
+    refusal = Refusal(500, "a fault in Rota, not in what was sent; the server's log has it")
+    return JsonAnswer(refusal.to_json(), 500)

@@ -1,0 +1,1 @@
+"""Planning jobs: their queue, their progress, and who listens."""

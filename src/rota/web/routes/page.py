@@ -1,0 +1,44 @@
+"""The page itself, what it loads, and what it is told of this Rota."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
+
+from rota.web.refusal import Json
+from rota.web.routes.answers import JsonAnswer, state_of
+
+STATIC = Path(__file__).parent.parent / "static"
+
+
+async def index(request: Request) -> Response:
+    """The page."""
+    return FileResponse(STATIC / "index.html")
+
+
+async def about(request: Request) -> Response:
+    """Version, planners, formats, limits."""
+    return JsonAnswer(await about_of(request))
+
+
+async def about_of(request: Request) -> Json:
+    """What GET /api/about answers; a worker is asked once."""
+    state = state_of(request)
+    if "about" not in state.kept:
+        _, body = await state.pool.ask("about")
+        limits = dataclasses.asdict(state.limits)
+        state.kept["about"] = {**json.loads(body), "limits": limits, "tile_url": state.tile_url}
+    return state.kept["about"]
+
+
+routes = [
+    Route("/", index, methods=["GET"]),
+    Route("/api/about", about, methods=["GET"]),
+    Mount("/static", StaticFiles(directory=STATIC)),
+]

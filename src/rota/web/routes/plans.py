@@ -1,0 +1,103 @@
+"""Plans: listed, added, played, and taken away as files."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from typing import Any
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from rota.web.refusal import Json
+from rota.web.routes.answers import JsonAnswer, asked_number, state_of
+from rota.web.routes.downloads import download
+from rota.web.routes.uploads import uploaded_contents
+from rota.web.store.plans import (
+    delete_plan,
+    keep_made,
+    list_plans,
+    made_of,
+    packed_plan,
+    plan_json,
+    plan_report,
+)
+
+MOST_CELLS = 200_000
+CELLS = 50_000
+
+
+async def listed(request: Request) -> Response:
+    """All plans."""
+    return JsonAnswer(await run_in_threadpool(list_plans, state_of(request).database))
+
+
+async def add(request: Request) -> Response:
+    """Check and keep a plan file."""
+    state = state_of(request)
+    contents = await uploaded_contents(request, 1)
+    ((name, content),) = contents.items()
+    answer, _ = await state.pool.ask("keep_plan", content, name=name)
+    plan = await run_in_threadpool(plan_json, state.database, answer["plan"])
+    return JsonAnswer(plan, 201, headers={"location": f"/api/plans/{plan['id']}"})
+
+
+async def show(request: Request) -> Response:
+    """A plan with the check's report."""
+    return JsonAnswer(await run_in_threadpool(_with_report, request))
+
+
+def _with_report(request: Request) -> Json:
+    database, plan = state_of(request).database, request.path_params["id"]
+    return {**plan_json(database, plan), "report": json.loads(plan_report(database, plan))}
+
+
+async def delete(request: Request) -> Response:
+    """Delete a plan."""
+    await run_in_threadpool(delete_plan, state_of(request).database, request.path_params["id"])
+    return Response(status_code=204)
+
+
+async def playback(request: Request) -> Response:
+    """What the page plays; made once and kept."""
+    cells = asked_number(request, "cells", 100, MOST_CELLS) or CELLS
+    body = await _made(request, f"playback {cells}", "playback", cells=cells)
+    return Response(body, media_type="application/octet-stream")
+
+
+async def plan_file(request: Request) -> Response:
+    """The plan file."""
+    name, packed = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
+    answer = download(await run_in_threadpool(gzip.decompress, packed), f"{name}.rota.json", "application/json")
+    return answer
+
+
+async def picture(request: Request) -> Response:
+    """The plan as a picture."""
+    name, _ = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
+    return download(await _made(request, "picture", "picture"), f"{name}.png", "image/png")
+
+
+async def _made(request: Request, key: str, task: str, **given: Any) -> bytes:
+    """What a worker makes of the plan, or made before."""
+    state, plan = state_of(request), request.path_params["id"]
+    await run_in_threadpool(plan_json, state.database, plan)  # refuses one that there is not
+    known = await run_in_threadpool(made_of, state.database, plan, key)
+    if known is not None:
+        return known
+    _, body = await state.pool.ask(task, plan=plan, **given)
+    await run_in_threadpool(keep_made, state.database, plan, key, body)
+    return body
+
+
+routes = [
+    Route("/api/plans", listed, methods=["GET"]),
+    Route("/api/plans", add, methods=["POST"]),
+    Route("/api/plans/{id}", show, methods=["GET"]),
+    Route("/api/plans/{id}", delete, methods=["DELETE"]),
+    Route("/api/plans/{id}/playback", playback, methods=["GET"]),
+    Route("/api/plans/{id}/plan.rota.json", plan_file, methods=["GET"]),
+    Route("/api/plans/{id}/picture.png", picture, methods=["GET"]),
+]

@@ -1,0 +1,126 @@
+"""The server from its start to its end: address, names, token, and what is said of them."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import secrets
+import socket
+import webbrowser
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import uvicorn
+
+from rota.errors import RotaError
+from rota.web.app import make_app
+from rota.web.limits import Limits
+from rota.web.security import LOOPBACK, Guard
+
+Say = Callable[[str], None]
+MOST_CONNECTIONS = 1000
+IDLE_S = 20  # how long a connection may say nothing between two requests
+
+
+@dataclass(frozen=True, kw_only=True)
+class Serving:
+    """A server that is to be run. ``port`` 0: any free one. ``limits`` None: the usual ones."""
+
+    data: Path
+    host: str = "127.0.0.1"
+    port: int = 8321
+    tile_url: str | None = None
+    processes: int = 1
+    limits: Limits | None = None
+
+    def run(self, say: Say, *, open_page: bool = False) -> None:
+        """Serve until Ctrl-C or SIGTERM. RotaError for an address, folder or tile address that cannot be used."""
+        _require_tile_url(self.tile_url)
+        listening = self._listening()
+        address = listening.getsockname()
+        port = address[1]
+        token = None if is_loopback(self.host) else secrets.token_urlsafe(24)
+        names = {*LOOPBACK, _name(self.host), _name(address[0])} | ({socket.gethostname().lower()} if token else set())
+        guard = Guard(hosts=frozenset(f"{name}:{port}" for name in names), token=token)
+        limits = self.limits or Limits(planning_jobs=self.processes)
+        app = make_app(self.data, guard, limits, self.tile_url)
+        shown = _name(address[0] if self.host not in ("0.0.0.0", "::") else socket.gethostname())
+        page = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")
+        config = uvicorn.Config(
+            app, log_level="warning", access_log=False, server_header=False, date_header=False, proxy_headers=False,
+            limit_concurrency=MOST_CONNECTIONS, timeout_keep_alive=IDLE_S, timeout_graceful_shutdown=2,
+            h11_max_incomplete_event_size=64 * 1024, http="h11", ws="none", lifespan="on",
+        )  # fmt: skip
+
+        def started() -> None:
+            say(f"The page: {page}")
+            say(f"What you make is kept in {self.data}; Ctrl-C ends the server.")
+            if token is not None:
+                say("Everybody who has this address can use the page; nothing that is sent is encrypted.")
+            if open_page:
+                webbrowser.open(page)
+
+        server = _Server(config, started)
+        try:
+            asyncio.run(server.serve(sockets=[listening]))
+        except KeyboardInterrupt:
+            pass
+        finally:
+            listening.close()
+        if server.failure is not None:
+            raise server.failure
+
+    def _listening(self) -> socket.socket:
+        """The socket, bound."""
+        try:
+            found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+            family, kind, protocol, _, address = found[0]
+            listening = socket.socket(family, kind, protocol)
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listening.bind(address)
+        except (OSError, UnicodeError) as error:
+            raise RotaError(f"--host, --port: cannot listen at {self.host}:{self.port}: {error}") from None
+        return listening
+
+
+class _Server(uvicorn.Server):
+    """uvicorn's server, which tells when it listens and why it does not start."""
+
+    def __init__(self, config: uvicorn.Config, started: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._told = started
+        self.failure: RotaError | None = None
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, and say so."""
+        await super().startup(sockets)
+        if self.started and not self.should_exit:
+            self._told()
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches a server bound to this host."""
+    if host.lower() == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _name(host: str) -> str:
+    """A host as addresses write it."""
+    return f"[{host}]" if ":" in host else host.lower()
+
+
+def _require_tile_url(url: str | None) -> None:
+    """Refuse what is no address of tiles."""
+    if url is None:
+        return
+    parts = urlsplit(url)
+    marks = all(mark in url for mark in ("{z}", "{x}", "{y}"))
+    bad = any(letter in url for letter in " ;,'\"\r\n")
+    if parts.scheme not in ("http", "https") or not parts.netloc or not marks or bad:
+        raise RotaError(f"--tile-url: {url!r} is not allowed; https://HOST/PATH with {{z}}, {{x}} and {{y}} is needed")

@@ -1,0 +1,1 @@
+"""What the page keeps: missions, files, plans and jobs in one SQLite database."""

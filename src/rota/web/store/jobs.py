@@ -1,0 +1,133 @@
+"""Planning jobs in the database: what was asked, how far it came, and what came of it."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from typing import Any
+
+from rota.planner_registry import planner_names
+from rota.web.refusal import Json, Refusal, not_found
+from rota.web.store.database import Database, contents_of, new_id, now
+from rota.web.store.missions import clean_files, mission_source, name_of, planner_of
+
+OPEN = ("queued", "running")  # the states of jobs that are not over
+
+
+def new_job(database: Database, mission: str, asked: Json, *, most_queued: int, most: int) -> Json:
+    """Keep a new job for a mission as it is now, to be run when its turn comes.
+
+    asked: planner, effort, seed and time_limit_s, each as given or None. Refusal 429 when the queue is full.
+    """
+    document, files = mission_source(database, mission)
+    planner = asked.get("planner") or planner_of(document)
+    if planner != planner_of(document):
+        # settings of a planner that does not plan are refused
+        document = {key: value for key, value in document.items() if key not in planner_names()}
+        document["planner"] = planner
+    return _insert(database, mission, document, json.dumps(files), {**asked, "planner": planner}, most_queued, most)
+
+
+def job_again(database: Database, job: str, *, most_queued: int, most: int) -> Json:
+    """A new job that asks what another one asked, of the mission as it was then."""
+    row = _row(database.connection(), job)
+    asked = {key: row[key] for key in ("planner", "effort", "seed", "time_limit_s")}
+    return _insert(database, row["mission"], json.loads(row["document"]), row["files"], asked, most_queued, most)
+
+
+def _insert(
+    database: Database, mission: str, document: Json, files: str, asked: Json, most_queued: int, most: int
+) -> Json:
+    job = new_id()
+    with database.transaction() as cursor:
+        count = cursor.execute("SELECT count(*) FROM jobs WHERE state = 'queued'").fetchone()[0]
+        if count >= most_queued:
+            raise Refusal(429, f"{count} jobs wait already; try again when some are done, or stop some")
+        if cursor.execute("SELECT count(*) FROM jobs").fetchone()[0] >= most:
+            raise Refusal(409, f"{most:,} jobs are kept at most; delete some first")
+        cursor.execute(
+            "INSERT INTO jobs (id, mission, mission_name, document, files, state, planner, effort, seed, time_limit_s,"
+            " created_at) VALUES (?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?)",
+            (
+                job, mission, name_of(document), json.dumps(document, allow_nan=False), files, asked["planner"],
+                asked.get("effort"), asked.get("seed") or 0, asked.get("time_limit_s"), now(),
+            ),
+        )  # fmt: skip
+    return job_json(database, job)
+
+
+def job_source(database: Database, job: str) -> tuple[Json, dict[str, bytes], Json]:
+    """What a worker plans: the document, the files that it names, and the job."""
+    connection = database.connection()
+    row = _row(connection, job)
+    return json.loads(row["document"]), contents_of(connection, json.loads(row["files"])), _shown(row)
+
+
+def job_json(database: Database, job: str) -> Json:
+    """A job as the interface shows it, without what is known of it only while it runs."""
+    return _shown(_row(database.connection(), job))
+
+
+def list_jobs(database: Database) -> list[Json]:
+    """All jobs, the newest first."""
+    rows = database.connection().execute("SELECT * FROM jobs ORDER BY created_at DESC, rowid DESC")
+    return [_shown(row) for row in rows]
+
+
+def queued_jobs(database: Database) -> list[str]:
+    """The jobs that wait, in their turn."""
+    rows = database.connection().execute("SELECT id FROM jobs WHERE state = 'queued' ORDER BY created_at, rowid")
+    return [row[0] for row in rows]
+
+
+def set_job(database: Database, job: str, **values: Any) -> None:
+    """Change columns of a job; one that was deleted meanwhile stays away."""
+    columns = ", ".join(f"{name} = ?" for name in values)
+    with database.transaction() as cursor:
+        cursor.execute(f"UPDATE jobs SET {columns} WHERE id = ?", (*values.values(), job))
+
+
+def interrupt_jobs(database: Database) -> int:
+    """Mark the jobs that ran when the last server ended, however it did; returns how many. The queue stays."""
+    message = "the server ended while this job ran; it can be run again"
+    with database.transaction() as cursor:
+        sql = (
+            "UPDATE jobs SET state = 'interrupted', message = ?, ended_at = ?, plan = best_plan WHERE state = 'running'"
+        )
+        return cursor.execute(sql, (message, now())).rowcount
+
+
+def delete_job(database: Database, job: str) -> None:
+    """Delete a job that is over; its plan stays, the lesser ones on the way go."""
+    with database.transaction() as cursor:
+        row = _row(cursor, job)
+        if row["state"] in OPEN:
+            raise Refusal(409, "the job is not over; stop it first")
+        cursor.execute("DELETE FROM plans WHERE job = ? AND id IS NOT ?", (job, row["plan"]))
+        cursor.execute("DELETE FROM jobs WHERE id = ?", (job,))
+        clean_files(cursor)
+
+
+def _row(connection: sqlite3.Connection, job: str) -> sqlite3.Row:
+    row: sqlite3.Row | None = connection.execute("SELECT * FROM jobs WHERE id = ?", (job,)).fetchone()
+    if row is None:
+        raise not_found("job", job)
+    return row
+
+
+def _shown(row: sqlite3.Row) -> Json:
+    best = None
+    if row["best_robots"] is not None:
+        best = {"robots": row["best_robots"], "met": bool(row["best_met"]), "plan": row["best_plan"]}
+    same = ("id", "mission", "mission_name", "state", "planner", "effort", "seed", "time_limit_s", "created_at")
+    over = row["state"] not in OPEN
+    return {
+        **{key: row[key] for key in same},
+        "started_at": row["started_at"],
+        "ended_at": row["ended_at"],
+        "progress": {"fraction": 1.0 if over else 0.0, "doing": "", "elapsed_s": row["elapsed_s"]},
+        "best": best,
+        "message": row["message"],
+        "plan": row["plan"],
+        "place_in_queue": None,
+    }

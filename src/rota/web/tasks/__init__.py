@@ -1,0 +1,1 @@
+"""What worker processes do: everything that takes time or memory."""

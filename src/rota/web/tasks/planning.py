@@ -1,0 +1,149 @@
+"""One planning job in a process of its own: the mission as it was asked, each better plan kept, the last one told."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rota.errors import NoPlanFound, RotaError
+from rota.make_plan import PlanSearch, search_plan
+from rota.web.refusal import Json, Refusal
+from rota.web.store.jobs import job_source
+from rota.web.store.plans import NewPlan, finish_plan, forget_steps, keep_plan
+from rota.web.tasks.context import Context, laid_out
+from rota.web.tasks.validate import faults_json, judged_document
+
+if TYPE_CHECKING:
+    from rota.check.report import Report
+    from rota.mission import Mission
+    from rota.plan import Plan
+
+KEPT_STEPS = 2  # plans on the way that stay until the job ends: one may be on its way to a page
+PROGRESS_EVERY_S = 0.1
+
+Tell = Callable[[Json], None]
+
+
+class PlanningJob:
+    """A job that runs: it plans, keeps what gets better, and tells the server of both."""
+
+    def __init__(self, context: Context, job: str, tell: Tell, stop: threading.Event) -> None:
+        self._context, self._job, self._tell, self._stop = context, job, tell, stop
+        self._began_s = time.monotonic()
+        self._told_s = -1.0
+        self._best: tuple[str, int] | None = None  # a plan on the way, and its robots
+        self._source: Json = {}
+
+    def run(self) -> Json:
+        """Plan; returns what became of it: {outcome: done | no_plan | stopped | failed, message, plan}."""
+        try:
+            mission, asked = self._mission()
+        except RotaError as error:
+            faults = error.faults if isinstance(error, Refusal) else []
+            lines = [
+                f"{fault['field']}: {fault['message']}" if fault["field"] else fault["message"] for fault in faults
+            ]
+            return self._outcome("failed", "\n".join([str(error), *lines]))
+        try:
+            search = search_plan(
+                mission, seed=asked["seed"], time_limit_s=asked["time_limit_s"], progress=self._progress,
+                should_stop=self._stop.is_set, on_better=self._better,
+            )  # fmt: skip
+        except NoPlanFound as failure:
+            return self._no_plan(failure)
+        except RotaError as error:
+            return self._outcome("failed", str(error))
+        return self._found(search)
+
+    def _mission(self) -> tuple[Mission, Json]:
+        """The mission that the job asks for, with its effort."""
+        document, files, asked = job_source(self._context.database, self._job)
+        self._source = asked
+        with laid_out(files) as folder:
+            judged = judged_document(document, folder, self._context.vertices)
+        if judged.mission is None:
+            raise Refusal(422, "the mission has faults", faults_json(judged))
+        mission = judged.mission
+        return (mission if asked["effort"] is None else mission.with_effort(asked["effort"])), asked
+
+    def _progress(self, fraction: float, doing: str) -> None:
+        now_s = time.monotonic()
+        if now_s - self._told_s >= PROGRESS_EVERY_S or fraction >= 1:
+            self._told_s = now_s
+            self._tell({"event": "progress", "fraction": min(max(fraction, 0.0), 1.0), "doing": doing[:300]})
+
+    def _better(self, plan: Plan, report: Report) -> None:
+        """Keep a plan that is the best so far, and tell the server."""
+        met, robots = report.verdict == "met", len(plan.trajectories)
+        key = self._keep(plan, report, (), is_better=True)
+        self._best = (key, robots)
+        forget_steps(self._context.database, self._job, but=KEPT_STEPS)
+        self._tell({"event": "better", "plan": key, "robots": robots, "met": met})
+
+    def _keep(self, plan: Plan, report: Report, facts: tuple[str, ...], *, is_better: bool) -> str:
+        new = new_plan(plan, report, facts, plan_s=time.monotonic() - self._began_s, is_better=is_better)
+        source = self._source
+        kept = {"mission": source["mission"], "job": self._job, "effort": source["effort"]}
+        return keep_plan(self._context.database, NewPlan(**{**vars(new), **kept}), most=self._context.plans)
+
+    def _found(self, search: PlanSearch) -> Json:
+        """The plan that the check passed."""
+        plan = self._keep(search.plan, search.report, search.facts, is_better=False)
+        self._forget_steps()
+        stopped = self._stop.is_set()
+        message = "stopped: this is the best plan so far" if stopped else None
+        if message is None and search.stopped_early:
+            message = "the time limit was reached: this is the best plan so far"
+        return self._outcome("stopped" if stopped else "done", message, plan, len(search.plan.trajectories), True)
+
+    def _no_plan(self, failure: NoPlanFound) -> Json:
+        """The best plan that does not meet its demand, if there is one."""
+        from rota.check import check_plan
+
+        plan, robots = None, None
+        best: Plan | None = failure.best  # type: ignore[assignment]
+        if best is not None:
+            plan = self._keep(best, check_plan(best), failure.facts, is_better=False)
+            robots = len(best.trajectories)
+        elif self._best is not None:
+            plan, robots = self._best
+            finish_plan(self._context.database, plan)
+        self._forget_steps()
+        return self._outcome("stopped" if self._stop.is_set() else "no_plan", str(failure), plan, robots, False)
+
+    def _forget_steps(self) -> None:
+        forget_steps(self._context.database, self._job, but=0)
+
+    def _outcome(
+        self, outcome: str, message: str | None, plan: str | None = None, robots: int | None = None, met: bool = False
+    ) -> Json:
+        return {
+            "event": "ended", "outcome": outcome, "message": message, "plan": plan, "robots": robots, "met": met,
+        }  # fmt: skip
+
+
+def new_plan(plan: Plan, report: Report, facts: tuple[str, ...], **more: object) -> NewPlan:
+    """A plan with what lists show of it: the longest loop's worst ratio, the length of all loops, what was found."""
+    from rota.check import report_to_json
+    from rota.files.plan_file import plan_text
+
+    planning = plan.mission.planning
+    told = report_to_json(report)
+    values = {
+        "name": plan.mission.name,
+        "planner": planning.planner,
+        "effort": getattr(planning, "effort", None),
+        "robots": len(plan.trajectories),
+        "bound": plan.lower_bound_robots,
+        "bound_reason": plan.lower_bound_reason,
+        "verdict": report.verdict,
+        "worst_ratio": told["worst_ratio"] if report.verdict == "met" else told["worst_ratio_at_least"],
+        "length_m": float(sum(trajectory.loop_length_m for trajectory in plan)),
+        "partial": report.verdict != "met",
+        "facts": facts,
+        "report": told,
+        "text": plan_text(plan, meets_demand=report.verdict == "met"),
+    }
+    return NewPlan(**{**values, **more})

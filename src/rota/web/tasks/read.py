@@ -1,0 +1,67 @@
+"""Files that people give, as documents that the page edits: missions, parcels and maps."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from typing import Any
+
+from rota.web.refusal import Json, Refusal
+from rota.web.store.missions import mission_files, mission_json, new_mission, upload_contents
+from rota.web.tasks.context import Context
+from rota.web.tasks.examples import examples_folder
+from rota.web.tasks.inlined import inlined
+from rota.web.tasks.sources import Source, source_of
+
+
+def read_upload(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """What POST /api/missions/read answers; ``upload`` names the files."""
+    contents = upload_contents(context.database, given["upload"])
+    source = source_of(contents)
+    return {}, _encoded({**_document_json(context, source), "upload": given["upload"]})
+
+
+def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """What GET /api/examples/NAME answers; with ``keep`` a mission is made of it, whose id stands in the message."""
+    folder = examples_folder()
+    text = (folder / f"{given['name']}.yaml").read_bytes()
+    named = {path.name: path.read_bytes() for path in folder.iterdir() if path.name.encode() in text}
+    for name in [name for name in named if name.endswith(".yaml")]:  # a map names its picture
+        named |= {path.name: path.read_bytes() for path in folder.iterdir() if path.name.encode() in named[name]}
+    source = source_of({**named, f"{given['name']}.yaml": text}, first=f"{given['name']}.yaml")
+    if given.get("keep"):
+        kept = inlined(context, source)
+        made = new_mission(context.database, kept.document, contents=kept.files, most=context.missions)
+        return {"mission": made["id"]}, b""
+    return {}, _encoded(_document_json(context, source))
+
+
+def _document_json(context: Context, source: Source) -> Json:
+    read = inlined(context, source)
+    attachments = [{"name": name, "size": len(content)} for name, content in read.files.items()]
+    return {"document": read.document, "attachments": attachments, "warnings": [*source.warnings, *read.warnings]}
+
+
+def _encoded(value: Any) -> bytes:
+    try:
+        return json.dumps(value, allow_nan=False).encode()
+    except ValueError:
+        raise Refusal(422, "the mission holds a number that is not finite, such as .inf or .nan") from None
+
+
+def mission_yaml(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """A mission's file (``kind`` yaml), or an archive of it and its attachments (zip)."""
+    from rota.files.mission_text import mission_text
+
+    kept = mission_json(context.database, given["mission"])
+    text = mission_text(kept["document"]).encode()
+    stem = "".join(letter if letter.isalnum() or letter in "-_" else "-" for letter in kept["name"])[:60]
+    if given["kind"] == "yaml":
+        return {"name": f"{stem}.yaml", "type": "application/yaml"}, text
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(f"{stem}.yaml", text)
+        for name, content in mission_files(context.database, given["mission"]).items():
+            archive.writestr(name, content)
+    return {"name": f"{stem}.zip", "type": "application/zip"}, packed.getvalue()

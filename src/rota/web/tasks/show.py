@@ -1,0 +1,43 @@
+"""Plans checked, drawn and made ready to be played."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from rota.errors import PlanError
+from rota.files.plan_file import plan_from_text
+from rota.plan import Plan
+from rota.web.refusal import Json, Refusal
+from rota.web.store.plans import keep_plan, plan_text
+from rota.web.tasks.context import Context
+from rota.web.tasks.planning import new_plan
+
+
+def kept_plan(context: Context, given: Json) -> Plan:
+    """The plan that a message names."""
+    return plan_from_text(plan_text(context.database, given["plan"]), "the plan")
+
+
+def keep_uploaded_plan(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """Read, check and keep a plan file; the message names it."""
+    from rota.check import check_plan
+
+    try:
+        plan = plan_from_text(body, given["name"])
+    except PlanError as error:
+        faults = [{"field": "", "path": [], "message": line} for line in str(error).splitlines()]
+        raise Refusal(422, "this is no plan that can be used", faults) from None
+    new = new_plan(plan, check_plan(plan), ())
+    return {"plan": keep_plan(context.database, new, most=context.plans)}, b""
+
+
+def picture(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """The plan drawn, with the worst gap of every place, as PNG."""
+    from rota.draw import draw_plan
+
+    plan = kept_plan(context, given)
+    with tempfile.TemporaryDirectory(prefix="rota-") as folder:
+        path = Path(folder) / "plan.png"
+        draw_plan(plan, path)
+        return {}, path.read_bytes()
