@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 import pytest
+from benchmarks.house import MOST_PARAMETERS, SOURCE, many_parameters
 from tests.test_imports import FILES, imports_of, module_name, within
 
 PATROL = "rota.planners.patrol"
@@ -153,3 +155,10 @@ def test_modules_and_functions_stay_short() -> None:
                 lengths[f"{module}.{node.name}"] = ((node.end_lineno or 0) - node.lineno + 1, 60)
         too_long |= {name: lines for name, (lines, most) in lengths.items() if lines > most}
     assert too_long == {}
+
+
+def test_compiled_functions_have_few_parameters(tmp_path: Path) -> None:
+    names = ", ".join(f"a{k}" for k in range(MOST_PARAMETERS + 1))
+    (tmp_path / "some_kernels.py").write_text(f"def many({names}): ...\ndef few(a): ...\n")
+    assert many_parameters(tmp_path) == ["many"]
+    assert many_parameters(SOURCE) == []

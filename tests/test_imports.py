@@ -99,7 +99,8 @@ def test_nothing_knows_what_stands_to_its_right() -> None:
         "rota.check": ["rota.files", "rota.draw", "rota.make_plan"],
         "rota.files": ["rota.geometry", "rota.planners", "rota.check", "rota.draw", "rota.make_plan"],
         "rota.draw": ["rota.geometry", "rota.planners", "rota.make_plan"],
-        "rota.live": ["rota.planners", "rota.draw", "rota.make_plan"],
+        "rota.live": ["rota.planners", "rota.draw", "rota.make_plan", "rota.playback"],
+        "rota.playback": ["rota.geometry", "rota.planners", "rota.draw", "rota.make_plan", "rota.links", "rota.web"],
     }
     for package in ("errors", "mission", "plan", "geometry", "planners", "check", "files", "draw", "links"):
         right_of.setdefault(f"rota.{package}", []).append("rota.live")  # a watch looks at all of them

@@ -67,6 +67,8 @@ class Route:
 def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
     """One robot's stops; it flies at ``altitude_m`` unless its positions have heights of their own.
 
+    It begins at ``altitude_m`` either way, to which autopilots take off: give ``start_height_m`` for others.
+
     Pauses become waits. Stops without a wait are left out where another stands for the same place: the start at the
     approach's beginning, the loop's first stop at the approach's end.
     """
@@ -88,6 +90,12 @@ def route_of(trajectory: Trajectory, altitude_m: float) -> Route:
         loop=tuple(loop),
         closing=closing,
     )
+
+
+def start_height_m(trajectory: Trajectory, altitude_m: float) -> float:
+    """The height in metres at which the robot begins: that of its first position, ``altitude_m`` if it has none."""
+    first_m = trajectory.positions_m[0]
+    return float(first_m[2]) if len(first_m) == 3 else altitude_m
 
 
 def _visit(trajectory: Trajectory, altitude_m: float, first: int, last: int) -> list[RouteStop]:

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
@@ -72,7 +71,6 @@ def test_a_node_ends_cleanly_on_ctrl_c(mission: str) -> None:
         while "listens on port" not in line:
             assert line, "it ended before it listened"
             line = node.stderr.readline()
-        time.sleep(0.5)
         node.send_signal(signal.SIGINT)
         _, err = node.communicate()
         killer.cancel()

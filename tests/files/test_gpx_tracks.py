@@ -23,11 +23,11 @@ def test_gpxpy_reads_places_heights_and_instants() -> None:
     for track, trajectory in zip(read.tracks, plan, strict=True):
         (segment,) = track.segments
         lon, lat = Projection(ORIGIN).to_degrees(*trajectory.positions_m.T)
-        np.testing.assert_allclose([[p.latitude, p.longitude] for p in segment.points], np.c_[lat, lon], atol=1e-8)
+        np.testing.assert_allclose([[p.latitude, p.longitude] for p in segment.points], np.c_[lat, lon], atol=1e-14)
         assert [point.elevation for point in segment.points] == [25] * len(lat)
         for point, time_s in zip(segment.points, trajectory.times_s.tolist(), strict=True):
             assert point.time is not None
-            assert abs(point.time - start - timedelta(seconds=time_s)) <= timedelta(milliseconds=0.501)
+            assert abs(point.time - start - timedelta(seconds=time_s)) <= timedelta(microseconds=1)
     assert "loop from 4.0 s on" in (read.tracks[0].description or "")
 
 

@@ -35,9 +35,9 @@ def test_fastkml_reads_tracks_with_places_heights_and_instants() -> None:
         assert track.altitude_mode is AltitudeMode.relative_to_ground
         lon, lat = Projection(ORIGIN).to_degrees(*trajectory.positions_m.T)
         read = np.array([item.coord.coords[0] for item in track.track_items])
-        np.testing.assert_allclose(read, np.c_[lon, lat, np.full(len(lat), 25)], atol=1e-8)
+        np.testing.assert_allclose(read, np.c_[lon, lat, np.full(len(lat), 25)], atol=1e-14)
         for item, time_s in zip(track.track_items, trajectory.times_s.tolist(), strict=True):
-            assert abs(item.when.dt - start - timedelta(seconds=time_s)) <= timedelta(milliseconds=0.501)
+            assert abs(item.when.dt - start - timedelta(seconds=time_s)) <= timedelta(microseconds=1)
 
 
 def test_heights_of_their_own_are_told() -> None:

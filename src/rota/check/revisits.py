@@ -107,7 +107,7 @@ def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     def gaps_of(arguments: tuple[Any, ...]) -> Any:
         if sights.window_s is None:
             return kernels.worst_gaps(*arguments)
-        within = (*arguments, *sights.window_s)
+        within = (*arguments[:2], *arguments[3:], sights.window_s)  # limits say nothing there
         return window_kernels.gaps_within(*within)
 
     with ThreadPoolExecutor(max_workers=threads) as pool:

@@ -35,11 +35,11 @@ def gap_within(times, n, from_s, to_s):
 
 
 @njit(cache=True, nogil=True)
-def gaps_within(offsets, corners, limits_s, slack_m, grid, legs, team, walls, from_s, to_s):
-    """Worst gap of each piece between two moments: an upper bound for its points, exact for a single point.
+def gaps_within(offsets, corners, slack_m, grid, legs, team, walls, window_s):
+    """Worst gap of each piece within a window (from, to): an upper bound for its points, exact for a single point.
 
-    All but the last two arguments, and what is returned, are those of ``worst_gaps``; limits_s says nothing here. Legs
-    are taken as driven once, when they are timed.
+    All other arguments, and what is returned, are those of ``worst_gaps``. Legs are taken as driven once, when they are
+    timed.
     """
     n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
     gaps, begins, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.nan), np.full(n_pieces, np.inf)
@@ -57,5 +57,5 @@ def gaps_within(offsets, corners, limits_s, slack_m, grid, legs, team, walls, fr
         parts = room_for_parts(parts, shadows)
         times, n, firsts[k], _always = times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times)
         if n:
-            gaps[k], begins[k] = gap_within(times, np.int64(n), from_s, to_s)
+            gaps[k], begins[k] = gap_within(times, np.int64(n), window_s[0], window_s[1])
     return gaps, begins, firsts, exact

@@ -53,8 +53,8 @@ def swarm_node(
     number = _number_of(asked, robot)
     settings = _settings(asked, seed, port, hosts, rate, silent, clock_error, height_map, heights)
     processes = _processes(asked, settings)
-    say(f"{(asked.fleet.robots or ())[number].name} listens on port {port + number}; Ctrl-C lets it leave")
     with stop_on_interrupt(lambda by: say(f"leaving; {by} again ends at once")) as stop:
+        say(f"{(asked.fleet.robots or ())[number].name} listens on port {port + number}; Ctrl-C lets it leave")
         dropped = processes.run_robot(number, stop)
     if dropped:
         say(f"{dropped} datagrams could not be read")

@@ -20,10 +20,11 @@ from rota.driven_route import DURATION_S, from_start, rounds_within, with_whole_
 from rota.errors import PlanError
 from rota.files.geodesy import Projection, projection_of
 from rota.files.robot_files import write_contents
-from rota.files.timed_places import DEGREE_DIGITS, HEIGHT_DIGITS, START
+from rota.files.timed_places import START
+from rota.files.xml_text import decimal_text
 from rota.plan import Plan, Trajectory
 from rota.planner_settings import Settings, setting
-from rota.route import RouteStop, route_of
+from rota.route import RouteStop, route_of, start_height_m
 
 TEMPLATE, WAYLINES = "wpmz/template.kml", "wpmz/waylines.wpml"
 KML_NAMESPACE, WPML_NAMESPACE = "http://www.opengis.net/kml/2.2", "http://www.dji.com/wpmz/1.0.2"
@@ -94,7 +95,7 @@ def waypoints_of(plan: Plan, trajectory: Trajectory, projection: Projection, dur
     where legs are short, since stopping at every point would take more time than planned. A robot that never moves has
     two waypoints, the first a metre higher, since a wayline has two at least.
     """
-    route = route_of(trajectory, plan.mission.fleet.altitude_m)
+    route = route_of(trajectory, start_height_m(trajectory, plan.mission.fleet.altitude_m))
     once, every_round = from_start(route), route.every_round
     rounds = rounds_within(route, duration_s)
     if len(once) + len(every_round) > MOST_WAYPOINTS:
@@ -120,9 +121,9 @@ def _on_globe(robot: str, stops: Sequence[RouteStop], projection: Projection) ->
     turns_m = np.minimum(TURN_M, SHARE_OF_LEG * np.minimum(legs_m[:-1], legs_m[1:])).tolist()
     passing = [turn_m if stop.hold_s == 0 else 0.0 for stop, turn_m in zip(stops[1:-1], turns_m, strict=True)]
     columns = (
-        np.round(lon, DEGREE_DIGITS).tolist(),
-        np.round(lat, DEGREE_DIGITS).tolist(),
-        np.round(places_m[:, 2], HEIGHT_DIGITS).tolist(),
+        lon.tolist(),
+        lat.tolist(),
+        places_m[:, 2].tolist(),
         [*speeds_m_s, speeds_m_s[-1]],
         [int(stop.hold_s) for stop in stops],
         [0.0, *passing, 0.0],
@@ -200,7 +201,7 @@ def _template(waypoints: list[Waypoint], config: str, altitude_m: float) -> Iter
     groups = iter(range(len(waypoints)))
     for index, waypoint in enumerate(waypoints):
         yield (
-            f"<Placemark><Point><coordinates>{waypoint.lon:.9f},{waypoint.lat:.9f}</coordinates></Point>\n"
+            f"<Placemark><Point><coordinates>{_coordinates(waypoint)}</coordinates></Point>\n"
             f"<wpml:index>{index}</wpml:index>"
             f"<wpml:ellipsoidHeight>{waypoint.height_m!r}</wpml:ellipsoidHeight>"
             f"<wpml:height>{waypoint.height_m!r}</wpml:height>"
@@ -222,13 +223,17 @@ def _waylines(waypoints: list[Waypoint], config: str) -> Iterator[str]:
     groups = iter(range(len(waypoints)))
     for index, waypoint in enumerate(waypoints):
         yield (
-            f"<Placemark><Point><coordinates>{waypoint.lon:.9f},{waypoint.lat:.9f}</coordinates></Point>\n"
+            f"<Placemark><Point><coordinates>{_coordinates(waypoint)}</coordinates></Point>\n"
             f"<wpml:index>{index}</wpml:index><wpml:executeHeight>{waypoint.height_m!r}</wpml:executeHeight>"
             f"<wpml:waypointSpeed>{waypoint.speed_m_s!r}</wpml:waypointSpeed>"
             f"<wpml:waypointHeadingParam>{HEADING}</wpml:waypointHeadingParam>{_turn(waypoint)}"
             f"<wpml:useStraightLine>1</wpml:useStraightLine>{_wait(waypoint, index, groups)}</Placemark>\n"
         )
     yield "</Folder>\n"
+
+
+def _coordinates(waypoint: Waypoint) -> str:
+    return f"{decimal_text(waypoint.lon)},{decimal_text(waypoint.lat)}"
 
 
 def _turn(waypoint: Waypoint) -> str:

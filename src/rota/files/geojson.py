@@ -20,8 +20,7 @@ from rota.plan import Floats, Plan, Trajectory
 Json = dict[str, Any]
 ToMap = Callable[[Floats], Floats]
 
-DEGREE_DIGITS = 9  # 0.1 mm on the ground
-METRE_DIGITS = 4
+SHAPE_DIGITS = 9  # of degrees 0.1 mm on the ground; routes keep all digits
 
 
 def write_geojson(plan: Plan, path: str | os.PathLike[str]) -> None:
@@ -64,12 +63,11 @@ def plan_to_geojson(plan: Plan) -> Json:
 
 def _to_map(mission: Mission) -> ToMap:
     if mission.origin is None:
-        return lambda points_m: np.asarray(np.round(points_m, METRE_DIGITS), dtype=np.float64)
+        return lambda points_m: points_m
     projection = Projection(mission.origin)
 
     def to_degrees(points_m: Floats) -> Floats:
-        lon, lat = projection.to_degrees(points_m[:, 0], points_m[:, 1])
-        return np.asarray(np.round(np.column_stack([lon, lat]), DEGREE_DIGITS), dtype=np.float64)
+        return np.column_stack(projection.to_degrees(points_m[:, 0], points_m[:, 1]))
 
     return to_degrees
 
@@ -80,7 +78,7 @@ def _feature(geometry: Json, **properties: object) -> Json:
 
 def _shape(shape: MultiPolygon, to_map: ToMap) -> Json:
     turned = MultiPolygon([orient(polygon) for polygon in shape.geoms])
-    placed = transform(turned, to_map)
+    placed = transform(turned, lambda points_m: np.round(to_map(points_m), SHAPE_DIGITS))
     return dict(mapping(placed.geoms[0] if len(placed.geoms) == 1 else placed))
 
 
@@ -106,7 +104,7 @@ def _line(trajectory: Trajectory, first: int, end: int, to_map: ToMap) -> Json:
     positions_m = trajectory.positions_m[first:end]
     points = to_map(positions_m[:, :2])
     if positions_m.shape[1] == 3:
-        points = np.column_stack([points, np.round(positions_m[:, 2], METRE_DIGITS)])
+        points = np.column_stack([points, positions_m[:, 2]])
     if len(points) == 1:
         return {"type": "Point", "coordinates": points[0].tolist()}
     return {"type": "LineString", "coordinates": points.tolist()}

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 from rota.files.geodesy import projection_of
 from rota.files.timed_places import START, instant_text, timed_routes
-from rota.files.xml_text import child, xml_text
+from rota.files.xml_text import child, decimal_text, xml_text
 from rota.plan import Plan
 
 NAMESPACE = "http://www.topografix.com/GPX/1/1"
@@ -31,7 +31,7 @@ def gpx_text(plan: Plan, start: datetime = START) -> str:
         segment = child(track, "trkseg")
         columns = (route.lat.tolist(), route.lon.tolist(), route.heights_m.tolist(), route.instants)
         for lat, lon, height_m, instant in zip(*columns, strict=True):
-            point = child(segment, "trkpt", lat=f"{lat:.9f}", lon=f"{lon:.9f}")
-            child(point, "ele", f"{height_m:.4f}")
+            point = child(segment, "trkpt", lat=decimal_text(lat), lon=decimal_text(lon))
+            child(point, "ele", decimal_text(height_m))
             child(point, "time", instant)
     return xml_text(root)

@@ -10,12 +10,13 @@ from shapely import MultiPolygon, transform
 from shapely.geometry.polygon import orient
 
 from rota.files.geodesy import Projection, projection_of
-from rota.files.timed_places import DEGREE_DIGITS, START, timed_routes
-from rota.files.xml_text import child, xml_text
+from rota.files.timed_places import START, timed_routes
+from rota.files.xml_text import child, decimal_text, xml_text
 from rota.plan import Floats, Plan
 
 NAMESPACE = "http://www.opengis.net/kml/2.2"
 EXTENSIONS = "http://www.google.com/kml/ext/2.2"
+GROUND_DIGITS = 9  # of degrees: 0.1 mm
 STYLES = {"area": "4dffffff", "obstacle": "990000ff", "zone": "6600ffff"}  # aabbggrr
 
 
@@ -43,8 +44,8 @@ def kml_text(plan: Plan, start: datetime = START) -> str:
         child(track, "altitudeMode", "relativeToGround")
         for instant in route.instants:
             child(track, "when", instant)
-        for lon, lat, height_m in zip(route.lon.tolist(), route.lat.tolist(), route.heights_m.tolist(), strict=True):
-            child(track, "gx:coord", f"{lon:.9f} {lat:.9f} {height_m:.4f}")
+        for place in zip(route.lon.tolist(), route.lat.tolist(), route.heights_m.tolist(), strict=True):
+            child(track, "gx:coord", " ".join(map(decimal_text, place)))
     return xml_text(root)
 
 
@@ -69,7 +70,7 @@ def _add_shape(
 ) -> None:
     def to_degrees(points_m: Floats) -> Floats:
         lon, lat = projection.to_degrees(points_m[:, 0], points_m[:, 1])
-        return np.asarray(np.round(np.column_stack([lon, lat]), DEGREE_DIGITS), dtype=np.float64)
+        return np.asarray(np.round(np.column_stack([lon, lat]), GROUND_DIGITS), dtype=np.float64)
 
     placemark = child(ground, "Placemark")
     child(placemark, "name", name)

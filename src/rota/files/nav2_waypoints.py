@@ -18,7 +18,7 @@ from rota.driven_route import from_start
 from rota.errors import PlanError
 from rota.files.robot_files import write_contents
 from rota.plan import Floats, Plan, Trajectory
-from rota.route import RouteStop, route_of
+from rota.route import RouteStop, route_of, start_height_m
 
 FRAME = "map"
 APPROACH, LOOP, PATH = ".approach.yaml", ".loop.yaml", ".path.yaml"
@@ -49,7 +49,7 @@ def nav2_texts(trajectory: Trajectory) -> dict[str, str]:
             f" {MOST_SECONDS} s"
         )
     # nothing is said of heights on the ground
-    route = route_of(trajectory, 0.0)
+    route = route_of(trajectory, start_height_m(trajectory, 0.0))
     once, loop = from_start(route), route.every_round or from_start(route)[-1:]
     return {
         APPROACH: _waypoints_text(once, before=[], after=route.every_round[:1]),

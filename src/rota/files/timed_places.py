@@ -13,8 +13,7 @@ from rota.files.geodesy import Projection
 from rota.plan import Floats, Plan, Trajectory
 
 START = datetime(2000, 1, 1, tzinfo=UTC)  # fixed, so that the same plan gives the same file
-DEGREE_DIGITS = 9
-HEIGHT_DIGITS = 4
+NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,8 +42,10 @@ def instant_given(text: str, where: str) -> datetime:
 def timed_routes(plan: Plan, projection: Projection, start: datetime) -> Iterator[TimedRoute]:
     """Each robot's route, in the plan's order; a robot that stays ends where it stays.
 
-    Instants are rounded to milliseconds. A third coordinate of positions is the height; else it is the fleet's
-    altitude. Raises PlanError for routes that end after the year 9999, which ISO 8601 has no four digits for.
+    Places keep all digits: robots that touch walls would be beyond them otherwise. Instants are rounded to nanoseconds,
+    so that loops that share a period go on sharing it; those on a millisecond have three digits. A third coordinate of
+    positions is the height; else it is the fleet's altitude. Raises PlanError for routes that end after the year 9999,
+    which ISO 8601 has no four digits for.
     """
     for trajectory in plan:
         places_m = trajectory.positions_m
@@ -53,9 +54,9 @@ def timed_routes(plan: Plan, projection: Projection, start: datetime) -> Iterato
         heights_m = np.full(len(lat), plan.mission.fleet.altitude_m) if flat else places_m[:, 2]
         yield TimedRoute(
             robot=trajectory.robot,
-            lon=np.round(lon, DEGREE_DIGITS),
-            lat=np.round(lat, DEGREE_DIGITS),
-            heights_m=np.round(heights_m, HEIGHT_DIGITS),
+            lon=lon,
+            lat=lat,
+            heights_m=heights_m,
             instants=_instants(trajectory, start),
         )
 
@@ -78,7 +79,14 @@ def require_dated(robot: str, start: datetime, duration_s: float) -> None:
 
 def _instants(trajectory: Trajectory, start: datetime) -> list[str]:
     require_dated(trajectory.robot, start, float(trajectory.times_s[-1]))
-    first = np.datetime64(start.astimezone(UTC).replace(tzinfo=None), "us")
-    microseconds = np.round(trajectory.times_s * 1e6).astype("timedelta64[us]")
-    milliseconds = (first + microseconds + np.timedelta64(500, "us")).astype("datetime64[ms]")
-    return [f"{instant}Z" for instant in np.datetime_as_string(milliseconds).tolist()]
+    # seconds and nanoseconds apart: both together have no room in 64 bits for the years up to 9999
+    begin = start.astimezone(UTC).replace(tzinfo=None)
+    whole_s = np.floor(trajectory.times_s)
+    parts_ns = np.round((trajectory.times_s - whole_s) * NS_PER_S).astype(np.int64) + begin.microsecond * 1000
+    seconds = np.datetime64(begin.replace(microsecond=0), "s") + (whole_s.astype(np.int64) + parts_ns // NS_PER_S)
+    texts = np.datetime_as_string(seconds).tolist()
+    return [f"{text}.{_decimals(ns)}Z" for text, ns in zip(texts, (parts_ns % NS_PER_S).tolist(), strict=True)]
+
+
+def _decimals(ns: int) -> str:
+    return f"{ns // 1_000_000:03d}" if ns % 1_000_000 == 0 else f"{ns:09d}"

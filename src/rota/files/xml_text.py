@@ -25,6 +25,15 @@ def child(parent: ElementTree.Element, tag: str, text: str | None = None, **attr
     return element
 
 
+def decimal_text(value: float) -> str:
+    """A finite float with all its digits and without an exponent, which xsd:decimal does not take.
+
+    Numbers below 1e-4 have 15 decimals.
+    """
+    text = repr(value)
+    return text if "e" not in text else f"{value:.15f}"
+
+
 def xml_text(root: ElementTree.Element) -> str:
     """The document with its declaration, indented."""
     ElementTree.indent(root, " ")

@@ -4,13 +4,27 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from rota.check.kernels import part_in_range
 from rota.check.tiling_kernels import cell_along
 from rota.geometry.kernels import point_in_space, point_sees_point, segment_is_free
+
+
+class Driven(NamedTuple):
+    """What robots drove: legs_m (m, 4), when each began and ended, times_s (m, 2), and what was seen from it.
+
+    reaches_m: (m,) radii, or half sides where squares (m,) is set.
+    """
+
+    legs_m: NDArray[np.float64]
+    times_s: NDArray[np.float64]
+    reaches_m: NDArray[np.float64]
+    squares: NDArray[np.bool_]
 
 
 @njit(cache=True)
@@ -31,16 +45,15 @@ def _shares_in_sight(piece, leg, reach_m, square, walls):
 
 
 @njit(cache=True)
-def see_along(legs, times_s, reaches_m, squares, points, grid, near, walls, first_s, last_s):
-    """Note the first and last moments at which points are seen along legs (m, 4), driven in times_s (m, 2).
+def see_along(driven, points, grid, near, walls, first_s, last_s):
+    """Note the first and last moments at which points are seen along what was driven.
 
-    reaches_m (m,) radii, or half sides where squares (m,) is set. points (n, 2), found through ``near`` in ``grid``.
-    first_s, last_s: (n,) are lowered and raised.
+    points: (n, 2), found through ``near`` in ``grid``. first_s, last_s: (n,) are lowered and raised.
     """
     piece = np.empty((1, 2))
-    for m in range(len(legs)):
-        leg, reach = legs[m], reaches_m[m]
-        t0, t1 = times_s[m, 0], times_s[m, 1]
+    for m in range(len(driven.legs_m)):
+        leg, reach = driven.legs_m[m], driven.reaches_m[m]
+        t0, t1 = driven.times_s[m, 0], driven.times_s[m, 1]
         left = cell_along(min(leg[0], leg[2]) - reach - grid.x0_m, grid.cell_m, grid.columns)
         right = cell_along(max(leg[0], leg[2]) + reach - grid.x0_m, grid.cell_m, grid.columns)
         low = cell_along(min(leg[1], leg[3]) - reach - grid.y0_m, grid.cell_m, grid.rows)
@@ -52,7 +65,7 @@ def see_along(legs, times_s, reaches_m, squares, points, grid, near, walls, firs
                 if first_s[p] <= t0 and last_s[p] >= t1:
                     continue
                 piece[0, 0], piece[0, 1] = points[p, 0], points[p, 1]
-                first, last = _shares_in_sight(piece, leg, reach, squares[m], walls)
+                first, last = _shares_in_sight(piece, leg, reach, driven.squares[m], walls)
                 if first <= last:
                     first_s[p] = min(first_s[p], t0 if first == 0.0 else t0 + first * (t1 - t0))
                     last_s[p] = max(last_s[p], t1 if last == 1.0 else t0 + last * (t1 - t0))

@@ -91,10 +91,10 @@ class Ages:
     def _see(self, rows: Floats) -> None:
         legs, times = np.ascontiguousarray(rows[:, :4]), np.ascontiguousarray(rows[:, 4:6])
         points, first, last = self.places.points, self._first_s, self._last_s
+        driven = age_kernels.Driven(legs, times, np.ascontiguousarray(rows[:, 6]), rows[:, 7] > 0)
         age_kernels.see_along(
-            legs, times, np.ascontiguousarray(rows[:, 6]), rows[:, 7] > 0, self._points_m, self._grid, self._near,
-            self._walls, first[:points], last[:points],
-        )  # fmt: skip
+            driven, self._points_m, self._grid, self._near, self._walls, first[:points], last[:points]
+        )
         for k, zone in enumerate(self._zones, start=points):
             first[k], last[k] = age_kernels.visits_along(legs, times, zone, first[k], last[k])
 

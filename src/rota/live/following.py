@@ -28,22 +28,22 @@ class Following:
         self.away_m = np.zeros(len(plan.trajectories))
         self.held_up = np.zeros(len(plan.trajectories), np.bool_)
         self._since_s, self._lags_then_s = np.full(len(plan.trajectories), -np.inf), self.lags_s.copy()
-        self._offsets = np.concatenate([[0], np.cumsum([len(way.times_s) for way in plan])]).astype(np.int64)
-        self._knots_s = np.concatenate([np.empty(0), *(way.times_s for way in plan)])
-        self._knots_m = np.vstack([np.empty((0, 2)), *(way.positions_m[:, :2] for way in plan)])
+        offsets = np.concatenate([[0], np.cumsum([len(way.times_s) for way in plan])]).astype(np.int64)
         loops = np.array([way.loop_index for way in plan], np.int64)
-        self._loop_starts = self._offsets[:-1] + loops
-        self._speeds_m_s = np.array([plan.mission.fleet.robot(way.robot).speed_m_s for way in plan], np.float64)
+        self._routes = following_kernels.PlannedRoutes(
+            offsets=offsets,
+            knots_s=np.concatenate([np.empty(0), *(way.times_s for way in plan)]),
+            knots_m=np.vstack([np.empty((0, 2)), *(way.positions_m[:, :2] for way in plan)]),
+            loop_starts=offsets[:-1] + loops,
+            speeds_m_s=np.array([plan.mission.fleet.robot(way.robot).speed_m_s for way in plan], np.float64),
+        )
 
     def hear(self, robots: Ints, times_s: Floats, places_m: Floats, off_route_m: Floats) -> None:
         """Take the last reports: of robots (m,), at times_s (m,), at places (m, 2); off_route_m: (robots,).
 
         A robot off its route keeps the lag that it had.
         """
-        lags_s, away_m = following_kernels.locate(
-            robots, times_s, places_m, self.lags_s, self._offsets, self._knots_s, self._knots_m, self._loop_starts,
-            self._speeds_m_s, off_route_m,
-        )  # fmt: skip
+        lags_s, away_m = following_kernels.locate(robots, times_s, places_m, self.lags_s, self._routes, off_route_m)
         self.away_m[robots] = away_m
         on = away_m <= off_route_m[robots]
         self.lags_s[robots[on]] = lags_s[on]

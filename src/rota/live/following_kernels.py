@@ -4,18 +4,39 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+from rota.by_reference import by_reference
 
 # of the speed: metres away that a second of another lag weighs as much as; the second one where the first finds nothing
 DOUBTS = (0.1, 0.001)
 
 
+@by_reference
+class PlannedRoutes(NamedTuple):
+    """The timed points of k robots' routes: those of robot i are knots offsets[i] : offsets[i + 1].
+
+    offsets: (k + 1,). knots_s: (n,), knots_m: (n, 2). loop_starts: (k,) index of the first knot in the loop.
+    speeds_m_s: (k,) top speeds.
+    """
+
+    offsets: NDArray[np.int64]
+    knots_s: NDArray[np.float64]
+    knots_m: NDArray[np.float64]
+    loop_starts: NDArray[np.int64]
+    speeds_m_s: NDArray[np.float64]
+
+
 @njit(cache=True)
-def _nearest_on_leg(t0, t1, ax, ay, bx, by, x, y, likely_s, weight):
-    """The planned moment on a leg that fits a place best, and by how much it misses, in square metres."""
-    vx, vy = (bx - ax) / (t1 - t0), (by - ay) / (t1 - t0)
+def _nearest_on_leg(t0, t1, a, b, place, likely_s, weight):
+    """The planned moment on a leg from a to b that fits a place best, and by how much it misses, in square metres."""
+    ax, ay = a
+    x, y = place
+    vx, vy = (b[0] - ax) / (t1 - t0), (b[1] - ay) / (t1 - t0)
     along = vx * (x - ax) + vy * (y - ay) + weight * (likely_s - t0)
     u = min(max(along / (vx * vx + vy * vy + weight), 0.0), t1 - t0)
     dx, dy, late = ax + vx * u - x, ay + vy * u - y, t0 + u - likely_s
@@ -23,8 +44,10 @@ def _nearest_on_leg(t0, t1, ax, ay, bx, by, x, y, likely_s, weight):
 
 
 @njit(cache=True)
-def _nearest_on_route(x, y, likely, weight, knots_s, knots_m, first, last, loop_start):
-    """The planned moment on a route, knots first..last, that fits a place best, and how far it is away in metres."""
+def _nearest_on_route(place, likely, weight, routes, robot):
+    """The planned moment on a robot's route that fits a place best, and how far it is away in metres."""
+    knots_s, knots_m, loop_start = routes.knots_s, routes.knots_m, routes.loop_starts[robot]
+    first, last = routes.offsets[robot], routes.offsets[robot + 1] - 1
     loop = knots_s[last] - knots_s[loop_start]
     best, when = math.inf, likely
     for i in range(first, last):
@@ -32,38 +55,34 @@ def _nearest_on_route(x, y, likely, weight, knots_s, knots_m, first, last, loop_
         rounds = 0.0
         if loop > 0.0 and i >= loop_start:
             rounds = max(0.0, math.floor((likely - (t0 + t1) / 2) / loop + 0.5)) * loop
-        ax, ay, bx, by = knots_m[i, 0], knots_m[i, 1], knots_m[i + 1, 0], knots_m[i + 1, 1]
-        at, miss = _nearest_on_leg(t0 + rounds, t1 + rounds, ax, ay, bx, by, x, y, likely, weight)
+        a, b = (knots_m[i, 0], knots_m[i, 1]), (knots_m[i + 1, 0], knots_m[i + 1, 1])
+        at, miss = _nearest_on_leg(t0 + rounds, t1 + rounds, a, b, place, likely, weight)
         if miss < best:
             best, when = miss, at
     if loop == 0.0:
         # it stays: any moment from its arrival on fits
         at = max(likely, knots_s[last])
-        miss = (knots_m[last, 0] - x) ** 2 + (knots_m[last, 1] - y) ** 2 + weight * (at - likely) ** 2
+        miss = (knots_m[last, 0] - place[0]) ** 2 + (knots_m[last, 1] - place[1]) ** 2 + weight * (at - likely) ** 2
         if miss < best:
             best, when = miss, at
     return when, math.sqrt(max(0.0, best - weight * (when - likely) ** 2))
 
 
 @njit(cache=True)
-def locate(robots, times_s, places, lags_s, offsets, knots_s, knots_m, loop_starts, speeds_m_s, off_route_m):
+def locate(robots, times_s, places, lags_s, routes, off_route_m):
     """Where on their planned routes robots are that were at places (m, 2) at times_s (m,).
 
-    robots: (m,) whose they are. lags_s: (k,) how far each of all robots was behind its plan last. offsets (k + 1,),
-    knots_s (n,), knots_m (n, 2): the timed points of all robots; loop_starts: (k,) index of the first in the loop.
-    Returns (m,) how far each is behind its plan in seconds, and how far it is from its route in metres. Where that is
-    more than off_route_m (k,), any other lag will do.
+    robots: (m,) whose they are. lags_s: (k,) how far each of all robots was behind its plan last. Returns (m,) how far
+    each is behind its plan in seconds, and how far it is from its route in metres. Where that is more than off_route_m
+    (k,), any other lag will do.
     """
     lags, away = np.empty(len(robots)), np.empty(len(robots))
     for m in range(len(robots)):
         k = robots[m]
         likely = times_s[m] - lags_s[k]
         for doubt in DOUBTS:
-            weight = (doubt * speeds_m_s[k]) ** 2
-            when, away[m] = _nearest_on_route(
-                places[m, 0], places[m, 1], likely, weight, knots_s, knots_m, offsets[k], offsets[k + 1] - 1,
-                loop_starts[k],
-            )  # fmt: skip
+            weight = (doubt * routes.speeds_m_s[k]) ** 2
+            when, away[m] = _nearest_on_route((places[m, 0], places[m, 1]), likely, weight, routes, k)
             lags[m] = times_s[m] - when
             if away[m] <= off_route_m[k]:
                 break

@@ -55,8 +55,9 @@ class Forecast:
         team = Team(self._loops_s, np.ascontiguousarray(lags_s), np.ascontiguousarray(until_s))
         later_s = now_s if later_s is None else later_s
         places, count = self.places, len(self.places.demands)
+        looked_s = later_s + PERIODS_AHEAD * places.periods_s
         when, where = kernels.first_lapses(
-            last_seen_s, places.demand, count, places.periods_s, now_s, later_s, PERIODS_AHEAD, self._sights, team
+            last_seen_s, places.demand, count, places.periods_s, looked_s, now_s, self._sights, team
         )
         found = []
         for k in np.argsort(when, kind="stable"):

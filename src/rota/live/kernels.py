@@ -129,15 +129,15 @@ def lapse_of(place, seen_s, period_s, now_s, until_s, sights, team):
 
 
 @njit(cache=True)
-def first_lapses(last_seen_s, demand, demands, periods_s, now_s, later_s, ahead, sights, team):
+def first_lapses(last_seen_s, demand, demands, periods_s, until_s, now_s, sights, team):
     """For each demand when its first place lapses (inf: none does), and which place: (demands,) each.
 
-    A demand is looked at until ``ahead`` of its periods after later_s.
+    until_s: (n,) until when each place is looked at.
     """
     when, where = np.full(demands, math.inf), np.full(demands, -1, np.int64)
     for p in range(len(last_seen_s)):
         k = demand[p]
-        until = min(when[k], later_s + ahead * periods_s[p])
+        until = min(when[k], until_s[p])
         lapse = lapse_of(p, last_seen_s[p], periods_s[p] * (1 + SAME_S), now_s, until, sights, team)
         if lapse < when[k]:
             when[k], where[k] = lapse, p

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pyproj import Geod
+from shapely import box
 from tests.files.two_robots import two_robots, with_heights
 
+from rota.check.motion import motion_violations
+from rota.check.routes import commensurable_classes
 from rota.command.export import FORMATS
 from rota.errors import PlanError
 from rota.files.executed.mavlink import flown
@@ -21,13 +24,13 @@ PLAN = two_robots(robots=("a", "b"))
 # metres that places may be off by their digits, and seconds that times may be
 DIGITS = {
     "csv": (0, 0),
-    "geojson": (2e-4, 1e-9),
-    "kml": (2e-4, 1.1e-3),
-    "gpx": (2e-4, 1.1e-3),
+    "geojson": (2e-8, 1e-9),
+    "kml": (2e-8, 2e-9),
+    "gpx": (2e-8, 2e-9),
     "qgroundcontrol": (8e-3, 4e-3),
     "qgroundcontrol-px4": (8e-3, 4e-3),
     "waypoints": (8e-3, 4e-3),
-    "dji-wpml": (2e-4, 2e-4),
+    "dji-wpml": (2e-8, 1e-8),
     "nav2": (0, 1e-9),
     "vda5050": (0, 1e-9),
     "rosbag2": (0, 1e-9),
@@ -83,6 +86,34 @@ def test_heights_are_driven(name: str) -> None:
     for time_s in (0, 10, 20, 35):
         driven, planned = place_at(climbing, after_s + time_s), place_at(plan.trajectories[0], time_s)
         np.testing.assert_allclose(driven, planned, atol=0.02)
+
+
+@pytest.mark.parametrize("name", ["nav2", "dji-wpml", "kml"])
+def test_an_approach_begins_at_the_height_of_its_first_position(name: str) -> None:
+    plan = with_heights()
+    rising = Trajectory(
+        robot="a", times_s=[0, 5, 15, 25], positions_m=[[0, 0, 32], [0, 10, 30], [50, 0, 40], [0, 10, 30]],
+        loop_start_s=5,
+    )  # fmt: skip
+    (made, _) = plan_as_driven(replace(plan, trajectories=(rising, plan.trajectories[1])), name)
+    np.testing.assert_allclose(made.positions_m[:4], rising.positions_m, atol=2e-8)
+    np.testing.assert_allclose(made.times_s[:4], rising.times_s, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["geojson", "kml", "gpx", "dji-wpml"])
+def test_files_of_degrees_keep_what_touches_and_what_shares_a_period(name: str) -> None:
+    plan = replace(PLAN, mission=replace(PLAN.mission, area=box(0, 0, 200, 100), obstacles=(), zones=(), period_s=35))
+    rounds = (1, 2, 3)  # 9.5, 19 and 28.5 s long, at full speed along the border
+    robots = tuple(Robot(name=f"r{k}", speed_m_s=8, sensor=PLAN.mission.fleet.sensor) for k in rounds)
+    fleet = replace(PLAN.mission.fleet, robots=robots)
+    loops = tuple(
+        Trajectory(robot=f"r{k}", times_s=[0, 4.75 * k, 9.5 * k], positions_m=[[0, 0], [38 * k, 0], [0, 0]])
+        for k in rounds
+    )
+    touching = Plan(mission=replace(plan.mission, fleet=fleet), trajectories=loops)
+    made = plan_as_driven(touching, name)
+    assert motion_violations(made) == []
+    assert len(set(commensurable_classes([trajectory.loop_duration_s for trajectory in made])[0].tolist())) == 1
 
 
 def mission(*items: tuple[int, list[float | None]]) -> list[Item]:

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
+from rota.files.executed.bags import as_bag
 from rota.files.executed.mavlink import as_qgroundcontrol, as_waypoints
-from rota.files.executed.timed_files import as_bag, as_csv, as_geojson, as_gpx, as_kml
+from rota.files.executed.timed_files import as_csv, as_geojson, as_gpx, as_kml
 from rota.files.executed.written_routes import as_dji_waylines, as_nav2_waypoints, as_vda5050_orders
 from rota.plan import Plan, Trajectory
 
@@ -29,9 +30,9 @@ DRIVEN: dict[str, Driven] = {
     "dji-wpml": _each(as_dji_waylines),
     "nav2": _each(as_nav2_waypoints),
     "vda5050": _each(as_vda5050_orders),
-    "rosbag2": as_bag,
-    "rosbag2-sqlite3": as_bag,
-    "rosbag1": as_bag,
+    "rosbag2": partial(as_bag, storage="mcap"),
+    "rosbag2-sqlite3": partial(as_bag, storage="sqlite3"),
+    "rosbag1": partial(as_bag, storage="rosbag1"),
 }
 
 

@@ -18,7 +18,7 @@ from rota.files.timed_places import START
 from rota.plan import Floats, Plan, Trajectory
 
 NAMES = {"k": kml_tour.NAMESPACE, "gx": kml_tour.EXTENSIONS, "g": gpx_tracks.NAMESPACE}
-NANOSECONDS = 1e9
+METRE_DIGITS = 8
 SAME_SPEED = 1e-9  # share by which the check lets speeds be exceeded
 
 
@@ -33,13 +33,13 @@ def as_csv(plan: Plan) -> tuple[Trajectory, ...]:
         columns = ["x_m", "y_m", *(["z_m"] if trajectory.positions_m.shape[1] == 3 else [])]
         places_m = np.array([[float(row[column]) for column in columns] for row in own])
         first = [row["in_loop"] for row in own].index("1")
-        made.append(_again(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
+        made.append(driven_at(plan, trajectory, np.array([float(row["t_s"]) for row in own]), places_m, first))
     return tuple(made)
 
 
 def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
     """All robots as the lines of a map have them, with the times that are its properties."""
-    to_metres = Projection(plan.mission.origin).to_metres if plan.mission.origin is not None else None
+    projection = Projection(plan.mission.origin) if plan.mission.origin is not None else None
     times: dict[str, list[float]] = {}
     places: dict[str, list[list[float]]] = {}
     first: dict[str, int] = {}
@@ -59,9 +59,9 @@ def as_geojson(plan: Plan) -> tuple[Trajectory, ...]:
     made = []
     for trajectory in plan:
         places_m = np.array(places[trajectory.robot], dtype=np.float64)
-        if to_metres is not None:
-            places_m[:, :2] = np.column_stack(to_metres(places_m[:, 0], places_m[:, 1]))
-        made.append(_again(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
+        if projection is not None:
+            places_m[:, :2] = metres_read(places_m, projection)
+        made.append(driven_at(plan, trajectory, np.array(times[trajectory.robot]), places_m, first[trajectory.robot]))
     return tuple(made)
 
 
@@ -88,32 +88,35 @@ def as_gpx(plan: Plan) -> tuple[Trajectory, ...]:
     return tuple(made)
 
 
-def as_bag(plan: Plan) -> tuple[Trajectory, ...]:
-    """All robots as bags of ROS have them: places with all digits, times to the nanosecond."""
-    return tuple(
-        _again(
-            plan,
-            trajectory,
-            np.round(trajectory.times_s * NANOSECONDS) / NANOSECONDS,
-            trajectory.positions_m,
-            trajectory.loop_index,
-        )
-        for trajectory in plan
-    )
+def metres_read(degrees: Floats, projection: Projection) -> Floats:
+    """x, y (n, 2) in metres of degrees (n, 2 or 3) with all digits of float64, longitude first.
+
+    They are rounded to 1e-8 m: float64 holds degrees, and the projection is exact, to 5e-9 m. So places on a lattice,
+    between which robots drive straight on, come out in a straight row again.
+    """
+    places_m = np.column_stack(projection.to_metres(degrees[:, 0], degrees[:, 1]))
+    return np.asarray(np.round(places_m, METRE_DIGITS), dtype=np.float64)
 
 
 def _seconds(instants: list[str]) -> Floats:
-    return np.array([(datetime.fromisoformat(instant) - START).total_seconds() for instant in instants])
+    """(n,) seconds after the start of instants such as 2000-01-01T00:00:59.123456789Z."""
+    parts = [instant.removesuffix("Z").split(".") for instant in instants]
+    return np.array(
+        [
+            (datetime.fromisoformat(f"{whole}Z") - START).total_seconds() + float(f"0.{decimals}")
+            for whole, decimals in parts
+        ]
+    )
 
 
 def _on_ground(
     plan: Plan, trajectory: Trajectory, times_s: Floats, degrees: Floats, projection: Projection
 ) -> Trajectory:
-    places_m = np.column_stack([*projection.to_metres(degrees[:, 0], degrees[:, 1]), degrees[:, 2]])
-    return _again(plan, trajectory, times_s, places_m, trajectory.loop_index)
+    places_m = np.column_stack([metres_read(degrees, projection), degrees[:, 2]])
+    return driven_at(plan, trajectory, times_s, places_m, trajectory.loop_index)
 
 
-def _again(plan: Plan, trajectory: Trajectory, times_s: Floats, places_m: Floats, first: int) -> Trajectory:
+def driven_at(plan: Plan, trajectory: Trajectory, times_s: Floats, places_m: Floats, first: int) -> Trajectory:
     """The robot's trajectory of other numbers, with as many coordinates; the loop begins at number ``first``.
 
     Of points that come at one time the last one counts. The robot is late where it had to be faster than it can.

@@ -18,13 +18,14 @@ from rota.files.dji_waylines import (
     WaylineSettings,
     kmz_of,
 )
+from rota.files.executed.timed_files import metres_read
 from rota.files.geodesy import projection_of
 from rota.files.nav2_waypoints import APPROACH, LOOP, nav2_texts
 from rota.files.timed_places import START
 from rota.files.vda5050_files import OrderSettings, orders_text
 from rota.files.vda5050_orders import WAIT, Json
 from rota.plan import Plan, Trajectory
-from rota.route import RouteStop, route_of
+from rota.route import RouteStop, route_of, start_height_m
 
 NAMES = {"k": KML_NAMESPACE, "w": WPML_NAMESPACE}
 PANEL_ENTRY = re.compile(
@@ -43,10 +44,9 @@ def as_dji_waylines(plan: Plan, trajectory: Trajectory) -> Trajectory:
         document = ElementTree.fromstring(archive.read(WAYLINES))  # of our own making
     marks = document.findall("k:Document/k:Folder/k:Placemark", NAMES)
     degrees = np.array([_text(mark, "k:Point/k:coordinates").split(",") for mark in marks], dtype=np.float64)
-    x, y = projection.to_metres(degrees[:, 0], degrees[:, 1])
     stops: list[RouteStop] = []
     speed_m_s = None
-    for mark, east, north in zip(marks, x.tolist(), y.tolist(), strict=True):
+    for mark, east, north in zip(marks, *metres_read(degrees, projection).T.tolist(), strict=True):
         hold = mark.find("w:actionGroup/w:action/w:actionActuatorFuncParam/w:hoverTime", NAMES)
         place_m = (east, north, float(_text(mark, "w:executeHeight")))
         stops.append(
@@ -112,7 +112,7 @@ def _two_rounds_s(trajectory: Trajectory) -> float:
 
 def _in_rounds(trajectory: Trajectory, stops: list[RouteStop], altitude_m: float) -> Trajectory:
     """The trajectory of stops that hold an approach and two rounds: the second goes on for ever."""
-    route = route_of(trajectory, altitude_m)
+    route = route_of(trajectory, start_height_m(trajectory, altitude_m))
     first, a_round = len(from_start(route)), len(route.every_round)
     flat = trajectory.positions_m.shape[1] == 2
     if not a_round:

@@ -145,6 +145,26 @@ def test_approaches_end_as_the_loop_goes_on() -> None:
     assert shapely.LineString(straight).length == pytest.approx(math.hypot(40, 20))
 
 
+@pytest.mark.parametrize("start_m", [(10.0, 10.0), (30.0, 52.0), (20.0, 31.0)])
+def test_an_approach_begins_straight_since_any_heading_will_do(start_m: tuple[float, float]) -> None:
+    end_m, radius_m = np.array([50.0, 30.0]), 5.0
+    curve = approach_curve(np.array([start_m, end_m]), radius_m, space().grid, np.array([50.0, 20.0]))
+    # the tangent from the start to the nearer of both circles that the end leaves, and the arc from there
+    lengths = []
+    for side in (-1, 1):
+        centre_m = end_m + np.array([side * radius_m * 1.001, 0.0])
+        away = np.array(start_m) - centre_m
+        far_m = math.hypot(*away)
+        spread = math.acos(radius_m * 1.001 / far_m)
+        touch = math.atan2(away[1], away[0]) + side * spread
+        arc = (side * ((0.0 if side < 0 else math.pi) - touch)) % (2 * math.pi)
+        lengths.append(math.sqrt(far_m**2 - (radius_m * 1.001) ** 2) + radius_m * 1.001 * arc)
+    # legs beside an arc are longer than it by up to turn^2 / 12
+    arc_room = 2 * math.pi * radius_m * (math.pi / 16) ** 2 / 12
+    assert min(lengths) - 1e-6 <= shapely.LineString(curve).length <= min(lengths) + arc_room
+    assert np.hypot(*np.diff(curve, axis=0).T).min() > 0.04 * radius_m
+
+
 @pytest.mark.slow  # a search of 15 s; the small field is planned by the same code
 def test_the_coast_is_watched_by_as_few_wings_as_can_be() -> None:
     plan = rota.make_plan(read_mission(Path(__file__).parents[4] / "examples" / "coast.yaml").mission, seed=0)

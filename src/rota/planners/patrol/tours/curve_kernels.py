@@ -11,9 +11,11 @@ the arc itself fits into its corners.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from rota.geometry.kernels import segment_is_free
 
@@ -33,6 +35,15 @@ MOST_CORNERS = 3 * (int(2 * math.pi / STEP_RAD) + 1)  # of the three arcs of a w
 NO_TURN_RAD = 1e-7  # smaller turns are rounding, and left out: legs beside such a corner have hardly any length
 FULL = 2 * math.pi
 BLOCKED_M = 1e9  # added to the length of a path that meets walls: any free one is shorter
+
+
+class Leg(NamedTuple):
+    """From one point (2,) to the next (2,), and the headings that may be had at each: (h,) and (g,)."""
+
+    a: NDArray[np.float64]
+    b: NDArray[np.float64]
+    headings_a: NDArray[np.float64]
+    headings_b: NDArray[np.float64]
 
 
 @njit(cache=True)
@@ -150,11 +161,12 @@ def _length_m(word, pieces, radius_m):
 
 
 @njit(cache=True)
-def shortest_words(a, b, headings_a, headings_b, radius_m, grid, looks, lengths, words):
-    """The shortest path from a to b (2,) for each pair of headings: its length and its word, both (h, g).
+def shortest_words(leg, radius_m, grid, looks, lengths, words):
+    """The shortest path along a leg for each pair of headings: its length and its word, both (h, g).
 
     looks: whether paths must be free of walls; a pair without a free one has its shortest, BLOCKED_M longer.
     """
+    a, b, headings_a, headings_b = leg
     pieces, corners = np.zeros(3), np.zeros((MOST_CORNERS, 2))
     for i in range(len(headings_a)):
         for j in range(len(headings_b)):
@@ -230,7 +242,8 @@ def look_for_walls(points, headings, chosen, radius_m, grid, lengths, words, loo
         a, b, word = points[k], points[k + 1], words[k, i, j]
         if looked[k] or is_free(a, b, headings[k, i], headings[k + 1, j], word, radius_m, grid):
             continue
-        shortest_words(a, b, headings[k], headings[k + 1], radius_m, grid, True, lengths[k], words[k])
+        leg = Leg(a, b, headings[k], headings[k + 1])
+        shortest_words(leg, radius_m, grid, True, lengths[k], words[k])
         looked[k] = some = True
     return some
 

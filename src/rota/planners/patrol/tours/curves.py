@@ -15,6 +15,7 @@ from rota.geometry.kernels import EdgeGrid, free_segments, points_in_space
 from rota.planners.patrol.tours.curve_kernels import (
     BLOCKED_M,
     STEP_RAD,
+    Leg,
     chosen_headings,
     curve_corners,
     look_for_walls,
@@ -28,6 +29,9 @@ Ints = NDArray[np.int64]
 
 HEADINGS = 24  # in which a curve may pass a vertex, beside those along the nearest wall
 RADIUS_TO_SPARE = 1 + 1e-3  # arcs are planned so much wider, so that legs too short to be timed never show
+
+STRAIGHTENINGS = 4  # of an approach's beginning, which may have any heading
+SAME_M = 1e-6  # ways whose lengths differ by less are equally long
 
 
 def curved(tours: Sequence[Tour], grid: EdgeGrid) -> list[Tour]:
@@ -69,6 +73,8 @@ def approach_curve(line_m: Floats, radius_m: float, grid: EdgeGrid, onward_m: Fl
     curve = _Curve(line_m, radius_m * RADIUS_TO_SPARE, grid, closed=False)
     if onward_m is not None:
         curve.end_towards(onward_m)
+    for _ in range(STRAIGHTENINGS):
+        curve.begin_straight()
     return curve.corners_m()
 
 
@@ -92,6 +98,23 @@ class _Curve:
         ahead = onward_m - self.points_m[-1]
         self._headings[-1] = np.arctan2(ahead[1], ahead[0])
         self._measure(len(self._lengths) - 1)
+
+    def begin_straight(self) -> None:
+        """Turn the chosen heading at the first point to where the first arc ends, unless that makes the way longer.
+
+        The tangent to the next arc is approached quadratically; what is left of the first arc is soon no turn at all.
+        """
+        chosen = self._solved()[2]
+        corners = self.corners_m()[1:3]
+        if len(corners) < 2:
+            return
+        before_m, h = self._length_m(), int(chosen[0])
+        kept, self._headings = self._headings, self._headings.copy()
+        self._headings[0, h] = math.atan2(*(corners[1] - corners[0])[::-1])
+        self._measure(0)
+        if self._length_m() > before_m + SAME_M:
+            self._headings = kept
+            self._measure(0)
 
     def corners_m(self) -> Floats:
         """The corners (m, 2) of its legs, both ends among them."""
@@ -135,10 +158,9 @@ class _Curve:
     def _measure(self, k: int) -> None:
         """The lengths of leg k by all headings, whatever is in the way."""
         n = len(self.points_m)
-        shortest_words(
-            self.points_m[k], self.points_m[(k + 1) % n], self._headings[k], self._headings[(k + 1) % n],
-            self._radius_m, self._grid, False, self._lengths[k], self._words[k],
-        )  # fmt: skip
+        after = (k + 1) % n
+        leg = Leg(self.points_m[k], self.points_m[after], self._headings[k], self._headings[after])
+        shortest_words(leg, self._radius_m, self._grid, False, self._lengths[k], self._words[k])
         self._looked[k] = False
 
     def _solved(self) -> tuple[Floats, Floats, Ints]:

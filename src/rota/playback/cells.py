@@ -1,0 +1,110 @@
+"""The ground of a plan as cells: which demand each serves, when robots see it, and its worst gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.cell_map import CellMap, cell_map_of
+from rota.check import revisits, seeable
+from rota.check.demands import demands_of
+from rota.check.presence import away_times_s
+from rota.check.report import Report
+from rota.check.revisits import sights_along
+from rota.check.routes import routes_of, sensors_of
+from rota.live.kernels import PlannedSights
+from rota.live.planned_sights import sights_by_plan
+from rota.mission import AREA, Mission
+from rota.plan import Plan
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NO_CELL = 0xFFFFFFFF  # the index of an entry that stands for a zone to visit
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SeenCells:
+    """Entries (n,): the asked cells row by row from the south, then one for each zone to visit.
+
+    index: (n,) row * columns + column, or ``NO_CELL``. demand: (n,) index in the report's demands. worst: (n,) worst
+    gap over period; inf: never seen. excluded: (e,) cells that nobody can see. sights: of all entries, in their order.
+    """
+
+    cell_map: CellMap
+    index: Ints
+    demand: Ints
+    worst: Floats
+    excluded: Ints
+    sights: PlannedSights
+
+    @property
+    def grid(self) -> dict[str, Any]:
+        """Lower left corner and size of the cells, and how many there are."""
+        left, _, bottom, _ = self.cell_map.extent_m
+        rows, columns = self.cell_map.inside.shape
+        return {
+            "x0_m": float(left), "y0_m": float(bottom), "cell_m": float(self.cell_map.cell_m),
+            "columns": columns, "rows": rows,
+        }  # fmt: skip
+
+
+def seen_cells(plan: Plan, report: Report, cells: int) -> SeenCells:
+    """About ``cells`` cells over the area's bounding box, judged at their centres as the check judges points."""
+    mission = plan.mission
+    cell_map = cell_map_of(mission, cells)
+    names = [demand.name for demand in report.demands]
+    owner = _owners(mission, cell_map, names)
+    asked = owner >= 0
+    points_m = np.ascontiguousarray(cell_map.points_m(asked))
+    gaps_s = revisits.worst_gaps_s(plan, points_m)
+    excluded = np.isinf(gaps_s) & (mission.unseeable == "exclude")
+    if excluded.any():
+        hidden_m = np.ascontiguousarray(points_m[excluded])
+        excluded[excluded] = ~seeable.seeable(mission, seeable.standing_areas(mission), hidden_m)
+    visits = [(k, demand) for k, demand in enumerate(report.demands) if demand.demand == "visit"]
+    regions = {demand.name: demand.region for demand in demands_of(mission)}
+    index, demands = np.flatnonzero(asked), owner[asked]
+    kept = ~excluded
+    routes = sights_along(routes_of(plan), sensors_of(plan), mission, mission.area.bounds)
+    sights = sights_by_plan(routes, points_m[kept], [regions[demand.name] for _, demand in visits])
+    periods_s = np.array([demand.period_s for demand in report.demands], np.float64)
+    return SeenCells(
+        cell_map=cell_map,
+        index=np.concatenate([index[kept], np.full(len(visits), NO_CELL)]),
+        demand=np.concatenate([demands[kept], np.array([k for k, _ in visits], np.int64)]),
+        worst=np.concatenate(
+            [gaps_s[kept] / periods_s[demands[kept]], [demand.worst_gap_s / demand.period_s for _, demand in visits]]
+        ),
+        excluded=index[excluded],
+        sights=_while_present(sights, plan),
+    )
+
+
+def _owners(mission: Mission, cell_map: CellMap, names: list[str]) -> Ints:
+    """(rows, columns): which of the demands ``names`` asks for each cell; -1: none does.
+
+    Among overlapping zones the smallest period rules, as in the check and in ``cell_map_of``.
+    """
+    owner = np.full(cell_map.inside.shape, names.index(AREA) if AREA in names else -1)
+    x_m, y_m = np.meshgrid(cell_map.x_m, cell_map.y_m)
+    strict = [zone for zone in mission.zones if zone.demand == "every_point" and zone.period_s is not None]
+    for zone in sorted(strict, key=lambda zone: zone.period_s or 0.0)[::-1]:
+        shapely.prepare(zone.shape)
+        owner[shapely.contains_xy(zone.shape, x_m, y_m)] = names.index(zone.name)
+    owner[~cell_map.asked] = -1
+    return owner
+
+
+def _while_present(sights: PlannedSights, plan: Plan) -> PlannedSights:
+    """The sights without what a robot would see before it joins or after it leaves."""
+    joins_s, leaves_s = (times_s[sights.robots] for times_s in away_times_s(plan))
+    starts_s = np.where(sights.again, sights.starts_s, np.maximum(sights.starts_s, joins_s))
+    ends_s = np.where(sights.again, sights.ends_s, np.minimum(sights.ends_s, leaves_s))
+    kept = (ends_s >= starts_s) & (ends_s >= joins_s) & (starts_s <= leaves_s)
+    counts = np.concatenate([[0], np.cumsum(kept)])
+    return PlannedSights(counts[sights.offsets], sights.robots[kept], starts_s[kept], ends_s[kept], sights.again[kept])

@@ -1,0 +1,188 @@
+"""Plan and report -> the bytes that a player needs, so that it can show any moment without having played the rest."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.check.report import Report, report_to_json
+from rota.check.routes import routes_of
+from rota.mission import DiscSensor, Robot
+from rota.plan import Plan, Trajectory
+from rota.plan_summary import approach_sentence, bound_sentence, ratio_sentence, robots_sentence
+from rota.playback.bounces import cell_arrays, turn_arrays
+from rota.playback.cells import SeenCells, seen_cells
+from rota.playback.container import Json, packed
+from rota.playback.coverage import Coverage, entered_over_time, range_over_time
+from rota.playback.ground import ground_to_json
+
+Arrays = dict[str, NDArray[Any]]
+
+CELLS = 20_000
+EXACT_BELOW_M = 4_096.0  # so far from 0, a 32-bit coordinate is right to half a millimetre
+MOST_TURNS = 20  # of the longest loop, within which a common period of all loops is worth showing
+LOOPS_SHOWN = 4  # of the longest loop, where there is no such period
+
+
+def playback_of(plan: Plan, report: Report, cells: int = CELLS) -> bytes:
+    """The playback of a plan, see ``container``; ``cells``: about how many over the area's bounding box.
+
+    A place was last seen at the latest moment at which one of its sightings was on, so its age at any time follows from
+    its sightings alone. They come from the check's kernels, in closed form.
+    """
+    seen = seen_cells(plan, report, cells)
+    bounces, more = _bounces(plan, report)
+    coverage = bounces.pop("coverage", None) or range_over_time(plan, seen.cell_map)
+    header: Json = {
+        "plan": _plan_header(plan, report),
+        "mission": {**ground_to_json(plan.mission), "moving_obstacles": _moving(plan)},
+        "bounds_m": [float(value) for value in plan.mission.area.bounds],
+        "clock": clock_of(plan),
+        "robots": [_robot_header(plan, trajectory) for trajectory in plan],
+        "demands": [
+            {
+                "name": demand.name,
+                "period_s": demand.period_s,
+                "demand": demand.demand,
+                "area_m2": demand.area_m2,
+                "worst_gap_s": demand.worst_gap_s if math.isfinite(demand.worst_gap_s) else None,
+                "outcome": demand.outcome,
+            }
+            for demand in report.demands
+        ],
+        "report": report_to_json(report),
+        "grid": seen.grid,
+        "coverage": None if coverage is None else coverage.header,
+        "cells": bounces.get("cells"),
+    }
+    return packed(header, {**_corner_arrays(plan), **_cell_arrays(seen), **_coverage_arrays(coverage), **more})
+
+
+def clock_of(plan: Plan) -> Json:
+    """What a slider runs over: ``from_s`` the latest loop start; ``repeat_s`` the common period of all loops.
+
+    repeat_s: None where loops share none that is at most 20 of the longest loop; 0 where all robots stay. ``end_s``:
+    two such periods after from_s, so that the second is how it goes on for ever; without one, some loops after it.
+    """
+    routes = routes_of(plan)
+    moving = routes.durations_s > 0
+    if not moving.any():
+        last_s = max((float(trajectory.times_s[-1]) for trajectory in plan), default=0.0)
+        return {"from_s": last_s, "repeat_s": 0.0, "end_s": last_s}
+    longest_s, from_s = float(routes.durations_s.max()), float(routes.from_s)
+    repeat_s = None
+    classes = np.unique(routes.classes[moving])
+    if len(classes) == 1:
+        common_s = math.lcm(*(int(part) for part in routes.parts[moving])) * float(routes.units_s[classes[0]])
+        repeat_s = common_s if common_s <= MOST_TURNS * longest_s else None
+    shown_s = LOOPS_SHOWN * longest_s if repeat_s is None else 2 * repeat_s
+    return {"from_s": from_s, "repeat_s": repeat_s, "end_s": from_s + shown_s}
+
+
+def _plan_header(plan: Plan, report: Report) -> Json:
+    """The plan in words."""
+    sentences = (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
+    return {
+        "name": plan.mission.name,
+        "planner": plan.mission.planning.planner,
+        "seed": int(plan.seed),
+        "bound": plan.lower_bound_robots,
+        "bound_reason": plan.lower_bound_reason,
+        "facts": [sentence for sentence in sentences if sentence],
+    }
+
+
+def _robot_header(plan: Plan, trajectory: Trajectory) -> Json:
+    """One robot and its clock."""
+    robot = plan.mission.fleet.robot(trajectory.robot)
+    return {
+        "name": robot.name,
+        "sensor": _sensor(robot),
+        "body_radius_m": float(robot.body_radius_m),
+        "speed_m_s": float(robot.speed_m_s),
+        "loop_start_s": trajectory.loop_start_s,
+        "end_s": float(trajectory.times_s[-1]),
+        "loops": trajectory.loop_duration_s > 0,
+        "joins_s": float(robot.joins_s),
+        "leaves_s": None if robot.leaves_s is None else float(robot.leaves_s),
+    }
+
+
+def _sensor(robot: Robot) -> Json:
+    """What it sees with."""
+    if isinstance(robot.sensor, DiscSensor):
+        half_angle = robot.sensor.half_angle_deg
+        return {"shape": "disc", "radius_m": float(robot.sensor.radius_m), "half_angle_deg": half_angle}
+    return {"shape": "square", "side_m": float(robot.sensor.side_m), "half_angle_deg": None}
+
+
+def _moving(plan: Plan) -> list[Json]:
+    """The mission's moving obstacles."""
+    return [
+        {"radius_m": float(m.radius_m), "times_s": list(m.times_s), "positions_m": [list(at) for at in m.positions_m]}
+        for m in plan.mission.moving_obstacles
+    ]
+
+
+def _bounces(plan: Plan, report: Report) -> tuple[Json, Arrays]:
+    """Of robots that bounce: the grid of their cells, what they entered over time, and their arrays."""
+    rules = plan.mission.planning.bouncing
+    if rules is None or not len(plan.trajectories):
+        return {}, {}
+    arrays = turn_arrays(plan)
+    if rules.cell_m == 0:
+        return {}, arrays
+    grid, added, entered_s = cell_arrays(plan)
+    told: Json = {"cells": grid}
+    if report.cells_entered is not None:
+        told["coverage"] = entered_over_time(entered_s, report.cells_entered[1])
+    return told, {**arrays, **added}
+
+
+def _corner_arrays(plan: Plan) -> Arrays:
+    """The trajectories' corners, robot by robot; heights only where a plan has some."""
+    offsets = np.cumsum([0, *(len(trajectory.times_s) for trajectory in plan)])
+    times_s = np.concatenate([np.empty(0), *(trajectory.times_s for trajectory in plan)])
+    far_m = max(abs(float(value)) for value in plan.mission.area.bounds)
+    kind = np.float32 if far_m < EXACT_BELOW_M else np.float64
+    places_m = np.concatenate([np.empty((0, 2)), *(trajectory.positions_m[:, :2] for trajectory in plan)])
+    arrays: Arrays = {
+        "corner_offsets": offsets.astype(np.uint32),
+        "corner_time_s": times_s,
+        "corner_x_m": places_m[:, 0].astype(kind),
+        "corner_y_m": places_m[:, 1].astype(kind),
+    }
+    if any(trajectory.positions_m.shape[1] == 3 for trajectory in plan):
+        heights = [
+            t.positions_m[:, 2] if t.positions_m.shape[1] == 3 else np.zeros(len(t.times_s)) for t in plan
+        ]  # fmt: skip
+        arrays["corner_z_m"] = np.concatenate(heights).astype(np.float32)
+    return arrays
+
+
+def _cell_arrays(seen: SeenCells) -> Arrays:
+    """The asked cells and when they are seen."""
+    return {
+        "cell_index": seen.index.astype(np.uint32),
+        "cell_demand": seen.demand.astype(np.uint16),
+        "cell_worst": seen.worst.astype(np.float32),
+        "excluded_index": seen.excluded.astype(np.uint32),
+        "sight_offsets": seen.sights.offsets.astype(np.uint32),
+        "sight_robot": seen.sights.robots.astype(np.uint16),
+        "sight_start_s": seen.sights.starts_s.astype(np.float32),
+        "sight_end_s": seen.sights.ends_s.astype(np.float32),
+        "sight_loops": seen.sights.again.astype(np.uint8),
+    }
+
+
+def _coverage_arrays(coverage: Coverage | None) -> Arrays:
+    """The curve of robots that spread, or that cover a floor."""
+    if coverage is None:
+        return {}
+    return {
+        "coverage_time_s": coverage.times_s.astype(np.float32),
+        "coverage_share": coverage.shares.astype(np.float32),
+    }
