@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import getpass
 import json
+import math
 import shutil
 import socket
 import subprocess
+import time
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
@@ -20,12 +22,17 @@ from vda5050.validation.schema_validator import SchemaValidator
 
 Json = dict[str, Any]
 SCHEMAS = SchemaValidator()
+TELLS_S = 0.2  # between states of one that really drives
 STEP_S = 0.02  # in which it drives from one node to the next
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ways:
-    """How a vehicle is special. keeps: how many nodes of an order it keeps at most."""
+    """How a vehicle is special.
+
+    keeps: how many nodes of an order it keeps at most. loses: the order update that never arrives the first time.
+    real: it drives at the speeds of the order's edges and does its waits, and does not hop from node to node.
+    """
 
     refuses: bool = False
     deaf: bool = False
@@ -34,6 +41,8 @@ class Ways:
     automatic: bool = True
     cannot_pause: bool = False
     dies_at: int | None = None
+    loses: int | None = None
+    real: bool = False
 
 
 @dataclass
@@ -52,6 +61,8 @@ class Agv:
     paused: bool = False
     passed: list[tuple[float, float]] = field(default_factory=list)
     taken: list[str] = field(default_factory=list)
+    waits_s: float = 0.0
+    told_s: float = 0.0
     headers: int = 0
     dead: bool = False
 
@@ -92,6 +103,8 @@ class Agv:
     def take_order(self, order: Json) -> None:
         ident = order["orderId"]
         self.taken.append(f"{ident}:{order['orderUpdateId']}")
+        if order["orderUpdateId"] == self.ways.loses and self.taken.count(self.taken[-1]) == 1:
+            return
         if self.ways.refuses:
             reference = {"referenceKey": "orderId", "referenceValue": ident}
             self.errors = [{"errorType": "orderError", "errorLevel": "WARNING", "errorReferences": [reference]}]
@@ -141,16 +154,46 @@ class Agv:
 
     async def drive(self, client: Client) -> None:
         while True:
+            before_s = time.monotonic()
             await asyncio.sleep(STEP_S)
-            if not self.paused and self.nodes and self.nodes[0]["released"] and not self.dead:
-                self.pass_node(self.nodes.pop(0))
-                self.edges.pop(0)
-                self.dead = self.ways.dies_at is not None and len(self.passed) > self.ways.dies_at
+            if self.ways.real and before_s > self.told_s + TELLS_S:
                 await self.tell(client)
+            if self.dead or self.paused or not self.nodes or not self.nodes[0]["released"]:
+                continue
+            if self.ways.real:
+                self.drive_on(time.monotonic() - before_s)
+            else:
+                self.reach_node()
+                await self.tell(client)
+
+    def reach_node(self) -> None:
+        self.pass_node(self.nodes.pop(0))
+        self.edges.pop(0)
+        self.dead = self.ways.dies_at is not None and len(self.passed) > self.ways.dies_at
+
+    def drive_on(self, left_s: float) -> None:
+        """Wait at the last node for the rest of its wait, and go on along the edges for the rest of the time."""
+        while self.nodes and self.nodes[0]["released"]:
+            waited_s = min(left_s, self.waits_s)
+            self.waits_s, left_s = self.waits_s - waited_s, left_s - waited_s
+            end = self.nodes[0]["nodePosition"]
+            away_m = math.dist(self.place, (end["x"], end["y"]))
+            driven_m = left_s * (self.edges[0]["maxSpeed"] or math.inf)
+            if self.waits_s > 0 or left_s <= 0:
+                return
+            if driven_m < away_m:
+                share = driven_m / away_m
+                x, y = self.place
+                self.place = (x + share * (end["x"] - x), y + share * (end["y"] - y))
+                return
+            left_s -= away_m / (self.edges[0]["maxSpeed"] or math.inf)
+            waits = [float(action["actionParameters"][0]["value"]) for action in self.nodes[0]["actions"]]
+            self.reach_node()
+            self.waits_s = sum(waits)
 
     async def tell(self, client: Client) -> None:
         if not self.dead:
-            state = self.state()
+            self.told_s, state = time.monotonic(), self.state()
             assert SCHEMAS.errors("state", state) == [], state
             await client.publish(self.topic("state"), json.dumps(state))
 
@@ -184,13 +227,14 @@ def told_at(agv: Agv, ahead_s: float) -> Json:
 
 
 @contextmanager
-def broker(folder: Path, *lines: str) -> Iterator[int]:
-    """Mosquitto on a free port of loopback, with more lines in its configuration; gives the port."""
+def broker(folder: Path, *lines: str, port: int | None = None) -> Iterator[int]:
+    """Mosquitto on a port of loopback, by default a free one, with more lines in its configuration; gives the port."""
     program = shutil.which("mosquitto", path="/usr/sbin:/usr/bin:/usr/local/sbin:/usr/local/bin")
     assert program is not None, "apt install mosquitto"
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    if port is None:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
     access = () if any(line.startswith("allow_anonymous") for line in lines) else ("allow_anonymous true",)
     (folder / "mosquitto.conf").write_text(
         "\n".join((f"user {getpass.getuser()}", f"listener {port} 127.0.0.1", *access, *lines, ""))

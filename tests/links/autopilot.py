@@ -14,8 +14,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pymavlink.dialects.v20 import common as mav
+from tests.links.flight import Flight
 
 HEARTBEAT_S, REQUEST_S = 0.1, 0.15
+MISSION_MODES = (4 << 16 | 4 << 24, 3)  # of PX4; of ArduPilot's copters
 MISSION, FENCE = mav.MAV_MISSION_TYPE_MISSION, mav.MAV_MISSION_TYPE_FENCE
 CAPABILITIES = (
     mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
@@ -31,7 +33,7 @@ class Script:
 
     rejects_item: the number of the item that it refuses. silent_after_item: the one after which nothing comes any more.
     keeps_items: it takes no more than so many and says that all is well. alters_item: the one that it stores with
-    another place. denies: commands that it refuses; clears: whether it does as it is told.
+    another place. denies: commands that it refuses. flies: whether it flies what it holds, once it is told to.
     """
 
     kind: int = mav.MAV_TYPE_QUADROTOR
@@ -45,6 +47,7 @@ class Script:
     denies: frozenset[int] = frozenset()
     position: tuple[int, int, int] = (481000000, 115000000, 25000)
     battery_percent: int = 80
+    flies: bool = False
 
 
 @dataclass
@@ -69,6 +72,8 @@ class Autopilot:
         self.socket.bind(("127.0.0.1", 0))
         self.link = mav.MAVLink(None, srcSystem=1, srcComponent=1)
         self.link.robust_parsing = True
+        lat, lon, height_mm = self.script.position
+        self.flight, self._flown_s = Flight(lat / 1e7, lon / 1e7, height_mm / 1000), time.monotonic()
 
     # ------------------------------------------------------------ sending
 
@@ -89,7 +94,11 @@ class Autopilot:
             self.socket.sendto(heapq.heappop(self._delayed)[2], ("127.0.0.1", self.port))
 
     def beat(self) -> None:
-        script, (lat, lon, height_mm) = self.script, self.script.position
+        script, flight = self.script, self.flight
+        before_s, self._flown_s = self._flown_s, time.monotonic()
+        if script.flies and self.modes and self.modes[-1] in MISSION_MODES:
+            flight.fly(self.items[MISSION], self._flown_s - before_s)
+        lat, lon, height_mm = round(flight.lat * 1e7), round(flight.lon * 1e7), round(flight.height_m * 1000)
         mode = self.modes[-1] if self.modes else 0
         armed = mav.MAV_MODE_FLAG_SAFETY_ARMED if mav.MAV_CMD_COMPONENT_ARM_DISARM in self.commands else 0
         base = mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | armed

@@ -70,3 +70,8 @@ async def reports_until(link: Link, time_s: float) -> list[Report]:
         if report.time_s >= time_s:
             break
     return taken
+
+
+def dropped(link: Link) -> int:
+    """How many messages a link has dropped."""
+    return sum(rejected.messages for rejected in link.rejections.values())

@@ -18,6 +18,10 @@ GOOD: dict[str, Any] = {
 }  # fmt: skip
 
 
+def dropped(inbox: ReportInbox) -> int:
+    return sum(rejected.messages for rejected in inbox.rejections.values())
+
+
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -46,7 +50,7 @@ GOOD: dict[str, Any] = {
 def test_what_is_malformed_is_counted_and_dropped(wrong: dict[str, Any]) -> None:
     inbox = ReportInbox(["a", "b"], BOUNDS)
     assert not inbox.offer(**{**GOOD, **wrong})
-    assert inbox.rejected == 1
+    assert dropped(inbox) == 1
     assert inbox.take_all() == []
     assert inbox.latest("a") is None
 
@@ -59,7 +63,7 @@ def test_a_good_report_is_kept_and_older_ones_after_it_are_not() -> None:
     first, second = inbox.take_all()
     assert (first.robot, first.time_s, first.position_m, first.battery) == ("a", 9.5, (1.0, 2.5, 3.0), 0.5)
     assert (second.robot, second.battery, second.mode) == ("b", None, None)
-    assert inbox.rejected == 1
+    assert dropped(inbox) == 1
 
 
 def test_a_reader_gets_all_in_order_and_ends_when_the_inbox_closes() -> None:
@@ -98,4 +102,4 @@ def test_a_hundred_thousand_messages_leave_nothing_behind() -> None:
     tracemalloc.stop()
     assert kept < 50_000
     assert len(inbox.take_all()) == 100
-    assert inbox.rejected >= 100 * (1000 - taken)
+    assert dropped(inbox) >= 100 * (1000 - taken)

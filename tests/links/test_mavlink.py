@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import common as mav
 from tests.links.autopilot import FENCE, MISSION, Autopilot, Script, flying
-from tests.links.fleets import plan_of, routes_of, three
+from tests.links.fleets import dropped, plan_of, routes_of, three
 
 from rota.errors import LinkError, PlanError, RotaError
 from rota.files.geodesy import Projection
@@ -174,9 +174,9 @@ def test_noise_places_that_are_none_and_batteries_that_nobody_knows() -> None:
             for _ in range(5000):
                 out.sendto(rng.randbytes(100), ("127.0.0.1", vehicles[0].port))
         await first_reports(link, ["a"])
-        while link.rejected == 0:
+        while not link.rejections:
             await asyncio.sleep(0.05)
-        return link.latest("a"), link.latest("b"), link.rejected
+        return link.latest("a"), link.latest("b"), dropped(link)
 
     rng = random.Random(0)
     nowhere = Script(position=(2_000_000_000, 115000000, 0))

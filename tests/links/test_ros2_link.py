@@ -9,7 +9,7 @@ from contextlib import aclosing
 from typing import Any
 
 import pytest
-from tests.links.fleets import loop_of, plan_of, routes_of, staying
+from tests.links.fleets import dropped, loop_of, plan_of, routes_of, staying
 from tests.links.ros2_robots import ScriptedRobot, on_air
 
 from rota.errors import LinkError
@@ -72,7 +72,7 @@ def test_routes_arrive_whole_and_orders_are_obeyed() -> None:
         assert latest.mode == "running"
         assert -1 < latest.time_s < 60
         await link.come_home("b")
-        assert link.rejected == 0
+        assert not link.rejections
 
     with_link(robots, drive)
     held = robots[0].route
@@ -138,7 +138,7 @@ def test_poses_that_cannot_be_used_are_dropped_and_counted(fault: str) -> None:
         try:
             with pytest.raises(LinkError, match=r"^robot b: not heard within 2 s$"):
                 await link.open()
-            counted.append(link.rejected)
+            counted.append(dropped(link))
         finally:
             await link.close()
 

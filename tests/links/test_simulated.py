@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.links.fleets import loop_of, plan_of, reports_until, routes_of, send_and_start, three
+from tests.links.fleets import dropped, loop_of, plan_of, reports_until, routes_of, send_and_start, three
 
 from rota.errors import LinkError, RotaError
 from rota.links.link import Report
@@ -129,7 +129,7 @@ def test_the_dead_the_stuck_and_those_that_talk_nonsense() -> None:
     async def drive() -> tuple[list[Report], int]:
         link = make_link("simulated", plan, [*EXACT, faults])
         await send_and_start(link, plan)
-        return await reports_until(link, 10.0), link.rejected
+        return await reports_until(link, 10.0), dropped(link)
 
     reports, rejected = asyncio.run(drive())
     last = {report.robot: report for report in reports}

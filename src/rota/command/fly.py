@@ -4,34 +4,41 @@ from __future__ import annotations
 
 import asyncio
 import math
+import os
+import shlex
 import sys
 import threading
 from collections.abc import Sequence
 from contextlib import aclosing
+from datetime import UTC, datetime
+from io import UnsupportedOperation
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rota.command.arguments import PlanPath, placed_plan, read_plan_argument
-from rota.command.link_option import LinkName, LinkSettings, ListSettings
+from rota.command.arguments import PlanPath, read_plan_argument
+from rota.command.interrupt import run_to_its_end
+from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
 from rota.command.terminal import STANDARD_STREAM, say
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from rota.links.link import Link
+    from rota.plan import Plan
     from rota.route import Route
 
 FAR_FROM_START_M = 20.0  # from where its route begins; nothing has been planned for a robot's way there
 NEWS_EVERY_S = 10.0
+LONGEST_ANSWER = 1000  # bytes
+RELEASED = "robots get no more stops from here on, and wait at the last one that they have"
+GO_ON = "robots go on with their routes; --pause stops them, --home calls them back"
 
 
 def fly(
     plan: PlanPath,
     link: LinkName = "simulated",
     settings: LinkSettings = None,
-    origin: Annotated[
-        str | None, typer.Option(metavar="LAT,LON", help="Where x = y = 0 lies, for a mission that does not say it.")
-    ] = None,
+    origin: LinkOrigin = None,
     start: Annotated[bool, typer.Option("--start", help="Start the robots, after a summary and a question.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="With --start: ask nothing.")] = False,
     pause: Annotated[bool, typer.Option("--pause", help="Send nothing; let all robots stop where they are.")] = False,
@@ -45,30 +52,16 @@ def fly(
 
     Routes are read back and compared item by item. Either every robot holds all of its route afterwards, or none does.
     """
-    from rota.links.link_settings import make_link, settings_help
+    from rota.links.link_settings import settings_help
 
     if list_settings:
         typer.echo(settings_help(link))
         return
     _require_sense(plan, start, yes, pause, home, seconds)
     answer = read_plan_argument(plan)
-    if origin is not None:
-        answer = placed_plan(answer, origin)
-    made = make_link(link, answer, settings or ())
-    if pause or home:
-        asyncio.run(_command(made, home))
-        return
-
-    async def run() -> None:
-        from rota.links.sending import routes_for
-
-        try:
-            await made.open()
-            await _send_and_start(made, routes_for(answer, made), start, yes, seconds)
-        finally:
-            await made.close()
-
-    asyncio.run(run())
+    made = chosen_link(link, answer, origin, settings)
+    watching = _watching(plan, link, settings or [], origin)
+    run_to_its_end(_command(made, home) if pause or home else _fly(made, answer, start, yes, seconds, watching))
 
 
 def _require_sense(plan: str, start: bool, yes: bool, pause: bool, home: bool, seconds: float | None) -> None:
@@ -82,18 +75,33 @@ def _require_sense(plan: str, start: bool, yes: bool, pause: bool, home: bool, s
         raise RotaError("--start: somebody has to say yes on a terminal; scripts give --yes")
 
 
+def _watching(plan: str, link: str, settings: list[str], origin: str | None) -> str:
+    """The command that watches the same robots, but for when they started."""
+    words = ["rota", "watch", plan, "--link", link, *(["--origin", origin] if origin is not None else [])]
+    for text in settings:
+        if not text.startswith("start_time="):
+            words += ["--set", text]
+    return shlex.join(words)
+
+
+async def _fly(link: Link, plan: Plan, start: bool, yes: bool, seconds: float | None, watching: str) -> None:
+    from rota.links.sending import routes_for
+
+    async with opened(link):
+        await _send_and_start(link, routes_for(plan, link), start, yes, seconds, watching)
+
+
 async def _command(link: Link, home: bool) -> None:
     from rota.links.sending import command_all
 
-    try:
-        await link.open()
+    async with opened(link):
         await command_all(link.come_home if home else link.pause, link.robots)
-    finally:
-        await link.close()
     typer.echo(f"{len(link.robots)} robots {'are called home' if home else 'have stopped'}.")
 
 
-async def _send_and_start(link: Link, routes: Sequence[Route], start: bool, yes: bool, seconds: float | None) -> None:
+async def _send_and_start(
+    link: Link, routes: Sequence[Route], start: bool, yes: bool, seconds: float | None, watching: str
+) -> None:
     from rota.links.sending import first_reports, send_all, start_all
 
     await send_all(link, routes)
@@ -106,7 +114,14 @@ async def _send_and_start(link: Link, routes: Sequence[Route], start: bool, yes:
         typer.echo("Nothing was started; the robots hold their routes.")
         return
     await start_all(link, routes)
-    typer.echo(f"Started: {len(routes)} robots.")
+    if link.in_process:
+        typer.echo(f"Started: {len(routes)} robots.")
+    else:
+        from rota.files.timed_places import instant_text
+
+        now = instant_text(datetime.now(UTC))
+        typer.echo(f"Started: {len(routes)} robots at {now}. To watch them, from another terminal:")
+        typer.echo(f"{watching} --set start_time={now}")
     if link.drives_along or seconds is not None:
         await _drive_along(link, seconds)
 
@@ -122,14 +137,19 @@ async def _confirmed(question: str) -> bool:
 
     def ask() -> None:
         try:
-            text = input(question)
-        except EOFError:
-            text = ""
+            # a line, as terminals hand it out; a thread within Python's own stdin would abort the program at its end
+            text = os.read(sys.stdin.fileno(), LONGEST_ANSWER).decode(errors="replace")
+        except UnsupportedOperation:
+            text = sys.stdin.readline()
         loop.call_soon_threadsafe(take, text)
 
+    typer.echo(question, nl=False)
     # not by to_thread: the program would not end before somebody types something
     threading.Thread(target=ask, daemon=True).start()
-    return (await answer).strip().lower() == "yes"
+    try:
+        return (await answer).strip().lower() == "yes"
+    except asyncio.CancelledError:
+        raise asyncio.CancelledError("nothing was started; the robots hold their routes") from None
 
 
 async def _drive_along(link: Link, seconds: float | None) -> None:
@@ -143,7 +163,8 @@ async def _drive_along(link: Link, seconds: float | None) -> None:
             known = [report for robot in link.robots if (report := link.latest(robot)) is not None]
             charges = [report.battery for report in known if report.battery is not None]
             battery = f", lowest battery {min(charges):.0%}" if charges else ""
-            say(f"{len(known)} of {len(link.robots)} robots heard{battery}, {link.rejected} messages dropped")
+            dropped = sum(rejected.messages for rejected in link.rejections.values())
+            say(f"{len(known)} of {len(link.robots)} robots heard{battery}, {dropped} messages dropped")
 
     teller = asyncio.create_task(news())
     failed: set[str] = set()
@@ -157,6 +178,8 @@ async def _drive_along(link: Link, seconds: float | None) -> None:
         pass
     finally:
         teller.cancel()
+        if not link.in_process:
+            say(RELEASED if link.drives_along else GO_ON)
 
 
 def _summary(link: Link, routes: Sequence[Route]) -> str:

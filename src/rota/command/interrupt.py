@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}  # what ends a program, as people call it
 
@@ -84,6 +86,33 @@ def clean_end_on_terminate() -> Iterator[None]:
     finally:
         for number, before in taken.items():
             signal.signal(number, before)
+
+
+def run_to_its_end(main: Coroutine[Any, Any, None]) -> None:
+    """``asyncio.run``, where SIGTERM cancels ``main`` alone, as Ctrl-C does: it cleans up while its other tasks go on.
+
+    Raises Terminated then.
+    """
+
+    async def guarded() -> None:
+        task = asyncio.current_task()
+        assert task is not None
+        loop = asyncio.get_running_loop()
+
+        def end(_signal: int, _frame: FrameType | None) -> None:
+            loop.call_soon_threadsafe(task.cancel)
+
+        before = _taken(end, signal.SIGTERM)
+        try:
+            await main
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    try:
+        asyncio.run(guarded())
+    except asyncio.CancelledError:
+        raise Terminated from None
 
 
 def _taken(

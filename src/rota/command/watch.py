@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rota.command.arguments import PlanPath, placed_plan, read_plan_argument
+from rota.command.arguments import PlanPath, read_plan_argument
 from rota.command.exit_codes import DONE, VIOLATED
 from rota.command.interrupt import stop_on_interrupt
-from rota.command.link_option import LinkName, LinkSettings, ListSettings
+from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
 from rota.command.terminal import STANDARD_STREAM, mention_compiling, say
 from rota.errors import MissionError, RotaError
 
@@ -33,9 +33,7 @@ def watch(
     plan: PlanPath,
     link: LinkName = "simulated",
     settings: LinkSettings = None,
-    origin: Annotated[
-        str | None, typer.Option(metavar="LAT,LON", help="Where x = y = 0 lies, for a mission that does not say it.")
-    ] = None,
+    origin: LinkOrigin = None,
     log: Annotated[
         str | None, typer.Option(metavar="LOG", help="Where all that arrives is written; default PLAN's name.rota-log.")
     ] = None,
@@ -70,7 +68,7 @@ def watch(
 
     Alarms come before: which zone, in how many seconds, and who could still make it.
     """
-    from rota.links.link_settings import make_link, settings_help
+    from rota.links.link_settings import settings_help
 
     if list_settings:
         typer.echo(settings_help(link))
@@ -82,7 +80,7 @@ def watch(
         raise typer.Exit(_judge(answer, judge, tolerance, as_json))
     if replay is not None:
         raise typer.Exit(_replay(answer, replay, every, as_json))
-    made = make_link(link, answer if origin is None else placed_plan(answer, origin), settings or ())
+    made = chosen_link(link, answer, origin, settings)
     raise typer.Exit(_watch(answer, made, chosen, log or _free_name(plan), seconds, every, as_json))
 
 
@@ -190,12 +188,9 @@ def _watch(
         session = Session(watched, writer, lines.show if table is None else table.show)
 
         async def run() -> None:
-            try:
-                await link.open()
+            async with opened(link):
                 await _begin(plan, link)
                 await session.follow(link, until_s=until_s, should_stop=stop)
-            finally:
-                await link.close()
 
         if table is None:
             asyncio.run(run())
@@ -207,8 +202,8 @@ def _watch(
 
 
 async def _begin(plan: Plan, link: Link) -> None:
-    """Robots that drive only while they are watched are given their routes and started; others fly by themselves."""
-    if link.drives_along:
+    """Vehicles in this process are given their routes and started; others are not this command's to start."""
+    if link.in_process:
         from rota.links.sending import routes_for, send_all, start_all
 
         routes = routes_for(plan, link)

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import math
+import reprlib
 from collections import deque
-from collections.abc import AsyncGenerator, Collection
+from collections.abc import AsyncGenerator, Collection, Mapping
 from typing import Any, get_args
 
 from rota.limits import FAR_FROM_AREA_M, LONGEST_S
-from rota.links.link import Mode, Report
+from rota.links.link import Fault, Mode, Rejections, Report
 
 MOST_WAITING = 20_000  # reports that nobody has taken yet: 200 robots at 5 Hz for 20 s
 AHEAD_S = 2.0  # by which a robot's clock may be ahead
 MODES = frozenset(get_args(Mode))
+LONGEST_EXAMPLE = 90  # letters
 
 Bounds = tuple[float, float, float, float]
 
@@ -22,7 +24,7 @@ class ReportInbox:
     """Reports of known robots within ``FAR_FROM_AREA_M`` of the area's bounds (x0, y0, x1, y1), in metres.
 
     Whatever is offered, it holds the latest report of each robot and at most ``most_waiting`` others; when it is full
-    the oldest go.
+    the oldest go. It counts what it drops, with an example for each fault.
     """
 
     def __init__(self, robots: Collection[str], bounds_m: Bounds, most_waiting: int = MOST_WAITING) -> None:
@@ -35,11 +37,17 @@ class ReportInbox:
         self._latest: dict[str, Report] = {}
         self._arrived = asyncio.Event()
         self._closed = False
-        self.rejected = 0
+        self._rejections: dict[Fault, Rejections] = {}
 
-    def reject(self) -> None:
+    @property
+    def rejections(self) -> Mapping[Fault, Rejections]:
+        """What was dropped so far."""
+        return dict(self._rejections)  # links count from threads of their own, too
+
+    def reject(self, fault: Fault, example: str) -> None:
         """Count a message that could not even be offered."""
-        self.rejected += 1
+        before = self._rejections.get(fault)
+        self._rejections[fault] = Rejections(before.messages + 1 if before else 1, example[:LONGEST_EXAMPLE])
 
     def offer(
         self, *, now_s: float, robot: Any, time_s: Any, position_m: Any, battery: Any = None, mode: Any = None
@@ -49,35 +57,41 @@ class ReportInbox:
         Refused are unknown robots, what is not a finite number, places far from the area, times more than ``AHEAD_S``
         after ``now_s`` or before the robot's last report, a battery outside 0..1 and unknown modes.
         """
-        report = self._validated(now_s, robot, time_s, position_m, battery, mode)
-        if report is None:
-            self.rejected += 1
+        fault = self._fault_of(now_s, robot, time_s, position_m, battery, mode)
+        if fault is not None:
+            self.reject(fault, f"{_words(robot)}, t = {_words(time_s)}, at {_words(position_m)}")
             return False
+        x, y, height = map(float, position_m)
+        charge = None if battery is None else float(battery)
+        report = Report(robot=robot, time_s=float(time_s), position_m=(x, y, height), battery=charge, mode=mode)
         self._latest[report.robot] = report
         if len(self._waiting) >= self._most_waiting:
-            self._waiting.popleft()
-            self.rejected += 1
+            lost = self._waiting.popleft()
+            self.reject("too many", f"{lost.robot:.25}, t = {lost.time_s:.3f}")
         self._waiting.append(report)
         self._arrived.set()
         return True
 
-    def _validated(
+    def _fault_of(
         self, now_s: float, robot: Any, time_s: Any, position_m: Any, battery: Any, mode: Any
-    ) -> Report | None:
-        if not isinstance(robot, str) or robot not in self._robots or not (mode is None or _is_mode(mode)):
-            return None
-        if not _is_number(time_s, -LONGEST_S, now_s + AHEAD_S) or not (battery is None or _is_number(battery, 0, 1)):
-            return None
-        if not isinstance(position_m, tuple | list) or len(position_m) != 3:
-            return None
-        if not all(_is_number(value, low, high) for value, (low, high) in zip(position_m, self._ranges, strict=True)):
-            return None
+    ) -> Fault | None:
+        if not isinstance(robot, str) or robot not in self._robots:
+            return "unknown robot"
+        if not isinstance(position_m, tuple | list) or len(position_m) != 3 or not (mode is None or _is_mode(mode)):
+            return "malformed"
+        numbers = (time_s, *position_m, *(() if battery is None else (battery,)))
+        if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in numbers):
+            return "malformed"
+        if any(value != value or value in (math.inf, -math.inf) for value in numbers):
+            return "not a number"
+        if time_s > now_s + AHEAD_S:
+            return "from the future"
+        ranges = ((-LONGEST_S, math.inf), *self._ranges, (0, 1))
+        # whole numbers too long for float64 compare exactly, too
+        if not all(low <= value <= high for value, (low, high) in zip(numbers, ranges, strict=False)):
+            return "out of range"
         last = self._latest.get(robot)
-        if last is not None and time_s < last.time_s:
-            return None
-        x, y, height = (float(value) for value in position_m)
-        charge = None if battery is None else float(battery)
-        return Report(robot=robot, time_s=float(time_s), position_m=(x, y, height), battery=charge, mode=mode)
+        return "out of order" if last is not None and time_s < last.time_s else None
 
     def latest(self, robot: str) -> Report | None:
         """The robot's last report, None before the first."""
@@ -105,10 +119,13 @@ class ReportInbox:
         self._arrived.set()
 
 
+def _words(value: object) -> str:
+    """A value in few letters, whatever it is."""
+    try:
+        return value[:25] if isinstance(value, str) else reprlib.repr(value)[:40]
+    except ValueError:
+        return "a very long number"
+
+
 def _is_mode(value: Any) -> bool:
     return isinstance(value, str) and value in MODES
-
-
-def _is_number(value: Any, low: float, high: float) -> bool:
-    # a comparison with NaN is never true; whole numbers too long for float64 compare exactly, too
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.inf > high >= value >= low

@@ -6,13 +6,24 @@ from what its robots speak.
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, NamedTuple, Protocol, get_args
 
 from rota.route import Place3, Route
 
 Mode = Literal["idle", "ready", "running", "paused", "returning", "failed"]
+Fault = Literal[
+    "malformed", "unknown robot", "not a number", "from the future", "out of order", "out of range", "too many",
+]  # fmt: skip
+FAULTS: tuple[Fault, ...] = get_args(Fault)
+
+
+class Rejections(NamedTuple):
+    """How many messages were dropped for one fault, and what the last of them held, in some words."""
+
+    messages: int
+    example: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +44,7 @@ class Link(Protocol):
     """A connection to a fleet. Every method raises LinkError, which names the robot, where it fails or takes too long.
 
     Links listen and connect on loopback unless their settings name another place. What arrives is validated before it
-    becomes a Report; what is malformed is counted in ``rejected`` and dropped.
+    becomes a Report; what is none is counted in ``rejections`` and dropped.
     """
 
     @property
@@ -41,8 +52,20 @@ class Link(Protocol):
         """The names of the robots that it reaches."""
 
     @property
-    def rejected(self) -> int:
-        """How many messages were dropped: malformed, of unknown robots, out of range, or not taken in time."""
+    def rejections(self) -> Mapping[Fault, Rejections]:
+        """The messages that were dropped so far, by fault; ``too many``: good ones that nobody took in time."""
+
+    @property
+    def trouble(self) -> str:
+        """What keeps it from its robots now, while it tries again; empty if nothing does."""
+
+    @property
+    def time_s(self) -> float:
+        """Seconds since the plan's start."""
+
+    @property
+    def in_process(self) -> bool:
+        """Whether its robots are simulated in this process: whoever opens it has to start them."""
 
     @property
     def takes_fences(self) -> bool:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import AsyncGenerator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -15,8 +14,8 @@ from rota.errors import LinkError
 from rota.files.geodesy import Projection, projection_of
 from rota.files.mission_items import Autopilot
 from rota.links.extras import required
-from rota.links.inbox import ReportInbox
-from rota.links.link import Mode, Report
+from rota.links.inbox import Bounds
+from rota.links.link import Mode
 from rota.links.mavlink_address import addresses
 from rota.links.mavlink_items import (
     DEGREES,
@@ -29,7 +28,7 @@ from rota.links.mavlink_items import (
     wire_polygons,
 )
 from rota.links.mavlink_vehicle import MavlinkVehicle, into, worded
-from rota.links.plan_clock import PlanClock
+from rota.links.reporting import RealTimeLink
 from rota.plan import Plan
 from rota.planner_settings import Settings, setting
 from rota.route import Route
@@ -69,7 +68,7 @@ def link_to(plan: Plan, settings: MavlinkSettings) -> MavlinkLink:
     return MavlinkLink([trajectory.robot for trajectory in plan], plan.mission.area.bounds, projection, settings)
 
 
-class MavlinkLink:
+class MavlinkLink(RealTimeLink):
     """A Link to MAVLink vehicles; see the module."""
 
     takes_fences = True
@@ -78,48 +77,22 @@ class MavlinkLink:
     def __init__(
         self,
         robots: list[str],
-        bounds_m: tuple[float, float, float, float],
+        bounds_m: Bounds,
         projection: Projection,
         settings: MavlinkSettings,
     ) -> None:
+        super().__init__(robots, bounds_m, settings.start_time, "mavlink.start_time")
         self._addresses = dict(zip(robots, addresses(settings.address, len(robots)), strict=True))
         self._projection, self._settings = projection, settings
-        self._inbox = ReportInbox(robots, bounds_m)
-        self._clock = PlanClock(settings.start_time, "mavlink.start_time")
         self._vehicles: dict[str, MavlinkVehicle] = {}
         self._instances: list[Any] = []
-
-    @property
-    def robots(self) -> tuple[str, ...]:
-        """The names of the robots, in the plan's order."""
-        return tuple(self._addresses)
-
-    @property
-    def rejected(self) -> int:
-        """How many reports were dropped."""
-        return self._inbox.rejected
-
-    @property
-    def time_s(self) -> float:
-        """Seconds since the plan's start."""
-        return self._clock.now_s()
-
-    def latest(self, robot: str) -> Report | None:
-        """The robot's last report, None before the first."""
-        return self._inbox.latest(robot)
 
     # ------------------------------------------------------------ connecting
 
     async def open(self) -> None:
         """Raises LinkError for addresses in use, vehicles that are not heard, and those of another type."""
         self._clock.begin()
-        outcomes = await asyncio.gather(*map(self._connect, self._addresses), return_exceptions=True)
-        faults = [outcome for outcome in outcomes if isinstance(outcome, BaseException)]
-        for fault in faults:
-            if not isinstance(fault, LinkError):
-                raise fault
-        if faults:
-            raise LinkError("\n".join(map(str, faults)))
+        await self._meet_all(self._connect)
 
     async def _connect(self, robot: str) -> None:
         from mavsdk import ComponentType, Configuration, Mavsdk
@@ -174,7 +147,7 @@ class MavlinkLink:
     def _take(self, vehicle: MavlinkVehicle, position: Any) -> None:
         lat, lon, height_m = position.latitude_deg, position.longitude_deg, position.relative_altitude_m
         if not (abs(lat) <= 90 and abs(lon) <= 180 and math.isfinite(height_m)):
-            self._inbox.reject()
+            self._inbox.reject("not a number", f"{vehicle.robot}, at {lat}, {lon}, {height_m}")
             return
         x, y = self._projection.to_metres(lon, lat)
         now_s = self._clock.now_s()
@@ -186,10 +159,6 @@ class MavlinkLink:
             battery=vehicle.battery,
             mode=vehicle.mode,
         )
-
-    def reports(self) -> AsyncGenerator[Report, None]:
-        """All reports as they arrive."""
-        return self._inbox.reports()
 
     async def close(self) -> None:
         """Vehicles go on with what they do."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
@@ -18,9 +18,8 @@ from typing import Any, ClassVar
 
 from rota.errors import LinkError
 from rota.files.ros.names import MAP_FRAME, namespaces
-from rota.links.inbox import Bounds, ReportInbox
-from rota.links.link import Report
-from rota.links.plan_clock import PlanClock
+from rota.links.inbox import Bounds
+from rota.links.reporting import RealTimeLink
 from rota.links.ros2_robot import ASK_AGAIN_S, Ros2Robot, nanoseconds
 from rota.links.ros2_route import NS_PER_S, path_differences, timed_path
 from rota.plan import Plan
@@ -53,34 +52,18 @@ def link_to(plan: Plan, settings: Ros2Settings) -> Ros2Link:
     return Ros2Link(names, plan.mission.area.bounds, settings)
 
 
-class Ros2Link:
+class Ros2Link(RealTimeLink):
     """A Link to robots on ROS 2; see the module."""
 
     takes_fences = False
     drives_along = False
 
     def __init__(self, names: dict[str, str], bounds_m: Bounds, settings: Ros2Settings) -> None:
+        super().__init__(names, bounds_m, settings.start_time, "ros2.start_time")
         self._settings = settings
         self._robots = {robot: Ros2Robot(name=robot, namespace=namespace) for robot, namespace in names.items()}
-        self._inbox = ReportInbox(self._robots, bounds_m)
-        self._clock = PlanClock(settings.start_time, "ros2.start_time")
         self._closing = ExitStack()
         self._pending = 0
-        self._too_many = 0
-
-    @property
-    def robots(self) -> tuple[str, ...]:
-        """The names of the robots, in the plan's order."""
-        return tuple(self._robots)
-
-    @property
-    def rejected(self) -> int:
-        """How many messages were dropped."""
-        return self._inbox.rejected + self._too_many
-
-    def latest(self, robot: str) -> Report | None:
-        """The robot's last report, None before the first."""
-        return self._inbox.latest(robot)
 
     # ------------------------------------------------------------ the node
 
@@ -121,7 +104,7 @@ class Ros2Link:
     def _deliver(self, loop: asyncio.AbstractEventLoop, take: Callable[[], None]) -> None:
         """Let the event loop take what has arrived in the thread of rclpy; drop it where too much waits."""
         if self._pending >= MOST_PENDING or loop.is_closed():
-            self._too_many += 1
+            self._inbox.reject("too many", "messages that nobody has looked at")
             return
         self._pending += 1
         loop.call_soon_threadsafe(self._take, take)
@@ -133,7 +116,7 @@ class Ros2Link:
     def _take_pose(self, robot: Ros2Robot, message: Any) -> None:
         """Offer a pose as a report; a stamp of 0 is no time, and the report is then of now."""
         if message.header.frame_id != MAP_FRAME:
-            self._inbox.reject()
+            self._inbox.reject("malformed", f"{robot.name}, a pose in the frame {message.header.frame_id!r:.40}")
             return
         stamp_ns, now_s = nanoseconds(message.header.stamp), self._clock.now_s()
         place = message.pose.position
@@ -147,11 +130,6 @@ class Ros2Link:
         )
         if taken:
             robot.heard.set()
-
-    async def reports(self) -> AsyncGenerator[Report, None]:
-        """All reports as they arrive."""
-        async for report in self._inbox.reports():
-            yield report
 
     async def close(self) -> None:
         """The node is gone; robots go on with what they do."""

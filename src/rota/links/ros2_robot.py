@@ -55,13 +55,13 @@ class Ros2Robot:
         def take_battery(message: Any) -> None:
             share = float(message.percentage)
             if not math.isnan(share) and not 0 <= share <= 1:
-                reject()
+                reject("out of range", f"{self.name}, battery {share:g}")
                 return
             self.battery = None if math.isnan(share) else share
 
         def take_mode(message: Any) -> None:
             if message.data not in MODES:
-                reject()
+                reject("malformed", f"{self.name}, mode {message.data!r:.40}")
                 return
             self.mode = message.data
 

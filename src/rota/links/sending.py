@@ -19,6 +19,7 @@ Item = TypeVar("Item")
 MOST_DIFFERENCES = 3  # of one robot that a message tells
 FIRST_REPORT_S = 3.0  # that robots have for their first report
 MOST_AT_ONCE = 16  # robots that are talked to at the same time
+MAY_MOVE = "it may be on its way"
 
 
 def routes_for(plan: Plan, link: Link) -> tuple[Route, ...]:
@@ -34,7 +35,7 @@ async def send_all(link: Link, routes: Sequence[Route]) -> None:
     """Send every route, read it back and compare it.
 
     Raises LinkError with all that went wrong, each with its robot. Then, and when cancelled, all routes are cleared
-    again; the error names robots that could not be reached for that.
+    again; the error, or the CancelledError, names robots that could not be reached for that.
     """
     known = set(link.robots)
     missing = [route.robot for route in routes if route.robot not in known]
@@ -48,40 +49,48 @@ async def send_all(link: Link, routes: Sequence[Route]) -> None:
             told = "; ".join(found[:MOST_DIFFERENCES]) + (f"; and {more} more" if more > 0 else "")
             raise LinkError(f"robot {route.robot}: read back, its route is another one: {told}")
 
-    whole = False
     try:
         faults = await _for_all(send, routes)
-        whole = not faults
-    finally:
-        kept = [] if whole else await _cleared(link, routes)
+    except asyncio.CancelledError:
+        raise asyncio.CancelledError(await _cleared(link, routes)) from None
     if faults:
-        outcome = kept or ["no robot holds a route: all were cleared"]
-        raise LinkError("\n".join((*map(str, faults), *outcome)))
+        raise LinkError("\n".join((*map(str, faults), await _cleared(link, routes))))
 
 
-async def _cleared(link: Link, routes: Iterable[Route]) -> list[str]:
-    """Clear all routes; a sentence for each robot whose route could not be cleared."""
+async def _cleared(link: Link, routes: Iterable[Route]) -> str:
+    """Clear all routes; what came of it, with a line for each robot whose route could not be cleared."""
     faults = await _for_all(lambda route: link.clear_route(route.robot), routes)
-    return [f"{fault}; it may still hold its route or a part of it: clear it before it is armed" for fault in faults]
+    kept = "it may still hold its route or a part of it: clear it before it is armed"
+    return "\n".join(f"{fault}; {kept}" for fault in faults) or "no robot holds a route: all were cleared"
 
 
 async def start_all(link: Link, routes: Sequence[Route]) -> None:
-    """Start all at the same time. Raises LinkError where one does not start; the others are then called home."""
-    started: list[Route] = []
+    """Start all at the same time.
+
+    Raises LinkError where one does not start: the others are called home, and that one is told to pause, since it may
+    have started unheard. When cancelled, all are called home; the CancelledError says so.
+    """
+    started: list[str] = []
 
     async def start(route: Route) -> None:
         await link.start(route.robot)
-        started.append(route)
+        started.append(route.robot)
 
-    whole = False
+    names = [route.robot for route in routes]
     try:
         faults = await _for_all(start, routes, at_once=len(routes))
-        whole = not faults
-    finally:
-        lost = [] if whole else await _for_all(lambda route: link.come_home(route.robot), started)
+    except asyncio.CancelledError:
+        raise asyncio.CancelledError("\n".join(await _called_home(link, names))) from None
     if faults:
-        called = [f"called home: {', '.join(route.robot for route in started)}"] if started else []
-        raise LinkError("\n".join([*map(str, faults), *called, *(f"{fault}; it may be on its way" for fault in lost)]))
+        unheard = await _for_all(link.pause, [name for name in names if name not in started])
+        told = [*await _called_home(link, started), *(f"{fault}; {MAY_MOVE}" for fault in unheard)]
+        raise LinkError("\n".join([*map(str, faults), *told]))
+
+
+async def _called_home(link: Link, names: Sequence[str]) -> list[str]:
+    """Call robots home; who was called, and a line for each that could not be."""
+    lost = await _for_all(link.come_home, names)
+    return [*([f"called home: {', '.join(names)}"] if names else []), *(f"{fault}; {MAY_MOVE}" for fault in lost)]
 
 
 async def command_all(command: Callable[[str], Awaitable[None]], robots: Iterable[str]) -> None:

@@ -17,8 +17,9 @@ from typing import ClassVar, Literal, get_args
 import numpy as np
 
 from rota.errors import LinkError, RotaError
-from rota.links.inbox import Bounds, ReportInbox
+from rota.links.inbox import Bounds
 from rota.links.link import Mode, Report
+from rota.links.reporting import ReportingLink
 from rota.links.vehicles import HOME_SPEED_M_S, Vehicle, Vehicles, drive_home, drive_of
 from rota.plan import Plan
 from rota.planner_settings import Settings, setting
@@ -67,19 +68,19 @@ def link_to(plan: Plan, settings: SimulatedSettings) -> SimulatedLink:
     return SimulatedLink(homes, plan.mission.area.bounds, settings)
 
 
-class SimulatedLink:
+class SimulatedLink(ReportingLink):
     """A Link to vehicles that stand at ``homes`` until they are told otherwise; see the module."""
 
     takes_fences = True
     drives_along = True
+    in_process = True
 
     def __init__(self, homes: dict[str, Place3], bounds_m: Bounds, settings: SimulatedSettings) -> None:
-        self._names = tuple(homes)
+        super().__init__(tuple(homes), bounds_m)
         self._number = {name: k for k, name in enumerate(homes)}
         self._settings = settings
         self._faults = parsed_faults(settings.faults, self._names)
         self._rng = np.random.default_rng(settings.seed)
-        self._inbox = ReportInbox(self._names, bounds_m)
         self._fleet = Vehicles(
             vehicles=[Vehicle(home_m=home) for home in homes.values()],
             rng=self._rng,
@@ -101,23 +102,9 @@ class SimulatedLink:
         return dies_s
 
     @property
-    def robots(self) -> tuple[str, ...]:
-        """The names of the robots, in the plan's order."""
-        return self._names
-
-    @property
-    def rejected(self) -> int:
-        """How many reports were dropped: those of vehicles whose fault is to send nonsense."""
-        return self._inbox.rejected
-
-    @property
     def time_s(self) -> float:
         """The simulated time."""
         return self._fleet.time_s
-
-    def latest(self, robot: str) -> Report | None:
-        """The robot's last report, None before the first."""
-        return self._inbox.latest(robot)
 
     # ------------------------------------------------------------ orders
 

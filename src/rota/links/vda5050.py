@@ -8,24 +8,22 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
 from rota.errors import LinkError
 from rota.files.vda5050_orders import Vehicle, Window
 from rota.links.extras import required
-from rota.links.inbox import Bounds, ReportInbox
-from rota.links.link import Report
-from rota.links.plan_clock import PlanClock
+from rota.links.inbox import Bounds
+from rota.links.reporting import RealTimeLink
 from rota.links.vda5050_broker import Broker, Vda5050Settings
-from rota.links.vda5050_state import Malformed, VehicleState, connection_of, state_of
-from rota.links.vda5050_vehicle import ENDED, Vda5050Vehicle
+from rota.links.vda5050_state import MOST_TEXT, Malformed, VehicleState, connection_of, state_of
+from rota.links.vda5050_vehicle import ASK_AGAIN_S, ENDED, Vda5050Vehicle
 from rota.plan import Plan
 from rota.route import Route, route_of
 
-ASK_AGAIN_S = 2.0  # MQTT's quality of service 0, which VDA 5050 asks for, may lose messages
-
+MOST_OTHERS = 10  # vehicles at the broker that are not the plan's, for error messages
 
 SETTINGS = Vda5050Settings
 
@@ -37,43 +35,30 @@ def link_to(plan: Plan, settings: Vda5050Settings) -> Vda5050Link:
     return Vda5050Link(routes, plan.mission.area.bounds, settings)
 
 
-class Vda5050Link:
+class Vda5050Link(RealTimeLink):
     """A Link to VDA 5050 vehicles; see the module."""
 
     takes_fences = False
     drives_along = True
 
     def __init__(self, routes: list[Route], bounds_m: Bounds, settings: Vda5050Settings) -> None:
+        names = [route.robot for route in routes]
+        super().__init__(names, bounds_m, settings.start_time, "vda5050.start_time")
         window = Window(released=settings.released, announced=settings.announced)
         self._settings = settings
         self._vehicles: dict[str, Vda5050Vehicle] = {}
         for route in routes:
             identity = Vehicle(serial_number=route.robot, manufacturer=settings.manufacturer, map_id=settings.map_id)
             self._vehicles[route.robot] = Vda5050Vehicle(identity=identity, planned=route, window=window)
-        self._inbox = ReportInbox(self._vehicles, bounds_m)
-        self._clock = PlanClock(settings.start_time, "vda5050.start_time")
+        self._others: set[str] = set()
         self._broker = Broker(settings)
         self._reader: asyncio.Task[None] | None = None
         self._lost = ""
 
     @property
-    def robots(self) -> tuple[str, ...]:
-        """The names of the robots, in the plan's order."""
-        return tuple(self._vehicles)
-
-    @property
-    def rejected(self) -> int:
-        """How many messages were dropped."""
-        return self._inbox.rejected
-
-    @property
-    def time_s(self) -> float:
-        """Seconds since the plan's start."""
-        return self._clock.now_s()
-
-    def latest(self, robot: str) -> Report | None:
-        """The robot's last report, None before the first."""
-        return self._inbox.latest(robot)
+    def trouble(self) -> str:
+        """That the broker is lost, while it is."""
+        return self._lost
 
     # ------------------------------------------------------------ the broker
 
@@ -82,15 +67,9 @@ class Vda5050Link:
         self._clock.begin()
         await self._broker.open()
         await self._broker.subscribe(self._topic("+", "state"), qos=0)
-        await self._broker.subscribe(self._topic("+", "connection"), qos=1)
+        await self._broker.subscribe(f"{self._settings.interface}/v2/+/+/connection", qos=1)
         self._reader = asyncio.create_task(self._read())
-        outcomes = await asyncio.gather(*map(self._meet, self._vehicles.values()), return_exceptions=True)
-        faults = [outcome for outcome in outcomes if isinstance(outcome, BaseException)]
-        for fault in faults:
-            if not isinstance(fault, LinkError):
-                raise fault
-        if faults:
-            raise LinkError("\n".join(map(str, faults)))
+        await self._meet_all(self._meet)
 
     def _topic(self, serial: str, name: str) -> str:
         return f"{self._settings.interface}/v2/{self._settings.manufacturer}/{serial}/{name}"
@@ -99,29 +78,36 @@ class Vda5050Link:
         await self._broker.publish(self._topic(vehicle.identity.serial_number, name), json.dumps(message))
 
     async def _read(self) -> None:
-        try:
-            async for topic, payload in self._broker.messages():
-                await self._take(topic, payload)
-        except LinkError as error:
-            self._lost = str(error)
-            for vehicle in self._vehicles.values():
-                async with vehicle.news:
-                    vehicle.news.notify_all()
-            self._inbox.close()
+        """Use all that arrives, and reach the broker again for as long as it takes where it is lost."""
+        while True:
+            try:
+                async for topic, payload in self._broker.messages():
+                    await self._take(topic, payload)
+            except LinkError as error:
+                self._lost = str(error)
+                for vehicle in self._vehicles.values():
+                    async with vehicle.news:
+                        vehicle.news.notify_all()
+                await self._broker.reopen()
+                self._lost = ""
 
     async def _take(self, topic: str, payload: object) -> None:
         """Use a message, or count it; let an order go on where it is time to."""
-        *_, serial, name = topic.split("/")
-        vehicle = self._vehicles.get(serial)
+        *_, manufacturer, serial, name = topic.split("/")
+        vehicle = self._vehicles.get(serial) if manufacturer == self._settings.manufacturer else None
+        if vehicle is None:
+            if name == "connection":
+                self._hear_of_other(f"{manufacturer}/{serial}")
+            else:
+                self._inbox.reject("unknown robot", topic)
+            return
         try:
-            if vehicle is None:
-                raise Malformed
             if name == "connection":
                 vehicle.connection = connection_of(payload)
                 return
             state = state_of(payload, serial)
-        except Malformed:
-            self._inbox.reject()
+        except Malformed as error:
+            self._inbox.reject("malformed", f"{name} of {serial:.25}: {error}")
             return
         if not self._report(vehicle, state):
             return
@@ -129,6 +115,10 @@ class Vda5050Link:
             vehicle.news.notify_all()
         if (update := vehicle.update_due()) is not None:
             await self._publish(vehicle, "order", update)
+
+    def _hear_of_other(self, name: str) -> None:
+        if len(self._others) < MOST_OTHERS:
+            self._others.add(name[:MOST_TEXT])
 
     def _report(self, vehicle: Vda5050Vehicle, state: VehicleState) -> bool:
         """Take a state, unless it is from the future or older than the last one; whether it was taken."""
@@ -148,13 +138,6 @@ class Vda5050Link:
         vehicle.state = state
         return True
 
-    async def reports(self) -> AsyncGenerator[Report, None]:
-        """All reports as they arrive; raises LinkError once the broker is lost."""
-        async for report in self._inbox.reports():
-            yield report
-        if self._lost:
-            raise LinkError(self._lost)
-
     async def close(self) -> None:
         """Vehicles drive to the end of what has been released to them, and wait there."""
         self._inbox.close()
@@ -166,8 +149,9 @@ class Vda5050Link:
 
     # ------------------------------------------------------------ orders
 
-    async def _meet(self, vehicle: Vda5050Vehicle) -> None:
+    async def _meet(self, name: str) -> None:
         """Hear from a vehicle, and see whether it is one that can drive the plan."""
+        vehicle = self._vehicles[name]
         action_id, message = vehicle.instant_action("stateRequest")
         asked, limit_s = ("instantActions", message), self._settings.wait_s
         await self._until(vehicle, "being heard", asked, lambda _: True, action_id, limit_s)
@@ -269,15 +253,23 @@ class Vda5050Link:
                         async with asyncio.timeout(ASK_AGAIN_S), vehicle.news:
                             await vehicle.news.wait_for(ended)
         except TimeoutError:
-            known = (
-                f"; the broker says that it is {vehicle.connection}" if vehicle.connection not in ("", "ONLINE") else ""
-            )
-            raise LinkError(f"robot {vehicle.robot}: {what}: not done within {limit_s:g} s{known}") from None
+            raise LinkError(
+                f"robot {vehicle.robot}: {what}: not done within {limit_s:g} s{self._hint(vehicle)}"
+            ) from None
         if self._lost:
             raise LinkError(f"robot {vehicle.robot}: {what}: {self._lost}")
         if vehicle.state is None or not is_done(vehicle.state):
             error = vehicle.refusal(name)
             raise LinkError(f"robot {vehicle.robot}: {what}: {error.text() if error else 'the vehicle failed to'}")
+
+    def _hint(self, vehicle: Vda5050Vehicle) -> str:
+        """Why a vehicle may not have been heard."""
+        if vehicle.connection not in ("", "ONLINE"):
+            return f"; the broker says that it is {vehicle.connection}"
+        if vehicle.state is None and self._others:
+            wanted = f"{self._settings.manufacturer}/{vehicle.identity.serial_number}"
+            return f"; {wanted} is needed, and the broker knows of {', '.join(sorted(self._others))}"
+        return ""
 
 
 def _refused(vehicle: Vda5050Vehicle, name: str, state: VehicleState) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import ssl
 from collections.abc import AsyncGenerator
 from contextlib import suppress
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 MOST_QUEUED = 10_000  # messages that have arrived and wait; later ones are lost
 LOOPBACK = "127.0.0.1"
+RETRY_S = 1.0  # between two tries to reach a broker that was lost
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +53,7 @@ class Broker:
         self._settings = settings
         self._name = f"the broker {settings.host}:{settings.port}"
         self._client: Client | None = None
+        self._topics: dict[str, int] = {}
 
     async def open(self) -> None:
         """Connect. Raises RotaError for files that cannot be read."""
@@ -99,6 +102,7 @@ class Broker:
             await self._open_client().subscribe(topic, qos=qos)
         except MqttError as error:
             raise LinkError(f"{self._name} refuses {topic}: {error}") from None
+        self._topics[topic] = qos
 
     async def publish(self, topic: str, text: str) -> None:
         """Send a message."""
@@ -118,6 +122,17 @@ class Broker:
                 yield message.topic.value, message.payload
         except MqttError as error:
             raise LinkError(f"{self._name} is lost: {error}") from None
+
+    async def reopen(self) -> None:
+        """Connect again where the broker was lost, and ask for the same topics; tries until it can."""
+        while True:
+            await self.close()
+            await asyncio.sleep(RETRY_S)
+            with suppress(LinkError):
+                await self.open()
+                for topic, qos in self._topics.items():
+                    await self.subscribe(topic, qos)
+                return
 
     async def close(self) -> None:
         """Disconnect."""

@@ -19,8 +19,8 @@ Json = dict[str, Any]
 Value = TypeVar("Value")
 
 
-class Malformed(Exception):  # noqa: N818 (it is counted, not told)
-    """A message that is not what it has to be."""
+class Malformed(Exception):  # noqa: N818 (it is counted, and told as an example)
+    """A message that is not what it has to be, and why."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,25 +68,25 @@ class VehicleState:
 def message_of(payload: object) -> Json:
     """The JSON object of a message; raises Malformed for anything else, also for NaN and for what is very large."""
     if not isinstance(payload, bytes | bytearray) or len(payload) > MOST_BYTES:
-        raise Malformed
+        raise Malformed("no bytes, or too many")
     try:
         read = json.loads(payload, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:
-        raise Malformed from error
+        raise Malformed("no JSON") from error
     if not isinstance(read, dict):
-        raise Malformed
+        raise Malformed("no object of JSON")
     return read
 
 
-def _refuse(_name: str) -> float:
-    raise Malformed
+def _refuse(name: str) -> float:
+    raise Malformed(f"{name} is no number of JSON")
 
 
 def connection_of(payload: object) -> str:
     """Whether a vehicle is ONLINE, OFFLINE or CONNECTIONBROKEN."""
     state = _get(message_of(payload), "connectionState", str)
     if state not in ("ONLINE", "OFFLINE", "CONNECTIONBROKEN"):
-        raise Malformed
+        raise Malformed("connectionState is none that there is")
     return state
 
 
@@ -94,7 +94,7 @@ def state_of(payload: object, serial_number: str) -> VehicleState:
     """A state message of a vehicle; raises Malformed for all else."""
     read = message_of(payload)
     if read.get("serialNumber") != serial_number or not _get(read, "version", str).startswith("2."):
-        raise Malformed
+        raise Malformed("another serial number or version than its topic's")
     place, map_id = None, ""
     if (position := read.get("agvPosition")) is not None:
         position = _dict(position)
@@ -135,7 +135,7 @@ def _parts(read: Json, key: str, name: str) -> tuple[Part, ...]:
 def _error(read: Any) -> VehicleError:
     references = _dict(read).get("errorReferences", [])
     if not isinstance(references, list):
-        raise Malformed
+        raise Malformed("errorReferences is no list")
     return VehicleError(
         kind=_get(read, "errorType", str)[:MOST_TEXT],
         is_fatal=_get(read, "errorLevel", str) == "FATAL",
@@ -146,28 +146,28 @@ def _error(read: Any) -> VehicleError:
 
 def _dict(value: Any) -> Json:
     if not isinstance(value, dict):
-        raise Malformed
+        raise Malformed("a part is no object of JSON")
     return value
 
 
 def _get(read: Json, key: str, kind: type[Value]) -> Value:
     value = read.get(key)
     if not isinstance(value, kind):
-        raise Malformed
+        raise Malformed(f"{key} is missing, or of another type")
     return value
 
 
 def _number(read: Json, key: str, low: float, high: float) -> float:
     value = read.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
-        raise Malformed
+        raise Malformed(f"{key} is no number from {low:g} to {high:g}")
     return float(value)
 
 
 def _whole(read: Json, key: str) -> int:
     value = read.get(key)
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MOST_SEQUENCE:
-        raise Malformed
+        raise Malformed(f"{key} is no whole number that is allowed")
     return value
 
 
@@ -176,7 +176,7 @@ def _unix_s(text: str) -> float:
         instant = datetime.fromisoformat(text)
         unix_s = (instant if instant.tzinfo else instant.replace(tzinfo=UTC)).timestamp()
     except (ValueError, OverflowError) as error:
-        raise Malformed from error
+        raise Malformed("timestamp is no instant") from error
     if not math.isfinite(unix_s):
-        raise Malformed
+        raise Malformed("timestamp is no instant")
     return unix_s

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 import uuid
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -17,6 +18,7 @@ from rota.route import Route, RouteStop
 Json = dict[str, Any]
 
 ENDED = ("FINISHED", "FAILED")
+ASK_AGAIN_S = 2.0  # MQTT's quality of service 0, which VDA 5050 asks for, may lose messages
 
 
 @dataclass(kw_only=True)
@@ -35,6 +37,7 @@ class Vda5050Vehicle:
     news: asyncio.Condition = field(default_factory=asyncio.Condition)
     _route: Route | None = None
     _order: Json | None = None
+    _sent_s: float = 0.0
     _actions: int = 0
 
     @property
@@ -55,19 +58,29 @@ class Vda5050Vehicle:
     def update_due(self) -> Json | None:
         """The order's update, once it has half of the released stops behind it and has taken the update before.
 
-        None also where the order was cancelled, or replaced, by others.
+        A vehicle that is paused gets none: it does not get on, and what it holds may just be being compared.
+        An update that it has not taken after ``ASK_AGAIN_S`` is due again: it may have been lost. None also where the
+        order was cancelled, or replaced, by others.
         """
         state, order, route = self.state, self._order, self._route
-        if state is None or order is None or route is None or not route.every_round:
+        if state is None or order is None or route is None or not route.every_round or state.paused:
             return None
-        if (state.order_id, state.update) != (order["orderId"], order["orderUpdateId"]):
+        if state.order_id != order["orderId"]:
             return None
+        if state.update != order["orderUpdateId"]:
+            is_late = time.monotonic() - self._sent_s > ASK_AGAIN_S
+            return self._again() if is_late and state.update == order["orderUpdateId"] - 1 else None
         last, end = state.last_sequence // 2, base_end(order)
         # without stops ahead it has either come to the end of what was released or been told to give up
         is_driving = bool(state.nodes) or last >= end
-        if not is_driving or end - last > max(1, self.window.released // 2):
+        released = end - order["nodes"][0]["sequenceId"] // 2
+        if not is_driving or end - last > max(1, released // 2):
             return None
         self._order = self._message(route, order["orderId"], update=order["orderUpdateId"] + 1, first=end)
+        return self._again()
+
+    def _again(self) -> Json | None:
+        self._sent_s = time.monotonic()
         return self._order
 
     def _message(self, route: Route, order_id: str, *, update: int, first: int) -> Json:
@@ -107,9 +120,14 @@ class Vda5050Vehicle:
         state = self.state
         if state is None or any(error.is_fatal for error in state.errors):
             return "failed" if state is not None else "idle"
-        if not state.nodes:
+        if not state.nodes and not self._stands_as_planned(state):
             return "idle"
         return "paused" if state.paused else "returning" if self.returning else "running"
+
+    def _stands_as_planned(self, state: VehicleState) -> bool:
+        """Whether it has come to where its route ends, and stays there."""
+        arrived = NumberedStops(self.planned).arrived
+        return bool(state.order_id) and not self.planned.every_round and state.last_sequence // 2 == arrived
 
     def differences(self) -> tuple[str, ...]:
         """How what it says is ahead of it differs from its order."""

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
-from rota.links.link import Mode
-
-Fault = Literal["malformed", "unknown robot", "not a number", "from the future", "out of order", "out of range"]
-FAULTS: tuple[Fault, ...] = get_args(Fault)
+from rota.links.link import Fault, Mode
 
 
 class Heard(NamedTuple):

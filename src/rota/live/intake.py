@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import get_args
 
 from rota.limits import FAR_FROM_AREA_M, LONGEST_S
-from rota.links.link import Mode, Report
-from rota.live.events import Dropped, Fault, Heard
+from rota.links.link import Fault, Mode, Report
+from rota.live.events import Dropped, Heard
 
-LONGEST_EXAMPLE = 60  # characters
+LONGEST_EXAMPLE = 90  # characters
 MODES = frozenset(get_args(Mode))
 
 

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import math
-import time
 from collections.abc import Callable
 from contextlib import aclosing, suppress
 
-from rota.links.link import Link
+from rota.links.link import Fault, Link
 from rota.live.events import Event, Tick
 from rota.live.intake import Intake
 from rota.live.notices import Notice
@@ -23,26 +22,6 @@ TICK_S = 0.2
 Show = Callable[[list[Notice]], None]
 
 
-class LinkClock:
-    """Seconds since the plan's start: what the link says, else real time, counted from the first report's own time."""
-
-    def __init__(self, link: Link) -> None:
-        self._link = link
-        self._zero_s: float | None = None
-
-    def now_s(self) -> float | None:
-        """The time; None before the first report of a link that does not tell it."""
-        told = getattr(self._link, "time_s", None)
-        if told is not None:
-            return float(told)
-        return None if self._zero_s is None else time.monotonic() - self._zero_s
-
-    def hear(self, time_s: float) -> None:
-        """Take the time of a report where none is known yet."""
-        if self._zero_s is None and isinstance(time_s, int | float) and math.isfinite(time_s):
-            self._zero_s = time.monotonic() - float(time_s)
-
-
 class Session:
     """A watch, its log, and whom it shows to; ``show`` is called with the notices of every tick, also with none."""
 
@@ -51,18 +30,18 @@ class Session:
         plan = watch.plan
         names = [way.robot for way in plan]
         self._intake = Intake(names, plan.mission.area.bounds, watch.settings.future_s)
-        self._rejected, self._next_s = 0, -math.inf
+        self._rejected: dict[Fault, int] = {}
+        self._next_s = -math.inf
 
     async def follow(self, link: Link, *, until_s: float = math.inf, should_stop: Callable[[], bool]) -> None:
         """Watch until the link's reports end, it is ``until_s``, or ``should_stop`` says so.
 
         LinkErrors of the link go through.
         """
-        clock = LinkClock(link)
-        reader = asyncio.create_task(self._read(link, clock, until_s))
+        reader = asyncio.create_task(self._read(link, until_s))
         try:
             # also where nobody reports
-            while not reader.done() and not should_stop() and not self._tick_if_due(link, clock, until_s):
+            while not reader.done() and not should_stop() and not self._tick_if_due(link, until_s):
                 await asyncio.sleep(TICK_S / 4)
             if reader.done():
                 reader.result()
@@ -71,30 +50,28 @@ class Session:
             with suppress(asyncio.CancelledError):
                 await reader
 
-    async def _read(self, link: Link, clock: LinkClock, until_s: float) -> None:
+    async def _read(self, link: Link, until_s: float) -> None:
         async with aclosing(link.reports()) as reports:
             async for report in reports:
-                clock.hear(report.time_s)
-                heard = self._intake.take(report, clock.now_s() or 0.0)
+                heard = self._intake.take(report, link.time_s)
                 if heard is not None:
                     self._take(heard)
-                if self._tick_if_due(link, clock, until_s):
+                if self._tick_if_due(link, until_s):
                     return
 
-    def _tick_if_due(self, link: Link, clock: LinkClock, until_s: float) -> bool:
+    def _tick_if_due(self, link: Link, until_s: float) -> bool:
         """Tick where it is time to; whether it is ``until_s``."""
-        now_s = clock.now_s()
-        if now_s is None:
-            return False
+        now_s = link.time_s
         if now_s >= self._next_s:
             self._next_s = now_s + TICK_S if self._next_s == -math.inf else max(self._next_s + TICK_S, now_s)
             self._tick(link, now_s)
         return now_s >= until_s
 
     def _tick(self, link: Link, now_s: float) -> None:
-        if link.rejected > self._rejected:
-            self._intake.drop("malformed", link.rejected - self._rejected, "by the link")
-            self._rejected = link.rejected
+        for fault, (messages, example) in link.rejections.items():
+            if (fresh := messages - self._rejected.get(fault, 0)) > 0:
+                self._intake.drop(fault, fresh, example)
+                self._rejected[fault] = messages
         for dropped in self._intake.dropped():
             self._take(dropped)
         self._show(self._take(Tick(now_s)))

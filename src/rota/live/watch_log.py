@@ -21,7 +21,8 @@ from typing import IO, Any
 
 from rota.errors import RotaError
 from rota.files.plan_file import plan_text
-from rota.live.events import FAULTS, Dropped, Event, Heard, Tick
+from rota.links.link import FAULTS
+from rota.live.events import Dropped, Event, Heard, Tick
 from rota.live.intake import LONGEST_EXAMPLE, MODES
 from rota.live.settings import WatchSettings
 from rota.plan import Plan

@@ -1,0 +1,70 @@
+"""What links have in common: an inbox of reports, and to real robots also a clock and the meeting of all."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator, Awaitable, Callable, Collection, Mapping
+
+from rota.errors import LinkError
+from rota.links.inbox import Bounds, ReportInbox
+from rota.links.link import Fault, Rejections, Report
+from rota.links.plan_clock import PlanClock
+
+
+class ReportingLink:
+    """The part of a Link that tells what its robots have reported, and what of that was dropped."""
+
+    def __init__(self, robots: Collection[str], bounds_m: Bounds) -> None:
+        self._names = tuple(robots)
+        self._inbox = ReportInbox(self._names, bounds_m)
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The names of the robots, in the plan's order."""
+        return self._names
+
+    @property
+    def rejections(self) -> Mapping[Fault, Rejections]:
+        """The messages that were dropped so far, by fault."""
+        return self._inbox.rejections
+
+    @property
+    def trouble(self) -> str:
+        """Nothing keeps it from its robots."""
+        return ""
+
+    def latest(self, robot: str) -> Report | None:
+        """The robot's last report, None before the first."""
+        return self._inbox.latest(robot)
+
+
+class RealTimeLink(ReportingLink):
+    """The part of a Link that every one to real robots has.
+
+    start_time: when the plan started, in ISO 8601, named ``where`` in errors; empty: when the link was opened.
+    """
+
+    in_process = False
+
+    def __init__(self, robots: Collection[str], bounds_m: Bounds, start_time: str, where: str) -> None:
+        super().__init__(robots, bounds_m)
+        self._clock = PlanClock(start_time, where)
+
+    @property
+    def time_s(self) -> float:
+        """Seconds since the plan's start."""
+        return self._clock.now_s()
+
+    def reports(self) -> AsyncGenerator[Report, None]:
+        """All reports as they arrive."""
+        return self._inbox.reports()
+
+    async def _meet_all(self, meet: Callable[[str], Awaitable[None]]) -> None:
+        """Meet all robots at the same time; LinkError with a line for each that is not as needed."""
+        outcomes = await asyncio.gather(*map(meet, self._names), return_exceptions=True)
+        faults = [outcome for outcome in outcomes if isinstance(outcome, BaseException)]
+        for fault in faults:
+            if not isinstance(fault, LinkError):
+                raise fault
+        if faults:
+            raise LinkError("\n".join(map(str, faults)))
