@@ -1,0 +1,150 @@
+/** The list of all shapes: choose, name, set periods, type coordinates, add by numbers, delete. */
+
+import { button, el } from "../dom.js";
+import { coordinateTable } from "./coordinate_table.js";
+import { FORMS, KINDS } from "./drawing.js";
+import { keepingFocus } from "./fields.js";
+import { isEditable, pointsOf, shapesOf } from "./shapes.js";
+
+const MOST_OPEN_ZONES = 60; // beyond, only the chosen zone shows its fields
+
+export class ShapeList extends EventTarget {
+  /**
+   * @param {HTMLElement} section
+   * @param {import("./fields.js").Fields} fields
+   */
+  constructor(section, fields) {
+    super();
+    this.section = section;
+    this.fields = fields;
+    this.built = "";
+    this.chosen = null;
+    this.open = new Set();
+    this.adding = this.addForm();
+    this.list = el("div", { class: "plain" });
+    section.append(el("h2", {}, "Shapes"), this.list, this.adding);
+  }
+
+  /** @param {string|null} chosen the key of the chosen shape */
+  update(chosen) {
+    const { document } = this.fields.store;
+    const shapes = shapesOf(document);
+    this.chosen = chosen;
+    const parts = shapes.map((shape) => [shape.key, shape.geometry.type, pointsOf(shape.geometry).length, shape.kind === "zone" ? "" : shape.name]);
+    const built = JSON.stringify([chosen, document.coordinates, parts, chosen === null ? 0 : this.coordinatesOf(shapes, chosen)]);
+    if (built !== this.built) {
+      this.built = built;
+      keepingFocus(this.list, () => this.build(shapes));
+    } else {
+      this.rename(shapes);
+    }
+  }
+
+  /** Coordinates of the chosen shape, unless somebody types in its table. */
+  coordinatesOf(shapes, chosen) {
+    const table = this.list.querySelector(".coordinates");
+    const shape = shapes.find((other) => other.key === chosen);
+    return table !== null && table.contains(document.activeElement) && document.activeElement?.tagName === "INPUT"
+      ? pointsOf(shape?.geometry ?? { type: "reference" }).length
+      : (shape?.geometry ?? null);
+  }
+
+  rename(shapes) {
+    for (const shape of shapes) {
+      const name = this.list.querySelector(`[data-name-of="${CSS.escape(shape.key)}"]`);
+      if (name !== null && name.textContent !== shape.name) {
+        name.textContent = shape.name;
+      }
+    }
+  }
+
+  build(shapes) {
+    const zones = shapes.filter((shape) => shape.kind === "zone").length;
+    const cards = shapes.map((shape) => this.card(shape, shape.key === this.chosen || (shape.kind === "zone" && zones <= MOST_OPEN_ZONES)));
+    const nothing = el("p", { class: "soft" }, "Nothing is drawn yet. Press Area above the map and click its corners, or open an example under Missions.");
+    this.list.replaceChildren(...(cards.length === 0 ? [nothing] : cards));
+    this.fields.update();
+  }
+
+  card(shape, open) {
+    const chosen = shape.key === this.chosen;
+    const choose = button(shape.name, () => this.tell("choose", shape.key), { class: "link grow", "data-name-of": shape.key, "aria-pressed": String(chosen), "data-mark": `choose ${shape.key}` });
+    const remove = button("Delete", () => this.tell("delete", shape.path), { class: "quiet", "aria-label": `Delete ${shape.name}` });
+    const card = el("div", { class: "card", "data-kind": shape.kind, "data-chosen": String(chosen) });
+    card.append(el("div", { class: "row" }, choose, el("span", { class: "soft" }, summaryOf(shape)), remove));
+    if (open) {
+      card.append(...this.ownFields(shape));
+    }
+    if (chosen) {
+      card.append(this.coordinates(shape));
+    }
+    return card;
+  }
+
+  ownFields(shape) {
+    const { fields } = this;
+    const { path } = shape;
+    if (shape.kind === "zone") {
+      const period = fields.number([...path, "period_s"], "Period", { unit: "s", empty: null });
+      const demand = fields.choice([...path, "demand"], "Asked", { every_point: "every point is seen", visit: "a robot enters" });
+      return [el("div", { class: "fields" }, fields.text([...path, "name"], "Name"), period, demand)];
+    }
+    if (shape.kind === "obstacle" && isEditable(shape)) {
+      return [el("div", { class: "fields" }, this.blocks(shape))];
+    }
+    return [];
+  }
+
+  /** What an obstacle blocks; one written as a bare ring becomes a block with a ring. */
+  blocks(shape) {
+    const options = { both: "motion and sight", motion: "motion only", sight: "sight only" };
+    const select = el("select", {}, ...Object.entries(options).map(([value, name]) => el("option", { value }, name)));
+    select.addEventListener("change", () => {
+      const { document } = this.fields.store;
+      const before = document.obstacles[shape.path[1]];
+      this.fields.set(shape.path, { ...(Array.isArray(before) ? { ring: before } : before), blocks: select.value });
+    });
+    return this.fields.custom([...shape.path, "blocks"], "Blocks", select, (value) => (select.value = value ?? "both"));
+  }
+
+  coordinates(shape) {
+    const degrees = this.fields.store.document.coordinates === "wgs84";
+    const latest = () => shapesOf(this.fields.store.document).find((other) => other.key === shape.key)?.geometry ?? shape.geometry;
+    const table = coordinateTable(shape, degrees, latest, (geometry, merge) => this.tell("geometry", { path: shape.path, geometry, merge }));
+    const details = el("details", { open: this.open.has("coordinates") }, el("summary", { "data-mark": "coordinates" }, "Coordinates"), table);
+    details.addEventListener("toggle", () => (details.open ? this.open.add("coordinates") : this.open.delete("coordinates")));
+    return details;
+  }
+
+  addForm() {
+    const kind = el("select", { "aria-label": "What to add" }, ...Object.entries(KINDS).map(([value, name]) => el("option", { value }, name)));
+    const form = el("select", { "aria-label": "Its form" }, ...Object.entries(FORMS).filter(([value]) => value !== "rectangle").map(([value, name]) => el("option", { value }, name)));
+    kind.addEventListener("change", () => (form.hidden = kind.value === "start"));
+    const add = button("Add by numbers", () => {
+      this.open.add("coordinates");
+      this.tell("add", { kind: kind.value, form: kind.value === "start" ? "points" : form.value });
+    });
+    const row = el("div", { class: "row" }, kind, form, add);
+    return el("details", {}, el("summary", {}, "Without a mouse"), el("p", { class: "field-help" }, "Puts a shape into the middle of the map; its coordinates are typed in its table."), row);
+  }
+
+  tell(name, detail) {
+    this.dispatchEvent(new CustomEvent(name, { detail }));
+  }
+}
+
+function summaryOf(shape) {
+  const { geometry } = shape;
+  switch (geometry.type) {
+    case "ring":
+      return `${geometry.outer.length} corners${geometry.holes.length > 0 ? `, ${geometry.holes.length} holes` : ""}`;
+    case "circle":
+      return `circle of ${geometry.radius_m} m`;
+    case "points":
+      return geometry.points.length === 1 ? "1 point" : `${geometry.points.length} points`;
+    case "box":
+      return "box";
+    default:
+      return geometry.what;
+  }
+}

@@ -1,0 +1,57 @@
+/** Asks the server what is wrong with the mission, and what is proved of it; the newest question wins. */
+
+import { api, ApiError } from "../api.js";
+import { debounced } from "../dom.js";
+
+const WAIT_MS = 350;
+
+/** @typedef {{faults: import("../api.js").Fault[], warnings: string[], ground: any, bound: any, free_m2: any, asked_m2_s: any}} Validity */
+
+export class Validation extends EventTarget {
+  /** @param {() => {document: any, mission: string|null}} question */
+  constructor(question) {
+    super();
+    this.question = question;
+    this.running = null;
+    /** @type {Validity|null} */
+    this.latest = null;
+    this.later = debounced(WAIT_MS, () => this.ask());
+  }
+
+  /** Asks soon; what was asked before does not count any more. */
+  soon() {
+    this.tell("asking");
+    this.later();
+  }
+
+  async ask() {
+    this.later.cancel();
+    this.running?.abort();
+    const running = new AbortController();
+    this.running = running;
+    const { document, mission } = this.question();
+    try {
+      const body = mission === null ? { document } : { document, mission };
+      const answer = await api.validate(body, running.signal);
+      if (running === this.running) {
+        this.latest = answer;
+        this.tell("result", answer);
+      }
+    } catch (error) {
+      if (running === this.running && !(error instanceof DOMException)) {
+        this.failed(error);
+      }
+    }
+  }
+
+  failed(error) {
+    if (error instanceof ApiError && error.status === 409) {
+      return; // a newer question of another page won; ours is asked again with the next edit
+    }
+    this.tell("failed", error);
+  }
+
+  tell(name, detail = null) {
+    this.dispatchEvent(new CustomEvent(name, { detail }));
+  }
+}

@@ -1,0 +1,207 @@
+/** Starts the page: the editor, planning, watching, downloads, and what the address says. */
+
+import { api } from "./api.js";
+import { byId, el } from "./dom.js";
+import { Editor } from "./editor/editor.js";
+import { showSaved } from "./editor/keeper.js";
+import { MissionMap } from "./editor/map.js";
+import { newMission } from "./editor/new_mission.js";
+import { messageOf, notify, startBanner } from "./notices.js";
+import { Tabs } from "./tabs.js";
+import { startTheme } from "./theme.js";
+import { Downloads } from "./work/downloads.js";
+import { Jobs } from "./work/jobs.js";
+import { Missions } from "./work/missions.js";
+import { Plans } from "./work/plans.js";
+import { Watching } from "./work/watching.js";
+
+class Page {
+  constructor(about, schema) {
+    this.missionMap = new MissionMap(byId("map"), about.tile_url ?? null);
+    this.editor = new Editor(this.missionMap, { planners: about.planners.map((planner) => planner.name), schema });
+    this.tabs = new Tabs(byId("tabs"));
+    this.plans = new Plans(byId("plans"));
+    this.jobs = new Jobs(byId("jobs"), this.editor.keeper);
+    this.missions = new Missions(this.editor.keeper);
+    this.downloads = new Downloads(byId("downloads"), about.formats);
+    this.watching = new Watching(this.missionMap, byId("player-controls"), byId("watching"));
+    this.plan = null; // the id of the plan that is chosen
+    this.better = { job: null, plan: null }; // the best so far of the job that runs
+    this.listen();
+  }
+
+  listen() {
+    const { editor, jobs, missions, plans } = this;
+    showSaved(editor.keeper, byId("saved"), messageOf);
+    editor.keeper.addEventListener("named", () => {
+      this.writeAddress();
+      plans.refresh(editor.keeper.id);
+    });
+    editor.addEventListener("goto", (event) => this.tabs.show(isOfPlanner(event.detail) ? "plan" : "edit"));
+    editor.addEventListener("update", () => (document.title = `${byId("mission-name").textContent || "Rota"} – Rota`));
+    byId("go-plan").addEventListener("click", () => this.go("plan"));
+    missions.addEventListener("new", () => this.open(newMission("mission"), (keeper) => keeper.fresh()));
+    missions.addEventListener("open", (event) => this.openKept(event.detail));
+    missions.addEventListener("read", (event) => this.openRead(event.detail));
+    missions.addEventListener("plan", (event) => {
+      this.tabs.show("plan");
+      plans.add(event.detail);
+    });
+    jobs.addEventListener("started", () => this.choosePlan(null));
+    jobs.addEventListener("better", (event) => this.showBetter(event.detail));
+    jobs.addEventListener("ended", (event) => this.jobEnded(event.detail));
+    jobs.addEventListener("watch", (event) => this.watch(event.detail));
+    plans.addEventListener("watch", (event) => this.watch(event.detail));
+    plans.addEventListener("listed", () => this.downloads.show(plans.find(this.plan)));
+    plans.addEventListener("deleted", (event) => event.detail === this.plan && this.choosePlan(null));
+    this.tabs.addEventListener("change", () => this.tabShown());
+    window.addEventListener("hashchange", () => this.readAddress());
+  }
+
+  /** Shows a tab and moves there. */
+  go(tab) {
+    this.tabs.show(tab);
+    byId(`tab-${tab}`).focus();
+  }
+
+  open(document, keep) {
+    this.choosePlan(null);
+    this.editor.load(document, keep);
+    this.tabs.show("edit");
+    this.plans.refresh(this.editor.keeper.id);
+    this.writeAddress();
+  }
+
+  openKept(mission) {
+    this.open(mission.document, (keeper) => keeper.opened(mission.id, mission.document));
+  }
+
+  /** A mission from files or an example: it is kept at once, so that its files are with it. */
+  openRead({ document, warnings, source }) {
+    this.open(document, (keeper) => keeper.fresh(source));
+    this.editor.keeper.flush().catch(() => undefined);
+    warnings.forEach((warning) => notify(warning.message ?? warning));
+  }
+
+  tabShown() {
+    const { current } = this.tabs;
+    const watches = current === "watch" || current === "plan" || current === "take";
+    this.editor.drawing.stop();
+    if (!watches) {
+      this.watching.clear();
+    } else if (this.plan !== null || this.better.plan !== null) {
+      this.showPlan(this.plan ?? this.better.plan, false);
+    }
+    this.lookOn();
+    this.writeAddress();
+  }
+
+  /** Shapes step back while a plan with its own ground is shown. */
+  lookOn() {
+    this.editor.layers.lock(this.tabs.current !== "edit");
+    this.editor.layers.hide(this.watching.player !== null);
+  }
+
+  async showPlan(id, fit) {
+    this.watching.frame = this.editor.frame;
+    await this.watching.show(id, { fit });
+    this.lookOn();
+  }
+
+  /** The plan that is watched and taken away; null for none. */
+  choosePlan(id) {
+    this.plan = id;
+    this.better = { job: null, plan: null };
+    this.plans.choose(id);
+    this.downloads.show(this.plans.find(id));
+    if (id === null) {
+      this.watching.clear();
+      this.lookOn();
+    }
+  }
+
+  async watch(id) {
+    this.choosePlan(id);
+    this.tabs.show("watch");
+    this.writeAddress();
+    await this.showPlan(id, true);
+  }
+
+  async showBetter({ job, plan }) {
+    if (plan === null || plan === undefined || this.plan !== null) {
+      return;
+    }
+    this.better = { job, plan };
+    if (this.tabs.current !== "edit") {
+      await this.showPlan(plan, this.watching.player === null);
+    }
+  }
+
+  async jobEnded(job) {
+    await this.plans.refresh();
+    if (job.plan === null || this.plan !== null || job.mission !== this.editor.keeper.id) {
+      return;
+    }
+    this.choosePlan(job.plan);
+    if (this.tabs.current !== "edit") {
+      await this.showPlan(job.plan, this.watching.player === null);
+    }
+  }
+
+  /** The address names mission, tab and plan, so that a reload comes back to them. */
+  writeAddress() {
+    const parts = new URLSearchParams();
+    for (const [key, value] of [["mission", this.editor.keeper.id], ["tab", this.tabs.current], ["plan", this.plan]]) {
+      if (value !== null) {
+        parts.set(key, value);
+      }
+    }
+    const hash = `#${parts}`;
+    if (hash !== window.location.hash) {
+      window.history.replaceState(null, "", hash);
+    }
+  }
+
+  async readAddress() {
+    const parts = new URLSearchParams(window.location.hash.slice(1));
+    const [mission, plan, tab] = [parts.get("mission"), parts.get("plan"), parts.get("tab")];
+    try {
+      const kept = mission ?? (await api.missions())[0]?.id ?? null;
+      if (kept !== null && kept !== this.editor.keeper.id) {
+        this.openKept(await api.mission(kept));
+      }
+    } catch (error) {
+      notify(`The mission of the address cannot be opened: ${messageOf(error)}`, { error: true });
+    }
+    await Promise.all([this.plans.refresh(this.editor.keeper.id), this.jobs.refresh()]);
+    if (plan !== null && this.plans.find(plan) !== null) {
+      this.choosePlan(plan);
+    }
+    if (tab !== null && ["edit", "plan", "watch", "take"].includes(tab)) {
+      this.tabs.show(tab);
+    }
+    if (plan !== null && this.plan === plan && this.tabs.current !== "edit") {
+      await this.showPlan(plan, true);
+    }
+    this.writeAddress();
+  }
+}
+
+function isOfPlanner(path) {
+  return ["planner", "patrol", "swarm", "bounce"].includes(String(path[0]));
+}
+
+async function start() {
+  startTheme();
+  startBanner();
+  try {
+    const [about, schema] = await Promise.all([api.about(), api.missionSchema()]);
+    const page = new Page(about, schema);
+    await page.readAddress();
+    document.body.dataset.ready = "true";
+  } catch (error) {
+    byId("verdict").replaceChildren(el("div", { class: "verdict-fault" }, `The page could not start: ${messageOf(error)}`));
+  }
+}
+
+start();

@@ -1,0 +1,82 @@
+/** What can be taken away: the plan file, a picture, a page of its own, and every format of robots. */
+
+import { api } from "../api.js";
+import { button, el, saveBlob } from "../dom.js";
+import { messageOf } from "../notices.js";
+
+const OWN = [
+  { file: "plan.rota.json", name: "Plan file", what: "all of the plan; rota check, draw and export read it" },
+  { file: "picture.png", name: "Picture", what: "ground, zones and routes as PNG" },
+  { file: "page.html", name: "Page", what: "one file with the player; opens from disk without a network" },
+];
+
+export class Downloads {
+  /**
+   * @param {HTMLElement} section
+   * @param {any[]} formats as the server lists them
+   */
+  constructor(section, formats) {
+    this.formats = formats;
+    this.plan = null;
+    this.title = el("p", {});
+    this.fault = el("p", { class: "fault", role: "alert" });
+    this.origin = el("input", { type: "text", id: "origin", placeholder: "54.36, 13.08", autocomplete: "off" });
+    this.start = el("input", { type: "datetime-local", step: "1", id: "start-time" });
+    this.body = el("div", { class: "plain" });
+    section.append(el("h2", {}, "Take away"), this.title, this.fault, this.body);
+  }
+
+  /** Shows what can be taken of a plan; null for none. */
+  show(plan) {
+    this.plan = plan;
+    this.fault.textContent = "";
+    if (plan === null) {
+      this.title.textContent = "There is no plan yet: make one in step 2, or choose one there.";
+      this.body.replaceChildren();
+      return;
+    }
+    this.title.textContent = `Of the plan ${plan.name}: ${plan.robots} robots, ${plan.verdict}.`;
+    const field = (label, input, help) => el("div", { class: "field" }, el("label", { for: input.id }, label), input, el("span", { class: "field-help" }, help));
+    const asked = el(
+      "div",
+      { class: "fields" },
+      field("Origin: latitude, longitude (°)", this.origin, "Where the plan's (0, 0) lies; only for missions without a place on the globe."),
+      field("Start time (your clock)", this.start, "For formats with a clock; empty: theirs."),
+    );
+    const own = OWN.map((entry) => this.row(entry.name, entry.what, () => api.planFile(plan.id, entry.file), entry.file));
+    const formats = this.formats.map((format) => this.row(format.name, format.what, () => this.exportOf(format), format.name));
+    const list = (rows) => el("ul", { class: "plain" }, ...rows);
+    this.body.replaceChildren(list(own), el("h3", {}, "For robots, maps and tools"), asked, list(formats));
+  }
+
+  row(name, what, address, mark) {
+    const fault = el("p", { class: "fault", role: "alert" });
+    const take = button(name, () => this.take(take, address(), fault), { "data-download": mark });
+    return el("li", {}, el("div", { class: "row" }, take, el("span", { class: "soft grow" }, what)), fault);
+  }
+
+  exportOf(format) {
+    const origin = this.origin.value.replaceAll(" ", "");
+    const query = {
+      origin: format.needs_origin === false ? "" : origin,
+      start_time: this.start.value === "" || format.has_clock === false ? "" : new Date(this.start.value).toISOString(),
+    };
+    return api.planFile(this.plan.id, `export/${encodeURIComponent(format.name)}`, query);
+  }
+
+  async take(from, address, fault) {
+    fault.textContent = "";
+    from.disabled = true;
+    from.setAttribute("aria-busy", "true");
+    try {
+      const { blob, name } = await api.download(address);
+      saveBlob(blob, name);
+    } catch (error) {
+      fault.textContent = messageOf(error);
+    } finally {
+      from.disabled = false;
+      from.removeAttribute("aria-busy");
+      from.focus();
+    }
+  }
+}

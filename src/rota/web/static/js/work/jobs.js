@@ -1,0 +1,202 @@
+/** Planning: starts jobs, follows the newest one live, and lists the others. */
+
+import { api, ApiError, connection } from "../api.js";
+import { button, el } from "../dom.js";
+import { confirmed, messageOf, notifyError } from "../notices.js";
+
+const POLL_MS = 2000;
+const ACTIVE = ["queued", "running"];
+const WORDS = {
+  queued: "waiting",
+  running: "planning",
+  done: "done",
+  no_plan: "no plan found",
+  failed: "failed",
+  stopped: "stopped",
+  interrupted: "interrupted",
+};
+
+export class Jobs extends EventTarget {
+  /**
+   * @param {HTMLElement} section
+   * @param {import("../editor/keeper.js").Keeper} keeper
+   */
+  constructor(section, keeper) {
+    super();
+    this.keeper = keeper;
+    this.jobs = [];
+    this.followed = null; // the id of the job whose events are read
+    this.endEvents = () => undefined;
+    this.announced = "";
+    this.seed = el("input", { type: "number", min: "0", step: "1", value: "0", id: "seed" });
+    this.limit = el("input", { type: "number", min: "1", step: "any", placeholder: "none", id: "time-limit" });
+    this.plan = button("Plan", () => this.start(), { class: "primary", id: "plan-now" });
+    this.fault = el("p", { class: "fault", role: "alert" });
+    this.list = el("ul", { class: "plain" });
+    this.words = el("p", { class: "soft", "aria-live": "polite", id: "job-words" });
+    section.append(this.form(), this.fault, this.words, el("h2", {}, "Jobs"), this.list);
+    connection.addEventListener("back", () => this.refresh());
+    window.setInterval(() => this.jobs.some(isActive) && this.refresh(), POLL_MS);
+  }
+
+  form() {
+    const field = (label, input) => el("div", { class: "field" }, el("label", { for: input.id }, label), input);
+    const help = el("p", { class: "field-help" }, "The same seed gives the same plan. A time limit keeps the best plan so far.");
+    return el("div", { class: "fields" }, field("Seed", this.seed), field("Time limit (s)", this.limit), help, el("div", { class: "row" }, this.plan));
+  }
+
+  /** Saves the mission, then plans it. */
+  async start() {
+    this.fault.textContent = "";
+    this.plan.disabled = true;
+    try {
+      const mission = await this.keeper.flush();
+      const body = { mission, seed: Number(this.seed.value) };
+      const limit = this.limit.value === "" ? {} : { time_limit_s: Number(this.limit.value) };
+      this.followNew(await api.startJob({ ...body, ...limit }));
+    } catch (error) {
+      this.fault.textContent = `Planning could not begin: ${messageOf(error)}`;
+    } finally {
+      this.plan.disabled = false;
+    }
+  }
+
+  followNew(job) {
+    this.put(job);
+    this.follow(job.id);
+    this.dispatchEvent(new CustomEvent("started", { detail: job }));
+  }
+
+  /** Reads a job's events until it ends. */
+  follow(id) {
+    this.endEvents();
+    this.followed = id;
+    const better = (found) => this.followed === id && this.dispatchEvent(new CustomEvent("better", { detail: { job: id, ...found } }));
+    this.endEvents = api.jobEvents(id, { job: (job) => this.put(job), better }, () => this.refresh());
+  }
+
+  async refresh() {
+    try {
+      const jobs = await api.jobs();
+      const before = new Map(this.jobs.map((job) => [job.id, job]));
+      this.jobs = jobs;
+      this.draw();
+      jobs.filter((job) => !isActive(job) && before.has(job.id) && isActive(before.get(job.id))).forEach((job) => this.ended(job));
+      const waiting = jobs.find((job) => job.state === "running") ?? jobs.find(isActive);
+      const followed = jobs.find((job) => job.id === this.followed);
+      if (waiting !== undefined && (followed === undefined || !isActive(followed))) {
+        this.follow(waiting.id);
+      }
+    } catch (error) {
+      if (!(error instanceof ApiError && error.isGone)) {
+        notifyError(error, "Jobs cannot be listed");
+      }
+    }
+  }
+
+  put(job) {
+    const before = this.jobs.find((other) => other.id === job.id);
+    this.jobs = before === undefined ? [job, ...this.jobs] : this.jobs.map((other) => (other.id === job.id ? job : other));
+    this.draw();
+    if (before !== undefined && isActive(before) && !isActive(job)) {
+      this.ended(job);
+    }
+  }
+
+  ended(job) {
+    if (job.id === this.followed) {
+      this.endEvents();
+      this.followed = null;
+      this.refresh();
+    }
+    this.dispatchEvent(new CustomEvent("ended", { detail: job }));
+  }
+
+  draw() {
+    const active = this.jobs.find((job) => job.id === this.followed && isActive(job));
+    this.announce(active);
+    if (this.list.contains(document.activeElement)) {
+      const mark = document.activeElement?.getAttribute("data-mark");
+      this.list.replaceChildren(...this.jobs.map((job) => this.row(job)));
+      this.list.querySelector(`[data-mark="${CSS.escape(mark ?? "")}"]`)?.focus();
+      return;
+    }
+    const nothing = el("li", { class: "soft" }, "No plan was asked for yet.");
+    this.list.replaceChildren(...(this.jobs.length === 0 ? [nothing] : this.jobs.map((job) => this.row(job))));
+  }
+
+  /** Tells progress in words to who listens, by tenths so that it does not chatter. */
+  announce(job) {
+    const tenths = job === undefined ? "" : `${job.state} ${Math.floor((job.progress?.fraction ?? 0) * 10)} ${job.best?.robots ?? ""}`;
+    if (tenths === this.announced) {
+      return;
+    }
+    this.announced = tenths;
+    this.words.textContent = job === undefined ? "" : describe(job);
+  }
+
+  row(job) {
+    const state = el("span", { class: `state state-${job.state}` }, WORDS[job.state] ?? job.state);
+    const head = el("div", { class: "row" }, el("strong", { class: "grow" }, job.mission_name ?? ""), state);
+    const parts = [head, el("p", { class: "soft" }, [job.planner, job.effort, `seed ${job.seed}`].filter(Boolean).join(" · "))];
+    if (isActive(job)) {
+      const fraction = job.progress?.fraction;
+      const bar = el("progress", { max: "1", "aria-label": `Progress of ${job.mission_name}` });
+      if (job.state === "running" && typeof fraction === "number" && fraction > 0) {
+        bar.value = fraction;
+      }
+      parts.push(bar, el("p", {}, describe(job)));
+    } else if (job.message) {
+      parts.push(el("p", { class: job.state === "failed" || job.state === "no_plan" ? "fault" : "soft" }, job.message));
+    }
+    parts.push(el("div", { class: "row" }, ...this.buttons(job)));
+    return el("li", { class: "card" }, ...parts);
+  }
+
+  buttons(job) {
+    const named = (name) => ({ "aria-label": `${name}: ${job.mission_name}, seed ${job.seed}`, "data-mark": `${name} ${job.id}` });
+    if (isActive(job)) {
+      return [button(job.best === null ? "Stop" : "Stop and keep the best", () => this.act(() => api.stopJob(job.id), "It could not be stopped"), named("Stop"))];
+    }
+    const again = button("Run again", () => this.again(job), named("Run again"));
+    const remove = button("Delete", () => this.remove(job), { ...named("Delete"), class: "quiet" });
+    return job.plan === null ? [again, remove] : [button("Watch", () => this.dispatchEvent(new CustomEvent("watch", { detail: job.plan })), named("Watch")), again, remove];
+  }
+
+  async again(job) {
+    await this.act(async () => this.followNew(await api.runAgain(job.id)), "It could not be run again");
+  }
+
+  async remove(job) {
+    if (await confirmed("Delete this job from the list? Its plan stays.", "Delete")) {
+      await this.act(() => api.deleteJob(job.id), "The job could not be deleted");
+    }
+  }
+
+  async act(call, doing) {
+    this.fault.textContent = "";
+    try {
+      await call();
+      await this.refresh();
+    } catch (error) {
+      this.fault.textContent = `${doing}: ${messageOf(error)}`;
+    }
+  }
+}
+
+function isActive(job) {
+  return ACTIVE.includes(job.state);
+}
+
+/** A running job in a sentence. */
+function describe(job) {
+  if (job.state === "queued") {
+    const place = job.place_in_queue;
+    return typeof place === "number" && place > 1 ? `Waiting: number ${place} in the queue.` : "Waiting: next in the queue.";
+  }
+  const { progress } = job;
+  const share = typeof progress?.fraction === "number" ? `${Math.round(progress.fraction * 100)} %` : "";
+  const best = job.best === null || job.best === undefined ? "no plan yet" : `best so far ${job.best.robots} robots${job.best.met === false ? " (periods not met)" : ""}`;
+  const elapsed = typeof progress?.elapsed_s === "number" ? `${Math.round(progress.elapsed_s)} s` : "";
+  return [share, progress?.doing, elapsed, best].filter(Boolean).join(" · ");
+}
