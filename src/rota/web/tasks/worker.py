@@ -33,6 +33,7 @@ TASKS = {
     "page": "rota.web.tasks.show:page",
     "export": "rota.web.tasks.export:export",
     "about": "rota.web.tasks.about:about",
+    "mission_schema": "rota.web.tasks.about:mission_schema",
 }
 
 Inbox = queue.Queue[tuple[Json, bytes]]
