@@ -20,7 +20,7 @@ from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import scene_for
 from rota.planners.swarm.nodes.telling import SIZE
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.robot_processes import ProcessSettings, SwarmRecord
+from rota.robot_processes import Launch, ProcessSettings, SwarmRecord
 
 PORT = 48_600
 MOST_MS, RATE_HZ, SLACK_HZ, WITHIN = 5.0, 10.0, 0.05, 0.02
@@ -99,9 +99,8 @@ def _flown(mission: Mission, time_s: float, seed: int, kill: int = 0) -> SwarmRe
             for robot in range(kill):
                 os.kill(ids[robot], signal.SIGKILL)
 
-    return run_swarm(
-        scene_for(mission, settings), settings, time_limit_s=time_s + 0.5, started=ids.update, measured=measured
-    )
+    launch = Launch(time_limit_s=time_s + 0.5, started=ids.update, measured=measured)
+    return run_swarm(scene_for(mission, settings), settings, launch)
 
 
 def _noise_row() -> Row:
@@ -124,10 +123,8 @@ def _noise_row() -> Row:
             sent += 250
         return False
 
-    record = run_swarm(
-        scene_for(mission, settings), settings, time_limit_s=18.0, should_stop=keep_sending, started=ids.update,
-        measured=measured,
-    )  # fmt: skip
+    launch = Launch(time_limit_s=18.0, should_stop=keep_sending, started=ids.update, measured=measured)
+    record = run_swarm(scene_for(mission, settings), settings, launch)
     sender.close()
     robot, growth = record.robots[0], max(memory[3:]) - memory[2]
     return Row(

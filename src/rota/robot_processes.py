@@ -9,6 +9,7 @@ from typing import Protocol
 from rota.errors import MissionError
 from rota.plan import Plan
 
+TRANSPORTS = ("udp", "ros2")
 FIRST_PORT, LAST_PORT = 47600, 65535
 LOOPBACK = "127.0.0.1"
 
@@ -24,16 +25,18 @@ def level(_x: float, _y: float) -> float:
 class ProcessSettings:
     """How robots' processes run and reach each other.
 
-    seed: for starts that the mission leaves open. port: that of the fleet's first robot; the others' follow, and last
-    comes the recorder's. hosts: one for each robot, then the recorder's; or a single one for all. rate_hz: how often a
-    robot decides (None: every time step of the mission). silent_s: one that tells nothing for so long is forgotten
-    (None: five time steps). clock_error_s: by which the clocks of several hosts may differ. ground_m: the height of the
-    ground at (x, y) in metres, over which robots fly at the fleet's altitude.
+    seed: for starts that the mission leaves open. transport: "udp", or "ros2" for a topic of ROS 2. port, hosts: of udp
+    only; the port of the fleet's first robot, the others' follow, and last comes the recorder's; a host for each robot,
+    then the recorder's, or a single one for all. rate_hz: how often a robot decides (None: every time step of the
+    mission). silent_s: one that tells nothing for so long is forgotten (None: five time steps). clock_error_s: by which
+    the clocks of several hosts may differ. ground_m: the height of the ground at (x, y) in metres, over which robots
+    fly at the fleet's altitude.
 
-    Raises MissionError for ports out of range and times that are none.
+    Raises MissionError for other transports, ports out of range and times that are none.
     """
 
     seed: int = 0
+    transport: str = "udp"
     port: int = FIRST_PORT
     hosts: tuple[str, ...] = (LOOPBACK,)
     rate_hz: float | None = None
@@ -42,6 +45,10 @@ class ProcessSettings:
     ground_m: HeightAt = field(default=level)
 
     def __post_init__(self) -> None:
+        if self.transport not in TRANSPORTS:
+            raise MissionError(f"transport: {self.transport!r} is not allowed; {' or '.join(TRANSPORTS)} is needed")
+        if self.transport != "udp" and (self.port, self.hosts) != (FIRST_PORT, (LOOPBACK,)):
+            raise MissionError("port, hosts: not allowed with transport ros2, whose robots find each other")
         if not 1 <= self.port <= LAST_PORT:
             raise MissionError(f"port: {self.port} is not allowed; 1 to {LAST_PORT} is needed")
         if self.rate_hz is not None and not 0.1 <= self.rate_hz <= 1000:
@@ -75,6 +82,26 @@ class SwarmRecord:
     warnings: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, kw_only=True)
+class Launch:
+    """What is asked of a launch of robots' processes, and who is told of it.
+
+    robots: the numbers of those to start; None: all. time_limit_s: how long they run after the begin; None: until they
+    are at rest. should_stop: polled often; once True the record ends. started: called with the processes' ids by the
+    robots' numbers. measured: called every second with seconds since the begin, the share covered and how many take
+    part.
+    """
+
+    robots: Sequence[int] | None = None
+    time_limit_s: float | None = None
+    should_stop: Callable[[], bool] = lambda: False
+    started: Callable[[dict[int, int]], None] = lambda _pids: None
+    measured: Callable[[float, float, int], None] = lambda _time_s, _share, _robots: None
+
+
+EVERYTHING = Launch()
+
+
 class RobotProcesses(Protocol):
     """The robots of a mission as processes of their own."""
 
@@ -84,19 +111,9 @@ class RobotProcesses(Protocol):
         Raises LinkError where its port is taken, MissionError for a number or a rate that is not allowed.
         """
 
-    def run_all(
-        self,
-        *,
-        robots: Sequence[int] | None,
-        time_limit_s: float | None,
-        should_stop: Callable[[], bool],
-        started: Callable[[dict[int, int]], None],
-        measured: Callable[[float, float, int], None],
-    ) -> SwarmRecord:
+    def run_all(self, launch: Launch) -> SwarmRecord:
         """Start a process for each robot, record what they tell, end them, and return the record.
 
-        robots: the numbers of those to start; None: all. time_limit_s: how long they run after the begin; None: until
-        they are at rest. started: called with the processes' ids by the robots' numbers. measured: called every second
-        with seconds since the begin, the share covered and how many take part. Raises LinkError where a port is taken,
-        where a process does not start, and where nobody was heard.
+        Raises LinkError where a port is taken, where a process does not start, and where nobody was heard; RotaError
+        where ROS 2 is asked for and missing.
         """

@@ -15,6 +15,7 @@ from tests.planners.swarm.nodes.test_launch import free_ports
 
 from rota.command.cli import run
 from rota.files.plan_file import read_plan
+from rota.ros2.node import CHOSEN_BY
 
 MISSION = """\
 rota: 1
@@ -91,6 +92,8 @@ def test_a_node_ends_cleanly_on_ctrl_c(mission: str) -> None:
         (["swarm-launch", "three.yaml", "--rate", "1e9"], "rate: 1e+09 Hz is not allowed; 0.1 to 1000 Hz"),
         (["swarm-launch", "three.yaml", "--heights", "0,1"], "--heights: '0,1' is not allowed without --height-map"),
         (["swarm-launch", "three.yaml", "--hosts", "a,b"], "hosts: 2 is not allowed"),
+        (["swarm-launch", "three.yaml", "--transport", "smoke"], "transport: 'smoke' is not allowed; udp or ros2"),
+        (["swarm-node", "three.yaml", "--robot", "1", "--transport", "ros2", "--port", "5000"], "port, hosts: not all"),
         (["swarm-launch", "three.yaml", "--coverage", "a.txt"], "a.txt"),
         (["swarm-launch", "three.yaml", "-o", "three.yaml"], "three.yaml"),
         (["swarm-launch", "nowhere.yaml"], "nowhere.yaml: no such file"),
@@ -101,4 +104,16 @@ def test_what_is_wrong_is_said(
 ) -> None:
     assert run(arguments) == 2
     assert message in capsys.readouterr().err
+    assert not Path("three.rota.json").exists()
+
+
+@pytest.mark.parametrize("command", [["swarm-launch"], ["swarm-node", "--robot", "1"]])
+def test_ros_2_that_is_missing_is_said(
+    mission: str, command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    for name in CHOSEN_BY:  # set by the command, and taken back after the test
+        monkeypatch.setenv(name, "")
+    assert run([*command, mission, "--transport", "ros2"]) == 2
+    assert "ROS 2 cannot be reached" in capsys.readouterr().err
     assert not Path("three.rota.json").exists()

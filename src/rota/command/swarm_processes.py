@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -33,13 +35,16 @@ HeightMap = Annotated[
 ]
 Heights = Annotated[str | None, typer.Option(metavar="LOW,HIGH", help="Metres that black and white stand for.")]
 
+Transport = Annotated[str, typer.Option(metavar="udp|ros2", help="How messages go; ros2: a topic of ROS 2.")]
+
 SHARE_SHOWN = 95  # percent of a robot's decisions take no longer than what is shown beside the median
 
 
-def swarm_node(
-    mission: MissionPath,
-    robot: Annotated[str, typer.Option(metavar="ROBOT", help="Its name, or its number from 1 on in the fleet.")],
+def _settings(
+    mission: Mission,
+    *,
     seed: Seed = 0,
+    transport: Transport = "udp",
     port: Port = 47600,
     hosts: Hosts = "127.0.0.1",
     rate: Rate = None,
@@ -47,20 +52,62 @@ def swarm_node(
     clock_error: ClockError = 0.0,
     height_map: HeightMap = None,
     heights: Heights = None,
+) -> ProcessSettings:
+    """What the options that both commands have ask of the processes."""
+    from rota.robot_processes import HeightAt, ProcessSettings, level
+
+    ground_m: HeightAt = level
+    if height_map is not None:
+        from rota.files.height_map import read_height_map
+
+        ground_m = read_height_map(height_map, mission, heights)
+    elif heights is not None:
+        raise RotaError(f"--heights: {heights!r} is not allowed without --height-map")
+    return ProcessSettings(
+        seed=seed,
+        transport=transport,
+        port=port,
+        hosts=tuple(host.strip() for host in hosts.split(",")),
+        rate_hz=rate,
+        silent_s=silent,
+        clock_error_s=clock_error,
+        ground_m=ground_m,
+    )
+
+
+def _with_settings(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with the options of ``_settings`` where it has ``options``, as typer reads its signature."""
+    unloaded = {"Mission": Any, "ProcessSettings": Any}  # imported for type checkers alone
+    options = inspect.signature(_settings, eval_str=True, locals=unloaded).parameters.values()
+    own = inspect.signature(command, eval_str=True).parameters.values()
+    parameters = [each.replace(kind=each.KEYWORD_ONLY) for each in own if each.kind is not each.VAR_KEYWORD]
+    parameters += [each for each in options if each.kind is each.KEYWORD_ONLY]
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {each.name: each.annotation for each in parameters}
+    return command
+
+
+@_with_settings
+def swarm_node(
+    mission: MissionPath,
+    robot: Annotated[str, typer.Option(metavar="ROBOT", help="Its name, or its number from 1 on in the fleet.")],
+    **options: Any,
 ) -> None:
     """Be one robot of a swarm; it knows only what others send."""
     asked = _read(mission)
     number = _number_of(asked, robot)
-    settings = _settings(asked, seed, port, hosts, rate, silent, clock_error, height_map, heights)
+    settings = _settings(asked, **options)
     processes = _processes(asked, settings)
+    where = f"port {settings.port + number}" if settings.transport == "udp" else "ROS 2"
     with stop_on_interrupt(lambda by: say(f"leaving; {by} again ends at once")) as stop:
-        say(f"{(asked.fleet.robots or ())[number].name} listens on port {port + number}; Ctrl-C lets it leave")
+        say(f"{(asked.fleet.robots or ())[number].name} listens on {where}; Ctrl-C lets it leave")
         dropped = processes.run_robot(number, stop)
     if dropped:
         say(f"{dropped} datagrams could not be read")
     raise typer.Exit(DONE)
 
 
+@_with_settings
 def swarm_launch(
     mission: MissionPath,
     output: Annotated[
@@ -75,18 +122,12 @@ def swarm_launch(
     coverage: Annotated[
         str | None, typer.Option(metavar="FILE.csv", help="Write what was covered at which time, as a table.")
     ] = None,
-    seed: Seed = 0,
-    port: Port = 47600,
-    hosts: Hosts = "127.0.0.1",
-    rate: Rate = None,
-    silent: Silent = None,
-    clock_error: ClockError = 0.0,
-    height_map: HeightMap = None,
-    heights: Heights = None,
+    **options: Any,
 ) -> None:
     """Start a swarm's robots as processes; write what they did."""
     from rota.files.atomic_write import require_suffix, write_atomically
     from rota.files.plan_file import write_plan
+    from rota.robot_processes import Launch
 
     target = output if output is not None else f"{mission.stem}.rota.json"
     require_target(target, source=mission)
@@ -95,7 +136,7 @@ def swarm_launch(
         require_target(coverage, source=mission)
     asked = _read(mission)
     chosen = None if robots is None else _numbers_of(asked, robots)
-    processes = _processes(asked, _settings(asked, seed, port, hosts, rate, silent, clock_error, height_map, heights))
+    processes = _processes(asked, _settings(asked, **options))
     fleet = asked.fleet.robots or ()
 
     def started(ids: dict[int, int]) -> None:
@@ -105,9 +146,8 @@ def swarm_launch(
         typer.echo(f"{time_s:5.0f} s  {share:6.1%} covered by {count} robots")
 
     with stop_on_interrupt(lambda by: say(f"ending with what was recorded; {by} again ends at once")) as stop:
-        record = processes.run_all(
-            robots=chosen, time_limit_s=time_limit, should_stop=stop, started=started, measured=measured
-        )
+        launch = Launch(robots=chosen, time_limit_s=time_limit, should_stop=stop, started=started, measured=measured)
+        record = processes.run_all(launch)
     write_plan(record.plan, target)
     if coverage is not None:
         rows = [f"{time_s!r},{share!r},{count}\n" for time_s, share, count in record.coverage]
@@ -149,37 +189,6 @@ def _read(path: Path) -> Mission:
     for warning in read.warnings:
         say(f"warning: {warning}")
     return read.mission
-
-
-def _settings(
-    mission: Mission,
-    seed: int,
-    port: int,
-    hosts: str,
-    rate: float | None,
-    silent: float | None,
-    clock_error: float,
-    height_map: str | None,
-    heights: str | None,
-) -> ProcessSettings:
-    from rota.robot_processes import HeightAt, ProcessSettings, level
-
-    ground_m: HeightAt = level
-    if height_map is not None:
-        from rota.files.height_map import read_height_map
-
-        ground_m = read_height_map(height_map, mission, heights)
-    elif heights is not None:
-        raise RotaError(f"--heights: {heights!r} is not allowed without --height-map")
-    return ProcessSettings(
-        seed=seed,
-        port=port,
-        hosts=tuple(host.strip() for host in hosts.split(",")),
-        rate_hz=rate,
-        silent_s=silent,
-        clock_error_s=clock_error,
-        ground_m=ground_m,
-    )
 
 
 def _processes(mission: Mission, settings: ProcessSettings) -> RobotProcesses:

@@ -27,7 +27,7 @@ from rota.papers.tables import NOTHING, Table
 from rota.plan import Plan
 from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import scene_for
-from rota.robot_processes import ProcessSettings, SwarmRecord
+from rota.robot_processes import Launch, ProcessSettings, SwarmRecord
 
 Floats = NDArray[np.float64]
 
@@ -108,10 +108,8 @@ def _flight(runs: Runs, mission: Mission, controller: Controller, seed: int) -> 
     for port in PORTS:
         settings = ProcessSettings(seed=seed, port=port, ground_m=maps.hills_m)
         try:
-            record = run_swarm(
-                scene_for(asked, settings), settings, time_limit_s=runs.settings.process_s,
-                should_stop=runs.should_stop,
-            )  # fmt: skip
+            launch = Launch(time_limit_s=runs.settings.process_s, should_stop=runs.should_stop)
+            record = run_swarm(scene_for(asked, settings), settings, launch)
         except LinkError as error:
             refused = error
             continue

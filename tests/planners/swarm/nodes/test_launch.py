@@ -22,7 +22,7 @@ from rota.planners.swarm.nodes.recording import Recorder
 from rota.planners.swarm.nodes.scene import scene_of
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
 from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of, is_loopback
-from rota.robot_processes import ProcessSettings
+from rota.robot_processes import Launch, ProcessSettings
 
 
 def free_ports(count: int) -> int:
@@ -57,7 +57,8 @@ def test_processes_go_on_when_one_is_killed_and_all_end() -> None:
         if len(rows) == 2:
             os.kill(ids[2], signal.SIGKILL)
 
-    record = run_swarm(scene_for(mission, settings), settings, time_limit_s=3.2, started=ids.update, measured=measured)
+    launch = Launch(time_limit_s=3.2, started=ids.update, measured=measured)
+    record = run_swarm(scene_for(mission, settings), settings, launch)
     noise.close()
     assert not multiprocessing.active_children()
     assert [robot.end for robot in record.robots] == ["runs", "runs", "silent", "runs", "runs"]

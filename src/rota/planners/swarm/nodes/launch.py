@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from multiprocessing.process import BaseProcess
 
 from rota.errors import LinkError, RotaError
@@ -15,60 +15,55 @@ from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.process import period_of, run_robot
 from rota.planners.swarm.nodes.recording import Recorder
 from rota.planners.swarm.nodes.scene import Scene
-from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of
-from rota.robot_processes import ProcessSettings, SwarmRecord
+from rota.planners.swarm.nodes.transport import clock_for, open_port, prepare
+from rota.robot_processes import EVERYTHING, Launch, ProcessSettings, SwarmRecord
 
-START_S = 0.5  # for the processes to start, before they listen
 REST_S = 2.0  # a swarm that has not moved for so long is at rest
 LEAVE_S = 5.0  # for the processes to end, after they were asked to
 FAILED = 2  # exit code of a process that could not be its robot
 
 
-def run_swarm(
-    scene: Scene,
-    settings: ProcessSettings,
-    *,
-    robots: Sequence[int] | None = None,
-    time_limit_s: float | None = None,
-    should_stop: Callable[[], bool] = lambda: False,
-    started: Callable[[dict[int, int]], None] = lambda _pids: None,
-    measured: Callable[[float, float, int], None] = lambda _time_s, _share, _robots: None,
-) -> SwarmRecord:
+def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHING) -> SwarmRecord:
     """Start a process for each robot, record what they tell, end them, and return the record.
 
-    robots: the numbers of those to start; None: all. time_limit_s: how long they run after the begin; None: until they
-    have been at rest for ``REST_S``. started: called with the processes' ids by the robots' numbers. measured: called
-    every second with seconds since the begin, the share covered and how many take part. Raises LinkError where a port
-    is taken, and where a process does not start.
+    Robots are at rest when none has moved for ``REST_S``. Raises LinkError where a port is taken, and where a process
+    does not start.
     """
     fleet = len(scene.mission.fleet.robots or ())
-    addresses = addresses_of(settings, fleet)
-    clock = clock_of(addresses)
-    port = UdpPort(addresses[-1], ())
+    numbers = range(fleet) if launch.robots is None else launch.robots
+    clock, start_s = clock_for(settings, fleet), prepare(settings, len(numbers))
+    # threads of a middleware do not survive a fork: its port is opened after that
+    port = open_port(settings, fleet, fleet) if settings.transport == "udp" else None
     processes: dict[int, BaseProcess] = {}
     try:
         compile_for(scene, settings)
-        begin_ns = clock() + 3 * scene.silent_ns + round(START_S * 1e9)
-        for robot in range(fleet) if robots is None else robots:
+        begin_ns = clock() + 3 * scene.silent_ns + round(start_s * 1e9)
+        for robot in numbers:
             processes[robot] = _started(scene, robot, settings, begin_ns)
-        started({robot: process.pid or 0 for robot, process in processes.items()})
+        launch.started({robot: process.pid or 0 for robot, process in processes.items()})
+        port = port or open_port(settings, fleet, fleet)
         recorder, told = Recorder(scene, begin_ns), 0
         while True:
             now_ns = clock()
             recorder.hear(port.received(), now_ns)
             for row in recorder.coverage[told:]:
-                measured(*row)
+                launch.measured(*row)
             told = len(recorder.coverage)
             _require_started(processes, scene, now_ns < begin_ns)
-            over = _is_over(recorder, now_ns, begin_ns, time_limit_s)
-            if (stopped := should_stop()) or over or not any(process.is_alive() for process in processes.values()):
+            over = _is_over(recorder, now_ns, begin_ns, launch.time_limit_s)
+            if (
+                (stopped := launch.should_stop())
+                or over
+                or not any(process.is_alive() for process in processes.values())
+            ):
                 break
             time.sleep(scene.period_ns * 1e-9 / 4)
         at_rest = not stopped and recorder.quiet_s(now_ns) >= REST_S
         return recorder.record(now_ns, stopped=not at_rest)
     finally:
         _end(processes.values())
-        port.close()
+        if port is not None:
+            port.close()
 
 
 def compile_for(scene: Scene, settings: ProcessSettings) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from rota.mission import Mission
 from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.scene import Scene, require_period, scene_of
-from rota.planners.swarm.nodes.udp import UdpPort, addresses_of, clock_of
+from rota.planners.swarm.nodes.transport import clock_for, open_port
 from rota.robot_processes import ProcessSettings
 
 
@@ -42,14 +42,14 @@ def run_robot(
 
     begin_ns: when all begin, by the shared clock; None: as soon as it is announced. Once ``should_stop`` says so, or
     the process ``parent`` that started it is gone, it leaves, and tells so for as long as makes others forget. Raises
-    LinkError where another process has its port, MissionError for a rate at which others would forget it.
+    LinkError where another process has its port, RotaError where ROS 2 is asked for and missing, MissionError for a
+    rate at which others would forget it.
     """
-    addresses = addresses_of(settings, len(scene.mission.fleet.robots or ()))
-    clock = clock_of(addresses)
-    others = (*addresses[:robot], *addresses[robot + 1 :])
-    node = RobotNode(scene, robot, began_ns=clock(), begin_ns=begin_ns, period_ns=period_of(settings))
-    port = UdpPort(addresses[robot], others)
+    fleet = len(scene.mission.fleet.robots or ())
+    clock = clock_for(settings, fleet)
+    port = open_port(settings, fleet, robot)
     try:
+        node = RobotNode(scene, robot, began_ns=clock(), begin_ns=begin_ns, period_ns=period_of(settings))
         while not node.has_left:
             if should_stop() or (parent is not None and os.getppid() != parent):
                 node.leave()

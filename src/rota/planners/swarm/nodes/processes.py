@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from rota.mission import Mission
 from rota.planners.swarm.nodes.launch import run_swarm
 from rota.planners.swarm.nodes.process import run_robot, scene_for
-from rota.robot_processes import ProcessSettings, SwarmRecord
+from rota.robot_processes import Launch, ProcessSettings, SwarmRecord
 
 
 class SwarmProcesses:
@@ -20,22 +20,6 @@ class SwarmProcesses:
         """Be the robot of this number."""
         return run_robot(self._scene, robot, self._settings, should_stop=should_stop).dropped
 
-    def run_all(
-        self,
-        *,
-        robots: Sequence[int] | None,
-        time_limit_s: float | None,
-        should_stop: Callable[[], bool],
-        started: Callable[[dict[int, int]], None],
-        measured: Callable[[float, float, int], None],
-    ) -> SwarmRecord:
-        """Start all, record and end them."""
-        return run_swarm(
-            self._scene,
-            self._settings,
-            robots=robots,
-            time_limit_s=time_limit_s,
-            should_stop=should_stop,
-            started=started,
-            measured=measured,
-        )
+    def run_all(self, launch: Launch) -> SwarmRecord:
+        """Start them, record and end them."""
+        return run_swarm(self._scene, self._settings, launch)
