@@ -79,12 +79,42 @@ def test_loops_that_share_no_period_are_left_alone_and_so_are_robots_that_stay()
 
 def test_what_differs_is_told() -> None:
     plan = corridor()
-    made, told, drifts = executed_plan(plan, "csv")
-    assert (made, drifts) == (plan, False)
-    assert told == "as csv drives it, places are up to 0 m off the plan's routes, and rounds take as long as planned"
-    _, told, drifts = executed_plan(plan, "waypoints")
-    assert drifts
-    assert "rounds differ from the plan's by" in told
+    made = executed_plan(plan, "csv")
+    assert (made.plan, made.drifts) == (plan, False)
+    assert (
+        made.told == "as csv drives it, places are up to 0 m off the plan's routes, and rounds take as long as planned"
+    )
+    made = executed_plan(plan, "waypoints")
+    assert made.drifts
+    assert "rounds differ from the plan's by" in made.told
+
+
+def test_what_is_only_the_format_s_rounding_is_told_so_and_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = corridor()
+    # a round along the border from x = 0 to 90.000003 m, which 1e-7 degrees cannot hold
+    along = Trajectory(robot="a", times_s=[0, 18, 36], positions_m=[[0.004, 0.003], [90.006, 0.003], [0.004, 0.003]])
+    touching = box(0.004, 0.003, 90.006, 2)
+    fleet = replace(plan.mission.fleet, robots=plan.mission.fleet.robots[:1])
+    mission = replace(plan.mission, area=touching, fleet=fleet, period_s=40)
+    path = tmp_path / "border.json"
+    write_plan(replace(plan, mission=mission, trajectories=(along,)), path)
+    assert run(["check", str(path)]) == 0
+    assert run(["check", str(path), "--executed", "kml", "--in-phase-every", "360"]) == 0
+    capsys.readouterr()
+    assert run(["check", str(path), "--executed", "waypoints", "--in-phase-every", "360"]) == 1
+    out, err = capsys.readouterr()
+    told = [line for line in out.splitlines() if line.startswith("violation: a: outside area")]
+    assert len(told) == 1
+    assert told[0].endswith(" more of this kind, none worse)")
+    assert (
+        "the plan itself is met; all violations come of what the format holds: places are rounded by up to 0.0" in err
+    )
+    # a plan with a fault of its own is not said to be met
+    write_plan(replace(plan, mission=replace(mission, period_s=20), trajectories=(along,)), path)
+    assert run(["check", str(path), "--executed", "waypoints"]) == 1
+    assert "the plan itself is violated, too" in capsys.readouterr().err
 
 
 def test_the_command_judges_what_files_say(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -172,15 +172,19 @@ def check(
 ) -> None:
     """Check a plan: exit code 0 when all is met, 1 when not."""
     from rota.check import check_plan, report_table, report_to_json
+    from rota.command.executed import table_of_worst
 
-    answer = read_plan_argument(plan)
+    answer, made = read_plan_argument(plan), None
     if executed is not None:
-        answer = plan_as_executed(answer, executed, in_phase_every, origin)
+        made = plan_as_executed(answer, executed, in_phase_every, origin)
     elif in_phase_every is not None or origin is not None:
         raise RotaError(f"{'--origin' if in_phase_every is None else '--in-phase-every'}: is for --executed only")
     mention_compiling(*compiled_for_check(answer.mission))
-    report = check_plan(answer)
-    typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else report_table(report))
+    report = check_plan(answer if made is None else made.plan)
+    table = report_table if made is None else table_of_worst
+    typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else table(report))
+    if made is not None and report.verdict == "violated":
+        say(made.comes_of(answer))
     raise typer.Exit(DONE if report.verdict == "met" else VIOLATED)
 
 

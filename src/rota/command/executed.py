@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,17 +12,39 @@ import shapely
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
+    from rota.check import Report, Violation
     from rota.plan import Floats, Plan, Trajectory
 
 SAME_S = 1e-6  # of a round, that is not worth a word
 HOUR_S = 3600.0
 
 
-def executed_plan(plan: Plan, name: str) -> tuple[Plan, str, bool]:
-    """The plan as a format drives it, a sentence on what differs, and whether rounds differ.
+@dataclass(frozen=True, kw_only=True)
+class Executed:
+    """A plan as a format drives it, and a sentence on what differs from the plan.
 
-    Raises RotaError for a format whose files are judged when they are written.
+    off_m: how far places are off the plan's routes. drifts: whether rounds take another time than planned.
     """
+
+    plan: Plan
+    told: str
+    off_m: float
+    drifts: bool
+
+    def comes_of(self, planned: Plan) -> str:
+        """What a violated verdict comes of: a sentence, which begins with what the check says of the plan itself."""
+        from rota.check import check_plan
+
+        verdict = check_plan(planned).verdict
+        if verdict != "met":
+            return f"the plan itself is {verdict}, too"
+        causes = [f"places are rounded by up to {self.off_m:.2g} m"] if self.off_m > 0 else []
+        causes += ["rounds take another time than planned"] if self.drifts else []
+        return f"the plan itself is met; all violations come of what the format holds: {' and '.join(causes)}"
+
+
+def executed_plan(plan: Plan, name: str) -> Executed:
+    """The plan as a format drives it. Raises RotaError for a format whose files are judged when they are written."""
     from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 
     if name not in DRIVEN:
@@ -32,16 +54,35 @@ def executed_plan(plan: Plan, name: str) -> tuple[Plan, str, bool]:
     told = f"as {name} drives it, places are up to {off_m:.2g} m off the plan's routes"
     moving = [pair for pair in zip(plan, made, strict=True) if pair[0].loop_duration_s > 0]
     late_s = [new.loop_duration_s - old.loop_duration_s for old, new in moving]
-    if max(map(abs, late_s), default=0.0) < SAME_S:
-        return made, f"{told}, and rounds take as long as planned", False
-    first, last = int(np.argmin(late_s)), int(np.argmax(late_s))
-    shares = [abs(late) / old.loop_duration_s for late, (old, _) in zip(late_s, moving, strict=True)]
-    return (
-        made,
-        f"{told}, and rounds differ from the plan's by {late_s[first]:+.2g} s ({moving[first][0].robot}) to"
-        f" {late_s[last]:+.2g} s ({moving[last][0].robot}), which makes up to {max(shares) * HOUR_S:.2g} s an hour",
-        True,
-    )
+    drifts = max(map(abs, late_s), default=0.0) >= SAME_S
+    if not drifts:
+        told += ", and rounds take as long as planned"
+    else:
+        first, last = int(np.argmin(late_s)), int(np.argmax(late_s))
+        shares = [abs(late) / old.loop_duration_s for late, (old, _) in zip(late_s, moving, strict=True)]
+        told += (
+            f", and rounds differ from the plan's by {late_s[first]:+.2g} s ({moving[first][0].robot}) to"
+            f" {late_s[last]:+.2g} s ({moving[last][0].robot}): up to {max(shares) * HOUR_S:.2g} s an hour"
+        )
+    return Executed(plan=made, told=told, off_m=off_m, drifts=drifts)
+
+
+def table_of_worst(report: Report) -> str:
+    """The report as plain text; of each kind of violation only the worst has a line, which says how many more are.
+
+    Each robot in each round that is unrolled may have the same ones.
+    """
+    from rota.check import report_table
+
+    by_kind: dict[str, list[Violation]] = {}
+    for each in report.violations:
+        by_kind.setdefault(each.kind, []).append(each)
+    lines = [report_table(replace(report, violations=()))]
+    for group in by_kind.values():
+        worst = max(group, key=lambda each: abs(each.value - each.limit))
+        more = f" (and {len(group) - 1} more of this kind, none worse)" if group[1:] else ""
+        lines.append(f"violation: {worst.text()}{more}")
+    return "\n".join(lines)
 
 
 def _off_m(planned: Trajectory, made: Trajectory) -> float:

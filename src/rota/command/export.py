@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
 from importlib import import_module
@@ -20,6 +20,7 @@ from rota.command.terminal import STANDARD_STREAM, say
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
+    from rota.command.executed import Executed
     from rota.files.dji_waylines import WaylineSettings
     from rota.files.vda5050_files import OrderSettings
     from rota.plan import Plan
@@ -228,19 +229,19 @@ def write_export(
     return paths
 
 
-def plan_as_executed(plan: Plan, name: str, in_phase_every_s: float | None, origin: str | None) -> Plan:
+def plan_as_executed(plan: Plan, name: str, in_phase_every_s: float | None, origin: str | None) -> Executed:
     """The plan as the files of a format drive it; says on stderr how far that is from the plan."""
     from rota.command.executed import executed_plan, in_phase_every
 
     export_format(name, "--executed")
     if origin is not None:
         plan = _placed(plan, origin, name)
-    made, told, drifts = executed_plan(plan, name)
-    say(told)
+    made = executed_plan(plan, name)
+    say(made.told)
     if in_phase_every_s is not None:
-        return in_phase_every(plan, made, in_phase_every_s)
-    if drifts:
-        say("nobody brings them into phase again; --in-phase-every SECONDS judges robots that somebody does")
+        return replace(made, plan=in_phase_every(plan, made.plan, in_phase_every_s))
+    if made.drifts:
+        say("it is judged as if nobody ever corrected that; --in-phase-every SECONDS judges robots corrected so often")
     return made
 
 

@@ -8,9 +8,11 @@ longitude from MISSION_ITEM_INT, in 1e-7 degrees.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from rota.route import RouteStop
 
 DEGREE = 1e-7  # of MISSION_ITEM_INT
 CENTIMETRES = 100.0
+HERE_M = 0.02  # a take-off nearer than this to where the vehicle stands is that place, rounded
 MOST_HOLD_S = 65535  # what ArduPilot keeps
 
 
@@ -47,10 +50,15 @@ def flown(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Auto
     """The trajectory of items, numbered from 1, which begin with a take-off and end with a jump or unlimited loitering.
 
     The loop is what is flown between the second time and the third time that the jump comes: speeds of the first round
-    may be the approach's. The vehicle flies at its own speed where none was commanded, and never faster. Raises
-    PlanError for other items.
+    may be the approach's. The vehicle flies at its own speed where none was commanded, and never faster. It takes off
+    from where it stands, and waits there first, whatever the digits of that place. Raises PlanError for other items.
     """
     stops, first_jump, second_jump = _stops(plan, trajectory.robot, items, autopilot)
+    x, y = trajectory.positions_m[0, :2].tolist()
+    taken_off = stops[0].place_m[:2]
+    if math.dist(taken_off, (x, y)) <= HERE_M:
+        for number, stop in enumerate(itertools.takewhile(lambda stop: stop.place_m[:2] == taken_off, tuple(stops))):
+            stops[number] = replace(stop, place_m=(x, y, stop.place_m[2]))
     flat = trajectory.positions_m.shape[1] == 2
     return driven(trajectory.robot, stops[:first_jump], stops[first_jump:second_jump], flat=flat)
 
