@@ -25,6 +25,7 @@ from rota.command.export import FORMATS_HELP, FORMATS_LIST, export_format, plan_
 from rota.command.fly import fly
 from rota.command.interrupt import Terminated, clean_end_on_terminate
 from rota.command.link_option import LINKS_LIST
+from rota.command.page import page
 from rota.command.plan import plan_and_write
 from rota.command.ros2 import ros2
 from rota.command.serve import serve
@@ -264,6 +265,7 @@ def export(
         typer.echo(path)
 
 
+app.command()(page)
 app.command()(ros2)
 app.command("swarm-node")(swarm_node)
 app.command("swarm-launch")(swarm_launch)

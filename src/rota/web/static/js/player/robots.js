@@ -1,0 +1,224 @@
+/** Robots where they are, what they see, the trails behind them, and where bouncing ones have just bumped. */
+
+import { write } from "./ground.js";
+
+const MOST_CUT = 24; // robots whose footprints are cut by walls
+const MOST_NAMED = 60;
+const LEAST_PIXELS = 4.5; // radius of a robot, so that it can be seen and hit
+const TRAIL_SHARE = 0.15; // of the longest loop, or of the way to rest
+const BUMP_SHOWN_S = 4;
+
+export class Robots {
+  /**
+   * @param {import("./playback.js").Playback} playback
+   * @param {import("./sight.js").Walls} walls
+   */
+  constructor(playback, walls) {
+    this.playback = playback;
+    this.walls = walls;
+    this.places = new Float64Array(playback.robots.length * 2);
+    this._at = { x: 0, y: 0, z: 0, dx: 0, dy: 0 };
+    const longest = Math.max(0, ...playback.robots.map((robot) => robot.end_s - (robot.loops ? robot.loop_start_s : 0)));
+    this._trail = TRAIL_SHARE * longest;
+    this.many = playback.robots.length > MOST_NAMED;
+  }
+
+  /** Draws all of them at a time. `lost`: from when on robots are lost, by number. `chosen`: one to mark, or -1. */
+  draw(stage, context, time, lost, shown, colours, chosen) {
+    const groups = this._groups(time, lost);
+    const pixel = 1 / stage.pixelsPerMetre;
+    if (shown.footprints) this._footprints(context, groups, colours, pixel);
+    if (shown.trails && !this.many) this._trails(context, groups.present, time, colours, pixel);
+    if ("turn_time_s" in this.playback.arrays) this._bumps(context, time, lost, colours, pixel);
+    this._bodies(stage, context, groups, colours, pixel, chosen);
+  }
+
+  /** Moves all robots to a time; tells who takes part, who is away and who is lost. */
+  _groups(time, lost) {
+    const groups = { present: [], away: [], lost: [], heights: [] };
+    for (let k = 0; k < this.playback.robots.length; k++) {
+      const gone = lost.get(k) ?? Infinity;
+      this.playback.place(k, Math.min(time, gone), this._at);
+      this.places[2 * k] = this._at.x;
+      this.places[2 * k + 1] = this._at.y;
+      groups.heights[k] = this._at.z;
+      const kind = time >= gone ? "lost" : this.playback.takesPart(k, time) ? "present" : "away";
+      groups[kind].push(k);
+    }
+    return groups;
+  }
+
+  _footprints(context, { present, heights }, colours, pixel) {
+    const { robots } = this.playback;
+    const cut = this.walls.edges.length > 0 && present.length <= MOST_CUT;
+    context.lineWidth = pixel;
+    if (!cut && present.length > MOST_CUT) {
+      this._manyFootprints(context, present, heights, colours);
+      return;
+    }
+    for (const k of present) {
+      const [x, y] = [this.places[2 * k], this.places[2 * k + 1]];
+      const reach = this.playback.reach(k, heights[k]);
+      const outline = cut ? this.walls.outline(x, y, robots[k].sensor.shape, reach) : null;
+      context.beginPath();
+      if (outline) for (let i = 0; i < outline.length; i += 2) context.lineTo(outline[i], outline[i + 1]);
+      else range(context, x, y, robots[k].sensor.shape, reach);
+      context.closePath();
+      context.fillStyle = colours.footprint;
+      context.fill();
+      context.strokeStyle = colours.routes[k % colours.routes.length];
+      context.stroke();
+    }
+  }
+
+  /** The union of all footprints, as one path. */
+  _manyFootprints(context, present, heights, colours) {
+    context.beginPath();
+    for (const k of present) {
+      const [x, y] = [this.places[2 * k], this.places[2 * k + 1]];
+      range(context, x, y, this.playback.robots[k].sensor.shape, this.playback.reach(k, heights[k]));
+    }
+    context.fillStyle = colours.covered;
+    context.fill("nonzero");
+    context.strokeStyle = colours.coveredEdge;
+    if (present.length <= 200) context.stroke();
+  }
+
+  _trails(context, present, time, colours, pixel) {
+    const { corner_offsets: offsets, corner_time_s: times } = this.playback.arrays;
+    context.lineWidth = 3.5 * pixel;
+    context.lineCap = "round";
+    context.lineJoin = "round";
+    for (const k of present) {
+      const robot = this.playback.robots[k];
+      const from = Math.max(0, time - this._trail);
+      const marks = [from];
+      const turn = robot.end_s - robot.loop_start_s;
+      const local = this.playback.localTime(k, time);
+      const later = time - local;
+      for (const shift of robot.loops ? [later - turn, later] : [0]) {
+        for (let i = offsets[k]; i < offsets[k + 1]; i++) {
+          if (robot.loops && shift > 0 && times[i] < robot.loop_start_s) continue;
+          const at = times[i] + shift;
+          if (at > from && at < time && (shift === later || !robot.loops || at >= 0)) marks.push(at);
+        }
+      }
+      marks.push(time);
+      context.beginPath();
+      for (const mark of marks) {
+        this.playback.place(k, mark, this._at);
+        context.lineTo(this._at.x, this._at.y);
+      }
+      context.strokeStyle = colours.routes[k % colours.routes.length];
+      context.globalAlpha = 0.55;
+      context.stroke();
+    }
+    context.globalAlpha = 1;
+  }
+
+  /** Rings where robots have turned in the last seconds: they have bumped, or their clock told them to. */
+  _bumps(context, time, lost, colours, pixel) {
+    const { turn_offsets: offsets, turn_time_s: times, turn_x_m: xs, turn_y_m: ys, turn_before_rad: facing } =
+      this.playback.arrays;
+    context.lineWidth = 2.5 * pixel;
+    context.strokeStyle = colours.bump;
+    this.playback.robots.forEach((robot, k) => {
+      const local = this.playback.localTime(k, Math.min(time, lost.get(k) ?? Infinity));
+      for (let i = offsets[k]; i < offsets[k + 1]; i++) {
+        const since = local - times[i];
+        if (since < 0 || since > BUMP_SHOWN_S) continue;
+        const reach = Math.max(robot.body_radius_m, LEAST_PIXELS * pixel);
+        const middle = facing[i];
+        context.globalAlpha = 1 - since / BUMP_SHOWN_S;
+        context.beginPath();
+        context.arc(xs[i], ys[i], reach * 1.5, middle - 0.9, middle + 0.9);
+        context.stroke();
+      }
+    });
+    context.globalAlpha = 1;
+  }
+
+  _bodies(stage, context, groups, colours, pixel, chosen) {
+    const { robots } = this.playback;
+    for (const kind of ["away", "present", "lost"]) {
+      const byColour = new Map();
+      for (const k of groups[kind]) {
+        const colour = kind === "present" ? colours.routes[k % colours.routes.length] : colours.away;
+        if (!byColour.has(colour)) byColour.set(colour, []);
+        byColour.get(colour).push(k);
+      }
+      for (const [colour, members] of byColour) {
+        context.beginPath();
+        for (const k of members) {
+          const [x, y] = [this.places[2 * k], this.places[2 * k + 1]];
+          const radius = Math.max(robots[k].body_radius_m, (this.many ? 2 : LEAST_PIXELS) * pixel);
+          context.moveTo(x + radius, y);
+          context.arc(x, y, radius, 0, 2 * Math.PI);
+        }
+        context.fillStyle = colour;
+        context.fill();
+        context.strokeStyle = colours.halo;
+        context.lineWidth = (this.many ? 0.5 : 1.5) * pixel;
+        context.stroke();
+      }
+    }
+    this._marks(stage, context, groups, colours, pixel, chosen);
+  }
+
+  /** Crosses on lost robots, a ring round the chosen one, numbers beside few. */
+  _marks(stage, context, groups, colours, pixel, chosen) {
+    context.strokeStyle = colours.danger;
+    context.lineWidth = 2.5 * pixel;
+    context.beginPath();
+    const arm = 7 * pixel;
+    for (const k of groups.lost) {
+      const [x, y] = [this.places[2 * k], this.places[2 * k + 1]];
+      context.moveTo(x - arm, y - arm);
+      context.lineTo(x + arm, y + arm);
+      context.moveTo(x - arm, y + arm);
+      context.lineTo(x + arm, y - arm);
+    }
+    context.stroke();
+    if (chosen >= 0) {
+      context.beginPath();
+      context.arc(this.places[2 * chosen], this.places[2 * chosen + 1], 11 * pixel, 0, 2 * Math.PI);
+      context.strokeStyle = colours.ink;
+      context.lineWidth = 2 * pixel;
+      context.stroke();
+    }
+    if (this.many) return;
+    const text = stage.inPixels("moving");
+    text.font = "600 11px system-ui, sans-serif";
+    text.textAlign = "left";
+    text.textBaseline = "middle";
+    text.lineJoin = "round";
+    for (let k = 0; k < this.playback.robots.length; k++) {
+      const [px, py] = stage.toPixels(this.places[2 * k], this.places[2 * k + 1]);
+      write(text, String(k + 1), px + 8, py, colours);
+    }
+  }
+
+  /** The robot at a place in metres, within so many metres; -1: none. */
+  at(x, y, within) {
+    let nearest = -1;
+    let least = within;
+    for (let k = 0; k < this.playback.robots.length; k++) {
+      const away = Math.hypot(this.places[2 * k] - x, this.places[2 * k + 1] - y);
+      if (away < Math.max(least, nearest < 0 ? this.playback.robots[k].body_radius_m : 0)) {
+        nearest = k;
+        least = away;
+      }
+    }
+    return nearest;
+  }
+}
+
+/** Adds a sensor's range, nothing in its way, to a path. */
+function range(context, x, y, shape, reach) {
+  if (shape === "square") {
+    context.rect(x - reach, y - reach, 2 * reach, 2 * reach);
+  } else {
+    context.moveTo(x + reach, y);
+    context.arc(x, y, reach, 0, 2 * Math.PI);
+  }
+}
