@@ -11,7 +11,7 @@ from shapely import box
 from benchmarks.row import Options, Row
 from benchmarks.shell import rota
 from benchmarks.warm_cache import measured_warm
-from rota.command.export import FORMATS
+from rota.exports import FORMATS
 from rota.files.plan_file import write_plan
 from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot
 from rota.plan import Plan, Trajectory

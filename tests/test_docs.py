@@ -19,8 +19,8 @@ from tests.planners.patrol.searching import YARD, search_on
 import rota
 from rota import Plan, Trajectory
 from rota.command.cli import app
-from rota.command.export import FORMATS
 from rota.command.study import app as study_app
+from rota.exports import FORMATS
 
 PROJECT = Path(__file__).parents[1]
 DOCS = PROJECT / "docs"

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from rota.command.terminal import STANDARD_STREAM
-from rota.errors import RotaError
 
 if TYPE_CHECKING:
     from rota.mission import Mission
@@ -40,26 +39,3 @@ def require_target(target: str, source: str | Path) -> None:
 
     if target != STANDARD_STREAM:
         atomic_write.require_target(target, source)
-
-
-def placed_plan(plan: Plan, origin: str) -> Plan:
-    """The plan with its mission at LAT,LON; RotaError for other text, and for a mission that lies somewhere else."""
-    from dataclasses import replace
-
-    from rota.errors import MissionError
-    from rota.mission import GeoPoint
-
-    try:
-        lat, lon = (float(number) for number in origin.split(","))
-        place = GeoPoint(lat=lat, lon=lon)
-    except (ValueError, MissionError):
-        raise RotaError(
-            f"--origin: {origin!r} is not allowed; LAT,LON in degrees is needed, such as 48.1,11.5, with LAT in -90..90"
-            " and LON in -180..180"
-        ) from None
-    given = plan.mission.origin
-    if given not in (None, place):
-        raise RotaError(
-            f"--origin: {origin!r} is not allowed: the mission has its own, {given.lat:.9g},{given.lon:.9g}"
-        )
-    return replace(plan, mission=replace(plan.mission, origin=place))

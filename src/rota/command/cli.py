@@ -21,7 +21,7 @@ from rota.command.arguments import (
 )
 from rota.command.compare import compare
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
-from rota.command.export import FORMATS_HELP, FORMATS_LIST, export_format, plan_as_executed, write_export
+from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, write_export
 from rota.command.fly import fly
 from rota.command.interrupt import Terminated, clean_end_on_terminate
 from rota.command.link_option import LINKS_LIST
@@ -35,6 +35,7 @@ from rota.command.swarm_processes import swarm_launch, swarm_node
 from rota.command.terminal import mention_compiling, reading_ahead, say
 from rota.command.watch import watch
 from rota.errors import NoPlanFound, RotaError
+from rota.exports import export_format
 
 if TYPE_CHECKING:
     from rota.plan import Plan

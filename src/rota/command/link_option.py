@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rota.command.arguments import placed_plan
 from rota.command.terminal import say
+from rota.exports import placed_plan
 from rota.links.names import LINKS
 
 if TYPE_CHECKING:

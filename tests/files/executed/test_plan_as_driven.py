@@ -12,8 +12,8 @@ from tests.files.two_robots import two_robots, with_heights
 
 from rota.check.motion import motion_violations
 from rota.check.routes import commensurable_classes
-from rota.command.export import FORMATS
 from rota.errors import PlanError
+from rota.exports import FORMATS
 from rota.files.executed.mavlink import flown
 from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 from rota.files.mission_items import Item

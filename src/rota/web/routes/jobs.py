@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import AsyncIterator
 
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
@@ -15,6 +16,8 @@ from rota.web.jobs.live import Listener
 from rota.web.jobs.queue import JobQueue
 from rota.web.refusal import Json, Refusal
 from rota.web.routes.answers import JsonAnswer, json_of, state_of, text_or_none
+from rota.web.routes.page import about_of
+from rota.web.store.missions import mission_source
 
 ALIVE_EVERY_S = 15.0  # a comment so often keeps what lies between from closing the stream
 BETWEEN_S = 0.2  # at most five events a second
@@ -35,14 +38,14 @@ async def create(request: Request) -> Response:
         "time_limit_s": _time_limit_s(asked.get("time_limit_s"), state.limits.job_time_s),
     }
     await _require_known(request, told)
+    await run_in_threadpool(mission_source, state.database, mission)  # refuses one that there is not
+    await state.pool.ask("require_plannable", mission=mission, planner=told["planner"], effort=told["effort"])
     job = await state.jobs.add(mission, told)
     return JsonAnswer(job, 201, headers={"location": f"/api/jobs/{job['id']}"})
 
 
 async def _require_known(request: Request, told: Json) -> None:
     """Refuse planners and efforts that there are not."""
-    from rota.web.routes.page import about_of
-
     about = await about_of(request)
     efforts = {planner["name"]: planner["efforts"] for planner in about["planners"]}
     if told["planner"] is not None and told["planner"] not in efforts:

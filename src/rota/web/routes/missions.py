@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
@@ -96,6 +98,15 @@ async def as_yaml(request: Request) -> Response:
     return download(body, answer["name"], answer["type"])
 
 
+async def schema(request: Request) -> Response:
+    """The JSON Schema of mission files."""
+    state = state_of(request)
+    if "schema" not in state.kept:
+        _, body = await state.pool.ask("schema")
+        state.kept["schema"] = json.loads(body)
+    return JsonAnswer(state.kept["schema"])
+
+
 async def validate(request: Request) -> Response:
     """What is wrong with a document; the newest request of a tab takes the place of those that wait."""
     body = await body_of(request)
@@ -122,5 +133,6 @@ routes = [
     Route("/api/missions/{id}", change, methods=["PUT"]),
     Route("/api/missions/{id}", delete, methods=["DELETE"]),
     Route("/api/missions/{id}/mission.{kind:kind}", as_yaml, methods=["GET"]),
+    Route("/api/schema/mission", schema, methods=["GET"]),
     Route("/api/validate", validate, methods=["POST"]),
 ]

@@ -37,18 +37,8 @@ async def about_of(request: Request) -> Json:
     return state.kept["about"]
 
 
-async def mission_schema(request: Request) -> Response:
-    """The JSON Schema of mission files; a worker is asked once."""
-    state = state_of(request)
-    if "mission_schema" not in state.kept:
-        _, body = await state.pool.ask("mission_schema")
-        state.kept["mission_schema"] = json.loads(body)
-    return JsonAnswer(state.kept["mission_schema"])
-
-
 routes = [
     Route("/", index, methods=["GET"]),
     Route("/api/about", about, methods=["GET"]),
-    Route("/api/schema/mission", mission_schema, methods=["GET"]),
     Mount("/static", StaticFiles(directory=STATIC)),
 ]

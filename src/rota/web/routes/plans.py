@@ -11,9 +11,10 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from rota.web.refusal import Json
+from rota.web.refusal import Json, not_found
 from rota.web.routes.answers import JsonAnswer, asked_number, state_of
 from rota.web.routes.downloads import download
+from rota.web.routes.page import about_of
 from rota.web.routes.uploads import uploaded_contents
 from rota.web.store.plans import (
     delete_plan,
@@ -26,7 +27,7 @@ from rota.web.store.plans import (
 )
 
 MOST_CELLS = 200_000
-CELLS = 50_000
+CELLS = 20_000
 
 
 async def listed(request: Request) -> Response:
@@ -64,7 +65,12 @@ async def playback(request: Request) -> Response:
     """What the page plays; made once and kept."""
     cells = asked_number(request, "cells", 100, MOST_CELLS) or CELLS
     body = await _made(request, f"playback {cells}", "playback", cells=cells)
-    return Response(body, media_type="application/octet-stream")
+    headers = {"vary": "accept-encoding"}
+    if "gzip" in request.headers.get("accept-encoding", ""):
+        headers["content-encoding"] = "gzip"
+    else:
+        body = await run_in_threadpool(gzip.decompress, body)
+    return Response(body, media_type="application/octet-stream", headers=headers)
 
 
 async def plan_file(request: Request) -> Response:
@@ -78,6 +84,21 @@ async def picture(request: Request) -> Response:
     """The plan as a picture."""
     name, _ = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
     return download(await _made(request, "picture", "picture"), f"{name}.png", "image/png")
+
+
+async def export(request: Request) -> Response:
+    """The plan as maps and robots read it."""
+    state, asked = state_of(request), request.query_params
+    to = request.path_params["format"]
+    if to not in {known["name"] for known in (await about_of(request))["formats"]}:
+        raise not_found("format", to)
+    plan = request.path_params["id"]
+    await run_in_threadpool(plan_json, state.database, plan)  # refuses one that there is not
+    answer, body = await state.pool.ask(
+        "export", plan=plan, format=to, origin=asked.get("origin") or None,
+        start_time=asked.get("start_time") or None, settings=asked.getlist("set"),
+    )  # fmt: skip
+    return download(body, answer["name"], answer["type"])
 
 
 async def _made(request: Request, key: str, task: str, **given: Any) -> bytes:
@@ -100,4 +121,5 @@ routes = [
     Route("/api/plans/{id}/playback", playback, methods=["GET"]),
     Route("/api/plans/{id}/plan.rota.json", plan_file, methods=["GET"]),
     Route("/api/plans/{id}/picture.png", picture, methods=["GET"]),
+    Route("/api/plans/{id}/export/{format}", export, methods=["GET"]),
 ]

@@ -20,12 +20,16 @@ def new_job(database: Database, mission: str, asked: Json, *, most_queued: int, 
     asked: planner, effort, seed and time_limit_s, each as given or None. Refusal 429 when the queue is full.
     """
     document, files = mission_source(database, mission)
-    planner = asked.get("planner") or planner_of(document)
-    if planner != planner_of(document):
-        # settings of a planner that does not plan are refused
-        document = {key: value for key, value in document.items() if key not in planner_names()}
-        document["planner"] = planner
+    document = as_asked(document, asked.get("planner"))
+    planner = planner_of(document)
     return _insert(database, mission, document, json.dumps(files), {**asked, "planner": planner}, most_queued, most)
+
+
+def as_asked(document: Json, planner: str | None) -> Json:
+    """The document for the planner that is asked for, without the settings of others; None: the mission's own."""
+    if planner is None or planner == planner_of(document):
+        return document
+    return {**{key: value for key, value in document.items() if key not in planner_names()}, "planner": planner}
 
 
 def job_again(database: Database, job: str, *, most_queued: int, most: int) -> Json:

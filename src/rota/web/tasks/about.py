@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from importlib import import_module
 from importlib.metadata import version
 
-from rota.files.mission_file import mission_schema as schema_of_missions
+from rota.files.mission_file import mission_schema
+from rota.links.names import LINKS
 from rota.planner import loadable_planners, planner_named
 from rota.planner_settings import settings_of
 from rota.web.refusal import Json
 from rota.web.tasks.context import Context
+from rota.web.tasks.export import formats_json, settings_json
 
 
 def about(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
@@ -19,9 +22,18 @@ def about(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
         settings = {item.name: item for item in settings_of(planner_named(name).settings)}
         efforts = list(settings["effort"].options) if "effort" in settings else None
         planners.append({"name": name, "efforts": efforts})
-    return {}, json.dumps({"version": version("rota"), "planners": planners, "formats": []}).encode()
+    told = {"version": version("rota"), "planners": planners, "formats": formats_json(), "links": links_json()}
+    return {}, json.dumps(told).encode()
 
 
-def mission_schema(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
-    """The JSON Schema of mission files, of which the page makes the planners' forms."""
-    return {}, json.dumps(schema_of_missions()).encode()
+def links_json() -> list[Json]:
+    """The links to robots, each with its settings."""
+    return [
+        {"name": name, "what": what, "settings": settings_json(import_module(module).SETTINGS)}
+        for name, (module, what) in LINKS.items()
+    ]
+
+
+def mission_schema_text(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """What GET /api/schema/mission answers."""
+    return {}, json.dumps(mission_schema()).encode()

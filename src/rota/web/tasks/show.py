@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import tempfile
 from pathlib import Path
 
@@ -30,6 +31,15 @@ def keep_uploaded_plan(context: Context, given: Json, body: bytes) -> tuple[Json
         raise Refusal(422, "this is no plan that can be used", faults) from None
     new = new_plan(plan, check_plan(plan), ())
     return {"plan": keep_plan(context.database, new, most=context.plans)}, b""
+
+
+def playback(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """What players need of the plan, over about so many cells, packed by gzip."""
+    from rota.check import check_plan
+    from rota.playback.playback import playback_of
+
+    plan = kept_plan(context, given)
+    return {}, gzip.compress(playback_of(plan, check_plan(plan), given["cells"]), 5)
 
 
 def picture(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:

@@ -17,7 +17,8 @@ from rota.planner import planner_of
 from rota.polygons import polygons_of
 from rota.web.documents import document_from, require_few_vertices
 from rota.web.refusal import Json, Refusal
-from rota.web.store.missions import mission_files, upload_contents
+from rota.web.store.jobs import as_asked
+from rota.web.store.missions import mission_files, mission_source, upload_contents
 from rota.web.tasks.context import Context, as_document, fault_json, laid_out
 
 
@@ -31,6 +32,19 @@ def validate(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     with laid_out(attachments(context, asked)) as folder:
         judged = judged_document(document, folder, context.vertices)
     return {}, json.dumps(_answer(judged), allow_nan=False).encode()
+
+
+def require_plannable(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """Refuse a job for a mission with faults, all told at once; the message says what was asked."""
+    document, _ = mission_source(context.database, given["mission"])
+    document = as_asked(document, given["planner"])
+    with laid_out(mission_files(context.database, given["mission"])) as folder:
+        judged = judged_document(document, folder, context.vertices)
+    if judged.mission is None:
+        raise Refusal(422, "the mission has faults", faults_json(judged))
+    if given["effort"] is not None:
+        judged.mission.with_effort(given["effort"])
+    return {}, b""
 
 
 def attachments(context: Context, asked: Json) -> dict[str, bytes]:

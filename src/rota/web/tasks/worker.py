@@ -32,8 +32,9 @@ TASKS = {
     "picture": "rota.web.tasks.show:picture",
     "page": "rota.web.tasks.show:page",
     "export": "rota.web.tasks.export:export",
+    "schema": "rota.web.tasks.about:mission_schema_text",
+    "require_plannable": "rota.web.tasks.validate:require_plannable",
     "about": "rota.web.tasks.about:about",
-    "mission_schema": "rota.web.tasks.about:mission_schema",
 }
 
 Inbox = queue.Queue[tuple[Json, bytes]]

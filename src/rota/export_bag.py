@@ -1,4 +1,4 @@
-"""What `rota export` hands the bags of ROS: how long they play, and the grids, whose gaps are those of `rota draw`."""
+"""What exports hand the bags of ROS: how long they play, and the grids, whose gaps are those of `rota draw`."""
 
 from __future__ import annotations
 
@@ -6,9 +6,6 @@ import math
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from rota.command.arguments import compiled_for_check
-from rota.command.terminal import mention_compiling
 
 if TYPE_CHECKING:
     from rota.files.ros.bags import Storage
@@ -75,7 +72,6 @@ def ground_grids(plan: Plan) -> dict[str, GroundGrid]:
     from rota.draw.gap_map import gap_map
     from rota.files.ros.grids import GroundGrid, free_space, percent_of_period
 
-    mention_compiling(*compiled_for_check(plan.mission))
     points = sum(len(trajectory.times_s) for trajectory in plan)
     gaps = gap_map(plan, max(min(CELLS_BY_POINTS // max(points, 1), GRID_CELLS), LEAST_CELLS))
     cells, fine = gaps.cell_map, cell_map_of(plan.mission, GRID_CELLS)

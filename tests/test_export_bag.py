@@ -15,7 +15,7 @@ from tests.files.two_robots import two_robots
 
 from rota.check.revisits import worst_gaps_s
 from rota.command.cli import run
-from rota.command.export_bag import full_period_s, ground_grids
+from rota.export_bag import full_period_s, ground_grids
 from rota.files.plan_file import write_plan
 from rota.plan import Plan, Trajectory
 

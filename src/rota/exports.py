@@ -1,0 +1,288 @@
+"""The formats that plans are exported to, each made by a function here, which imports what it needs when it is called.
+
+``FORMATS`` names all of them; the command line and the page take their choices from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rota.errors import MissionError, RotaError
+from rota.export_bag import rosbag1, rosbag2, rosbag2_sqlite3
+
+if TYPE_CHECKING:
+    from rota.files.dji_waylines import WaylineSettings
+    from rota.files.vda5050_files import OrderSettings
+    from rota.plan import Plan
+    from rota.planner_settings import Settings
+
+
+def geojson(plan: Plan) -> str:
+    """A map's text."""
+    from rota.files.geojson import geojson_text
+
+    return geojson_text(plan)
+
+
+def geojson_warning(plan: Plan) -> str | None:
+    """That maps would look for it elsewhere, of a mission without an origin."""
+    told = "the mission has no origin: coordinates are in local metres, not in WGS84 as maps expect"
+    return told if plan.mission.origin is None else None
+
+
+def ardupilot_missions(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """A QGroundControl plan per robot, for ArduPilot."""
+    from rota.files.qgroundcontrol import write_qgroundcontrol
+
+    return write_qgroundcontrol(plan, folder, autopilot="ardupilot")
+
+
+def px4_missions(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """A QGroundControl plan per robot, for PX4."""
+    from rota.files.qgroundcontrol import write_qgroundcontrol
+
+    return write_qgroundcontrol(plan, folder, autopilot="px4")
+
+
+def create2_sketches(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """A sketch per robot, which may drive slower than planned as far as all demands stay met."""
+    from rota.check import check_plan
+    from rota.files.create2_legs import MOST_SLOWING
+    from rota.files.create2_sketch import write_create2_sketches
+
+    # a slower clock makes every gap as much longer
+    ratio = check_plan(plan).worst_ratio
+    most = min(1 / ratio if ratio > 0 else MOST_SLOWING, MOST_SLOWING)
+    return write_create2_sketches(plan, folder, most_slowing=max(most, 1.0))
+
+
+def waypoint_lists(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """A list of waypoints per robot, for ArduPilot."""
+    from rota.files.waypoint_list import write_waypoint_lists
+
+    return write_waypoint_lists(plan, folder)
+
+
+def dji_waylines(plan: Plan, folder: str, settings: WaylineSettings) -> tuple[Path, ...]:
+    """A KMZ per robot, for DJI's ground stations."""
+    from rota.files.dji_waylines import write_dji_waylines
+
+    return write_dji_waylines(plan, folder, settings)
+
+
+def nav2_waypoints(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """Waypoints and a path per robot, for Nav2."""
+    from rota.files.nav2_waypoints import write_nav2_waypoints
+
+    return write_nav2_waypoints(plan, folder)
+
+
+def vda5050_orders(plan: Plan, folder: str, start: datetime, settings: OrderSettings) -> tuple[Path, ...]:
+    """Orders per robot, for vehicles that speak VDA 5050."""
+    from rota.files.vda5050_files import write_vda5050_orders
+
+    return write_vda5050_orders(plan, folder, settings, start=start)
+
+
+def csv_table(plan: Plan) -> str:
+    """A table's text."""
+    from rota.files.plan_table import csv_text
+
+    return csv_text(plan)
+
+
+def kml_tour(plan: Plan, start: datetime) -> str:
+    """The text for a globe that plays the robots' tracks."""
+    from rota.files.kml_tour import kml_text
+
+    return kml_text(plan, start)
+
+
+def gpx_tracks(plan: Plan, start: datetime) -> str:
+    """The text of tracks with times."""
+    from rota.files.gpx_tracks import gpx_text
+
+    return gpx_text(plan, start)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A format and its line in the help. It is made by ``text`` or ``timed_text`` (a file), ``folder`` or ``timed``.
+
+    ``folder`` writes files for each robot and returns the paths; ``timed_text`` also takes the instant of the start.
+    ``timed`` takes that, too, and writes a file, or a folder where ``is_folder``. settings: the module and the name of
+    the ``Settings`` that either takes as well. in_phase: what keeps robots in phase where vehicles see no clock.
+    warning: what the receiver should know of a plan. judges: the check's loops run.
+    """
+
+    holds: str
+    text: Callable[[Plan], str] | None = None
+    timed_text: Callable[[Plan, datetime], str] | None = None
+    folder: Callable[..., tuple[Path, ...]] | None = None
+    timed: Callable[..., tuple[Path, ...]] | None = None
+    is_folder: bool = False
+    takes_origin: bool = True
+    settings: tuple[str, str] | None = None
+    in_phase: str | None = None
+    warning: Callable[[Plan], str | None] = lambda plan: None
+    judges: bool = False
+
+    @property
+    def has_clock(self) -> bool:
+        """Whether what is written tells instants."""
+        return self.timed_text is not None or self.timed is not None
+
+    @property
+    def is_text(self) -> bool:
+        """Whether it is one file of text."""
+        return self.text is not None or self.timed_text is not None
+
+
+BY_ARDUPILOT = "a speed for each leg and waits, which ArduPilot cuts to whole seconds; start all robots together"
+
+FORMATS = {
+    "geojson": Format(holds="a map of ground and routes", text=geojson, warning=geojson_warning),
+    "csv": Format(holds="a table of all timed points", text=csv_table),
+    "kml": Format(holds="ground and tracks that Google Earth plays", timed_text=kml_tour),
+    "gpx": Format(holds="tracks with times (GPX 1.1)", timed_text=gpx_tracks),
+    "qgroundcontrol": Format(holds=".plan files for ArduPilot", folder=ardupilot_missions, in_phase=BY_ARDUPILOT),
+    "qgroundcontrol-px4": Format(
+        holds=".plan files for PX4",
+        folder=px4_missions,
+        in_phase="a speed for each leg and waits, for 65,535 rounds; start all robots together",
+    ),
+    "waypoints": Format(holds="QGC WPL 110 lists for ArduPilot", folder=waypoint_lists, in_phase=BY_ARDUPILOT),
+    "dji-wpml": Format(
+        holds="KMZ for DJI's ground stations",
+        folder=dji_waylines,
+        settings=("rota.files.dji_waylines", "WaylineSettings"),
+        in_phase="a speed for each leg and waits of whole seconds, until robots fly home; start all together",
+    ),
+    "nav2": Format(
+        holds="waypoints and a nav_msgs/Path for Nav2 (YAML)",
+        folder=nav2_waypoints,
+        takes_origin=False,
+        in_phase="speed_m_s and wait_s of each waypoint, for clients that heed them; start all robots together",
+    ),
+    "vda5050": Format(
+        holds="VDA 5050 orders and their updates",
+        timed=vda5050_orders,
+        is_folder=True,
+        takes_origin=False,
+        settings=("rota.files.vda5050_files", "OrderSettings"),
+        in_phase="maxSpeed of each edge, driven at, and actions that wait; start all robots together",
+    ),
+    "create2-sketch": Format(
+        holds="sketches for Create 2 robots", folder=create2_sketches, takes_origin=False, judges=True
+    ),
+    "rosbag2": Format(
+        holds="a bag of ROS 2 in MCAP, for Foxglove and RViz",
+        timed=rosbag2,
+        is_folder=True,
+        takes_origin=False,
+        judges=True,
+    ),
+    "rosbag2-sqlite3": Format(
+        holds="a bag of ROS 2 in SQLite", timed=rosbag2_sqlite3, is_folder=True, takes_origin=False, judges=True
+    ),
+    "rosbag1": Format(holds="a bag of ROS 1 (.bag)", timed=rosbag1, takes_origin=False, judges=True),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Export:
+    """A plan on its way into a format, with all that was asked for found to make sense."""
+
+    plan: Plan
+    kind: Format
+    start: datetime
+    given: dict[str, Settings]
+
+    def text(self) -> str:
+        """The file's text, of a format that is made as text."""
+        if self.kind.timed_text is not None:
+            return self.kind.timed_text(self.plan, self.start)
+        assert self.kind.text is not None
+        return self.kind.text(self.plan)
+
+    def write(self, output: str) -> tuple[Path, ...]:
+        """Write the file or folder of another format; returns the paths written."""
+        if self.kind.timed is not None:
+            return self.kind.timed(self.plan, output, self.start, **self.given)
+        assert self.kind.folder is not None
+        return self.kind.folder(self.plan, output, **self.given)
+
+
+def export_of(
+    plan: Plan, to: str, *, origin: str | None = None, start_time: str | None = None, settings: Sequence[str] = ()
+) -> Export:
+    """The export of a plan to a format.
+
+    origin: LAT,LON for a mission without. start_time: ISO 8601, for formats with a clock. settings: KEY=VALUE, for
+    formats that have some. RotaError for what the format does not take, by the names of the options of ``rota export``.
+    """
+    from rota.files.timed_places import START, instant_given
+
+    kind = FORMATS[export_format(to)]
+    if origin is not None:
+        plan = placed_for(plan, origin, to)
+    if start_time is not None and not kind.has_clock:
+        clocks = ", ".join(name for name, other in FORMATS.items() if other.has_clock)
+        raise RotaError(f"--start-time: {start_time!r} is not allowed: {to} has no clock; these have one: {clocks}")
+    start = START if start_time is None else instant_given(start_time, "--start-time")
+    return Export(plan=plan, kind=kind, start=start, given=_settings_given(to, settings))
+
+
+def export_format(name: str, where: str = "--to") -> str:
+    """The name of a format; raises RotaError for others, which says ``where`` they were given."""
+    if name not in FORMATS:
+        raise RotaError(f"{where}: {name!r} is not one of {', '.join(map(repr, FORMATS))}")
+    return name
+
+
+def _settings_given(to: str, settings: Sequence[str]) -> dict[str, Settings]:
+    """The keyword for a format's settings; nothing for one that has none. RotaError for what they do not take."""
+    from rota.links.link_settings import parsed_settings
+
+    where = FORMATS[to].settings
+    if where is not None:
+        module, name = where
+        return {"settings": parsed_settings(getattr(import_module(module), name), settings)}
+    if settings:
+        having = ", ".join(name for name, other in FORMATS.items() if other.settings is not None)
+        raise RotaError(f"--set: {settings[0]!r} is not allowed: {to} has no settings; these have some: {having}")
+    return {}
+
+
+def placed_for(plan: Plan, origin: str, to: str) -> Plan:
+    """The plan with its mission at LAT,LON; RotaError for formats in the mission's own metres."""
+    if not FORMATS[to].takes_origin:
+        raise RotaError(f"--origin: {origin!r} is not allowed: {to} is in the mission's own metres")
+    return placed_plan(plan, origin)
+
+
+def placed_plan(plan: Plan, origin: str) -> Plan:
+    """The plan with its mission at LAT,LON; RotaError for other text, and for a mission elsewhere."""
+    from dataclasses import replace
+
+    from rota.mission import GeoPoint
+
+    try:
+        lat, lon = (float(number) for number in origin.split(","))
+        place = GeoPoint(lat=lat, lon=lon)
+    except (ValueError, MissionError):
+        raise RotaError(
+            f"--origin: {origin!r} is not allowed; LAT,LON in degrees is needed, such as 48.1,11.5, with LAT in -90..90"
+            " and LON in -180..180"
+        ) from None
+    given = plan.mission.origin
+    if given not in (None, place):
+        raise RotaError(
+            f"--origin: {origin!r} is not allowed: the mission has its own, {given.lat:.9g},{given.lon:.9g}"
+        )
+    return replace(plan, mission=replace(plan.mission, origin=place))
