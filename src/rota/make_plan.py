@@ -97,7 +97,7 @@ def search_plan(
         raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
     request = Request(
         mission=mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch,
-        checkpoint=resume, observe=observe,
+        checkpoint=resume, observe=observe, early=on_better is not None,
     )  # fmt: skip
     try:
         answer = planner.plan(request)

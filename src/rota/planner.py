@@ -29,7 +29,8 @@ class Request:
     judge: the check's report on a plan. progress: to be told a share 0..1 and what is being done. should_stop: to be
     polled often; once True the best answer so far is wanted. watch: to be told of every state on the way, perhaps from
     several threads. checkpoint: of a planner that makes runs, the one to go on from. observe: of such a planner, to be
-    given the measures of every step.
+    given the measures of every step. early: somebody looks on, so that a plan within a second is worth its time; what
+    is found does not change by it.
     """
 
     mission: Mission
@@ -40,6 +41,7 @@ class Request:
     watch: Watch | None = None
     checkpoint: Checkpoint | None = None
     observe: Callable[[Any], None] | None = None
+    early: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import rota
+from rota.files.plan_file import plan_text
+from rota.make_plan import search_plan
 from rota.planner import planner_named
 from rota.planners.patrol import PatrolPlanner
 
@@ -15,3 +17,15 @@ def test_the_bound_proved_without_planning_is_the_plan_s() -> None:
 
 def test_other_planners_prove_nothing() -> None:
     assert planner_named("swarm").proved_bound(PatrolPlanner().small_mission()) is None
+
+
+def test_who_looks_on_is_shown_lanes_first_and_gets_the_same_plan() -> None:
+    mission = PatrolPlanner().small_mission().with_method("tours")
+    told: list[str] = []
+    search = search_plan(
+        mission,
+        on_better=lambda _plan, report: told.append(report.verdict),
+        progress=lambda _, doing: told.append(doing),
+    )
+    assert told.index("sweeping in lanes") < told.index("met") < told.index("trying 1 robots")
+    assert plan_text(search.plan) == plan_text(rota.make_plan(mission))

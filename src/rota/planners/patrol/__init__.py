@@ -27,7 +27,7 @@ class PatrolPlanner(Planner):
 
         plan = plan_patrol(
             request.mission, seed=request.seed, judge=request.judge, progress=request.progress,
-            should_stop=request.should_stop, watch=request.watch,
+            should_stop=request.should_stop, watch=request.watch, early=request.early,
         )  # fmt: skip
         return Answer(plan=plan)
 

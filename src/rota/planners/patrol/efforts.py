@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from rota.planners.patrol.method_settings import DistrictSettings, FixedTeamSettings, SweepingSettings
 from rota.planners.patrol.planner_settings import Effort
@@ -102,5 +103,8 @@ HIGH = SearchSettings(
     sweeping=SweepingSettings(tries=8, angles=12),
     districts=DistrictSettings(enough=1.0),
 )
+
+# the first plan that somebody who looks on is shown: lanes, from the two groupings that promise the fewest robots
+EARLY = replace(QUICK, sweeping=SweepingSettings(tries=1, angles=3, groupings=2))
 
 EFFORTS: dict[Effort, SearchSettings] = {"quick": QUICK, "normal": NORMAL, "high": HIGH}

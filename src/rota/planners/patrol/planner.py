@@ -9,11 +9,12 @@ from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.patrol.context import begin_search
+from rota.planners.patrol.efforts import EARLY, QUICK
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.method import load_method
-from rota.planners.patrol.methods.sweeping.search import swept_instead
+from rota.planners.patrol.methods.sweeping.search import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
@@ -28,6 +29,7 @@ def plan_patrol(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
+    early: bool = False,
 ) -> Plan:
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
@@ -40,7 +42,7 @@ def plan_patrol(
     try:
         plan = plan_tours(
             without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress,
-            should_stop=should_stop, watch=watch,
+            should_stop=should_stop, watch=watch, early=early,
         )  # fmt: skip
     except NoPlanFound as failure:
         raise NoPlanFound(str(failure), best=led_as_asked(failure.best, mission)) from failure
@@ -70,13 +72,15 @@ def plan_tours(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
+    early: bool = False,
 ) -> Plan:
     """A plan of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
 
     asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
     robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
     on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
-    from several threads. Raises NoPlanFound, with the best plan found, when the demand is not met.
+    from several threads. early: a plan of lanes is judged first, for who looks on. Raises NoPlanFound, with the best
+    plan found, when the demand is not met.
     """
     progress(0.0, "looking at the mission")
     context = begin_search(
@@ -86,9 +90,10 @@ def plan_tours(
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return plan_fixed_team(context, asked, method)
+    lanes = swept(context, EARLY) if early and context.anneals else None
     best = method(context)
     if not best.met and should_stop() and context.anneals:
-        best = swept_instead(context, best)
+        best = lanes or swept(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
     return best.plan

@@ -9,17 +9,17 @@ from dataclasses import dataclass, replace
 
 from rota.errors import NoPlanFound
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.efforts import QUICK
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import class_groups
 from rota.planners.patrol.methods.sweeping.methods import Sweeping, decomposition, parallel, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, sweep_grounds
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 LEAST_LANES = 0.95  # of area / swath: what a robot holds in view at either end of its lanes makes them shorter
-PATIENCE_S = 10.0  # for a plan of lanes where the search was stopped before it had any
+PATIENCE_S = 10.0  # for a plan of lanes where the search has none yet
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,23 +90,24 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
     return best
 
 
-def swept_instead(context: Context, best: Repaired) -> Repaired:
-    """A plan of lanes where the search was stopped before it had any: few missions take more than seconds for it.
+def swept(context: Context, settings: SearchSettings) -> Repaired | None:
+    """A plan of lanes, judged, for a search that has no plan yet; None if it does not pass or takes ``PATIENCE_S``.
 
-    It has seldom fewer robots than the search would have found, but it passes. The best there was if it does not, or
-    takes longer than ``PATIENCE_S``.
+    Few missions take more than seconds for it. It has seldom fewer robots than the search finds. A search that was
+    stopped already is asked no more whether to stop.
     """
-    context.progress(0.9, "sweeping in lanes instead")
-    asked, end_s = context.problem.mission, time.monotonic() + PATIENCE_S
+    asked, end_s, stopped = context.problem.mission, time.monotonic() + PATIENCE_S, context.should_stop()
+    context.progress(0.0, "sweeping in lanes")
     hasty = replace(
-        context, problem=replace(context.problem, mission=asked.with_effort("quick")), settings=QUICK,
-        should_stop=lambda: time.monotonic() > end_s,
+        context, problem=replace(context.problem, mission=asked.with_effort("quick")), settings=settings,
+        should_stop=lambda: time.monotonic() > end_s or (not stopped and context.should_stop()),
+        progress=lambda _share, _doing: None,
     )  # fmt: skip
     try:
-        swept = sweep_sequentially(hasty)
+        lanes = sweep_sequentially(hasty)
     except NoPlanFound:
-        return best
-    return replace(swept, plan=replace(swept.plan, mission=asked)) if swept.met else best
+        return None
+    return replace(lanes, plan=replace(lanes.plan, mission=asked)) if lanes.met else None
 
 
 def judged_by_lanes(problem: Problem) -> Problem:
