@@ -179,6 +179,9 @@ class Autopilot:
             return self._acknowledge(kind, mav.MAV_MISSION_INVALID_PARAM1)
         if kind == MISSION and message.seq == script.alters_item:
             message.x += 1000
+        is_ardupilot = self.script.firmware == mav.MAV_AUTOPILOT_ARDUPILOTMEGA
+        if is_ardupilot and kind == MISSION and (fault := stored_by_ardupilot(message)):
+            return self._acknowledge(kind, fault)
         self._incoming.append(message)
         if kind == MISSION and message.seq == script.silent_after_item:
             # what it has so far is what it would fly
@@ -203,6 +206,20 @@ class Autopilot:
         fields = [getattr(item, name) for name in ("frame", "command", "current", "autocontinue")]
         params = [getattr(item, name) for name in ("param1", "param2", "param3", "param4", "x", "y", "z")]
         self.send(self.link.mission_item_int_encode(*self._asker, message.seq, *fields, *params, message.mission_type))
+
+
+def stored_by_ardupilot(item: Any) -> int:
+    """Let a mission item become what ArduPilot keeps of it, as its AP_Mission.cpp does; the result where it refuses."""
+    open_heading = (mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_CMD_NAV_TAKEOFF)
+    params = [item.param1, item.param2, item.param3, item.param4]
+    for number, value in enumerate(params):
+        if math.isnan(value) and not (number == 3 and item.command in open_heading):
+            return int(mav.MAV_MISSION_INVALID_PARAM1) + number
+    if item.command in (mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_CMD_NAV_TAKEOFF):
+        item.param1, item.param2, item.param3, item.param4 = float(int(item.param1) % 65536), 0.0, 0.0, 0.0
+    if item.command != mav.MAV_CMD_DO_CHANGE_SPEED:
+        item.z = int(item.z * 100) / 100
+    return 0
 
 
 def free_ports(count: int) -> list[int]:

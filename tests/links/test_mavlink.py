@@ -8,12 +8,13 @@ import socket
 import time
 from collections.abc import Awaitable, Callable
 from contextlib import aclosing
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common as mav
 from tests.links.autopilot import FENCE, MISSION, Autopilot, Script, flying
-from tests.links.fleets import dropped, plan_of, routes_of, three
+from tests.links.fleets import dropped, loop_of, plan_of, routes_of, staying, three
 
 from rota.errors import LinkError, PlanError, RotaError
 from rota.files.geodesy import Projection
@@ -74,6 +75,16 @@ def test_missions_and_fences_are_sent_read_back_and_found_equal() -> None:
         corners = [(item.command, item.param1) for item in px4.items[FENCE]]
         inside, outside = mav.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, mav.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
         assert corners == [(inside, 4)] * 4 + [(outside, 4)] * 4
+
+
+def test_ardupilot_holds_what_it_can_keep_of_a_mission() -> None:
+    plan = plan_of(staying("a"), loop_of("b", 0.0))
+    fleet = replace(plan.mission.fleet, altitude_m=30.123)
+    plan = replace(plan, mission=replace(plan.mission, fleet=fleet))
+    with flying(Script(firmware=ARDUPILOT), Script(firmware=ARDUPILOT)) as vehicles:
+        with_link(plan, vehicles, sending(plan))
+        assert held(vehicles[0]) == [WAYPOINT, TAKEOFF, SPEED, LOITER]
+        assert {round(item.z, 3) for item in vehicles[1].items[MISSION] if item.command == WAYPOINT} == {0, 30.12}
 
 
 def test_vehicles_start_hold_and_return_and_say_where_they_are() -> None:

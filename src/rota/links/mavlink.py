@@ -218,7 +218,9 @@ class MavlinkLink(RealTimeLink):
         await vehicle.ask("arming", action.arm_async)
         await vehicle.ask("starting the mission", raw.start_mission_async)
         if vehicle.autopilot == "ardupilot":
-            # on the ground its mode AUTO waits for somebody to raise the throttle, or for this
+            # on the ground its mode AUTO waits for somebody to raise the throttle (Copter::update_auto_armed), or for
+            # this (MAV_CMD_MISSION_START in ArduCopter/GCS_Mavlink.cpp sets auto_armed); MAVSDK only sets the mode
+            # (https://github.com/mavlink/MAVSDK-Java/issues/232)
             await vehicle.command("starting the mission", MISSION_START)
 
     async def pause(self, robot: str) -> None:

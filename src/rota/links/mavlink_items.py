@@ -14,6 +14,7 @@ from rota.route import Fence, Ring, Route
 
 DEGREES = 1e7  # MAVLink's whole numbers in a degree
 FRAME_GLOBAL = 0
+CENTIMETRE_M = 0.01 + 1e-4  # with what float32 loses at heights of some hundred metres
 RELATIVE_ALTITUDE = frozenset({3, 6})  # one frame by two names
 WITH_PLACE = frozenset({WAYPOINT, 17, 22})
 NAMES = {16: "waypoint", 17: "loiter", 22: "take-off", 177: "jump", 178: "speed"}
@@ -44,13 +45,16 @@ def wire_items(route: Route, projection: Projection, autopilot: Autopilot) -> li
     """The items that are sent: those of ``route_items``, numbered from 0.
 
     On ArduPilot item 0 is home, here the take-off point. It keeps holds as whole seconds, so they are rounded, each
-    with what was left over before.
+    with what was left over before: ``cmd.p1 = packet.param1`` into 16 bits, in AP_Mission::mavlink_int_to_mission_cmd
+    (libraries/AP_Mission/AP_Mission.cpp). AP_Mission::sanity_check_params there refuses a parameter that is NaN,
+    such as an open heading, in loitering; what is open is sent as 0, which ArduPilot does not use there.
     """
     items = route_items(route, projection, autopilot=autopilot)
     if autopilot == "px4":
         return [_wired(number, item, 1) for number, item in enumerate(items)]
     home = Item(WAYPOINT, FRAME_GLOBAL, [0, 0, 0, 0, *items[0].params[4:6], 0])
-    return [_wired(number, item, 0) for number, item in enumerate([home, *_whole_holds(items)])]
+    closed = [item._replace(params=[value or 0.0 for value in item.params]) for item in _whole_holds(items)]
+    return [_wired(number, item, 0) for number, item in enumerate([home, *closed])]
 
 
 def _whole_holds(items: Sequence[Item]) -> list[Item]:
@@ -98,16 +102,17 @@ def item_of(read: Any) -> WireItem:
 def item_differences(sent: Sequence[WireItem], held: Sequence[WireItem], autopilot: Autopilot) -> list[str]:
     """A sentence for each item that differs. Of items without a place only the parameters count.
 
-    ArduPilot keeps a home of its own as item 0. What was left open (NaN) may come back as anything.
+    ArduPilot keeps a home of its own as item 0, and heights as whole centimetres, cut off (AP_Mission.cpp, ``alt =
+    packet.z * 100``). What was left open (NaN) may come back as anything.
     """
     if len(sent) != len(held):
         return [f"it holds {len(held)} items of {len(sent)}"]
-    first = 1 if autopilot == "ardupilot" else 0
+    first, height_m = (1, CENTIMETRE_M) if autopilot == "ardupilot" else (0, 0.0)
     pairs = zip(sent[first:], held[first:], strict=True)
-    return [f"item {was.seq}: {told}" for was, have in pairs if (told := _item_difference(was, have))]
+    return [f"item {was.seq}: {told}" for was, have in pairs if (told := _item_difference(was, have, height_m))]
 
 
-def _item_difference(was: WireItem, have: WireItem) -> str:
+def _item_difference(was: WireItem, have: WireItem, height_m: float) -> str:
     if (was.seq, was.command) != (have.seq, have.command):
         return f"it holds command {have.command} as item {have.seq}; {was.command} ({NAMES[was.command]}) was sent"
     name = NAMES[was.command]
@@ -118,7 +123,8 @@ def _item_difference(was: WireItem, have: WireItem) -> str:
         return ""
     if was.frame != have.frame and not {was.frame, have.frame} <= RELATIVE_ALTITUDE:
         return f"{name}: it holds frame {have.frame}; {was.frame} was sent"
-    if (was.x, was.y, was.z) != (have.x, have.y, have.z):
+    # not the other way round: a height that is NaN differs
+    if (was.x, was.y) != (have.x, have.y) or not abs(was.z - have.z) <= height_m:
         return f"{name}: it holds {_place(have)}; {_place(was)} was sent"
     return ""
 
