@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from shapely import box
 from tests.live.two_robots import ENDS_PERIOD_S, ROUND_S, SPEED_M_S, driven, two_robots
 
 from rota.draw.routes import positions_at
 from rota.live.events import Dropped, Event, Heard, Tick
-from rota.live.notices import Notice
+from rota.live.notices import Notice, lag_text, state_line, summary
 from rota.live.settings import WatchSettings
 from rota.live.watch import Watch
-from rota.plan import Plan
+from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
+from rota.plan import Plan, Trajectory
 
 SILENT_S = 3.0
 
@@ -193,3 +196,47 @@ def test_robots_that_began_late_are_found_on_their_routes() -> None:
     assert told(watch, events) == []
     assert [robot.lag_s for robot in watch.state().robots] == pytest.approx([late_s] * 2)
     assert [robot.standing for robot in watch.state().robots] == ["ok", "ok"]
+
+
+def test_robots_of_a_small_world_are_not_taken_for_lost_ones() -> None:
+    """Reports that err by 0.1 m, of robots that see 0.05 m and go 0.1 m in a second, and of some that creep."""
+    rng = np.random.default_rng(0)
+    sensor = DiscSensor(radius_m=0.05)
+    names = [f"r{k}" for k in range(10)]
+    robots = tuple(Robot(name=name, speed_m_s=0.1, sensor=sensor) for name in names)
+    mission = Mission(
+        name="table",
+        area=box(0, 0, 5, 40),
+        zones=(Zone(name="spot", shape=box(0, 0, 2, 2), period_s=200.0, demand="visit"),),
+        fleet=Fleet(speed_m_s=0.1, sensor=sensor, robots=robots),
+    )
+    ways = []
+    for k, name in enumerate(names):
+        y, creeps = 4.0 * k + 1, k >= 5
+        far_m, half_s = (0.2, 40.0) if creeps else (3.0, 30.0)
+        there_and_back = [[1, y], [1 + far_m, y], [1, y]]
+        ways.append(Trajectory(robot=name, times_s=[0, half_s, 2 * half_s], positions_m=there_and_back))
+    watch = Watch(Plan(mission=mission, trajectories=tuple(ways)))
+    notices: list[Notice] = []
+    for event in driven(watch.plan, 120.0):
+        if isinstance(event, Heard):
+            dx, dy = rng.normal(scale=0.1, size=2).tolist()
+            event = event._replace(x_m=event.x_m + dx, y_m=event.y_m + dy)
+        notices += watch.take(event)
+    assert notices == []
+    state = watch.state()
+    assert max(abs(robot.lag_s) for robot in state.robots[:5]) < 4.0
+    nothing_asked = replace(state, demands=())
+    assert state_line(nothing_asked).endswith("all on their routes")
+    assert summary(nothing_asked, 0) == "until 120.0 s no period was asked"
+    # one of them really stands, the only one that would come to the zone
+    for event in driven(watch.plan, 160.0):
+        if event[0] > 120.0:
+            stands = isinstance(event, Heard) and event.robot == 0
+            notices += watch.take(event._replace(x_m=1.0) if stands else event)
+    assert [(notice.kind, notice.about) for notice in notices] == [("held up", "r0"), ("will lapse", "spot")]
+
+
+def test_a_lag_is_told_as_people_say_it() -> None:
+    assert lag_text(3.14) == "3.1 s behind its plan"
+    assert lag_text(-3.14) == "3.1 s ahead of its plan"

@@ -72,7 +72,8 @@ def _demand_row(demand: DemandState) -> list[Text]:
 def _robot_row(robot: RobotState) -> list[Text]:
     battery = "-" if robot.battery is None else f"{robot.battery:.0%}"
     leaves = "-" if robot.leaves_in_s is None else seconds(max(0.0, robot.leaves_in_s))
-    numbers = [f"{robot.lag_s:.1f}", f"{robot.away_m:.1f}", f"{robot.silent_s:.1f}"]
+    lag = f"{-robot.lag_s:.1f} ahead" if robot.lag_s <= -0.05 else f"{abs(robot.lag_s):.1f}"
+    numbers = [lag, f"{robot.away_m:.1f}", f"{robot.silent_s:.1f}"]
     return _styled([robot.name, robot.standing, *numbers, battery, leaves], STYLES[robot.standing])
 
 

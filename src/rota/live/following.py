@@ -11,16 +11,17 @@ from rota.plan import Plan
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# a robot that in so long falls behind by a share of it between these is held up
-LOOKED_AT_S, HELD_UP, MOST_HELD_UP = 2.0, 0.7, 1.3
+# a robot that falls behind by a share of the time between these is held up, over so long and so far a way: a slow
+# one stands still within the error of its reports
+LOOKED_AT_S, LOOKED_AT_M, HELD_UP, MOST_HELD_UP = 2.0, 1.0, 0.7, 1.3
 
 
 class Following:
     """Where robots are on their planned routes, as their last reports tell.
 
     lags_s: (robots,) seconds behind the plan, below 0 ahead of it. away_m: (robots,) metres beside the route. held_up:
-    (robots,) whether it fell behind by most of the last seconds. A lag is told up to whole rounds: a robot that stands
-    for a round is one round behind.
+    (robots,) whether it fell behind by most of the last seconds, in which it was to get on by a metre or more. A lag
+    is told up to whole rounds: a robot that stands for a round is one round behind.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -48,9 +49,18 @@ class Following:
         on = away_m <= off_route_m[robots]
         self.lags_s[robots[on]] = lags_s[on]
         passed_s = times_s - self._since_s[robots]
+        # the first look of each only notes where it is
         due = passed_s >= LOOKED_AT_S
+        known = np.isfinite(passed_s)
+        due[known] &= self._planned_m(robots[known], times_s[known]) >= LOOKED_AT_M
         judged, fell_s = robots[due], self.lags_s[robots[due]] - self._lags_then_s[robots[due]]
         # one that falls behind by more than the time that passes was somewhere else than was thought
         stands = (fell_s > HELD_UP * passed_s[due]) & (fell_s < MOST_HELD_UP * passed_s[due])
         self.held_up[judged] = stands & on[due]
         self._since_s[judged], self._lags_then_s[judged] = times_s[due], self.lags_s[judged]
+
+    def _planned_m(self, robots: Ints, times_s: Floats) -> Floats:
+        """How far each was to get since the last look, if no later than then: (m,) metres."""
+        since_s, lags_s = self._since_s[robots], self._lags_then_s[robots]
+        apart_m: Floats = following_kernels.planned_m(robots, since_s - lags_s, times_s - lags_s, self._routes)
+        return apart_m

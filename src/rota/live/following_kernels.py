@@ -87,3 +87,30 @@ def locate(robots, times_s, places, lags_s, routes, off_route_m):
             if away[m] <= off_route_m[k]:
                 break
     return lags, away
+
+
+@njit(cache=True)
+def _place_at(moment_s, routes, robot):
+    """Where a robot is by plan at a moment; where its route begins before that."""
+    knots_s, knots_m, start = routes.knots_s, routes.knots_m, routes.loop_starts[robot]
+    first, last = routes.offsets[robot], routes.offsets[robot + 1] - 1
+    loop = knots_s[last] - knots_s[start]
+    if moment_s > knots_s[last] and loop > 0.0:
+        moment_s = knots_s[start] + (moment_s - knots_s[start]) % loop
+    i = min(max(np.searchsorted(knots_s[first : last + 1], moment_s), 1), max(last - first, 0)) + first
+    if i == first:
+        return knots_m[first, 0], knots_m[first, 1]
+    share = min(max((moment_s - knots_s[i - 1]) / (knots_s[i] - knots_s[i - 1]), 0.0), 1.0)
+    x = knots_m[i - 1, 0] + share * (knots_m[i, 0] - knots_m[i - 1, 0])
+    return x, knots_m[i - 1, 1] + share * (knots_m[i, 1] - knots_m[i - 1, 1])
+
+
+@njit(cache=True)
+def planned_m(robots, from_s, to_s, routes):
+    """How far apart robots (m,) are by plan at moments from_s (m,) and to_s (m,): (m,) metres."""
+    apart = np.empty(len(robots))
+    for m in range(len(robots)):
+        ax, ay = _place_at(from_s[m], routes, robots[m])
+        bx, by = _place_at(to_s[m], routes, robots[m])
+        apart[m] = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    return apart

@@ -82,6 +82,11 @@ def seconds(value: float) -> str:
     return "never" if math.isinf(value) else f"{value:.2g} s" if abs(value) < 1 else f"{value:.1f} s"
 
 
+def lag_text(lag_s: float) -> str:
+    """How late a robot is as people read it."""
+    return f"{seconds(abs(lag_s))} {'ahead of' if lag_s < 0 else 'behind'} its plan"
+
+
 def place_text(place_m: tuple[float, float]) -> str:
     """A place as people read it."""
     return f"({place_m[0]:.1f}, {place_m[1]:.1f})"
@@ -116,7 +121,8 @@ def state_line(state: FleetState) -> str:
     bad = [f"{robot.name} {robot.standing}" for robot in state.robots if robot.standing != "ok"]
     demands = [f"{demand.name} {demand.age_s:.0f}/{demand.period_s:.0f} s" for demand in state.demands]
     fleet = f"{len(state.robots)} robots, {listed(bad) if bad else 'all on their routes'}"
-    return f"{state.time_s:9.1f} s         {fleet}; ages: {', '.join(demands)}"
+    ages = f"; ages: {', '.join(demands)}" if demands else ""
+    return f"{state.time_s:9.1f} s         {fleet}{ages}"
 
 
 def summary(state: FleetState, lapses: int) -> str:
@@ -128,7 +134,8 @@ def summary(state: FleetState, lapses: int) -> str:
     )
     dropped = sum(state.dropped.values())
     more = f"; {dropped} messages were dropped" if dropped else ""
-    return f"until {state.time_s:.1f} s {times}; longest gaps: {', '.join(worst)}{more}"
+    gaps = f"{times}; longest gaps: {', '.join(worst)}" if worst else "no period was asked"
+    return f"until {state.time_s:.1f} s {gaps}{more}"
 
 
 def _finite(value: Any) -> Any:

@@ -14,8 +14,9 @@ class WatchSettings:
     """When a robot counts as lost, off its route or low, and how often the fleet is simulated ahead.
 
     silent_s: a robot that is not heard for longer counts as lost. battery_low: 0 to 1; at or below it a battery is
-    low. off_route_m: a robot farther from its planned route counts as off it; None: half of its sensor's reach.
-    forecast_s: seconds between two looks ahead. future_s: a report of a later moment than now is dropped beyond this.
+    low. off_route_m: a robot farther from its planned route counts as off it; None: half of its sensor's reach, and no
+    less than 0.5 m. forecast_s: seconds between two looks ahead. future_s: a report of a later moment than now is
+    dropped beyond this.
 
     Raises MissionError for values out of range.
     """

@@ -14,7 +14,7 @@ from rota.live.demand_alarms import DemandAlarms
 from rota.live.events import Dropped, Event, Heard
 from rota.live.following import Following
 from rota.live.forecast import Forecast
-from rota.live.notices import FleetState, Notice, NoticeKind, RobotState, Standing, place_text, seconds
+from rota.live.notices import FleetState, Notice, NoticeKind, RobotState, Standing, lag_text, place_text, seconds
 from rota.live.places import places_of
 from rota.live.settings import WatchSettings
 from rota.live.ways import Ways
@@ -23,6 +23,7 @@ from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 
+LEAST_OFF_M = 0.5  # beside its route: what positioning in the field errs by, however little a robot sees
 SETTLED_M = 0.8  # of the limit: nearer than this a robot that was off its route is on it again
 TOLD_MODES = ("paused", "returning", "failed")
 DRIVING = (None, "running")
@@ -49,7 +50,8 @@ class Watch:
         self._following = Following(plan)
         off_m = self.settings.off_route_m
         self._off_route_m = np.array(
-            [inner_reach_m(robot.sensor) / 2 if off_m is None else off_m for robot in self._robots], np.float64
+            [max(inner_reach_m(robot.sensor) / 2, LEAST_OFF_M) if off_m is None else off_m for robot in self._robots],
+            np.float64,
         )
         count = len(self._robots)
         self._last: list[Heard | None] = [None] * count
@@ -165,14 +167,14 @@ class Watch:
         elif self._standing[number] == "off route" and away_m < SETTLED_M * limit_m:
             self._standing[number] = "ok"
             self._tell("on route", name, f"{name} is on its route again")
-        held_up, behind = bool(self._following.held_up[number]), seconds(float(self._following.lags_s[number]))
+        held_up, behind = bool(self._following.held_up[number]), lag_text(float(self._following.lags_s[number]))
         if self._standing[number] == "ok" and held_up and heard.mode in DRIVING:
             self._standing[number] = "held up"
-            text = f"{name} is held up: it does not get on, {behind} behind its plan, at {place_text(at)}"
+            text = f"{name} is held up: it does not get on, {behind}, at {place_text(at)}"
             self._tell("held up", name, text, lag_s=float(self._following.lags_s[number]), place_m=at)
         elif self._standing[number] == "held up" and not held_up:
             self._standing[number] = "ok"
-            self._tell("goes on", name, f"{name} goes on, {behind} behind its plan")
+            self._tell("goes on", name, f"{name} goes on, {behind}")
         if heard.mode != self._mode[number]:
             if heard.mode in TOLD_MODES or self._mode[number] in TOLD_MODES:
                 self._tell("mode", name, f"{name} is {heard.mode or 'silent about its mode'}", mode=heard.mode)
