@@ -29,7 +29,9 @@ class ProcessSettings:
     only; the port of the fleet's first robot, the others' follow, and last comes the recorder's; a host for each robot,
     then the recorder's, or a single one for all. rate_hz: how often a robot decides (None: every time step of the
     mission). silent_s: one that tells nothing for so long is forgotten (None: five time steps). clock_error_s: by which
-    the clocks of several hosts may differ. ground_m: the height of the ground at (x, y) in metres, over which robots
+    the clocks of several hosts may differ. own_clocks: clocks have nothing to do with each other, and clock_error_s is
+    how late the promptest news of a robot are. radio_range_m: messages from farther away count as not received (None:
+    none are). ground_m: the height of the ground at (x, y) in metres, over which robots
     fly at the fleet's altitude.
 
     Raises MissionError for other transports, ports out of range and times that are none.
@@ -42,6 +44,8 @@ class ProcessSettings:
     rate_hz: float | None = None
     silent_s: float | None = None
     clock_error_s: float = 0.0
+    own_clocks: bool = False
+    radio_range_m: float | None = None
     ground_m: HeightAt = field(default=level)
 
     def __post_init__(self) -> None:

@@ -30,6 +30,12 @@ Silent = Annotated[
     float | None, typer.Option(metavar="SECONDS", help="Forget who was silent so long; default five time steps.")
 ]
 ClockError = Annotated[float, typer.Option(metavar="SECONDS", help="By which clocks of several hosts may differ.")]
+OwnClocks = Annotated[
+    bool, typer.Option("--own-clocks", help="Hosts' clocks differ; --clock-error is how late the promptest news are.")
+]
+RadioRange = Annotated[
+    float | None, typer.Option(metavar="METRES", help="Do not receive what is sent from farther away.")
+]
 HeightMap = Annotated[
     str | None, typer.Option(metavar="FILE", help="Heights of the ground: a GeoTIFF, or a PNG with --heights.")
 ]
@@ -50,6 +56,8 @@ def _settings(
     rate: Rate = None,
     silent: Silent = None,
     clock_error: ClockError = 0.0,
+    own_clocks: OwnClocks = False,
+    radio_range_m: RadioRange = None,
     height_map: HeightMap = None,
     heights: Heights = None,
 ) -> ProcessSettings:
@@ -71,6 +79,8 @@ def _settings(
         rate_hz=rate,
         silent_s=silent,
         clock_error_s=clock_error,
+        own_clocks=own_clocks,
+        radio_range_m=radio_range_m,
         ground_m=ground_m,
     )
 

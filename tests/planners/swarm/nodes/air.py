@@ -43,7 +43,8 @@ class Air:
 
     A message takes up to ``delay_s``; each is lost with the probability ``lost``, of which no more than
     ``lost_in_row`` on the same way in a row. A tick comes up to ``jitter_s`` late and, once in ``stall_every`` ticks,
-    up to ``stall_s``.
+    up to ``stall_s``. ``clocks``: of each robot, by number, the nanoseconds that its clock is ahead, and the share by
+    which it is fast; they read news when they arrive. ``told`` is by the true clock.
     """
 
     scene: Scene
@@ -55,6 +56,7 @@ class Air:
     stall_s: float = 0.0
     stall_every: int = 50
     periods_ns: tuple[int, ...] = ()
+    clocks: tuple[tuple[int, float], ...] = ()
     now_ns: int = 0
     begin_ns: int = 0
     nodes: dict[int, RobotNode] = field(default_factory=dict)
@@ -71,9 +73,8 @@ class Air:
     def start(self, robot: int) -> None:
         """Start the process of a robot, now or within a hold."""
         period_ns = self.periods_ns[robot % len(self.periods_ns)] if self.periods_ns else None
-        self.nodes[robot] = RobotNode(
-            self.scene, robot, began_ns=self.now_ns, begin_ns=self.begin_ns, period_ns=period_ns
-        )
+        began_ns, begin_ns = self._shown(robot, self.now_ns), self._shown(robot, self.begin_ns)
+        self.nodes[robot] = RobotNode(self.scene, robot, began_ns=began_ns, begin_ns=begin_ns, period_ns=period_ns)
         self._inbox[robot] = []
         self._at(self.now_ns + self._random.randrange(self.scene.period_ns), TICK, robot, self.nodes[robot])
 
@@ -87,7 +88,10 @@ class Air:
         while self.events and self.events[0][0] <= end_ns:
             self.now_ns, kind, _, robot, what = heapq.heappop(self.events)
             if kind == ARRIVAL:
-                self._inbox[robot].append(what)
+                if not self.clocks:
+                    self._inbox[robot].append(what)
+                elif robot in self.nodes:
+                    self.nodes[robot].hear([what], self._shown(robot, self.now_ns))
             elif self.nodes.get(robot) is what:
                 self._tick(robot)
         self.now_ns = end_ns
@@ -95,11 +99,12 @@ class Air:
     def _tick(self, robot: int) -> None:
         node, datagrams = self.nodes[robot], self._inbox[robot]
         self._inbox[robot] = []
-        datagram = node.tick(self.now_ns, datagrams)
+        datagram = node.tick(self._shown(robot, self.now_ns), datagrams)
         if datagram is not None:
             telling = read_telling(datagram, self.scene.number)
             assert telling is not None
-            self.told.setdefault(robot, []).append(telling)
+            hold_ns = self._true(robot, telling.end_ns) - self.now_ns
+            self.told.setdefault(robot, []).append(telling._replace(told_ns=self.now_ns, hold_ns=hold_ns))
             for other in self.nodes:
                 if other != robot:
                     self._send(robot, other, datagram)
@@ -107,7 +112,21 @@ class Air:
             return
         stalls = self.stall_s > 0 and self._random.randrange(self.stall_every) == 0
         late_s = self._random.random() * (self.stall_s if stalls else self.jitter_s)
-        self._at((node.next_ns or self.now_ns + self.scene.period_ns) + round(late_s * S), TICK, robot, node)
+        next_ns = self.now_ns + self.scene.period_ns if node.next_ns is None else self._true(robot, node.next_ns)
+        self._at(next_ns + round(late_s * S), TICK, robot, node)
+
+    def _shown(self, robot: int, time_ns: int) -> int:
+        """What a robot's clock shows at a time."""
+        ahead_ns, fast = self.clocks[robot] if self.clocks else (0, 0.0)
+        return time_ns + ahead_ns + round(fast * time_ns)
+
+    def _true(self, robot: int, shown_ns: int) -> int:
+        """The first time at which a robot's clock shows that."""
+        ahead_ns, fast = self.clocks[robot] if self.clocks else (0, 0.0)
+        time_ns = round((shown_ns - ahead_ns) / (1 + fast)) - 2
+        while self._shown(robot, time_ns) < shown_ns:
+            time_ns += 1
+        return time_ns
 
     def _send(self, robot: int, other: int, datagram: bytes) -> None:
         way = (robot, other)

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from tests.planners.swarm.nodes.air import Air, mission_of
 
+from rota.errors import MissionError
 from rota.planners.swarm.delayed_news_kernels import MOST_SPEED_GAIN
 from rota.planners.swarm.nodes import hearing
 from rota.planners.swarm.nodes.scene import scene_of
 from rota.planners.swarm.nodes.telling import MEMBER
 
-COUNT, SIDE, BOX = 10, 16.0, (1.0, 15.0)
+COUNT, SIDE = 10, 16.0
 PERIODS = (100_000_000, 70_000_000, 110_000_000)
 DELAYS = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.6)]  # with 2 lost in a row and periods of 0.11 s no news is older than 0.53 s
 
@@ -32,8 +33,10 @@ def charging(snapshot: Any, rng: np.random.Generator) -> tuple[float, float]:
     return speed * np.cos(angle), speed * np.sin(angle)
 
 
-def battle(seed: int, delay_s: float, lost: float, **changed: Any) -> Air:
-    """Robots that all charge each other, in a square that their bodies fill in part."""
+def battle(
+    seed: int, delay_s: float, lost: float, *, scene: dict[str, Any] | None = None, side_m: float = SIDE, **changed: Any
+) -> Air:
+    """Robots that all charge each other, in a square that their bodies fill in part; scene: what is asked of it."""
     rng = np.random.default_rng(seed)
 
     def decide(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
@@ -41,9 +44,9 @@ def battle(seed: int, delay_s: float, lost: float, **changed: Any) -> Air:
         decisions.nearest2[0] = 0.0
 
     speed = float(rng.uniform(1, 20))
-    mission = mission_of(COUNT, SIDE, BOX, sensor_m=4, speed_m_s=speed)
-    scene = replace(scene_of(mission, seed=seed, silent_s=0.6), decide=decide)
-    air = Air(scene, seed, delay_s=delay_s, lost=lost, periods_ns=PERIODS, **changed)
+    mission = mission_of(COUNT, side_m, (1.0, side_m - 1.0), sensor_m=4, speed_m_s=speed)
+    shared = replace(scene_of(mission, seed=seed, silent_s=0.6, **(scene or {})), decide=decide)
+    air = Air(shared, seed, delay_s=delay_s, lost=lost, periods_ns=PERIODS, **changed)
     for robot in range(COUNT):
         air.start(robot)
     return air
@@ -86,6 +89,61 @@ def test_without_the_reach_of_old_news_they_touch(monkeypatch: pytest.MonkeyPatc
     gaps = []
     for seed in range(4):
         air = battle(seed, 0.2, 0.6)
+        air.run_until(4)
+        gaps.append(air.least_gap_m())
+    assert min(gaps) < -0.1, gaps
+
+
+def battle_by_own_clocks(seed: int, apart_s: float, drift: float, error_s: float, **changed: Any) -> Air:
+    """The battle with clocks that differ by up to so many seconds, and go so much too fast or slow."""
+    rng = np.random.default_rng(seed)
+    ahead_ns = [round(value) for value in rng.uniform(0, apart_s * 1e9, COUNT)]
+    clocks = tuple(zip(ahead_ns, rng.uniform(-drift, drift, COUNT).tolist(), strict=True))
+    return battle(seed, 0.2, 0.6, clocks=clocks, scene={"own_clocks": True, "clock_error_s": error_s}, **changed)
+
+
+def test_robots_whose_clocks_differ_and_drift_never_touch() -> None:
+    gaps, ways = [], []
+    for seed in range(8):
+        air = battle_by_own_clocks(seed, 3600.0, 1e-4, 0.1)
+        air.run_until(4)
+        gaps.append(air.least_gap_m())
+        ways.append(np.hypot(*(air.places_at(4) - air.places_at(0)).T).max())
+    assert min(gaps) >= -1e-9, gaps
+    assert min(gaps) < 0.2
+    assert min(ways) > 0.5
+
+
+def test_decisions_do_not_depend_on_what_clocks_show() -> None:
+    runs = []
+    for apart_s in (0.0, 5.0, 86_400.0):
+        air = battle_by_own_clocks(3, apart_s, 0.0, 0.1)
+        air.run_until(2)
+        runs.append(air.told)
+    assert len(runs[0]) == COUNT
+    assert runs[0] == runs[1] == runs[2]
+
+
+def test_robots_that_do_not_hear_far_ones_never_touch() -> None:
+    silent_s = 0.6
+    for seed in range(8):
+        speed = float(np.random.default_rng(seed).uniform(1, 20))
+        least_m = 1.0 + 2 * speed * 1.25 * silent_s
+        air = battle(seed, 0.2, 0.6, scene={"radio_m": least_m * (1 + 1e-6)}, side_m=4 * least_m)
+        air.run_until(6)
+        assert air.least_gap_m() >= -1e-9, seed
+        apart = [np.hypot(*(a - b)) for a, b in pairwise(air.places_at(0))]
+        assert max(apart) > least_m  # some do not hear each other
+        with pytest.raises(MissionError, match=f"radio range: .* bodies keep apart from {least_m:.6g} m on"):
+            battle(seed, 0.2, 0.6, scene={"radio_m": least_m * (1 - 1e-6)})
+
+
+def test_robots_that_hear_too_near_ones_only_touch() -> None:
+    gaps = []
+    for seed in range(4):
+        air = battle(seed, 0.2, 0.6)
+        for node in air.nodes.values():
+            node._hearing._radio_m = 1.5
         air.run_until(4)
         gaps.append(air.least_gap_m())
     assert min(gaps) < -0.1, gaps

@@ -132,6 +132,9 @@ def test_one_that_was_held_up_announces_itself_again() -> None:
         ({"time_step_s": 1e-4}, {}, r"swarm\.time_step_s: 0\.0001 s is not allowed; 0\.001 to 10 s"),
         ({}, {"silent_s": 0.2}, r"silent: 0\.2 s is not allowed; 0\.4 s, 4 time steps, to 1000 s"),
         ({}, {"clock_error_s": 2.0}, r"clock error: 2 s is not allowed; 0 to 0\.5 s"),
+        ({}, {"own_clocks": True}, "clock error: 0 s is not allowed with own clocks"),
+        ({}, {"radio_m": 7.2}, r"radio range: 7\.2 m is not allowed: bodies keep apart from 7\.25 m on"),
+        ({}, {"radio_m": float("nan")}, "radio range: nan m is not allowed"),
     ],
 )
 def test_what_processes_cannot_do_is_refused(settings: dict, asked: dict, message: str) -> None:

@@ -4,7 +4,9 @@ Every robot decides at its own times, by news of others that are late, of which 
 it decided until the hold it told of is over; then it stands. It decides again no sooner than that.
 
 Assumption. While a robot moves, whoever decides has news of it that are no older than D (``silent_s``), whatever delays
-and losses together do. Clocks differ by no more than E (``clock_error_s``).
+and losses together do. Clocks differ by no more than E (``clock_error_s``). Where each robot goes by its own clock
+(``own_clocks``), news are dated by the promptest ones (``clocks.py``): too late by no more than E, if some news of each
+robot that is heard are read so soon after they are told that drift since then adds up to no more than E with that.
 
 What robots promise. (a) A robot goes no faster than it told. Its speed grows by at most ``MOST_SPEED_GAIN`` of the top
 speed from one hold to the next. It is 0 from the end of a hold to the next decision. (b) A robot stands and tells so
@@ -35,16 +37,38 @@ c is the assumption as long as B moves; for silent robots it is as follows.
 The silent. By the assumption a robot that was silent for D stopped within D after its last telling. It counts as a body
 anywhere within its reach up to then, for ever, and as nobody's neighbour. Its start is kept clear, too, so that it can
 join there again once whoever stood there has gone. That nobody died there whom it never heard is up to who starts it.
+
+A radio range. A robot does not receive what was told farther than R from where it reads it. The assumption then holds
+for news from within R only: who has no news of a robot from the last D may just be too far away from it. A hold is at
+most D / 4. Bodies keep apart if R >= r_A + r_B + (top_A + top_B) 5 D / 4 for any two robots; ``least_radio_m`` is that.
+
+Proof. Let bodies touch first at t*. One of them moves then, say A, so that t* <= t_A + D / 4. Had A at t_A no news of B
+told in the D before, then something B told at a t' >= t_A - D was read at a t'' <= t_A, and B at t' was farther than R
+from A at t''. Until t* A went no farther than top_A (t* - t'') and B no farther than top_B (t* - t'), each no farther
+than its top speed times 5 D / 4. So they are farther apart than r_A + r_B: a contradiction. Hence A has such news, and
+what was proved above holds for A at t_A. In case 1 it is clear of B. In case 2 it does not lessen its distance, so that
+B moves at t* as well; then B, too, has news of A, and the proof above holds for both. Robots that left the range stay
+bodies where they may have been at last: that keeps ground clear for nothing, and nobody from keeping apart.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rota.planners.swarm.delayed_news_kernels import MOST_SPEED_GAIN
 from rota.planners.swarm.nodes.telling import ROUNDED, Telling
 
 STEPS_TO_TOP = math.ceil(1 / MOST_SPEED_GAIN)
+RADIO_SILENCES = 1.25  # D and a hold, in D
+
+
+def least_radio_m(bodies_m: NDArray[np.float64], speeds_m_s: NDArray[np.float64], silent_s: float) -> float:
+    """The radio range from which on no two robots of these radii (n,) and top speeds (n,) touch; 0 for a single one."""
+    ways_m = np.sort(bodies_m + speeds_m_s * ROUNDED * RADIO_SILENCES * silent_s)
+    return float(ways_m[-2:].sum()) if len(ways_m) > 1 else 0.0
 
 
 def reach_m(telling: Telling, from_ns: int, until_ns: int) -> float:

@@ -45,8 +45,9 @@ class RobotNode:
         self._own, self._spec = scene.own_kind(robot), robots[robot]
         starts = scene.starts
         self._hearing = Hearing(
-            starts, robot, scene.number, silent_ns=scene.silent_ns, clock_error_ns=scene.clock_error_ns
-        )
+            starts, robot, scene.number, silent_ns=scene.silent_ns, clock_error_ns=scene.clock_error_ns,
+            own_clocks=scene.own_clocks, radio_m=scene.radio_m,
+        )  # fmt: skip
         self._belief = Belief(self._own, robot, len(robots), scene.grid, scene.rule(self._hold_ns), scene.decide)
         self._place_m = starts[robot].x, starts[robot].y
         self._listen_until_ns = began_ns + 2 * scene.silent_ns
@@ -80,12 +81,17 @@ class RobotNode:
             return self._leaving
         return self._left_ns is not None and self._told.told_ns - self._left_ns >= self._scene.silent_ns
 
+    def hear(self, datagrams: Iterable[bytes], now_ns: int) -> None:
+        """Hear what has arrived by now; between ticks where it matters how soon news are read."""
+        place = self._place_m if self._told is None else self._told.place_at(now_ns)
+        self._hearing.hear(datagrams, now_ns, place)
+
     def tick(self, now_ns: int, datagrams: Iterable[bytes]) -> bytes | None:
         """Hear what has arrived, decide, and return what to tell all others; None while it only listens.
 
         Not to be called before ``next_ns``.
         """
-        self._hearing.hear(datagrams, now_ns)
+        self.hear(datagrams, now_ns)
         if now_ns < self._listen_until_ns or not self._is_announced(now_ns):
             return None
         velocity, state = (0.0, 0.0), self._state(now_ns)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable
@@ -12,6 +13,8 @@ from rota.planners.swarm.nodes.scene import Scene, require_period, scene_of
 from rota.planners.swarm.nodes.transport import clock_for, open_port
 from rota.robot_processes import ProcessSettings
 
+READ_S = 0.005  # news are read so often where clocks are judged by them
+
 
 def scene_for(mission: Mission, settings: ProcessSettings) -> Scene:
     """The scene that all processes of these settings have in common."""
@@ -20,6 +23,8 @@ def scene_for(mission: Mission, settings: ProcessSettings) -> Scene:
         seed=settings.seed,
         silent_s=settings.silent_s,
         clock_error_s=settings.clock_error_s,
+        own_clocks=settings.own_clocks,
+        radio_m=settings.radio_range_m,
         ground_m=settings.ground_m,
     )
 
@@ -60,7 +65,11 @@ def run_robot(
                 port.send(datagram)
             node.busy_us = (time.thread_time_ns() - cpu_ns) // 1000
             next_ns = clock() + scene.period_ns if node.next_ns is None else node.next_ns
-            time.sleep(max(next_ns - clock(), 0) * 1e-9)
+            while (left_ns := next_ns - clock()) > 0:
+                time.sleep(min(left_ns * 1e-9, READ_S if scene.own_clocks else math.inf))
+                if scene.own_clocks:
+                    arrived = list(port.received())
+                    node.hear(arrived, clock())
     finally:
         port.close()
     return node

@@ -13,6 +13,7 @@ from rota.errors import LinkError
 from rota.mission import Mission, Robot
 from rota.plan import Plan, RunEnd, Trajectory
 from rota.planners.swarm.metrics import covered_share
+from rota.planners.swarm.nodes.clocks import Clocks
 from rota.planners.swarm.nodes.scene import Scene
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, Telling, read_telling
 from rota.planners.swarm.planner import sensors_of, squares_of
@@ -90,6 +91,7 @@ class Recorder:
         self._scene, self._begin_ns, self._every_ns = scene, begin_ns, round(every_s * 1e9)
         self._robots = scene.mission.fleet.robots or ()
         self._lives: dict[int, Life] = {}
+        self._clocks = Clocks(shared=not scene.own_clocks)
         self._sensors_m, self._squares = sensors_of(scene.mission), squares_of(scene.mission)
         self._quiet_since_ns: int | None = None
         self.coverage: list[tuple[float, float, int]] = []
@@ -101,7 +103,10 @@ class Recorder:
             telling = read_telling(datagram, self._scene.number)
             if telling is None or telling.robot >= len(self._robots):
                 self.dropped += 1
-            elif telling.robot not in self._lives:
+                continue
+            self._clocks.hear(telling, now_ns)
+            telling = self._clocks.own(telling)
+            if telling.robot not in self._lives:
                 self._lives[telling.robot] = Life(telling, self._begin_ns)
             elif telling.told_ns > self._lives[telling.robot].last.told_ns:
                 self._lives[telling.robot].add(telling)

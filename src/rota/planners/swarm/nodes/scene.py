@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
+from rota.planners.swarm.nodes.apart import RADIO_SILENCES, least_radio_m
 from rota.planners.swarm.nodes.hearing import Start
 from rota.planners.swarm.nodes.telling import LONGEST_HOLD_NS, MOST_ROBOTS, swarm_number
 from rota.planners.swarm.place_graph import place_graph_of
@@ -34,7 +35,8 @@ class Scene:
     """A mission as its robots' processes see it.
 
     starts_m: (n, 2). period_ns: the time between decisions by default, the mission's time step. silent_ns: one that has
-    told nothing for so long is forgotten; clock_error_ns: by which clocks may differ. decide: the controller, the very
+    told nothing for so long is forgotten; clock_error_ns: by which clocks may differ; own_clocks: each robot
+    goes by its own, see ``apart``. radio_m: how far tellings are received. decide: the controller, the very
     function that the simulation runs. ground_m: the height of the ground at a place (x, y), over which robots fly at
     the fleet's altitude.
     """
@@ -49,6 +51,8 @@ class Scene:
     silent_ns: int
     clock_error_ns: int
     decide: Callable[..., None]
+    own_clocks: bool = False
+    radio_m: float = math.inf
     ground_m: HeightAt = level
 
     @property
@@ -74,12 +78,14 @@ def scene_of(
     seed: int = 0,
     silent_s: float | None = None,
     clock_error_s: float = 0.0,
+    own_clocks: bool = False,
+    radio_m: float | None = None,
     ground_m: HeightAt = level,
 ) -> Scene:
-    """The scene of a mission. silent_s None: ``SILENT_PERIODS`` time steps of the mission.
+    """The scene of a mission. silent_s None: ``SILENT_PERIODS`` time steps of the mission. radio_m None: any distance.
 
     Raises MissionError for settings that only simulations have, for too many robots, for steps and limits out of range,
-    and for starts without room.
+    for a radio range within which bodies could touch, and for starts without room.
     """
     settings, robots = SwarmSettings.of(mission), mission.fleet.robots or ()
     for name, only in OF_SIMULATIONS.items():
@@ -97,8 +103,16 @@ def scene_of(
         )
     if not 0 <= clock_error_s <= silent_s:
         raise MissionError(f"clock error: {clock_error_s:.6g} s is not allowed; 0 to {silent_s:.6g} s is needed")
+    if own_clocks and clock_error_s == 0:
+        raise MissionError("clock error: 0 s is not allowed with own clocks: tell how late the promptest news are")
     ground = free_ground(mission)
     fleet, walls = fleet_of(mission), walls_of(ground)
+    least_m = least_radio_m(fleet.kinds.body_m[fleet.kind], fleet.kinds.speed_m_s[fleet.kind], silent_s)
+    if radio_m is not None and not least_m <= radio_m:
+        raise MissionError(
+            f"radio range: {radio_m:.6g} m is not allowed: bodies keep apart from {least_m:.6g} m on, what two robots"
+            f" drive in {RADIO_SILENCES:g} times {silent_s:.6g} s and their bodies' radii"
+        )
     grid = make_grid(walls, fleet.kinds, len(robots), settings.time_step_s)
     if DECIDE[settings.controller] is decide_settle:
         grid = grid._replace(place_graph=place_graph_of(walls, fleet.kinds))
@@ -113,6 +127,8 @@ def scene_of(
         silent_ns=round(silent_s * 1e9),
         clock_error_ns=round(clock_error_s * 1e9),
         decide=DECIDE[settings.controller],
+        own_clocks=own_clocks,
+        radio_m=math.inf if radio_m is None else radio_m,
         ground_m=ground_m,
     )
 
