@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,10 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.setdefault("NUMBA_CACHE_DIR", str(PROJECT / ".pytest_cache" / "numba"))
     os.environ["NUMBA_CACHE_LOCATOR_CLASSES"] = "tests.shared_cache.SharedCache"
     os.environ["PYTHONPATH"] = os.pathsep.join([str(PROJECT), *filter(None, [os.environ.get("PYTHONPATH")])])
+
+# a shell without job control lets what it starts in the background ignore Ctrl-C, which then no child could be sent
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # two workers begin with one half of the tests each: patrol's kernels, a minute's work, are compiled by the first one
 # while the other has swarms, the check and bounces to do

@@ -19,11 +19,14 @@ import numpy as np
 import pytest
 from tests.files.two_robots import two_robots
 
+from rota.cell_map import cell_map_of
+from rota.draw.sightings import Sightings
 from rota.files.plan_file import write_plan
 from rota.files.ros.bags import write_rosbag2
-from rota.files.ros.grids import GroundGrid
+from rota.files.ros.grids import GroundGrid, percent_of_period
 from rota.files.ros.poses import Motion
 from rota.ros2.node import CHOSEN_BY, LOOPBACK_PROFILE
+from rota.ros2.player import AGE_CELLS
 
 pytestmark = pytest.mark.ros
 
@@ -117,8 +120,14 @@ def test_a_subscriber_that_comes_late_sees_the_plan_go_on(playing: Any, heard: A
         assert (np.diff(times_s) > 0).all()
         places_m = [(each.pose.position.x, each.pose.position.y, each.pose.position.z) for each in poses]
         np.testing.assert_allclose(places_m, Motion(trajectory).at(times_s)[0], atol=1e-5)
-    ages = np.array(found["/time_since_seen"][-1].data)
-    assert (ages.min(), ages.max()) == (-1, 100)
+    told = found["/time_since_seen"][-1]
+    ages, at_s = np.array(told.data), (ns(told.header.stamp) - begin_ns) * 1e-9 * SPEED
+    sightings = Sightings(PLAN, cell_map_of(PLAN.mission, AGE_CELLS))
+    sightings.advance(0.0, at_s)
+    expected = percent_of_period(sightings.age_in_periods(at_s)).ravel()
+    # the player looked at other moments in between
+    assert np.mean(np.abs(ages - expected) <= 5) > 0.98
+    assert ages.min() == -1
     assert ((ages > 0) & (ages < 100)).any()
     assert len(found["/footprints"][-1].markers) == 2
     assert 100 in found["/map"][0].data
