@@ -15,6 +15,7 @@ from benchmarks.export_formats import export_formats
 from benchmarks.house import house, suite
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
+from benchmarks.link_noise import link_noise
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
 from benchmarks.one_robot import one_robot
@@ -176,6 +177,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "house": house,
     "suite": suite,
     "watched-fleet": watched_fleet,
+    "link-noise": link_noise,
 }
 LONG = (
     "random-missions",

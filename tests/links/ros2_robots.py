@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 
 @dataclass
 class ScriptedRobot:
-    """``fault``: it refuses (to start), holds half (of a route), is deaf (no service), or poses have nan or a frame."""
+    """``fault``: it refuses (to start), holds half (of a route), is deaf (no service), or poses have nan or a frame.
+
+    drives: whether it drives its route once it is started, by the stamps of its poses.
+    """
 
     namespace: str
     at_m: tuple[float, float, float]
     fault: str = ""
     kind: str = "drone"
+    drives: bool = False
+    started_s: float = math.inf
     orders: list[str] = field(default_factory=list)
     route: Any = None
 
@@ -69,17 +76,36 @@ class ScriptedRobot:
             answer.message = "" if answer.success else "the emergency stop is pressed"
             if answer.success:
                 self.mode = modes[order]
+                self.started_s = time.monotonic() if order == "start" else math.inf
             if order == "clear_route":
                 self.route = Path()
             return answer
 
         return do
 
+    def drive(self) -> None:
+        """Be where the route has it, straight between its poses and round its loop for ever."""
+        passed_s = time.monotonic() - self.started_s
+        poses = [
+            (pose.header.stamp.sec + pose.header.stamp.nanosec / 1e9, pose.pose.position) for pose in self.route.poses
+        ]
+        stamp = self.route.header.stamp
+        begins_s, ends_s = stamp.sec + stamp.nanosec / 1e9, poses[-1][0]
+        if passed_s > ends_s > begins_s:
+            passed_s = begins_s + (passed_s - ends_s) % (ends_s - begins_s)
+        passed_s = min(passed_s, ends_s)
+        for (t0, a), (t1, b) in pairwise(poses):
+            if t0 <= passed_s <= t1 and t1 > t0:
+                u = (passed_s - t0) / (t1 - t0)
+                self.at_m = (a.x + u * (b.x - a.x), a.y + u * (b.y - a.y), a.z + u * (b.z - a.z))
+
     def tell(self) -> None:
         from geometry_msgs.msg import PoseStamped
         from sensor_msgs.msg import BatteryState
         from std_msgs.msg import String
 
+        if self.drives and self.started_s < math.inf:
+            self.drive()
         pose = PoseStamped()
         pose.header.frame_id = "odom" if self.fault == "frame" else "map"
         pose.header.stamp = self.node.get_clock().now().to_msg()
