@@ -13,11 +13,12 @@ from tests.files.two_robots import two_robots, with_heights
 
 from rota.errors import PlanError
 from rota.files import mission_items
+from rota.files.executed.plan_as_driven import plan_as_driven
 from rota.files.qgroundcontrol import write_qgroundcontrol
 from rota.files.waypoint_list import write_waypoint_lists
-from rota.plan import Plan
+from rota.plan import Plan, Trajectory
 
-JUMP = 177
+WAYPOINT, JUMP = 16, 177
 
 
 @pytest.mark.parametrize("plan", [two_robots(), with_heights()], ids=["flat", "with heights"])
@@ -62,3 +63,24 @@ def test_a_file_that_cannot_be_made_leaves_none(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(PlanError, match=r"robot <Zoë>.*: its route makes \d+ mission items; MAVLink counts at most 5"):
         write_waypoint_lists(plan, tmp_path / "lists")
     assert not (tmp_path / "lists").exists()
+
+
+def test_what_ardupilot_cannot_keep_is_split_or_refused(tmp_path: Path) -> None:
+    plan = two_robots(robots=("a", "b"))
+    waiting = Trajectory(
+        robot="a", times_s=[0, 10, 140_010, 140_020, 140_030], positions_m=[[0, 0], [10, 0], [10, 0], [20, 0], [0, 0]]
+    )
+    path, _ = write_waypoint_lists(replace(plan, trajectories=(waiting, plan.trajectories[1])), tmp_path / "lists")
+    loader = mavwp.MAVWPLoader()
+    loader.load(str(path))
+    items = [loader.wp(number) for number in range(loader.count())]
+    waits = [item for item in items if item.command == WAYPOINT and item.param1 > 0]
+    # 16 bits each
+    assert [item.param1 for item in waits] == [65_535, 65_535, 140_000 - 2 * 65_535]
+    assert len({(item.x, item.y, item.z) for item in waits}) == 1
+    (driven,) = plan_as_driven(replace(plan, trajectories=(waiting,)), "waypoints")
+    assert driven.loop_duration_s == pytest.approx(140_030, abs=0.01)
+    fleet = replace(plan.mission.fleet, altitude_m=83_001)
+    with pytest.raises(PlanError, match=r"robot a: a place 83001 m over .*; ArduPilot keeps at most 83000 m"):
+        write_waypoint_lists(replace(plan, mission=replace(plan.mission, fleet=fleet)), tmp_path / "high")
+    assert not (tmp_path / "high").exists()

@@ -156,7 +156,9 @@ def require_writable_folder(path: str | os.PathLike[str]) -> None:
     if target.exists() and not target.is_dir():
         raise RotaError(f"{path}: is a file; the path of a folder is needed")
     nearest = target if target.is_dir() else target.parent
-    if not nearest.is_dir():
+    if not nearest.exists():
         raise RotaError(f"{path}: there is no folder {nearest}; create it first")
+    if not nearest.is_dir():
+        raise RotaError(f"{path}: {nearest} is no folder")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise RotaError(f"{path}: cannot be written: no permission to write to {nearest}")

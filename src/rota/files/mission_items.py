@@ -24,6 +24,8 @@ FRAME_MISSION, FRAME_RELATIVE_ALTITUDE = 2, 3
 ENDLESS_REPEATS = {"ardupilot": -1, "px4": 65535}
 DEGREE_DIGITS = 9
 SAME_SPEED = 1e-6  # share by which two legs' speeds may differ before the vehicle is told; 4 ms in an hour
+MOST_HEIGHT_M = 83_000.0  # LOCATION_ALT_MAX_M: what ArduPilot's 24 bits hold of centimetres
+MOST_HOLD_S = 65_535.0  # ArduPilot keeps a hold time in 16 bits
 MOST_ITEMS = 65534  # MAVLink counts items in 16 bits, and item 0 is home
 
 
@@ -52,8 +54,10 @@ def mission_items(
     positions is taken as the altitude over the take-off point. The jump names its target by the number of the item,
     which is ``doJumpId`` in QGroundControl's plans and the sequence number where home is item 0. ArduPilot takes -1
     repeats as for ever; PX4 counts them in 16 bits without a sign and may take -1 as none, so it repeats 65,535 times.
+    A wait of more than 65,535 s becomes several waypoints at one place.
 
-    Raises PlanError for more than 65,534 items, which MAVLink cannot count.
+    Raises PlanError for more than 65,534 items, which MAVLink cannot count, and for heights above 83,000 m, which
+    ArduPilot cannot keep.
     """
     return route_items(route_of(trajectory, plan.mission.fleet.altitude_m), projection, autopilot=autopilot)
 
@@ -61,6 +65,7 @@ def mission_items(
 def route_items(route: Route, projection: Projection, *, autopilot: Autopilot) -> list[Item]:
     """The same of a route. ArduPilot keeps whole seconds of waits: what is left of one makes a leg slower."""
     if autopilot == "ardupilot":
+        _require_height(route)
         route = route_with_whole_waits(route)
     items = _Items()
     start = _on_globe([RouteStop(place_m=route.start_m, speed_m_s=None)], projection)[0].place
@@ -79,6 +84,17 @@ def route_items(route: Route, projection: Projection, *, autopilot: Autopilot) -
             f" {MOST_ITEMS} beside home"
         )
     return items.items
+
+
+def _require_height(route: Route) -> None:
+    height_m = max(
+        place_m[2] for place_m in (route.start_m, *(stop.place_m for stop in (*route.approach, *route.loop)))
+    )
+    if height_m > MOST_HEIGHT_M:
+        raise PlanError(
+            f"robot {route.robot}: a place {height_m:.6g} m over the take-off point; ArduPilot keeps at most"
+            f" {MOST_HEIGHT_M:g} m"
+        )
 
 
 def cruise_speed_m_s(trajectory: Trajectory) -> float | None:
@@ -126,9 +142,13 @@ class _Items:
         return self._speed_m_s is not None and math.isclose(speed_m_s, self._speed_m_s, rel_tol=SAME_SPEED)
 
     def add_stop(self, stop: _Stop) -> int:
-        """Add a waypoint, after the speed to reach it with."""
+        """Add a waypoint, after the speed to reach it with, and more at its place for a long wait; its number."""
         self.add_speed(stop.speed_m_s)
-        return self.add(WAYPOINT, FRAME_RELATIVE_ALTITUDE, [stop.hold_s, 0, 0, None, *stop.place])
+        left_s = stop.hold_s
+        number = self.add(WAYPOINT, FRAME_RELATIVE_ALTITUDE, [min(left_s, MOST_HOLD_S), 0, 0, None, *stop.place])
+        while (left_s := left_s - MOST_HOLD_S) > 0 and len(self.items) <= MOST_ITEMS:
+            self.add(WAYPOINT, FRAME_RELATIVE_ALTITUDE, [min(left_s, MOST_HOLD_S), 0, 0, None, *stop.place])
+        return number
 
     def add_endless_stay(self, stop: _Stop) -> None:
         """Add loitering without end."""

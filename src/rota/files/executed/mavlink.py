@@ -19,7 +19,16 @@ import numpy as np
 from rota.driven_route import driven
 from rota.errors import PlanError
 from rota.files.geodesy import Projection, projection_of
-from rota.files.mission_items import DO_CHANGE_SPEED, DO_JUMP, LOITER_UNLIMITED, TAKEOFF, WAYPOINT, Autopilot, Item
+from rota.files.mission_items import (
+    DO_CHANGE_SPEED,
+    DO_JUMP,
+    LOITER_UNLIMITED,
+    MOST_HOLD_S,
+    TAKEOFF,
+    WAYPOINT,
+    Autopilot,
+    Item,
+)
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol
 from rota.files.waypoint_list import waypoint_list_text
 from rota.plan import Plan, Trajectory
@@ -28,7 +37,6 @@ from rota.route import RouteStop
 DEGREE = 1e-7  # of MISSION_ITEM_INT
 CENTIMETRES = 100.0
 HERE_M = 0.02  # a take-off nearer than this to where the vehicle stands is that place, rounded
-MOST_HOLD_S = 65535  # what ArduPilot keeps
 
 
 def as_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
