@@ -12,7 +12,7 @@ export const NOT_YET = [170, 170, 170];
 export const EXCLUDED = [128, 128, 128];
 
 /** Okabe-Ito without yellow; dark and light in turn. On a dark ground black becomes a light grey. */
-export const ROUTES = ["#0072B2", "#E69F00", "#882255", "#009E73", "#555555", "#56B4E9", "#D55E00", "#CC79A7"];
+export const ROUTES = ["#0072B2", "#E69F00", "#882255", "#009E73", "#000000", "#56B4E9", "#D55E00", "#CC79A7"];
 export const ROUTES_DARK = ["#4FA3E0", "#E69F00", "#D07BA5", "#2CC79A", "#C9C9C9", "#8CD0F5", "#F28A4B", "#F0A8CF"];
 
 /** A colour of an image's pixel, as a little-endian 32-bit number. */

@@ -15,8 +15,8 @@ export function trace(context, polygons) {
   }
 }
 
-/** The heat map on the area. */
-export function drawHeat(stage, playback, heat, colours, opacity) {
+/** The heat map on the area, and on it what `more` draws there. */
+export function drawHeat(stage, playback, heat, colours, opacity, more) {
   const context = stage.begin("heat");
   const { mission } = playback.header;
   context.save();
@@ -30,6 +30,9 @@ export function drawHeat(stage, playback, heat, colours, opacity) {
   // the image's first row lies in the north
   context.transform(1, 0, 0, -1, x0, y0 + rows * size);
   context.drawImage(heat.canvas, 0, 0, columns * size, rows * size);
+  context.transform(1, 0, 0, -1, -x0, y0 + rows * size);
+  context.globalAlpha = 1;
+  more(context);
   context.restore();
 }
 

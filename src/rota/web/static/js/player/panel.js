@@ -2,7 +2,7 @@
 
 import { SPEEDS } from "./clock.js";
 import { NEVER, NOT_YET, css, viridis } from "./colours.js";
-import { el, freshId, labelled, section, table, ticked } from "./elements.js";
+import { el, labelled, section, table, ticked } from "./elements.js";
 import { area, count, percent, plain, reading, seconds } from "./text.js";
 
 const MOST_BUTTONS = 60; // robots with a row each; of more, one is chosen from a list
@@ -81,7 +81,7 @@ export class Panel {
     const view = el(
       "div",
       { class: "rota-view", role: "group", "aria-label": "View" },
-      labelled("Colours show", this.mode),
+      modes.length > 1 ? labelled("Colours show", this.mode) : null,
       this.legend,
       el("div", { class: "rota-row" }, tick("footprints", "Footprints"), tick("routes", "Routes"), tick("trails", "Trails")),
     );
@@ -106,7 +106,7 @@ export class Panel {
       worst: () => [scale("0", "1 period"), swatch("rota-late", "longer"), swatch("rota-never", "never seen", NEVER)],
       lapse: () => [scale("lapses at once", "after 2 periods"), swatch("rota-calm", "on time without them")],
       entries: () => [scale("1", `${this.playback.header.cells?.most} times`), swatch("", "entered later: faint")],
-      none: () => [],
+      none: () => (this.player.coversGround ? [swatch("rota-covered", "in range of some robot")] : []),
     };
     this.legend.replaceChildren(...keys[mode]());
   }
@@ -256,4 +256,3 @@ function localNow() {
   return new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString().slice(0, 19);
 }
 
-export { freshId };

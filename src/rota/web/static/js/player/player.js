@@ -6,7 +6,7 @@ import { ON_TIME, lapsesFrom } from "./ages.js";
 import { CoverageChart } from "./chart.js";
 import { Clock } from "./clock.js";
 import { NO_CELL, contains } from "./playback.js";
-import { drawGround, drawHeat, drawMoving } from "./ground.js";
+import { drawGround, drawHeat, drawMoving, trace } from "./ground.js";
 import { HeatMap } from "./heat.js";
 import { Losses } from "./losses.js";
 import { Panel } from "./panel.js";
@@ -222,6 +222,11 @@ export class Player extends EventTarget {
     return lapsesFrom(this.playback, from, this.losses.stops);
   }
 
+  /** Whether robots that spread are shown, with the ground that they have in range. */
+  get coversGround() {
+    return this.playback.header.coverage?.what === "ground in range";
+  }
+
   // ------------------------------------------------------------ frames
 
   _changed() {
@@ -259,12 +264,15 @@ export class Player extends EventTarget {
       drawGround(stage, playback, palette, this.shown, losses.lost);
     }
     this.heat.paint(this.mode, clock.time, losses.stops, losses.lapses);
-    drawHeat(stage, playback, this.heat, palette, this.opacity);
-    const context = stage.begin("moving");
+    this.robots.move(clock.time, losses.lost);
     const pixel = 1 / stage.pixelsPerMetre;
+    drawHeat(stage, playback, this.heat, palette, this.opacity, (context) => {
+      if (this.shown.footprints) this.robots.drawFootprints(context, palette, pixel);
+    });
+    const context = stage.begin("moving");
     this._drawVisits(context, pixel);
     drawMoving(context, playback.header.mission, clock.time, palette, pixel);
-    this.robots.draw(stage, context, clock.time, losses.lost, this.shown, palette, this.chosenRobot);
+    this.robots.draw(stage, context, this.shown, palette, this.chosenRobot);
     this._drawMark(stage, pixel);
   }
 
@@ -279,11 +287,7 @@ export class Player extends EventTarget {
       this.lateVisits.push(name);
       const { shape } = header.mission.zones.find((zone) => zone.name === name);
       context.save();
-      context.beginPath();
-      for (const polygon of shape) for (const ring of polygon) {
-        ring.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
-        context.closePath();
-      }
+      trace(context, shape);
       context.fillStyle = "rgb(228 0 58 / 0.5)";
       context.fill("evenodd");
       context.strokeStyle = this._colours.danger;

@@ -4,6 +4,7 @@ import { write } from "./ground.js";
 
 const MOST_CUT = 24; // robots whose footprints are cut by walls
 const MOST_NAMED = 60;
+const MOST_EDGED = 200; // robots whose footprints have a line round them
 const LEAST_PIXELS = 4.5; // radius of a robot, so that it can be seen and hit
 const TRAIL_SHARE = 0.15; // of the longest loop, or of the way to rest
 const BUMP_SHOWN_S = 4;
@@ -23,18 +24,28 @@ export class Robots {
     this.many = playback.robots.length > MOST_NAMED;
   }
 
-  /** Draws all of them at a time. `lost`: from when on robots are lost, by number. `chosen`: one to mark, or -1. */
-  draw(stage, context, time, lost, shown, colours, chosen) {
-    const groups = this._groups(time, lost);
-    const pixel = 1 / stage.pixelsPerMetre;
-    if (shown.footprints) this._footprints(context, groups, colours, pixel);
-    if (shown.trails && !this.many) this._trails(context, groups.present, time, colours, pixel);
-    if ("turn_time_s" in this.playback.arrays) this._bumps(context, time, lost, colours, pixel);
-    this._bodies(stage, context, groups, colours, pixel, chosen);
+  /** Moves all robots to a time. `lost`: from when on robots are lost, by number. */
+  move(time, lost) {
+    this._time = time;
+    this._lost = lost;
+    this._groups = this._grouped(time, lost);
   }
 
-  /** Moves all robots to a time; tells who takes part, who is away and who is lost. */
-  _groups(time, lost) {
+  /** Draws what they see. */
+  drawFootprints(context, colours, pixel) {
+    this._footprints(context, this._groups, colours, pixel);
+  }
+
+  /** Draws trails, bumps and the robots themselves. `chosen`: one to mark, or -1. */
+  draw(stage, context, shown, colours, chosen) {
+    const pixel = 1 / stage.pixelsPerMetre;
+    if (shown.trails && !this.many) this._trails(context, this._groups.present, this._time, colours, pixel);
+    if ("turn_time_s" in this.playback.arrays) this._bumps(context, this._time, this._lost, colours, pixel);
+    this._bodies(stage, context, this._groups, colours, pixel, chosen);
+  }
+
+  /** Who takes part, who is away and who is lost, and at which height each is. */
+  _grouped(time, lost) {
     const groups = { present: [], away: [], lost: [], heights: [] };
     for (let k = 0; k < this.playback.robots.length; k++) {
       const gone = lost.get(k) ?? Infinity;
@@ -50,9 +61,10 @@ export class Robots {
 
   _footprints(context, { present, heights }, colours, pixel) {
     const { robots } = this.playback;
-    const cut = this.walls.edges.length > 0 && present.length <= MOST_CUT;
+    const many = present.length > MOST_CUT || this.playback.header.coverage?.what === "ground in range";
+    const cut = this.walls.edges.length > 0 && !many;
     context.lineWidth = pixel;
-    if (!cut && present.length > MOST_CUT) {
+    if (many) {
       this._manyFootprints(context, present, heights, colours);
       return;
     }
@@ -80,40 +92,43 @@ export class Robots {
     }
     context.fillStyle = colours.covered;
     context.fill("nonzero");
+    if (present.length > MOST_EDGED) return;
     context.strokeStyle = colours.coveredEdge;
-    if (present.length <= 200) context.stroke();
+    context.stroke();
   }
 
   _trails(context, present, time, colours, pixel) {
-    const { corner_offsets: offsets, corner_time_s: times } = this.playback.arrays;
     context.lineWidth = 3.5 * pixel;
     context.lineCap = "round";
     context.lineJoin = "round";
+    context.globalAlpha = 0.55;
     for (const k of present) {
-      const robot = this.playback.robots[k];
-      const from = Math.max(0, time - this._trail);
-      const marks = [from];
-      const turn = robot.end_s - robot.loop_start_s;
-      const local = this.playback.localTime(k, time);
-      const later = time - local;
-      for (const shift of robot.loops ? [later - turn, later] : [0]) {
-        for (let i = offsets[k]; i < offsets[k + 1]; i++) {
-          if (robot.loops && shift > 0 && times[i] < robot.loop_start_s) continue;
-          const at = times[i] + shift;
-          if (at > from && at < time && (shift === later || !robot.loops || at >= 0)) marks.push(at);
-        }
-      }
-      marks.push(time);
       context.beginPath();
-      for (const mark of marks) {
+      for (const mark of this._marksOf(k, Math.max(0, time - this._trail), time)) {
         this.playback.place(k, mark, this._at);
         context.lineTo(this._at.x, this._at.y);
       }
       context.strokeStyle = colours.routes[k % colours.routes.length];
-      context.globalAlpha = 0.55;
       context.stroke();
     }
     context.globalAlpha = 1;
+  }
+
+  /** Two times and those of a robot's corners in between. */
+  _marksOf(k, from, to) {
+    const { corner_offsets: offsets, corner_time_s: times } = this.playback.arrays;
+    const robot = this.playback.robots[k];
+    const later = to - this.playback.localTime(k, to);
+    const marks = [from];
+    // a trail is shorter than a loop, so it lies in this turn and the one before
+    for (const shift of robot.loops && later > 0 ? [later - (robot.end_s - robot.loop_start_s), later] : [0]) {
+      for (let i = offsets[k]; i < offsets[k + 1]; i++) {
+        const at = times[i] + shift;
+        if (at > from && at < to && (shift === 0 || times[i] >= robot.loop_start_s)) marks.push(at);
+      }
+    }
+    marks.push(to);
+    return marks;
   }
 
   /** Rings where robots have turned in the last seconds: they have bumped, or their clock told them to. */

@@ -5,9 +5,14 @@ export function seconds(value) {
   if (value === null || value === Infinity) return "never";
   if (value < 0) return `−${seconds(-value)}`;
   if (value < 99.95) return `${plain(value)} s`;
-  if (value < 3599.5) return `${Math.floor(Math.round(value) / 60)} min ${Math.round(value) % 60} s`;
-  const minutes = Math.round(value / 60);
-  return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  if (value < 3599.5) return both(Math.round(value), 60, "min", "s");
+  return both(Math.round(value / 60), 60, "h", "min");
+}
+
+/** A whole number as so many of a large unit and the rest in a small one. */
+function both(whole, each, large, small) {
+  const rest = whole % each ? ` ${whole % each} ${small}` : "";
+  return `${Math.floor(whole / each)} ${large}${rest}`;
 }
 
 /** A clock's reading: 3:05.2, or 1:03:05 from an hour on. */

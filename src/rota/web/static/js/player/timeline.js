@@ -1,6 +1,6 @@
 /** One place's own line of time: who saw it when, how long it waited in between, and how long it may wait. */
 
-import { ON_TIME, joined, sightingsBetween } from "./ages.js";
+import { ON_TIME, agesInto, joined, sightingsBetween } from "./ages.js";
 import { el, freshId, svg, table } from "./elements.js";
 import { NO_CELL } from "./playback.js";
 import { plain, reading, seconds } from "./text.js";
@@ -25,9 +25,8 @@ export function timelineOf(playback, entry, time, stops, seek) {
   const demand = playback.demands[playback.arrays.cell_demand[entry]];
   const from = Math.max(0, time - 1.5 * period);
   const to = Math.max(time, from) + 1.5 * period;
-  const sightings = sightingsBetween(playback, entry, from - period, to + period, stops);
-  const spans = joined(sightings);
-  const gaps = spans.slice(1).map((span, k) => ({ start: spans[k].end, end: span.start }));
+  const sightings = sightingsBetween(playback, entry, lastSeen(playback, entry, from, stops), to + period, stops);
+  const gaps = gapsOf(joined(sightings), to + period);
   const [x, y] = playback.middleOf(entry);
   const visit = playback.arrays.cell_index[entry] === NO_CELL;
   const worst = playback.arrays.cell_worst[entry] * period;
@@ -42,8 +41,22 @@ export function timelineOf(playback, entry, time, stops, seek) {
   );
 }
 
+/** When a place was seen last before a time; that time itself if it never was. */
+function lastSeen(playback, entry, time, stops) {
+  const age = agesInto(playback, time, stops, new Float64Array(playback.entries))[entry];
+  return age === Infinity ? time : time - age - 1e-6;
+}
+
+/** The waits between sightings; the last one goes on. */
+function gapsOf(spans, until) {
+  const gaps = spans.slice(1).map((span, k) => ({ start: spans[k].end, end: span.start }));
+  const last = spans.at(-1)?.end ?? Infinity;
+  return last < until ? [...gaps, { start: last, end: until }] : gaps;
+}
+
 function drawing(playback, sightings, gaps, { from, to, time, period }, seek) {
-  const names = [...new Set(sightings.map(({ robot }) => robot))].sort((a, b) => a - b).slice(0, MOST_ROWS);
+  const inside = sightings.filter(({ start, end }) => end >= from && start <= to);
+  const names = [...new Set(inside.map(({ robot }) => robot))].sort((a, b) => a - b).slice(0, MOST_ROWS);
   const height = TOP + names.length * ROW + GAPS + 18;
   const across = (moment) => ((moment - from) / (to - from)) * WIDTH;
   const low = TOP + names.length * ROW;
@@ -51,7 +64,7 @@ function drawing(playback, sightings, gaps, { from, to, time, period }, seek) {
   names.forEach((robot, row) => {
     const y = TOP + row * ROW;
     parts.push(svg("line", { class: "rota-lane", x1: 0, x2: WIDTH, y1: y + ROW / 2, y2: y + ROW / 2 }));
-    for (const { start, end } of sightings.filter((sight) => sight.robot === robot)) {
+    for (const { start, end } of inside.filter((sight) => sight.robot === robot)) {
       const width = Math.max(across(end) - across(start), 2);
       parts.push(svg("rect", { class: `rota-sight rota-route-${robot % 8}`, x: across(start), y: y + 3, width, height: ROW - 6 }));
     }
