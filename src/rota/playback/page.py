@@ -36,15 +36,15 @@ def write_page(plan: Plan, report: Report, path: str | Path) -> None:
         partial.write_text(page_text(plan, report), encoding="utf-8", newline="\n")
 
 
-def page_text(plan: Plan, report: Report) -> str:
-    """The page: title, verdict and demands as text, then the map for browsers that run scripts."""
+def page_text(plan: Plan, report: Report, cells: int = CELLS) -> str:
+    """The page: title, verdict and demands as text, then the map for browsers that run scripts; cells: the most."""
     leaflet = (STATIC / "vendor" / "leaflet" / "leaflet.js").read_text(encoding="utf-8")
     scripts = [_in_script(leaflet), json.dumps({"imports": _modules()}), START]
     hashes = " ".join(f"'sha256-{_hash(script)}'" for script in scripts)
     policy = f"default-src 'none'; script-src {hashes} data:; style-src 'unsafe-inline'; img-src data: blob:"
     style = "\n".join(PICTURE.sub("none", (STATIC / name).read_text(encoding="utf-8")) for name in STYLES)
     name = escape(plan.mission.name)
-    packed = base64.b64encode(_packed_playback(plan, report)).decode()
+    packed = base64.b64encode(_packed_playback(plan, report, cells)).decode()
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -73,9 +73,8 @@ def page_text(plan: Plan, report: Report) -> str:
 """
 
 
-def _packed_playback(plan: Plan, report: Report) -> bytes:
+def _packed_playback(plan: Plan, report: Report, cells: int) -> bytes:
     """The playback by gzip, with fewer cells where it would be larger than ``MOST_BYTES``."""
-    cells = CELLS
     while True:
         packed = gzip.compress(playback_of(plan, report, cells), mtime=0)
         if len(packed) <= MOST_BYTES or cells <= FEWEST_CELLS:

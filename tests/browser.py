@@ -1,0 +1,52 @@
+"""Debian's chromium for tests marked ``browser``; they are skipped where it or playwright is missing."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+OF_THIS_PAGE = ("file:", "data:", "blob:")
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """One browser for all tests of a process, without a window."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    found = shutil.which("chromium")
+    if found is None:
+        pytest.skip("chromium is not installed")
+    with sync_api.sync_playwright() as playwright:
+        # as root, chromium runs without its sandbox only
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def offline_page(chromium: Browser) -> Iterator[Page]:
+    """A fresh page without a network; in the end nothing may have been asked of one, and no script may have failed."""
+    context = chromium.new_context(offline=True, viewport={"width": 1200, "height": 900})
+    page = context.new_page()
+    faults: list[str] = []
+    page.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("request", lambda request: None if request.url.startswith(OF_THIS_PAGE) else faults.append(request.url))
+    yield page
+    context.close()
+    assert faults == []
+
+
+def until(page: Page, expression: str, within_s: float = 20.0) -> None:
+    """Wait until an expression of JavaScript is true; playwright's own wait needs eval, which pages forbid."""
+    ends = time.monotonic() + within_s
+    while not page.evaluate(expression):
+        if time.monotonic() > ends:
+            raise AssertionError(f"{expression} did not become true within {within_s:g} s")
+        page.wait_for_timeout(20)

@@ -1,0 +1,201 @@
+"""The player in a browser against Python, in pages that are opened from disk without a network."""
+
+from __future__ import annotations
+
+import gzip
+import re
+from base64 import b64decode
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from tests.browser import chromium as chromium, offline_page as offline_page, until
+from tests.draw.conftest import loop
+from tests.live.two_robots import two_robots
+from tests.playback.plans import spreading, yard
+from tests.playback.reference import ages_s
+
+from rota import Plan, check_plan
+from rota.mission import MovingObstacle
+from rota.playback.container import unpacked
+from rota.playback.page import page_text
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+pytestmark = pytest.mark.browser
+
+Open = Callable[[Plan], Any]
+AGES = """([times, lost]) => {
+  const { playback } = rotaPlayer;
+  rotaPlayer.losses.lost = new Map(lost);
+  return Promise.all(times.map(async (time) => {
+    const { agesInto, stopsOf } = await import("rota/ages.js");
+    return [...agesInto(playback, time, stopsOf(playback, new Map(lost)), new Float64Array(playback.entries))];
+  }));
+}"""
+
+
+def plans() -> dict[str, Plan]:
+    drifting = two_robots()
+    ways = (drifting.trajectories[0], loop("b", [(99, 1), (70, 1), (70, 3), (99, 3)], 4.3))
+    floor = spreading()
+    cart = MovingObstacle(radius_m=0.5, times_s=(0, 8), positions_m=((1, 1), (19, 1)))
+    return {
+        "yard": yard(),
+        "lane": two_robots(),
+        "drifting": replace(drifting, trajectories=ways),
+        "floor": replace(floor, mission=replace(floor.mission, moving_obstacles=(cart,))),
+    }
+
+
+@pytest.fixture
+def opened(offline_page: Page, tmp_path: Path) -> Open:
+    """Opens the page of a plan from disk; returns the playback that it holds."""
+
+    def open_page(plan: Plan) -> Any:
+        file = tmp_path / "plan.html"
+        file.write_text(page_text(plan, check_plan(plan), cells=2000), encoding="utf-8")
+        offline_page.goto(file.as_uri())
+        until(offline_page, "Boolean(window.rotaPlayer)")
+        packed = offline_page.locator("#playback").text_content()
+        return unpacked(gzip.decompress(b64decode(packed or "")))
+
+    return open_page
+
+
+@pytest.mark.parametrize("name", plans())
+def test_ages_in_the_browser_are_those_of_python(opened: Open, offline_page: Page, name: str) -> None:
+    header, arrays = opened(plans()[name])
+    end_s = header["clock"]["end_s"]
+    times_s = [0.0, 1.7, 0.31 * end_s, end_s, 3.3 * end_s + 0.123]
+    some = np.arange(0, len(arrays["cell_index"]), max(1, len(arrays["cell_index"]) // 300))
+    some = np.union1d(some, np.flatnonzero(arrays["cell_index"] == 0xFFFFFFFF))
+    thinned = only(arrays, some)
+    for lost in ({}, {0: 0.4 * end_s}):
+        told = offline_page.evaluate(AGES, [times_s, [[robot, when_s] for robot, when_s in lost.items()]])
+        for time_s, ages in zip(times_s, told, strict=True):
+            mine = np.array([np.inf if age is None else age for age in ages], np.float64)[some]
+            assert mine == pytest.approx(ages_s(header, thinned, time_s, lost), abs=1e-6 * max(1.0, time_s)), time_s
+
+
+def only(arrays: dict[str, Any], some: Any) -> dict[str, Any]:
+    """The arrays of some entries alone."""
+    rows = [np.arange(arrays["sight_offsets"][entry], arrays["sight_offsets"][entry + 1]) for entry in some]
+    kept = np.concatenate(rows).astype(int)
+    offsets = np.cumsum([0, *map(len, rows)])
+    sights = {name: arrays[name][kept] for name in ("sight_robot", "sight_start_s", "sight_end_s", "sight_loops")}
+    return {"cell_index": arrays["cell_index"][some], "sight_offsets": offsets, **sights}
+
+
+def test_a_lost_robot_shows_what_lapses_and_undo_takes_it_back(opened: Open, offline_page: Page) -> None:
+    header, arrays = opened(two_robots())
+    page = offline_page
+    page.evaluate("rotaPlayer.seek(100)")
+    page.get_by_role("button", name="Lost: b").click()
+    lapses = page.evaluate("rotaPlayer.losses.zones")
+    told = {header["demands"][zone["demand"]]["name"]: zone for zone in lapses}
+    # alone, a passes the end of the lane every 40 s and the gate every 20 s; the zone left asks for 25 s
+    assert set(told) == {"left"}
+    period_s = 25.0
+    ages, entries = (
+        ages_s(header, arrays, 100.0),
+        arrays["cell_demand"]
+        == list(header["demands"]).index(next(demand for demand in header["demands"] if demand["name"] == "left")),
+    )
+    assert told["left"]["first"] == pytest.approx(first_lapse_s(header, arrays, entries, period_s), abs=0.051)
+    assert told["left"]["area"] == pytest.approx(2.0, rel=0.3)
+    assert ages[entries].max() < period_s
+    assert page.get_by_role("heading", name="Lost robots").is_visible()
+    page.get_by_role("button", name="left").last.click()
+    assert page.evaluate("rotaPlayer.clock.time") == pytest.approx(told["left"]["first"])
+    page.keyboard.press("Shift+ArrowRight")
+    until(page, "document.querySelector('.rota-late-now').textContent.includes('of left')")
+    page.get_by_role("button", name="Undo").click()
+    assert page.evaluate("rotaPlayer.losses.zones") == []
+    assert not page.get_by_role("heading", name="Lost robots").is_visible()
+
+
+def first_lapse_s(header: Any, arrays: Any, entries: Any, period_s: float) -> float:
+    """When the first of some entries is older than its period, without robot 1 from 100 s on, looked up in steps."""
+    thinned = only(arrays, np.flatnonzero(entries))
+    for time_s in np.arange(100.0, 160.0, 0.05):
+        if (ages_s(header, thinned, float(time_s), {1: 100.0}) > period_s).any():
+            return float(time_s)
+    return np.inf
+
+
+def test_the_controls_work_by_keyboard_and_name(opened: Open, offline_page: Page) -> None:
+    opened(yard())
+    page = offline_page
+    page.keyboard.press("Space")
+    until(page, "rotaPlayer.clock.time > 0.5")
+    page.keyboard.press("Space")
+    assert page.get_by_role("button", name="Play").is_visible()
+    page.get_by_role("button", name="Back to the beginning").click()
+    page.locator("body").press("ArrowRight")
+    assert page.evaluate("rotaPlayer.clock.time") == pytest.approx(1.0)
+    page.get_by_label("Time", exact=True).fill("50")
+    assert page.evaluate("rotaPlayer.clock.time") == pytest.approx(50.0)
+    page.get_by_label("Speed").select_option("100")
+    assert page.evaluate("rotaPlayer.clock.speed") == 100
+    page.get_by_label("Colours show").select_option("worst")
+    page.get_by_label("Footprints").uncheck()
+    assert page.evaluate("[rotaPlayer.mode, rotaPlayer.shown.footprints]") == ["worst", False]
+    page.get_by_label("On the clock").check()
+    now_s = "(Date.now() - new Date(document.querySelector('input[type=datetime-local]').value)) / 1000"
+    until(page, f"Math.abs(rotaPlayer.clock.time - {now_s}) < 1")
+    page.get_by_role("button", name="shed").click()
+    assert "Zone shed, to be visited: at least once in 90 s" in page.locator(".rota-section").all_inner_texts()[2]
+
+
+def test_a_click_on_the_map_finds_the_place_and_the_robot(opened: Open, offline_page: Page) -> None:
+    header, _ = opened(yard())
+    page = offline_page
+    page.evaluate("rotaPlayer.seek(20)")
+    until(page, "rotaPlayer.robots.places[8] !== 0")
+    box = page.locator("#map").bounding_box()
+    assert box
+    for (x, y), chosen in (((60.0, 90.0), "chosenEntry"), ((20.0, 50.0), "chosenRobot")):
+        px, py = page.evaluate(f"rotaPlayer._stage.toPixels({x}, {y})")
+        page.mouse.click(box["x"] + px, box["y"] + py)
+        found = page.evaluate(f"rotaPlayer.{chosen}")
+        assert found >= 0
+        if chosen == "chosenRobot":
+            assert header["robots"][found]["name"] == "robot-5"
+        else:
+            half = header["grid"]["cell_m"] / 2
+            assert page.evaluate(f"rotaPlayer.playback.middleOf({found})") == pytest.approx([x, y], abs=half + 0.5)
+    assert "Place (6" in page.locator(".rota-player").inner_text()
+
+
+def test_a_violation_leads_to_its_place_and_time(opened: Open, offline_page: Page) -> None:
+    plan = yard()
+    fast = replace(plan, mission=replace(plan.mission, fleet=replace(plan.mission.fleet, speed_m_s=9)))
+    header, _ = opened(fast)
+    wrong = next(v for v in header["report"]["violations"] if v["time_s"] and v["place_m"])
+    offline_page.get_by_role("button", name=wrong["text"]).click()
+    assert offline_page.evaluate("rotaPlayer.clock.time") == pytest.approx(wrong["time_s"])
+    assert offline_page.evaluate("rotaPlayer._mark") == pytest.approx(wrong["place_m"])
+
+
+def test_the_page_reads_without_scripts_and_no_name_becomes_markup(opened: Open, offline_page: Page) -> None:
+    plan = yard()
+    text = page_text(plan, check_plan(plan), cells=100)
+    assert "</script><b>&pond" not in text
+    assert "&lt;/script&gt;&lt;b&gt;&amp;pond" in text
+    assert not re.search(r"(?:src|href)=|url\(|@import", re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL))
+    opened(plan)
+    assert offline_page.locator("b").count() == 0
+    assert offline_page.get_by_role("button", name="</script><b>&pond").is_visible()
+    context = offline_page.context.browser.new_context(java_script_enabled=False, offline=True)  # type: ignore[union-attr]
+    page = context.new_page()
+    page.goto(offline_page.url)
+    words = page.locator("body").inner_text()
+    assert "The map needs JavaScript" in words
+    assert "5 robots; no plan with fewer than 2 exists, proved. Verdict: violated." in words
+    assert "</script><b>&pond" in words
+    context.close()
