@@ -15,16 +15,17 @@ from rota.planners.swarm.nodes.telling import write_telling
 @pytest.mark.parametrize("drift", [0.0, 1e-4, -1e-4])
 def test_a_telling_is_dated_no_sooner_than_it_was_told_and_no_later_than_the_promptest(drift: float) -> None:
     rng, clocks, errors_s = random.Random(5), Clocks(shared=False), []
+    read = []
     for k in range(2000):
         told_s = 0.1 * k
-        late_s = 0.002 + (rng.random() * 0.4 if k % 5 else 0.0)  # one in five is prompt
-        sender_ns = round((told_s * (1 + drift) - 5000.0 + 1e4) * S)
-        telling = GOOD._replace(told_ns=sender_ns)
-        clocks.hear(telling, round((told_s + late_s) * S))
+        read.append((told_s + 0.002 + (rng.random() * 0.4 if k % 5 else 0.0), told_s))  # one in five is prompt
+    for read_s, told_s in sorted(read):
+        telling = GOOD._replace(told_ns=round((told_s * (1 + drift) + 5000.0) * S))
+        clocks.hear(telling, round(read_s * S))
         errors_s.append(clocks.own(telling).told_ns / S - told_s)
     assert min(errors_s) >= -1e-8
-    # a prompt one was told up to 0.4 s before and this one is up to 0.4 s late: what may drift and does, in that time
-    assert max(errors_s) <= 0.002 + 0.8 * 3e-4 + 1e-8
+    # a prompt one was read up to 0.5 s before: what may drift and does, in that time
+    assert max(errors_s) <= 0.002 + 0.5 * 3e-4 + 1e-8
 
 
 def test_a_clock_that_all_share_is_left_as_it_is() -> None:
