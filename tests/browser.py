@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 OF_THIS_PAGE = ("file:", "data:", "blob:")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:
-    """One browser for all tests of a process, without a window."""
+    """One browser for all tests of a module, without a window; while it is open, no test can run an event loop."""
     sync_api = pytest.importorskip("playwright.sync_api")
     found = shutil.which("chromium")
     if found is None:

@@ -1,28 +1,28 @@
 /** A mission in metres as one in longitude and latitude, and back. */
 
 import { round7, toDegrees, toMetres } from "../geodesy.js";
-import { isOrigin, middleOf } from "./frame.js";
-import { isEditable, shapesOf, withGeometry } from "./shapes.js";
+import { middleOf } from "./frame.js";
+import { isEditable, listAt, shapesOf, withGeometry } from "./shapes.js";
 
 const MILLIMETRES = 1000;
 
-/** Whether a document can be written the other way: shapes of other files stay as they are written there. */
+/** Whether a document can be written the other way: shapes of other files, and obstacles that move, stay as written. */
 export function canConvert(document) {
-  return shapesOf(document).every(isEditable);
+  return shapesOf(document).every(isEditable) && listAt(document, ["moving_obstacles"]).length === 0;
 }
 
-/** The document in WGS84; its metres count from an origin. */
+/** The document in WGS84; its metres counted from an origin. The area's middle is the origin then. */
 export function inDegrees(document, origin) {
   const point = ([x, y]) => toDegrees(origin, x, y).map(round7);
-  return { ...converted(document, point), coordinates: "wgs84", origin: { lat: origin.lat, lon: origin.lon } };
+  const { origin: _, ...rest } = converted(document, point);
+  return { ...rest, coordinates: "wgs84" };
 }
 
-/** The document in metres about its origin, or about the middle of its shapes. */
+/** The document in metres about the middle of its area. */
 export function inMetres(document) {
-  const origin = isOrigin(document.origin) ? document.origin : middleOf(document);
+  const origin = middleOf(document);
   if (origin === null) {
-    const { origin: _, ...rest } = document;
-    return { ...rest, coordinates: "metres" };
+    return { ...document, coordinates: "metres" };
   }
   const point = ([lon, lat]) => toMetres(origin, lon, lat).map((value) => Math.round(value * MILLIMETRES) / MILLIMETRES);
   return { ...converted(document, point), coordinates: "metres", origin };

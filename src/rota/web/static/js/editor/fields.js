@@ -128,14 +128,20 @@ export class Fields {
   }
 }
 
-/** Rebuilds a part of the page and puts the focus back where it was, by the path of the field or the name of the button. */
+/**
+ * Rebuilds a part of the page: the focus goes back where it was, by the path of the field or the name of the button, and
+ * what was unfolded stays unfolded.
+ */
 export function keepingFocus(section, rebuild) {
   const active = /** @type {HTMLElement|null} */ (document.activeElement);
   const mark = active !== null && section.contains(active) ? (active.dataset.path ?? active.dataset.mark) : undefined;
+  const unfolded = [...section.querySelectorAll("details[open] > summary")].map((summary) => summary.textContent);
   rebuild();
+  for (const summary of section.querySelectorAll("details > summary")) {
+    summary.parentElement.open ||= unfolded.includes(summary.textContent);
+  }
   if (mark !== undefined) {
     const again = [...section.querySelectorAll("[data-path], [data-mark]")];
-    const found = /** @type {HTMLElement|undefined} */ (again.find((element) => (element.dataset.path ?? element.dataset.mark) === mark));
-    found?.focus();
+    again.find((element) => (element.dataset.path ?? element.dataset.mark) === mark)?.focus();
   }
 }

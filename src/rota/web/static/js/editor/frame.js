@@ -32,7 +32,7 @@ export class Frame {
     if (before !== null && before.coordinates === "wgs84") {
       return before;
     }
-    return new Frame("wgs84", given ?? middleOf(document) ?? { lat: 0, lon: 0 }, tiled);
+    return new Frame("wgs84", middleOf(document) ?? { lat: 0, lon: 0 }, tiled);
   }
 
   /** The map's place of a point of the document. */
@@ -82,9 +82,11 @@ export function isOrigin(value) {
   return typeof value?.lat === "number" && typeof value?.lon === "number";
 }
 
-/** The centre of a document's shapes in degrees; null without shapes. */
+/** The centre of a document's area in degrees, where its local metres begin; of all shapes without an area, else null. */
 export function middleOf(document) {
-  const points = shapesOf(document).flatMap((shape) => pointsOf(shape.geometry));
+  const shapes = shapesOf(document);
+  const area = shapes.filter((shape) => shape.kind === "area" && pointsOf(shape.geometry).length > 0);
+  const points = (area.length > 0 ? area : shapes).flatMap((shape) => pointsOf(shape.geometry));
   const good = points.filter(([lon, lat]) => Math.abs(lon) <= 180 && Math.abs(lat) <= 90);
   if (good.length === 0) {
     return null;

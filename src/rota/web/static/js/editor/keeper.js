@@ -16,7 +16,7 @@ export class Keeper extends EventTarget {
     this.store = store;
     /** @type {string|null} */
     this.id = null;
-    this.source = {}; // what a mission that is not yet on the server comes with: an upload or an example
+    this.source = {}; // what a mission that is not yet on the server comes with: {upload}, or {example, as: its document}
     this.saved = null; // the document as the server has it
     /** @type {SavedState} */
     this.state = "new";
@@ -78,13 +78,12 @@ export class Keeper extends EventTarget {
     this.set("saving");
     try {
       if (before === null) {
-        const { id } = await api.createMission({ document, ...this.source });
-        [this.id, this.source] = [id, {}];
+        this.saved = await this.create(document);
       } else {
         await api.saveMission(before, document);
+        this.saved = document;
       }
-      this.saved = document;
-      this.set(this.store.document === document ? "saved" : "unsaved");
+      this.set(this.store.document === this.saved ? "saved" : "unsaved");
       if (before === null) {
         this.dispatchEvent(new Event("named"));
       }
@@ -96,6 +95,14 @@ export class Keeper extends EventTarget {
       this.set("failed");
       throw error;
     }
+  }
+
+  /** Makes the mission on the server; resolves to the document that it has then. An example is kept as it is first. */
+  async create(document) {
+    const { example, as, ...others } = this.source;
+    const { id } = await api.createMission(example === undefined ? { document, ...others } : { example });
+    [this.id, this.source] = [id, {}];
+    return example === undefined ? document : as;
   }
 
   /** @param {SavedState} state */

@@ -33,7 +33,7 @@ export class MissionForm {
       "div",
       { class: "fields" },
       fields.text(["name"], "Name"),
-      fields.number(["period_s"], "Period", { unit: "s", empty: null, help: "Every point outside zones is seen at least so often. Empty: nothing is asked there." }),
+      fields.number(["period_s"], "Period", { unit: "s", empty: null, help: "Every point is seen at least so often. Empty: nothing is asked." }),
     );
     const place = el("details", {}, el("summary", {}, "Coordinates, hidden ground"), el("div", { class: "fields" }, ...this.placeFields(document)));
     this.section.replaceChildren(el("h2", {}, "Mission"), general, place);
@@ -44,13 +44,13 @@ export class MissionForm {
     const unseeable = fields.choice(["unseeable"], "Ground that nobody can see", { exclude: "leave it out", refuse: "do not plan" });
     const parts = [unseeable, this.coordinates(document)];
     if (document.coordinates === "wgs84") {
-      parts.push(el("p", { class: "field-help" }, "Shapes are kept as longitude and latitude, and shown in metres about the mission's middle."));
+      parts.push(el("p", { class: "field-help" }, "Shapes are kept as longitude and latitude, and shown in metres about the area's middle."));
+    } else {
+      parts.push(
+        fields.number(["origin", "lat"], "Origin: latitude", { unit: "°", help: "Where on the globe (0, 0) lies: for exports with places on the globe." }),
+        fields.number(["origin", "lon"], "Origin: longitude", { unit: "°" }),
+      );
     }
-    const needed = document.coordinates === "wgs84" ? "" : "Needed for exports with places on the globe.";
-    parts.push(
-      fields.number(["origin", "lat"], "Origin: latitude", { unit: "°", help: needed }),
-      fields.number(["origin", "lon"], "Origin: longitude", { unit: "°" }),
-    );
     if (document.origin !== undefined && document.origin !== null) {
       parts.push(button("No origin", () => this.apply(withValue(this.fields.store.document, ["origin"], undefined))));
     }
@@ -65,7 +65,7 @@ export class MissionForm {
     const options = { metres: "metres", wgs84: "longitude, latitude (WGS84)" };
     const select = el("select", {}, ...Object.entries(options).map(([value, name]) => el("option", { value }, name)));
     select.disabled = !canConvert(document);
-    const help = select.disabled ? "Shapes from other files keep their coordinates." : "Shapes are converted when you change it.";
+    const help = select.disabled ? "Shapes from other files, and moving obstacles, keep their coordinates." : "Shapes are converted when you change it.";
     select.addEventListener("change", () => this.convert(select));
     return this.fields.custom(["coordinates"], "Coordinates", select, (value) => (select.value = value ?? "metres"), { help });
   }

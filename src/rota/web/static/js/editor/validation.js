@@ -26,6 +26,7 @@ export class Validation extends EventTarget {
 
   async ask() {
     this.later.cancel();
+    this.tell("asking");
     this.running?.abort();
     const running = new AbortController();
     this.running = running;

@@ -4,6 +4,7 @@ import { button, el } from "../dom.js";
 import { messageOf } from "../notices.js";
 
 const MOST_SHOWN = 20;
+const NOTHING_DRAWN = "Draw the area that robots are to watch: press Area above the map, then click its corners.";
 
 /**
  * @param {HTMLElement} section
@@ -13,7 +14,14 @@ const MOST_SHOWN = 20;
  */
 export function startVerdict(section, validation, goTo, isEmpty) {
   const show = (...boxes) => section.replaceChildren(...boxes);
-  validation.addEventListener("asking", () => section.setAttribute("aria-busy", "true"));
+  validation.addEventListener("asking", () => {
+    section.setAttribute("aria-busy", "true");
+    if (isEmpty()) {
+      show(box("plain", NOTHING_DRAWN));
+    } else if (section.textContent === "" || section.textContent === NOTHING_DRAWN) {
+      show(box("plain", "Checking the mission…"));
+    }
+  });
   validation.addEventListener("failed", (event) => {
     section.removeAttribute("aria-busy");
     show(box("fault", `The mission could not be checked: ${messageOf(/** @type {CustomEvent} */ (event).detail)}`));
@@ -26,7 +34,7 @@ export function startVerdict(section, validation, goTo, isEmpty) {
 
 function boxesOf(result, goTo, empty) {
   if (empty) {
-    return [box("plain", "Draw the area that robots are to watch: press Area above the map, then click its corners.")];
+    return [box("plain", NOTHING_DRAWN)];
   }
   const boxes = [];
   if (result.faults.length > 0) {

@@ -34,9 +34,15 @@ export class Missions extends EventTarget {
   }
 
   starts(examples) {
-    const select = el("select", { "aria-label": "Example" }, ...examples.map(({ name, title }) => el("option", { value: name }, title && title !== name ? `${name}: ${title}` : name)));
+    const select = el("select", { id: "example" }, ...examples.map(({ name }) => el("option", { value: name }, name)));
+    const title = el("p", { class: "field-help" });
+    const describe = () => (title.textContent = examples.find(({ name }) => name === select.value)?.title ?? "");
+    select.addEventListener("change", describe);
+    describe();
     const open = button("Open the example", () => this.openExample(select.value));
-    return el("div", { class: "row" }, button("New, empty mission", () => this.leaveTo("new", null), { class: "primary" }), el("div", { class: "row grow" }, select, open));
+    const fresh = button("New, empty mission", () => this.leaveTo("new", null), { class: "primary" });
+    const field = el("div", { class: "field" }, el("label", { for: "example" }, "Example"), el("div", { class: "unit" }, select, open), title);
+    return el("div", { class: "plain" }, el("div", {}, fresh), field);
   }
 
   files() {
@@ -69,7 +75,7 @@ export class Missions extends EventTarget {
   async openExample(name) {
     try {
       const read = await api.example(name);
-      await this.leaveTo("read", { document: read.document, warnings: read.warnings ?? [], source: { example: name } });
+      await this.leaveTo("read", { document: read.document, warnings: read.warnings ?? [], source: { example: name, as: read.document } });
     } catch (error) {
       this.fault.textContent = messageOf(error);
     }

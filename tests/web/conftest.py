@@ -1,0 +1,112 @@
+"""A running page and a real browser, one of each for a module; without chromium these tests are left out."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+from tests.browser import chromium
+
+__all__ = ["chromium"]
+
+HAND_MS = 20_000  # for what hands do; the machine may be busy
+
+
+@dataclass
+class Faults:
+    """What a page must not do: errors in its console, and requests that leave the machine."""
+
+    host: str
+    errors: list[str] = field(default_factory=list)
+    strangers: list[str] = field(default_factory=list)
+    refusals_expected: bool = False  # chromium writes each answer of 400 and more into the console
+
+    def heard(self, message: Any) -> None:
+        refused = message.text.startswith("Failed to load resource")
+        if message.type in ("error", "warning") and not (refused and self.refusals_expected):
+            self.errors.append(f"{message.text} ({message.location})")
+
+    def asked(self, request: Any) -> None:
+        parts = urlsplit(request.url)
+        if parts.scheme in ("http", "https", "ws", "wss") and parts.netloc != self.host:
+            self.strangers.append(request.url)
+
+
+class Server:
+    """``rota serve`` with a data folder of its own."""
+
+    def __init__(self, data: Path, *options: str, port: int = 0) -> None:
+        command = [
+            sys.executable,
+            "-m",
+            "rota",
+            "serve",
+            "--no-open",
+            "--port",
+            str(port),
+            "--data",
+            str(data),
+            *options,
+        ]
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.told: list[str] = []
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self.told.append(line)
+            if "http://" in line:
+                self.url = "http://" + line.split("http://")[1].split()[0].rstrip("/")
+                return
+        raise AssertionError("".join(self.told))
+
+    @property
+    def port(self) -> int:
+        return urlsplit(self.url).port or 0
+
+    def kill(self) -> None:
+        self._process.kill()
+        self.close()
+
+    def close(self) -> None:
+        self._process.terminate()
+        self._process.communicate(timeout=60)
+
+
+@pytest.fixture(scope="module")
+def page_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    server = Server(tmp_path_factory.mktemp("page") / "data")
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def faults(page_server: Server) -> Faults:
+    return Faults(urlsplit(page_server.url).netloc)
+
+
+@pytest.fixture
+def page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
+    """The page in a fresh context, open and ready; it must make no error and ask nobody but its server."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    context.set_default_timeout(HAND_MS)
+    sync_api.expect.set_options(timeout=HAND_MS)
+    page = context.new_page()
+    page.on("console", faults.heard)
+    page.on("pageerror", lambda error: faults.errors.append(str(error)))
+    page.on("request", faults.asked)
+    open_page(page, page_server)
+    yield page
+    context.close()
+    assert faults.errors == []
+    assert faults.strangers == []
+
+
+def open_page(page: Any, server: Server, address: str = "") -> None:
+    page.goto(f"{server.url}/{address}")
+    page.locator("body[data-ready=true]").wait_for()

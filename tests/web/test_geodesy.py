@@ -1,0 +1,36 @@
+"""The page's longitudes and latitudes against PROJ's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rota.files.geodesy import Projection
+from rota.mission import GeoPoint
+
+pytestmark = pytest.mark.browser
+
+ORIGINS = [(54.362, 13.084), (0.0, 0.0), (-33.9, 151.2), (78.2, 15.6), (-54.8, -68.3), (35.0, -179.2)]
+REACH_M = 20_000
+
+IN_THE_PAGE = """async ([origin, places, degrees]) => {
+  const { toMetres, toDegrees } = await import("/static/js/geodesy.js");
+  return [places.map(([x, y]) => toDegrees(origin, x, y)), degrees.map(([lon, lat]) => toMetres(origin, lon, lat))];
+}"""
+
+
+def test_metres_and_degrees_are_those_of_proj(page: Any) -> None:
+    x, y = np.random.default_rng(7).uniform(-REACH_M, REACH_M, (2, 100))
+    for lat, lon in ORIGINS:
+        projection = Projection(GeoPoint(lat=lat, lon=lon))
+        lons, lats = projection.to_degrees(x, y)
+        given = [{"lat": lat, "lon": lon}, np.stack([x, y], 1).tolist(), np.stack([lons, lats], 1).tolist()]
+        degrees, metres = (np.array(part) for part in page.evaluate(IN_THE_PAGE, given))
+        back_x, back_y = projection.to_metres(degrees[:, 0], degrees[:, 1])
+        assert np.hypot(back_x - x, back_y - y).max() < 1e-3, (lat, lon)
+        assert np.hypot(metres[:, 0] - x, metres[:, 1] - y).max() < 1e-3, (lat, lon)
+    degrees, metres = page.evaluate(IN_THE_PAGE, [{"lat": 54.362, "lon": 13.084}, [[0, 0]], [[13.084, 54.362]]])
+    assert degrees == [[13.084, 54.362]]
+    assert metres == [[0, 0]]

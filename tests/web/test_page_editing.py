@@ -1,0 +1,255 @@
+"""Drawing and changing missions by mouse and by keyboard."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("playwright")
+from playwright.sync_api import expect
+from tests.web.conftest import open_page
+from tests.web.drawing import (
+    changed_area,
+    click_map,
+    document,
+    drag_map,
+    draw_polygon,
+    draw_two,
+    judged,
+    mission_id,
+    new_mission,
+    open_example,
+    saved,
+    tool,
+)
+
+from rota import read_mission
+
+pytestmark = pytest.mark.browser
+
+SQUARE = [(100, 500), (500, 500), (500, 100), (100, 100)]
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_what_is_drawn_is_kept_and_undone(page: Any, page_server: Any) -> None:
+    new_mission(page)
+    assert "Draw the area" in judged(page)
+    expect(page.locator("#saved")).to_have_text("nothing to save yet")
+    draw_polygon(page, "Area", *SQUARE)
+    draw_two(page, "Zone", "Circle", (200, 200), (240, 200))
+    draw_two(page, "Obstacle", "Rectangle", (300, 300), (400, 400))
+    tool(page, "Start", "Point")
+    click_map(page, (450, 450))
+    assert "proved" in judged(page)
+    kept = document(page)
+    side = kept["area"][1][0] - kept["area"][0][0]
+    assert len(kept["area"]) == 4
+    assert side > 100
+    # pixels are so many metres: the circle's radius is a tenth of the square's side, the rectangle's side a quarter
+    assert kept["zones"][0]["circle"]["radius_m"] == pytest.approx(side / 10, abs=0.01)
+    assert kept["obstacles"][0][2][0] - kept["obstacles"][0][0][0] == pytest.approx(side / 4, abs=0.01)
+    assert len(kept["fleet"]["start"]["points"]) == 1
+
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    assert document(page)["obstacles"] == []
+    assert "start" not in document(page)["fleet"]
+    page.keyboard.press("Control+Shift+z")
+    page.get_by_role("button", name="Redo").click()
+    assert document(page) == kept
+    expect(page.get_by_role("button", name="Redo")).to_be_disabled()
+
+    open_page(page, page_server, page.url.split("/")[-1])
+    assert document(page) == kept
+    expect(page.locator("#shape-list .card")).to_have_count(4)
+
+
+def test_shapes_are_changed_moved_and_deleted_by_mouse(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    before = document(page)["area"]
+    drag_map(page, SQUARE[2], (560, 60))
+    moved = changed_area(page, before)
+    assert moved[2][0] > before[2][0]
+    assert moved[2][1] > before[2][1]
+    assert moved[:2] == before[:2]
+    # the handle in the middle of an edge makes a corner of it
+    drag_map(page, (300, 500), (300, 560))
+    cornered = changed_area(page, moved)
+    assert len(cornered) == 5
+    page.get_by_role("button", name="Move", exact=True).click()
+    drag_map(page, (300, 300), (330, 300))
+    shifted = changed_area(page, cornered)
+    step = shifted[0][0] - cornered[0][0]
+    assert step > 1
+    assert [x - step for x, _ in shifted] == pytest.approx([x for x, _ in cornered], abs=0.01)
+    assert [y for _, y in shifted] == pytest.approx([y for _, y in cornered], abs=0.01)
+    page.get_by_role("button", name="Delete Area").first.click()
+    assert document(page)["area"] == []
+    page.get_by_role("button", name="Undo").last.click()
+    assert document(page)["area"] == shifted
+
+
+def test_drawing_can_be_given_up_and_corners_taken_back(page: Any) -> None:
+    new_mission(page)
+    tool(page, "Area", "Polygon")
+    click_map(page, (100, 100), (200, 100), (300, 300))
+    page.keyboard.press("Backspace")
+    click_map(page, (200, 250), (100, 250))
+    page.get_by_role("button", name="Close the polygon").click()
+    assert len(document(page)["area"]) == 4
+    tool(page, "Zone")
+    click_map(page, (120, 120))
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("button", name="Zone", exact=True)).to_have_attribute("aria-pressed", "false")
+    assert document(page)["zones"] == []
+
+
+def test_a_mission_is_drawn_without_a_mouse(page: Any) -> None:
+    new_mission(page)
+    page.get_by_text("Without a mouse").focus()
+    page.keyboard.press("Enter")
+    page.get_by_label("What to add").focus()
+    page.get_by_role("button", name="Add by numbers").press("Enter")
+    corners = [(0, 0), (60, 0), (60, 40), (0, 40)]
+    for k, (x, y) in enumerate(corners, start=1):
+        page.get_by_label(f"Corner {k}, x (m, east)").fill(str(x))
+        page.get_by_label(f"Corner {k}, y (m, north)").fill(str(y))
+    assert document(page)["area"] == [list(corner) for corner in corners]
+    page.get_by_label("Add after corner 2").press("Enter")
+    assert document(page)["area"][2] == [60, 20]
+    page.get_by_label("Delete corner 3").press("Enter")
+    page.get_by_label("What to add").select_option("zone")
+    page.get_by_label("Its form").select_option("circle")
+    page.get_by_role("button", name="Add by numbers").press("Enter")
+    page.get_by_label("Centre 1, x").fill("30")
+    page.get_by_label("Centre 1, y").fill("20")
+    page.get_by_label("Radius in metres").fill("5.5")
+    assert document(page)["zones"][0]["circle"] == {"centre": [30, 20], "radius_m": 5.5}
+    assert "proved" in judged(page)
+
+
+def test_numbers_of_zones_and_fleet_are_set_beside_the_map(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    draw_two(page, "Zone", "Rectangle", (150, 150), (250, 250))
+    zone = page.locator(".card[data-kind=zone]")
+    zone.get_by_label("Name").fill("gate")
+    zone.get_by_label("Period (s)").fill("45")
+    zone.get_by_label("Asked").select_option("visit")
+    page.locator("#mission-form").get_by_label("Name").fill("yard")
+    page.locator("#mission-form").get_by_label("Period (s)").fill("")
+    fleet = page.locator("#fleet-form")
+    fleet.get_by_label("Speed (m/s)").fill("2.5")
+    fleet.get_by_label("Sensor", exact=True).select_option("square")
+    fleet.get_by_label("Sensor's side (m)").fill("12")
+    fleet.get_by_text("Body, turning, altitude").click()
+    fleet.get_by_label("Turn rate (rad/s)").fill("0.8")
+    fleet.get_by_label("Robots", exact=True).select_option("list")
+    fleet.get_by_label("Name").nth(1).fill("second")
+    fleet.get_by_label("Delete robot 3").click()
+    kept = document(page)
+    assert kept["name"] == "yard"
+    assert kept["period_s"] is None
+    assert {key: kept["zones"][0][key] for key in ("name", "period_s", "demand")} == {
+        "name": "gate",
+        "period_s": 45,
+        "demand": "visit",
+    }
+    assert kept["fleet"]["speed_m_s"] == 2.5
+    assert kept["fleet"]["sensor"] == {"shape": "square", "side_m": 12}
+    assert kept["fleet"]["turn_rate_rad_s"] == 0.8
+    assert [robot["name"] for robot in kept["fleet"]["robots"]] == ["robot-1", "second"]
+    page.locator("#tab-plan").click()
+    page.get_by_role("combobox", name="Planner", exact=True).select_option("swarm")
+    page.get_by_label("Controller").select_option("voronoi")
+    page.get_by_role("combobox", name="Planner", exact=True).select_option("patrol")
+    page.get_by_label("Effort").select_option("high")
+    kept = document(page)
+    assert (kept["planner"], kept["patrol"]["effort"]) == ("patrol", "high")
+    assert "swarm" not in kept
+
+
+def test_faults_are_told_at_the_field_on_the_shape_and_in_the_list(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    draw_two(page, "Zone", "Circle", (200, 200), (240, 200))
+    page.locator("#fleet-form").get_by_label("Speed (m/s)").fill("-1")
+    speed = page.locator("#fleet-form").get_by_label("Speed (m/s)")
+    expect(speed).to_have_attribute("aria-invalid", "true")
+    told = judged(page)
+    assert "fleet.speed_m_s" in told
+    page.locator("#tab-plan").click()
+    page.locator("#tab-edit").click()
+    page.get_by_role("button", name="fleet.speed_m_s").click()
+    expect(speed).to_be_focused()
+    speed.fill("5")
+    expect(speed).to_have_attribute("aria-invalid", "false")
+    # a ring that crosses itself is marked on the map
+    page.locator(".card[data-kind=area]").get_by_role("button", name="Area", exact=True).click()
+    page.locator("summary", has_text="Coordinates").last.click()
+    first = page.get_by_label("Corner 1, x (m, east)")
+    first.fill("1000")
+    expect(page.locator(".shape-area.shape-fault")).to_have_count(1)
+    page.keyboard.press("Control+z")
+    expect(page.locator(".shape-area.shape-fault")).to_have_count(0)
+    assert "proved" in judged(page)
+
+
+def test_a_mission_in_metres_goes_on_the_globe_and_back(page: Any) -> None:
+    new_mission(page)
+    draw_polygon(page, "Area", *SQUARE)
+    before = document(page)["area"]
+    page.get_by_text("Coordinates, hidden ground").click()
+    coordinates = page.get_by_label("Coordinates", exact=True)
+    coordinates.select_option("wgs84")
+    expect(page.locator("#mission-form")).to_contain_text("Where on the globe")
+    page.get_by_label("Origin: latitude").fill("54.36")
+    page.get_by_label("Origin: longitude").fill("13.08")
+    coordinates.select_option("wgs84")
+    kept = document(page)
+    assert kept["coordinates"] == "wgs84"
+    assert kept["area"][0] == pytest.approx([13.08, 54.36], abs=0.01)
+    assert "proved" in judged(page)
+    coordinates.select_option("metres")
+    # the origin is the area's middle now: shapes are where they were, counted from there
+    after = document(page)["area"]
+    for corner, was in zip(after, before, strict=True):
+        assert corner[0] - after[0][0] == pytest.approx(was[0] - before[0][0], abs=0.02)
+        assert corner[1] - after[0][1] == pytest.approx(was[1] - before[0][1], abs=0.02)
+
+
+def test_examples_and_files_are_read(page: Any, tmp_path: Path) -> None:
+    open_example(page, "harbour")
+    assert "At least 4 robots, proved" in judged(page)
+    expect(page.locator(".card[data-kind=zone]")).to_have_count(3)
+    # a map comes as two files; its shapes are shown, not edited
+    page.get_by_role("button", name="Missions…").click()
+    files = ["building.yaml", "building_map.yaml", "building_map.png"]
+    page.locator("#mission-files").set_input_files([EXAMPLES / name for name in files])
+    expect(page.locator("#mission-name")).to_have_text("building")
+    expect(page.locator(".shape-area.shape-resolved")).to_have_count(1)
+    expect(page.locator(".card[data-kind=area]")).to_contain_text("building_map.yaml")
+    assert "proved" in judged(page)
+    # a file that fits becomes shapes of the mission
+    page.get_by_role("button", name="Missions…").click()
+    page.locator("#mission-files").set_input_files([EXAMPLES / "parcel.yaml", EXAMPLES / "parcel.geojson"])
+    expect(page.locator("#mission-name")).to_have_text("parcel")
+    assert len(document(page)["obstacles"]) == 1
+    page.get_by_role("button", name="Missions…").click()
+    with page.expect_download() as told:
+        page.get_by_role("button", name="Save this mission as a file").click()
+    with zipfile.ZipFile(told.value.path()) as taken:
+        taken.extractall(tmp_path)
+    (mission,) = tmp_path.glob("*.yaml")
+    assert read_mission(mission) == read_mission(EXAMPLES / "parcel.yaml")
+    page.get_by_role("button", name="Delete building").click()
+    page.get_by_role("button", name="Delete", exact=True).last.click()
+    expect(page.get_by_role("button", name="Delete building")).to_have_count(0)
+    page.locator("#missions").get_by_role("button", name="harbour", exact=True).click()
+    expect(page.locator("#mission-name")).to_have_text("harbour")
+    saved(page)
+    assert mission_id(page)
