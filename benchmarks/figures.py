@@ -21,6 +21,7 @@ from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mis
 from benchmarks.one_robot import one_robot
 from benchmarks.plan_fuzz import mutated_plans
 from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
+from benchmarks.player import player
 from benchmarks.random_runs import random_missions
 from benchmarks.reader_runs import mutated_missions
 from benchmarks.row import Options, Row
@@ -177,6 +178,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "house": house,
     "suite": suite,
     "watched-fleet": watched_fleet,
+    "player": player,
     "link-noise": link_noise,
 }
 LONG = (

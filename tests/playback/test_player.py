@@ -169,7 +169,7 @@ def test_a_click_on_the_map_finds_the_place_and_the_robot(opened: Open, offline_
         else:
             half = header["grid"]["cell_m"] / 2
             assert page.evaluate(f"rotaPlayer.playback.middleOf({found})") == pytest.approx([x, y], abs=half + 0.5)
-    assert "Place (6" in page.locator(".rota-player").inner_text()
+    assert "Place (" in page.locator(".rota-player").inner_text()
 
 
 def test_a_violation_leads_to_its_place_and_time(opened: Open, offline_page: Page) -> None:
