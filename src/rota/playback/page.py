@@ -111,8 +111,9 @@ def _in_words(plan: Plan, report: Report) -> str:
     if report.demands:
         head = ("zone", "asks", "period, s", "worst gap, s", "area, m²", "left out, m²", "outcome")
         parts += ["<h2>What is asked</h2>", _table(head, [_demand_cells(demand) for demand in report.demands])]
-    titles = ("robot", "loop, m", "loop, s", "slack", "serves")
-    parts += ["<h2>Robots</h2>", _table(titles, [_robot_cells(row) for row in robot_rows(plan)])]
+    if any(trajectory.loop_duration_s for trajectory in plan):
+        titles = ("robot", "loop, m", "loop, s", "slack", "serves")
+        parts += ["<h2>Robots</h2>", _table(titles, [_robot_cells(row) for row in robot_rows(plan)])]
     if report.violations:
         wrong = "".join(f"<li>{escape(violation.text())}</li>" for violation in report.violations)
         parts.append(f"<h2>Violations</h2><ul>{wrong}</ul>")

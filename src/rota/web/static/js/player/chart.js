@@ -3,7 +3,7 @@
 import { el, freshId, svg } from "./elements.js";
 import { percent, reading } from "./text.js";
 
-const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [600, 150, 44, 20, 8];
+const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [400, 150, 44, 20, 8];
 
 export class CoverageChart {
   /**

@@ -36,6 +36,8 @@ export class HeatMap {
    */
   paint(mode, time, stops, lapses) {
     agesInto(this.playback, time, stops, this.ages);
+    // what was not seen before all robots are on their loops may wait for a period from then on
+    this._waited = time - this.playback.clock.from_s;
     this._countLate();
     if (mode === "entries" && this._bounceImage) {
       this._paintEntries(time);
@@ -56,11 +58,14 @@ export class HeatMap {
     const square = this.playback.grid.cell_m ** 2;
     this.late.fill(0);
     for (let entry = 0; entry < this.ages.length; entry++) {
-      const age = this.ages[entry];
-      if (age !== Infinity && age > this.playback.periods[entry] * ON_TIME) {
-        this.late[demand[entry]] += index[entry] === NO_CELL ? 0 : square;
-      }
+      if (index[entry] !== NO_CELL && this.isLate(entry)) this.late[demand[entry]] += square;
     }
+  }
+
+  /** Whether an entry's period is over at the time painted last. */
+  isLate(entry) {
+    const age = this.ages[entry];
+    return (age === Infinity ? this._waited : age) > this.playback.periods[entry] * ON_TIME;
   }
 
   _paintAges() {
@@ -71,7 +76,8 @@ export class HeatMap {
       const age = this.ages[entries[k]];
       const share = age / periods[entries[k]];
       if (share <= 1) target[pixels[k]] = this._table[(share * (LEVELS - 1)) | 0];
-      else if (age === Infinity) target[pixels[k]] = NOT_YET_PIXEL;
+      else if (age === Infinity && this._waited <= periods[entries[k]]) target[pixels[k]] = NOT_YET_PIXEL;
+      else if (age === Infinity) target[pixels[k]] = stripes[k] & 2 ? LATE_PIXEL : NEVER_PIXEL;
       else if (share <= ON_TIME) target[pixels[k]] = this._table[LEVELS - 1];
       else target[pixels[k]] = stripes[k] & 1 ? STRIPE_PIXEL : LATE_PIXEL;
     }
@@ -83,7 +89,7 @@ export class HeatMap {
     for (let k = 0; k < pixels.length; k++) {
       const share = shares[entries[k]];
       if (share <= ON_TIME) target[pixels[k]] = this._table[Math.min((share * (LEVELS - 1)) | 0, LEVELS - 1)];
-      else if (share === Infinity) target[pixels[k]] = stripes[k] ? LATE_PIXEL : NEVER_PIXEL;
+      else if (share === Infinity) target[pixels[k]] = stripes[k] & 2 ? LATE_PIXEL : NEVER_PIXEL;
       else target[pixels[k]] = stripes[k] & 1 ? STRIPE_PIXEL : LATE_PIXEL;
     }
   }

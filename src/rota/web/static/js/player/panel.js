@@ -102,7 +102,8 @@ export class Panel {
     };
     const scale = (low, high) => el("span", { class: "rota-key" }, `${low} `, bar, ` ${high}`);
     const keys = {
-      age: () => [scale("just seen", "period over"), swatch("rota-late", "late"), swatch("", "not seen yet", NOT_YET)],
+      age: () => [scale("just seen", "period over"), swatch("rota-late", "late"),
+        swatch("", "not seen yet", NOT_YET), swatch("rota-never", "nor in time", NEVER)],
       worst: () => [scale("0", "1 period"), swatch("rota-late", "longer"), swatch("rota-never", "never seen", NEVER)],
       lapse: () => [scale("lapses at once", "after 2 periods"), swatch("rota-calm", "on time without them")],
       entries: () => [scale("1", `${this.playback.header.cells?.most} times`), swatch("", "entered later: faint")],

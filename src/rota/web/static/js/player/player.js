@@ -2,10 +2,10 @@
 
 /* global L */
 
-import { ON_TIME, lapsesFrom } from "./ages.js";
+import { lapsesFrom } from "./ages.js";
 import { CoverageChart } from "./chart.js";
 import { Clock } from "./clock.js";
-import { NO_CELL, contains } from "./playback.js";
+import { contains } from "./playback.js";
 import { drawGround, drawHeat, drawMoving, trace } from "./ground.js";
 import { HeatMap } from "./heat.js";
 import { Losses } from "./losses.js";
@@ -279,10 +279,9 @@ export class Player extends EventTarget {
   /** A zone to visit that is late is striped. */
   _drawVisits(context, pixel) {
     this.lateVisits = [];
-    const { arrays, entries, periods, header, demands } = this.playback;
+    const { arrays, entries, header, demands } = this.playback;
     for (let entry = this.playback.rowOfCell.size; entry < entries; entry++) {
-      const age = this.heat.ages[entry];
-      if (arrays.cell_index[entry] !== NO_CELL || age === Infinity || age <= periods[entry] * ON_TIME) continue;
+      if (!this.heat.isLate(entry)) continue;
       const { name } = demands[arrays.cell_demand[entry]];
       this.lateVisits.push(name);
       const { shape } = header.mission.zones.find((zone) => zone.name === name);

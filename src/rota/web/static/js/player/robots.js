@@ -209,7 +209,8 @@ export class Robots {
     text.lineJoin = "round";
     for (let k = 0; k < this.playback.robots.length; k++) {
       const [px, py] = stage.toPixels(this.places[2 * k], this.places[2 * k + 1]);
-      write(text, String(k + 1), px + 8, py, colours);
+      const beside = Math.max(this.playback.robots[k].body_radius_m, LEAST_PIXELS * pixel) / pixel + 4;
+      write(text, String(k + 1), px + beside, py, colours);
     }
   }
 

@@ -5,7 +5,7 @@ import { el, freshId, svg, table } from "./elements.js";
 import { NO_CELL } from "./playback.js";
 import { plain, reading, seconds } from "./text.js";
 
-const WIDTH = 600;
+const WIDTH = 400;
 const ROW = 16;
 const TOP = 6;
 const GAPS = 26;
