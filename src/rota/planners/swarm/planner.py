@@ -229,9 +229,13 @@ def make_swarm(
     return Swarm(beginning, fleet_of(mission, reserve_m), surroundings, controller, threads=threads)
 
 
-def fleet_of(mission: Mission, reserve_m: float = 0.0) -> FleetKinds:
-    """What the robots of a mission in the plane are like; their bodies are wider by ``reserve_m``."""
-    settings, robots, sensors = SwarmSettings.of(mission), mission.fleet.robots or (), sensors_of(mission)
+def fleet_of(mission: Mission, reserve_m: float = 0.0, sensors_m: NDArray[np.float64] | None = None) -> FleetKinds:
+    """What the robots of a mission in the plane are like; their bodies are wider by ``reserve_m``.
+
+    sensors_m: (n,) radii of the discs that they spread with; None: ``sensors_of``.
+    """
+    settings, robots = SwarmSettings.of(mission), mission.fleet.robots or ()
+    sensors = sensors_of(mission) if sensors_m is None else sensors_m
     reach_m = settings.neighbour_range_m or RANGE_PER_SENSOR * sensors.max()
     return kinds_of(
         len(robots),
