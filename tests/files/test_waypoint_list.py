@@ -11,9 +11,10 @@ import pytest
 from pymavlink import mavwp
 from tests.files.two_robots import two_robots, with_heights
 
-from rota.errors import PlanError
+from rota.errors import PlanError, RotaError
 from rota.files import mission_items
 from rota.files.executed.plan_as_driven import plan_as_driven
+from rota.files.plan_file import write_plan
 from rota.files.qgroundcontrol import write_qgroundcontrol
 from rota.files.waypoint_list import write_waypoint_lists
 from rota.plan import Plan, Trajectory
@@ -84,3 +85,16 @@ def test_what_ardupilot_cannot_keep_is_split_or_refused(tmp_path: Path) -> None:
     with pytest.raises(PlanError, match=r"robot a: a place 83001 m over .*; ArduPilot keeps at most 83000 m"):
         write_waypoint_lists(replace(plan, mission=replace(plan.mission, fleet=fleet)), tmp_path / "high")
     assert not (tmp_path / "high").exists()
+
+
+def test_a_plan_that_lies_where_a_robot_s_file_would_is_kept(tmp_path: Path) -> None:
+    plan = two_robots(robots=("a", "b"))
+    write_plan(plan, tmp_path / "b.plan")
+    before = (tmp_path / "b.plan").read_bytes()
+    with pytest.raises(RotaError, match=r"b\.plan: is a plan of Rota and is not overwritten; name another folder"):
+        write_qgroundcontrol(plan, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["b.plan"]
+    assert (tmp_path / "b.plan").read_bytes() == before
+    # what was exported before is replaced
+    write_waypoint_lists(plan, tmp_path)
+    write_waypoint_lists(plan, tmp_path)

@@ -195,6 +195,33 @@ def test_messages_of_others_malformed_ones_and_those_from_the_future_are_dropped
     with_link(port, one(), [agv], listen)
 
 
+def test_vehicles_of_another_manufacturer_are_named(port: int) -> None:
+    agv = Agv("a")
+
+    async def run() -> None:
+        async with Client("127.0.0.1", port) as client:
+            await client.publish("uagv/v2/acme/x7/connection", json.dumps(agv.connection("ONLINE")), qos=1, retain=True)
+            link = make_link("vda5050", one(), [f"port={port}", "wait_s=0.3"])
+            with pytest.raises(LinkError, match=r"robot a: being heard: .*; rota/a is needed, .* knows of acme/x7"):
+                await link.open()
+            await link.close()
+            await client.publish("uagv/v2/acme/x7/connection", b"", qos=1, retain=True)
+
+    asyncio.run(run())
+
+
+def test_an_order_update_that_was_lost_comes_again(port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rota.links.vda5050_vehicle.ASK_AGAIN_S", 0.03)
+    agv = Agv("a", Ways(loses=2))
+
+    async def fly(link: Any) -> None:
+        await send_and_start(link, one())
+        await until(lambda: len(agv.passed) > 20)
+
+    with_link(port, one(), [agv], fly, released=8, announced=2)
+    assert [order.endswith(":2") for order in agv.taken].count(True) >= 2
+
+
 def test_a_hundred_thousand_malformed_messages_leave_nothing_behind() -> None:
     agv, rng = Agv("a"), random.Random(1)
     good = json.dumps(agv.state()).encode()

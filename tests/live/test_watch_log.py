@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -122,3 +123,30 @@ def test_lines_are_bounded(tmp_path: Path) -> None:
         for event in driven(two_robots(), 1.0):
             writer.write(event)
     assert max(map(len, path.read_bytes().splitlines())) < LONGEST_LINE / 2
+
+
+def test_a_packed_log_is_read_as_it_is_and_up_to_its_damage(log: Path) -> None:
+    packed = log.with_suffix(".gz")
+    packed.write_bytes(gzip.compress(log.read_bytes()))
+    reader = LogReader.of(packed, two_robots())
+    assert list(reader.events()) == EVENTS
+    assert reader.fault is None
+    packed.write_bytes(gzip.compress(log.read_bytes())[:-12])
+    reader = LogReader.of(packed, two_robots())
+    assert list(reader.events()) == EVENTS[: len(list(reader.events()))]
+    assert reader.fault is not None
+    packed.write_bytes(b"\x1f\x8b no log")
+    with pytest.raises(RotaError, match=r"no log of a watch|cannot be read: (Not|Unknown)"):
+        LogReader.of(packed, two_robots())
+
+
+def test_a_watch_that_never_began_leaves_no_log(tmp_path: Path) -> None:
+    path = tmp_path / "none.rota-log"
+    with pytest.raises(RotaError, match="no broker"), LogWriter(path, two_robots(), WatchSettings()):
+        raise RotaError("no broker")
+    assert not path.exists()
+    writer = LogWriter(path, two_robots(), WatchSettings())
+    writer.write(Tick(1.0))
+    with pytest.raises(RotaError, match="lost"), writer:
+        raise RotaError("lost")
+    assert list(LogReader.of(path, two_robots()).events()) == [Tick(1.0)]

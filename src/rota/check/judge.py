@@ -6,6 +6,7 @@ import functools
 import math
 import threading
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import shapely
@@ -47,6 +48,17 @@ class Verdicts:
     shown_m: list[Floats] = field(default_factory=list)
     shown_demand: list[Ints] = field(default_factory=list)
 
+    def places(self) -> dict[str, Any]:
+        """The fields of a report that say what is unmet, at most MOST_UNMET_POINTS of each kind."""
+        unmet, unmet_demand = _capped(self.unmet_m, self.unmet_demand)
+        shown, shown_demand = _capped(self.shown_m, self.shown_demand)
+        return {
+            "unmet_points_m": unmet,
+            "unmet_demand": unmet_demand,
+            "shown_unmet_m": shown,
+            "shown_unmet_demand": shown_demand,
+        }
+
 
 def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     """The independent verdict on a plan: "met" only when it is shown for every demanded point and for ever.
@@ -85,8 +97,6 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         )
         verdict = "violated"
     first = max(verdicts.firsts_s, default=0.0)
-    unmet, unmet_demand = capped(verdicts.unmet_m, verdicts.unmet_demand)
-    shown, shown_demand = capped(verdicts.shown_m, verdicts.shown_demand)
     return Report(
         verdict=verdict,
         robots=robots,
@@ -97,10 +107,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         violations=tuple(violations),
         clock_margin_s=margin_s,
         first_coverage_s=first if math.isfinite(first) else None,
-        unmet_points_m=unmet,
-        unmet_demand=unmet_demand,
-        shown_unmet_m=shown,
-        shown_unmet_demand=shown_demand,
+        **verdicts.places(),
         run_end=plan.run_end,
     )
 
@@ -320,7 +327,7 @@ def _common_start_violations(plan: Plan) -> list[Violation]:
     return violations
 
 
-def capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
+def _capped(places_m: list[Floats], demands: list[Ints]) -> tuple[Floats, Ints]:
     """All places and their demands, or an even choice of them when there are too many."""
     points = np.vstack([np.empty((0, 2)), *places_m])
     demand = np.concatenate([np.empty(0, np.int64), *demands])

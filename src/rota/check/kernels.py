@@ -293,6 +293,21 @@ def times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
     return SeenTimes(starts, ends, bounds, robots), n_robots, first_s, always
 
 
+@njit(cache=True)
+def nothing_seen(n_pieces):
+    """What ``worst_gaps`` returns of pieces that nobody sees."""
+    inf = np.full(n_pieces, np.inf)
+    return inf, np.full(n_pieces, np.nan), inf.copy(), np.ones(n_pieces, np.bool_)
+
+
+@njit(cache=True)
+def first_room(n_team):
+    """Room for the times of sights of one piece, which grows where it is too small, and for those between shadows."""
+    bounds, robots = np.zeros(n_team + 1, np.int64), np.empty(n_team, np.int64)
+    times = SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
+    return times, Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
+
+
 @njit(cache=True, nogil=True)
 def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     """Worst gap of each piece: an upper bound for its points, exact for a single point.
@@ -303,11 +318,8 @@ def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     exact.
     """
     n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
-    gaps, begins, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.nan), np.full(n_pieces, np.inf)
-    exact = np.ones(n_pieces, np.bool_)
-    bounds, robots = np.zeros(n_team + 1, np.int64), np.empty(n_team, np.int64)
-    times = SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
-    parts = Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
+    gaps, begins, firsts, exact = nothing_seen(n_pieces)
+    times, parts = first_room(n_team)
     widest = team.reaches_m.max() if n_team else 0.0
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)

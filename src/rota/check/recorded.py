@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.demands import demands_of
-from rota.check.judge import Verdicts, capped, judge_points, judge_visits, tile_and_refine, too_much_excluded
+from rota.check.judge import Verdicts, judge_points, judge_visits, tile_and_refine, too_much_excluded
 from rota.check.report import Outcome, Report
 from rota.check.revisits import sights_along
 from rota.check.routes import LOOP, Routes
@@ -75,8 +75,6 @@ def check_recording(
     violated = "violated" in outcomes or excluded
     verdict: Outcome = "violated" if violated else "met" if outcomes == {"met"} else "not proven"
     first_s = max(verdicts.firsts_s, default=math.inf)
-    unmet, unmet_demand = capped(verdicts.unmet_m, verdicts.unmet_demand)
-    shown, shown_demand = capped(verdicts.shown_m, verdicts.shown_demand)
     return Report(
         verdict=verdict,
         robots=robots,
@@ -87,10 +85,7 @@ def check_recording(
         violations=tuple(verdicts.violations + excluded),
         clock_margin_s=None,
         first_coverage_s=first_s if math.isfinite(first_s) else None,
-        unmet_points_m=unmet,
-        unmet_demand=unmet_demand,
-        shown_unmet_m=shown,
-        shown_unmet_demand=shown_demand,
+        **verdicts.places(),
         run_end=None,
     )
 

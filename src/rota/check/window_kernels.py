@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from rota.check.arrays import Parts, SeenTimes
-from rota.check.kernels import FIRST_ROOM, room_for_parts, shadows_of, shrunk, times_of_sights
+from rota.check.kernels import first_room, nothing_seen, room_for_parts, shadows_of, shrunk, times_of_sights
 from rota.check.tiling_kernels import cell_of
 
 
@@ -42,11 +41,8 @@ def gaps_within(offsets, corners, slack_m, grid, legs, team, walls, window_s):
     timed.
     """
     n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
-    gaps, begins, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.nan), np.full(n_pieces, np.inf)
-    exact = np.ones(n_pieces, np.bool_)
-    bounds, robots = np.zeros(n_team + 1, np.int64), np.empty(n_team, np.int64)
-    times = SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
-    parts = Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
+    gaps, begins, firsts, exact = nothing_seen(n_pieces)
+    times, parts = first_room(n_team)
     widest = team.reaches_m.max() if n_team else 0.0
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)

@@ -11,6 +11,8 @@ from rota.errors import PlanError, RotaError
 from rota.files.atomic_write import replaced_file, require_short_names, require_writable_folder
 from rota.plan import Plan, Trajectory
 
+PLAN_MARK, FILE_HEAD = b'"rota_plan"', 100  # how many bytes of a file are looked at for it
+
 
 def write_robot_files(
     plan: Plan, folder: str | os.PathLike[str], suffix: str, text_of: Callable[[Trajectory], str]
@@ -25,8 +27,9 @@ def write_contents(
     """Write ``ROBOT`` + suffix for each robot and suffix into ``folder`` (made if missing); returns their paths.
 
     contents_of: from suffixes to contents. Letters that file names cannot have everywhere become ``_``. Raises
-    PlanError for robots whose names give the same file name, RotaError when the folder cannot be written to. Nothing is
-    written unless every content could be made.
+    PlanError for robots whose names give the same file name, RotaError when the folder cannot be written to and when a
+    file there, which would be replaced, is a plan of Rota, such as the one that is exported. Nothing is written
+    unless every content could be made.
     """
     require_writable_folder(folder)
     contents: dict[str, bytes] = {}
@@ -40,6 +43,8 @@ def write_contents(
             known.add(name.casefold())
             contents[name] = content
     require_short_names(contents)
+    for name in contents:
+        _require_no_plan(Path(folder) / name)
     try:
         Path(folder).mkdir(exist_ok=True)
     except OSError as error:
@@ -49,3 +54,14 @@ def write_contents(
         with replaced_file(path) as partial:
             partial.write_bytes(content)
     return paths
+
+
+def _require_no_plan(path: Path) -> None:
+    """Raise RotaError for a plan file; what cannot be read is found out when it is written."""
+    try:
+        with path.open("rb") as file:
+            is_plan = PLAN_MARK in file.read(FILE_HEAD)
+    except OSError:
+        return
+    if is_plan:
+        raise RotaError(f"{path}: is a plan of Rota and is not overwritten; name another folder")

@@ -10,7 +10,8 @@ from rota.limits import FAR_FROM_AREA_M, LONGEST_S
 from rota.links.link import Fault, Mode, Report
 from rota.live.events import Dropped, Heard
 
-LONGEST_EXAMPLE = 90  # characters
+LONGEST_EXAMPLE = 70  # characters
+DIGITS = 3  # milliseconds, millimetres and thousandths of a battery: what comes of sensors is no finer
 MODES = frozenset(get_args(Mode))
 
 
@@ -18,7 +19,8 @@ class Intake:
     """Takes the reports of a plan's robots, places within ``FAR_FROM_AREA_M`` of the area's bounds (x0, y0, x1, y1).
 
     Dropped are reports of robots that the plan does not have, with numbers that are not finite or out of range, of a
-    moment more than ``future_s`` ahead, and those that are no later than the robot's last. It keeps a number for each
+    moment more than ``future_s`` ahead, and those that are no later than the robot's last. Numbers are rounded before
+    anybody uses them, so that a log of what was used is short. It keeps a number for each
     fault and one example, whatever comes.
     """
 
@@ -35,10 +37,10 @@ class Intake:
         if fault is not None or number is None:
             self.drop(fault or "unknown robot", 1, f"{report.robot!s:.40}, t = {report.time_s!s:.15}")
             return None
-        self._last_s[number] = float(report.time_s)
-        x, y, height = (float(value) for value in report.position_m)
-        battery = None if report.battery is None else float(report.battery)
-        return Heard(now_s, number, float(report.time_s), x, y, height, battery, report.mode)
+        self._last_s[number] = time_s = round(float(report.time_s), DIGITS)
+        x, y, height = (round(float(value), DIGITS) for value in report.position_m)
+        battery = None if report.battery is None else round(float(report.battery), DIGITS)
+        return Heard(round(now_s, DIGITS), number, time_s, x, y, height, battery, report.mode)
 
     def drop(self, fault: Fault, count: int, example: str) -> None:
         """Count messages that are no reports."""
@@ -68,7 +70,7 @@ class Intake:
             return "out of range"
         if time_s > now_s + self._future_s or abs(time_s) > LONGEST_S:
             return "from the future"
-        return "out of order" if time_s <= last_s else None
+        return "out of order" if round(time_s, DIGITS) <= last_s else None
 
 
 def _plain(example: str) -> str:

@@ -12,7 +12,7 @@ from contextlib import aclosing, suppress
 
 from rota.links.link import Fault, Link
 from rota.live.events import Event, Tick
-from rota.live.intake import Intake
+from rota.live.intake import DIGITS, Intake
 from rota.live.notices import Notice
 from rota.live.watch import Watch
 from rota.live.watch_log import LogReader, LogWriter
@@ -74,7 +74,7 @@ class Session:
                 self._rejected[fault] = messages
         for dropped in self._intake.dropped():
             self._take(dropped)
-        self._show(self._take(Tick(now_s)))
+        self._show(self._take(Tick(round(now_s, DIGITS))))
 
     def _take(self, event: Event) -> list[Notice]:
         if self._log is not None:

@@ -6,13 +6,17 @@ The first line is the header: which plan, by its hash, and the settings. Then a 
     ["x", "unknown robot", 3, "ghost, t = 1.0"]                messages that were dropped: fault, how many, an example
     ["t", 12.6]                                                a tick
     ["end"]                                                    the watch ended; without it, the log was cut off
+
+A log that was packed by gzip is read as it is.
 """
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
 import os
+import zlib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -28,8 +32,9 @@ from rota.live.settings import WatchSettings
 from rota.plan import Plan
 
 VERSION = 1
-LONGEST_LINE = 1000  # bytes; a report takes some 100
+LONGEST_LINE = 1000  # bytes; a report takes some 60
 MOST = 1e12  # of any number: no time or place is larger
+GZIP = b"\x1f\x8b"
 MADE_BY = "'rota watch --log' writes one"
 
 
@@ -41,6 +46,7 @@ def plan_hash(plan: Plan) -> str:
 class LogWriter:
     """Appends events to a new file; ``flush`` after every tick keeps what was written if the program dies.
 
+    A block that an error ends before any event leaves no file.
     Raises RotaError for a file that exists already, or cannot be written.
     """
 
@@ -51,11 +57,12 @@ class LogWriter:
             raise RotaError(f"{path}: exists already; a log is never written over") from None
         except OSError as error:
             raise RotaError(f"{path}: cannot be written: {error.strerror}") from None
-        self._path = path
+        self._path, self._holds_events = path, False
         self._line({"rota_watch": VERSION, "plan_sha256": plan_hash(plan), "settings": asdict(settings)})
 
     def write(self, event: Event) -> None:
         """Append an event; a tick brings all before it to the disk's care. Raises RotaError where the disk is full."""
+        self._holds_events = True
         if isinstance(event, Heard):
             self._line(["r", *event])
         elif isinstance(event, Dropped):
@@ -78,10 +85,12 @@ class LogWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close(ended=error is None)
+        if error is not None and not self._holds_events:
+            Path(self._path).unlink(missing_ok=True)
 
     def _line(self, value: object) -> None:
         try:
-            self._file.write(json.dumps(value, allow_nan=False) + "\n")
+            self._file.write(json.dumps(value, allow_nan=False, separators=(",", ":")) + "\n")
         except OSError as error:
             raise RotaError(f"{self._path}: cannot be written: {error.strerror}") from None
 
@@ -108,10 +117,12 @@ class LogReader:
     def of(cls, path: str | os.PathLike[str], plan: Plan) -> LogReader:
         """Raises RotaError for what is no log, or is the log of another plan."""
         try:
-            with open(path, "rb") as file:
+            with _opened(Path(path)) as file:
                 header = _json_line(file.readline(LONGEST_LINE))
+        except (EOFError, zlib.error) as error:
+            raise RotaError(f"{path}: no log of a watch: {error}") from None
         except OSError as error:
-            raise RotaError(f"{path}: cannot be read: {error.strerror}; a log is needed ({MADE_BY})") from None
+            raise RotaError(f"{path}: cannot be read: {error.strerror or error}; a log is needed ({MADE_BY})") from None
         if not isinstance(header, dict) or "rota_watch" not in header:
             raise RotaError(f"{path}:1: no log of a watch; one is needed ({MADE_BY})")
         if header["rota_watch"] != VERSION:
@@ -129,9 +140,9 @@ class LogReader:
     def events(self) -> Iterator[Event]:
         """All events up to the log's end, or up to what is damaged, which ``fault`` tells then."""
         self.fault = None
-        with self.path.open("rb") as file:
+        with _opened(self.path) as file:
             file.readline(LONGEST_LINE)
-            for number, line in enumerate(iter(lambda: file.readline(LONGEST_LINE), b""), start=2):
+            for number, line in enumerate(iter(lambda: _line_of(file), b""), start=2):
                 if not line.endswith(b"\n"):
                     what = "is cut off" if len(line) < LONGEST_LINE else "is too long"
                     self.fault = f"{self.path}:{number}: the line {what}; what comes before it is used"
@@ -145,6 +156,21 @@ class LogReader:
                     return
                 yield event
         self.fault = f"{self.path}: the log breaks off without its last line; what there is is used"
+
+
+def _opened(path: Path) -> IO[bytes]:
+    """The log's text, also of one that was packed by gzip."""
+    with path.open("rb") as file:
+        is_packed = file.read(2) == GZIP
+    return gzip.open(path, "rb") if is_packed else path.open("rb")  # type: ignore[return-value]
+
+
+def _line_of(file: IO[bytes]) -> bytes:
+    """The next line, as much of it as may be; where a packed log is damaged, one that is cut off."""
+    try:
+        return file.readline(LONGEST_LINE)
+    except (EOFError, OSError, zlib.error):
+        return b"?"
 
 
 def _json_line(line: bytes) -> Any:
