@@ -668,7 +668,7 @@ def test_help_names_formats_and_exit_codes_and_cuts_no_line(capsys: pytest.Captu
 def test_a_cold_cache_is_told(
     plan_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from rota.command.compiled_cache import is_compiled
+    from rota.compiled_cache import is_compiled
 
     assert run(["check", str(plan_path)]) == 0
     capsys.readouterr()

@@ -119,7 +119,7 @@ def plan(
     ] = None,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
-    from rota.command.compiled_cache import is_compiled
+    from rota.compiled_cache import is_compiled
     from rota.files.atomic_write import require_suffix
     from rota.files.checkpoint_file import read_checkpoint
     from rota.files.mission_file import read_mission

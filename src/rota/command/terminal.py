@@ -53,7 +53,7 @@ def progress_bar() -> Iterator[Bar]:
 
 def mention_compiling(*packages: str) -> None:
     """Say so when these packages have not been compiled yet, which takes a while."""
-    from rota.command.compiled_cache import is_compiled
+    from rota.compiled_cache import is_compiled
 
     if not is_compiled(*packages):
         say("compiling, once: about a minute")

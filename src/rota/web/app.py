@@ -8,15 +8,16 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from starlette.applications import Starlette
-from starlette.convertors import Convertor, register_url_convertor
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.routing import Route
 
 from rota.web.jobs.queue import JobQueue
 from rota.web.limits import Limits
 from rota.web.refusal import Refusal
+from rota.web.routes import jobs, missions, page, plans
 from rota.web.routes.answers import JsonAnswer
 from rota.web.security import Guard, Security
 from rota.web.state import State
@@ -28,27 +29,13 @@ log = logging.getLogger(__name__)
 POOL_SIZE = 2
 
 
-class _FileKind(Convertor[str]):
-    """The suffixes of a mission's download."""
+def make_app(
+    data: Path, guard: Guard, limits: Limits | None = None, tile_url: str | None = None, *, prepares: bool = True
+) -> Starlette:
+    """The server of a data folder. RotaError, once it starts, for a folder that another server uses.
 
-    regex = "yaml|zip"
-
-    def convert(self, value: str) -> str:
-        """As it is."""
-        return value
-
-    def to_string(self, value: str) -> str:
-        """As it is."""
-        return value
-
-
-register_url_convertor("kind", _FileKind())
-
-
-def make_app(data: Path, guard: Guard, limits: Limits | None = None, tile_url: str | None = None) -> Starlette:
-    """The server of a data folder. RotaError, once it starts, for a folder that another server uses."""
-    from rota.web.routes import jobs, missions, page, plans
-
+    prepares: load what planning and validating need ahead of the first request.
+    """
     given = limits or Limits()
 
     @asynccontextmanager
@@ -56,11 +43,12 @@ def make_app(data: Path, guard: Guard, limits: Limits | None = None, tile_url: s
         sole = SoleUser(data)
         database = Database(data)
         pool = Pool(POOL_SIZE, str(data), given)
-        queue = JobQueue(database, given)
+        queue = JobQueue(database, given, prepares=prepares)
         app.state.rota = State(database=database, pool=pool, jobs=queue, limits=given, tile_url=tile_url)
         try:
             await queue.open()
-            await pool.warm()
+            if prepares:
+                await pool.prepare()
             yield
         finally:
             await queue.close()
@@ -69,7 +57,7 @@ def make_app(data: Path, guard: Guard, limits: Limits | None = None, tile_url: s
             sole.close()
 
     return Starlette(
-        routes=[*page.routes, *missions.routes, *jobs.routes, *plans.routes],
+        routes=[*all_routes(), *page.mounts],
         middleware=[
             Middleware(
                 Security,
@@ -82,6 +70,11 @@ def make_app(data: Path, guard: Guard, limits: Limits | None = None, tile_url: s
         exception_handlers={Refusal: _refused, HTTPException: _http_error, Exception: _fault},
         lifespan=life,
     )
+
+
+def all_routes() -> list[Route]:
+    """Every route but the files of the page."""
+    return [*page.routes, *missions.routes, *jobs.routes, *plans.routes]
 
 
 async def _refused(request: Request, error: Exception) -> Response:

@@ -28,6 +28,7 @@ class LiveJob:
         self.best: Json | None = None
         self.began_s: float | None = None
         self.stopping = False
+        self.killed_because: Json | None = None
         self.over = False
         self.listeners: set[Listener] = set()
 

@@ -30,12 +30,12 @@ log = logging.getLogger(__name__)
 class JobQueue:
     """Starts jobs when their turn comes, and tells of them. All methods belong to the server's loop."""
 
-    def __init__(self, database: Database, limits: Limits) -> None:
+    def __init__(self, database: Database, limits: Limits, *, prepares: bool) -> None:
         self._database, self._limits = database, limits
         self._waiting: deque[str] = deque()
         self._live: dict[str, LiveJob] = {}
         self._running: dict[str, asyncio.Task[None]] = {}
-        self._runner = JobRunner(database, limits)
+        self._runner = JobRunner(database, limits, prepares=prepares)
         self._closing = False
 
     async def open(self) -> None:
@@ -45,6 +45,8 @@ class JobQueue:
             log.warning("%d jobs were interrupted when the last server ended", interrupted)
         for job in await asyncio.to_thread(queued_jobs, self._database):
             self._enqueue(job)
+        if not self._running:
+            await self._runner.prepare()
 
     def _take_over(self) -> int:
         interrupted = interrupt_jobs(self._database)

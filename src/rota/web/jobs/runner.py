@@ -20,15 +20,17 @@ log = logging.getLogger(__name__)
 class JobRunner:
     """Runs jobs, each in a fresh process. One process is kept ready, so that a job need not wait for its start."""
 
-    def __init__(self, database: Database, limits: Limits) -> None:
+    def __init__(self, database: Database, limits: Limits, *, prepares: bool) -> None:
+        self._prepares = prepares
         self._database, self._limits = database, limits
         self._workers: dict[str, WorkerProcess] = {}
         self._ready: WorkerProcess | None = None
 
     async def prepare(self) -> None:
-        """Start a process ahead of the next job."""
-        if self._ready is None or not self._ready.alive:
+        """Start a process ahead of the next job, which then need not wait for what planning loads."""
+        if self._prepares and (self._ready is None or not self._ready.alive):
             self._ready = await self._start()
+            await self._ready.send({"task": "prepare"})
 
     async def _start(self) -> WorkerProcess:
         return await WorkerProcess.start(self._limits.for_workers("planning", str(self._database.folder)))
@@ -50,6 +52,7 @@ class JobRunner:
             del self._workers[live.job]
             await asyncio.shield(worker.kill())
         await asyncio.to_thread(self._keep_end, live, ended)
+        await self.prepare()  # not before, when it would take time from the plan
 
     async def _followed(self, live: LiveJob, worker: WorkerProcess) -> Json:
         """What the process tells until it ends, by itself, by the time limit, or because it did not heed a stop."""
@@ -66,16 +69,16 @@ class JobRunner:
                 else:
                     return told
         except WorkerGone:
-            if guard.done():
-                return {"outcome": "killed", "message": guard.result()}
+            if live.killed_because is not None:
+                return live.killed_because
             log.warning("the process of job %s ended before its plan", live.job)
             message = "the process that planned ended; it may have needed more memory than is allowed"
             return {"outcome": "failed", "message": message}
         finally:
             guard.cancel()
 
-    async def _guard(self, live: LiveJob, worker: WorkerProcess) -> str:
-        """Ask a job to stop at its time limit; kill it a while after it was asked to. Returns why."""
+    async def _guard(self, live: LiveJob, worker: WorkerProcess) -> None:
+        """Ask a job to stop at its time limit; kill it a while after it was asked to, and note why."""
         limit_s, grace_s = self._limits.job_time_s, self._limits.stop_grace_s
         asked_s: float | None = None
         while asked_s is None or time.monotonic() - asked_s < grace_s:
@@ -84,10 +87,15 @@ class JobRunner:
             elif asked_s is None and live.elapsed_s >= limit_s:
                 asked_s = time.monotonic()
                 await worker.send({"stop": True})
+            if worker.memory_bytes > self._limits.job_memory_bytes:
+                message = f"planning needed more than {self._limits.job_memory_bytes / 2**20:,.0f} MiB of memory"
+                live.killed_because = {"outcome": "failed", "message": message}
+                await worker.kill()
+                return
             await asyncio.sleep(0.1)
-        await worker.kill()
         why = "it was asked to stop" if live.stopping else f"its {limit_s:.0f} s were over"
-        return f"the job was ended {grace_s:.0f} s after {why}; this is the best plan until then"
+        live.killed_because = {"outcome": "stopped", "message": f"the job was ended {grace_s:.0f} s after {why}"}
+        await worker.kill()
 
     def _keep_best(self, live: LiveJob) -> None:
         best = live.best
@@ -104,9 +112,8 @@ class JobRunner:
             finish_plan(self._database, plan)
         elif plan is not None:
             values = {"best_robots": ended["robots"], "best_met": ended["met"], "best_plan": plan}
-        if state == "killed":
-            state = "stopped"
-            message = message if plan is not None else f"{message}".split(";")[0] + "; there was no plan yet"
+        if live.killed_because is not None:
+            message = f"{message}; {'this is the best plan until then' if plan else 'there was no plan yet'}"
         forget_steps(self._database, live.job, but=0)
         elapsed_s = round(live.elapsed_s, 3)
         values |= {"state": state, "message": message, "plan": plan, "ended_at": now(), "elapsed_s": elapsed_s}

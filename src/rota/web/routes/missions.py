@@ -92,8 +92,16 @@ async def delete(request: Request) -> Response:
 
 
 async def as_yaml(request: Request) -> Response:
-    """A mission as a file, or as an archive with the files that it names."""
-    kind = request.path_params["kind"]
+    """A mission as a file."""
+    return await _as_file(request, "yaml")
+
+
+async def as_zip(request: Request) -> Response:
+    """A mission as an archive with the files that it names."""
+    return await _as_file(request, "zip")
+
+
+async def _as_file(request: Request, kind: str) -> Response:
     answer, body = await state_of(request).pool.ask("yaml", mission=request.path_params["id"], kind=kind)
     return download(body, answer["name"], answer["type"])
 
@@ -132,7 +140,8 @@ routes = [
     Route("/api/missions/{id}", show, methods=["GET"]),
     Route("/api/missions/{id}", change, methods=["PUT"]),
     Route("/api/missions/{id}", delete, methods=["DELETE"]),
-    Route("/api/missions/{id}/mission.{kind:kind}", as_yaml, methods=["GET"]),
+    Route("/api/missions/{id}/mission.yaml", as_yaml, methods=["GET"]),
+    Route("/api/missions/{id}/mission.zip", as_zip, methods=["GET"]),
     Route("/api/schema/mission", schema, methods=["GET"]),
     Route("/api/validate", validate, methods=["POST"]),
 ]

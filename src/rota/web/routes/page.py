@@ -27,6 +27,20 @@ async def about(request: Request) -> Response:
     return JsonAnswer(await about_of(request))
 
 
+async def openapi(request: Request) -> Response:
+    """The interface as an OpenAPI document."""
+    state = state_of(request)
+    if "openapi" not in state.kept:
+        _, body = await state.pool.ask("openapi")
+        state.kept["openapi"] = json.loads(body)
+    return JsonAnswer(state.kept["openapi"])
+
+
+async def docs(request: Request) -> Response:
+    """The interface as a page."""
+    return FileResponse(STATIC / "docs.html")
+
+
 async def about_of(request: Request) -> Json:
     """What GET /api/about answers; a worker is asked once."""
     state = state_of(request)
@@ -39,6 +53,8 @@ async def about_of(request: Request) -> Json:
 
 routes = [
     Route("/", index, methods=["GET"]),
+    Route("/openapi.json", openapi, methods=["GET"]),
+    Route("/docs", docs, methods=["GET"]),
     Route("/api/about", about, methods=["GET"]),
-    Mount("/static", StaticFiles(directory=STATIC)),
 ]
+mounts = [Mount("/static", StaticFiles(directory=STATIC))]

@@ -86,6 +86,12 @@ async def picture(request: Request) -> Response:
     return download(await _made(request, "picture", "picture"), f"{name}.png", "image/png")
 
 
+async def page(request: Request) -> Response:
+    """The plan as one page that plays it."""
+    name, _ = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
+    return download(await _made(request, "page", "page"), f"{name}.html", "text/html")
+
+
 async def export(request: Request) -> Response:
     """The plan as maps and robots read it."""
     state, asked = state_of(request), request.query_params
@@ -121,5 +127,6 @@ routes = [
     Route("/api/plans/{id}/playback", playback, methods=["GET"]),
     Route("/api/plans/{id}/plan.rota.json", plan_file, methods=["GET"]),
     Route("/api/plans/{id}/picture.png", picture, methods=["GET"]),
+    Route("/api/plans/{id}/page.html", page, methods=["GET"]),
     Route("/api/plans/{id}/export/{format}", export, methods=["GET"]),
 ]

@@ -54,10 +54,17 @@ def _insert(
             " created_at) VALUES (?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?)",
             (
                 job, mission, name_of(document), json.dumps(document, allow_nan=False), files, asked["planner"],
-                asked.get("effort"), asked.get("seed") or 0, asked.get("time_limit_s"), now(),
+                asked.get("effort") or _effort_of(document), asked.get("seed") or 0, asked.get("time_limit_s"), now(),
             ),
         )  # fmt: skip
     return job_json(database, job)
+
+
+def _effort_of(document: Json) -> str | None:
+    """The effort that a mission asks for itself, if its planner has such a setting."""
+    settings = document.get(planner_of(document))
+    effort = settings.get("effort") if isinstance(settings, dict) else None
+    return effort if isinstance(effort, str) else None
 
 
 def job_source(database: Database, job: str) -> tuple[Json, dict[str, bytes], Json]:

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import sys
 
+# memory that is asked for and not used yet counts here, and a library may loop where it gets none
+ROOM_BYTES = 2**30
+
 
 def limit_memory(most_bytes: int) -> None:
-    """Let allocations beyond ``most_bytes`` fail. Data only is counted: compiled loops map far more than they use.
+    """Let allocations beyond ``most_bytes``, and some room, fail; data only is counted, since loops map much more.
 
-    Without effect on systems that know no such limit (Windows, macOS).
+    The server ends planning processes that take more before that; this is for those that grow at a bound. Without
+    effect on systems that know no such limit (Windows, macOS).
     """
     if sys.platform != "linux":
         return
     import resource
 
     _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    most_bytes += ROOM_BYTES
     soft = most_bytes if hard == resource.RLIM_INFINITY else min(most_bytes, hard)
     resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))

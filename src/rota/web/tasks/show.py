@@ -42,6 +42,15 @@ def playback(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     return {}, gzip.compress(playback_of(plan, check_plan(plan), given["cells"]), 5)
 
 
+def page(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """The plan as one page that plays it without a network."""
+    from rota.check import check_plan
+    from rota.playback.page import page_text
+
+    plan = kept_plan(context, given)
+    return {}, page_text(plan, check_plan(plan)).encode()
+
+
 def picture(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     """The plan drawn, with the worst gap of every place, as PNG."""
     from rota.draw import draw_plan

@@ -20,6 +20,7 @@ from rota.web.refusal import Json, Refusal
 from rota.web.store.jobs import as_asked
 from rota.web.store.missions import mission_files, mission_source, upload_contents
 from rota.web.tasks.context import Context, as_document, fault_json, laid_out
+from rota.web.tasks.preparing import is_ready
 
 
 def validate(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
@@ -77,12 +78,14 @@ def faults_json(judged: JudgedDocument) -> list[Json]:
 def _answer(judged: JudgedDocument) -> Json:
     """Faults and warnings, the ground in metres, and what is asked of how many robots at least."""
     mission, faults = judged.mission, faults_json(judged)
-    bound = None if mission is None else _bound(mission, faults)
+    compiling = mission is not None and not is_ready(mission)
+    bound = None if mission is None or compiling else _bound(mission, faults)
     return {
         "faults": faults,
         "warnings": [fault_json(warning.place, warning.message) for warning in judged.warnings],
         "ground": None if judged.ground is None else ground_json(judged.ground),
         "bound": bound,
+        "compiling": compiling,
         "free_m2": None if mission is None else _free_m2(mission),
         "asked_m2_s": None if mission is None else _asked_m2_s(mission),
     }

@@ -34,6 +34,8 @@ TASKS = {
     "export": "rota.web.tasks.export:export",
     "schema": "rota.web.tasks.about:mission_schema_text",
     "require_plannable": "rota.web.tasks.validate:require_plannable",
+    "openapi": "rota.web.interface.document:openapi",
+    "prepare": "rota.web.tasks.preparing:prepare",
     "about": "rota.web.tasks.about:about",
 }
 
@@ -130,10 +132,15 @@ def _plain_faults(error: MissionError) -> list[Json]:
 
 
 def _plan(context: Context, inbox: Inbox, outbox: Outbox, stop: threading.Event) -> None:
-    """One job, then the end; until it comes, what planning needs is loaded."""
+    """One job, then the end; until it comes, what planning needs is loaded, if that was asked for."""
     from rota.web.tasks.planning import PlanningJob
 
     message, _ = inbox.get()
+    if message.get("task") == "prepare":
+        from rota.web.tasks.preparing import load_planning
+
+        load_planning()
+        message, _ = inbox.get()
     try:
         outbox.send(PlanningJob(context, message["job"], outbox.send, stop).run())
     except MemoryError:

@@ -11,6 +11,7 @@ from rota.web.refusal import Json, Refusal
 from rota.web.workers.process import WorkerGone, WorkerProcess
 
 log = logging.getLogger(__name__)
+PREPARE_S = 300.0
 Answer = tuple[Json, bytes]
 
 
@@ -25,6 +26,7 @@ class Pool:
         self._waiting = 0
         self._newest: dict[str, int] = {}
         self._count = 0
+        self._preparing: asyncio.Task[None] | None = None
 
     async def ask(
         self,
@@ -96,12 +98,19 @@ class Pool:
     async def _start(self) -> WorkerProcess:
         return await WorkerProcess.start(self._limits.for_workers("tasks", self._data))
 
-    async def warm(self) -> None:
-        """Start a process ahead, so that the first task need not wait for it."""
-        if not self._idle:
-            self._idle.append(await self._start())
+    async def prepare(self) -> None:
+        """Start a process ahead, which loads what it needs while nobody waits for it yet."""
+        self._preparing = asyncio.create_task(self._prepared())
+
+    async def _prepared(self) -> None:
+        try:
+            await self.ask("prepare", within_s=PREPARE_S)
+        except Refusal as refusal:
+            log.warning("preparing: %s", refusal)
 
     async def close(self) -> None:
         """End all processes."""
+        if self._preparing is not None:
+            self._preparing.cancel()
         workers, self._idle = [*self._idle, *self._busy], []
         await asyncio.gather(*(worker.kill() for worker in workers))

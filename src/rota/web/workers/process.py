@@ -8,6 +8,7 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from rota.web.refusal import Json
@@ -42,9 +43,13 @@ class WorkerProcess:
         return self._process.returncode is None
 
     @property
-    def pid(self) -> int:
-        """The process's number."""
-        return self._process.pid
+    def memory_bytes(self) -> int:
+        """What it holds in memory; 0 where the system does not tell."""
+        try:
+            pages = int(Path(f"/proc/{self._process.pid}/statm").read_text().split()[1])
+        except (OSError, ValueError, IndexError):
+            return 0
+        return pages * os.sysconf("SC_PAGE_SIZE")
 
     async def send(self, message: Json, content: bytes = b"") -> None:
         """Send a message; WorkerGone when nobody is there."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rota
-from rota.command.compiled_cache import is_compiled
+from rota.compiled_cache import is_compiled
 from rota.planners.patrol.compiled_by_two import OTHER_HALF, compiled_by_two
 
 

@@ -1,0 +1,173 @@
+"""JSON Schemas of what the HTTP interface takes and gives; missions, plans and reports have their own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+Schema = dict[str, Any]
+
+TEXT: Schema = {"type": "string"}
+NUMBER: Schema = {"type": "number"}
+COUNT: Schema = {"type": "integer", "minimum": 0}
+TRUTH: Schema = {"type": "boolean"}
+ANYTHING: Schema = {"type": "object"}
+MOMENT: Schema = {"type": "string", "format": "date-time"}
+
+
+def or_null(schema: Schema) -> Schema:
+    """A value, or null."""
+    return {"oneOf": [schema, {"type": "null"}]}
+
+
+def listed(schema: Schema) -> Schema:
+    """A list of values."""
+    return {"type": "array", "items": schema}
+
+
+def ref(name: str) -> Schema:
+    """One of the named schemas."""
+    return {"$ref": f"#/components/schemas/{name}"}
+
+
+def an_object(required: dict[str, Schema], optional: dict[str, Schema] | None = None) -> Schema:
+    """An object with these fields and no others."""
+    return {
+        "type": "object",
+        "properties": {**required, **(optional or {})},
+        "required": list(required),
+        "additionalProperties": False,
+    }
+
+
+FAULT = an_object({"field": TEXT, "path": listed({"type": ["string", "integer"]}), "message": TEXT})
+ATTACHMENT = an_object({"name": TEXT, "size": COUNT})
+_SHAPE = {**listed(listed(listed(listed(NUMBER)))), "description": "polygons, each its rings, the outer one first"}
+_ORIGIN = or_null(an_object({"lat": NUMBER, "lon": NUMBER}))
+_SETTINGS = listed(an_object({"name": TEXT, "what": TEXT, "default": {}}))
+
+VALUES: dict[str, Schema] = {
+    "Error": an_object({"error": an_object({"message": TEXT, "faults": listed(FAULT)})}),
+    "About": an_object(
+        {
+            "version": TEXT,
+            "planners": listed(an_object({"name": TEXT, "efforts": or_null(listed(TEXT))})),
+            "formats": listed(
+                an_object(
+                    {
+                        "name": TEXT,
+                        "what": TEXT,
+                        "suffix": TEXT,
+                        "needs_origin": TRUTH,
+                        "takes_origin": TRUTH,
+                        "has_clock": TRUTH,
+                        "in_phase": or_null(TEXT),
+                        "settings": _SETTINGS,
+                    }
+                )
+            ),
+            "links": listed(an_object({"name": TEXT, "what": TEXT, "settings": _SETTINGS})),
+            "limits": {"type": "object", "additionalProperties": NUMBER},
+            "tile_url": or_null(TEXT),
+        }
+    ),
+    "Example": an_object({"name": TEXT, "title": TEXT}),
+    "ReadMission": an_object(
+        {"document": ANYTHING, "attachments": listed(ATTACHMENT), "warnings": listed(TEXT)}, {"upload": TEXT}
+    ),
+    "MissionEntry": an_object({"id": TEXT, "name": TEXT, "changed_at": MOMENT, "planner": TEXT}),
+    "Mission": an_object(
+        {
+            "id": TEXT,
+            "name": TEXT,
+            "planner": TEXT,
+            "document": {
+                **ANYTHING,
+                "description": "a mission file as JSON, perhaps with faults",
+            },
+            "attachments": listed(ATTACHMENT),
+            "created_at": MOMENT,
+            "changed_at": MOMENT,
+        }
+    ),
+    "Ground": an_object(
+        {
+            "area": _SHAPE,
+            "obstacles": listed(an_object({"shape": _SHAPE, "blocks": {"enum": ["both", "motion", "sight"]}})),
+            "zones": listed(
+                an_object(
+                    {
+                        "name": TEXT,
+                        "period_s": or_null(NUMBER),
+                        "demand": {"enum": ["every_point", "visit"]},
+                        "shape": _SHAPE,
+                    }
+                )
+            ),
+            "origin": _ORIGIN,
+        }
+    ),
+    "Validation": an_object(
+        {
+            "faults": listed(FAULT),
+            "warnings": listed(FAULT),
+            "ground": or_null(ref("Ground")),
+            "bound": or_null(an_object({"robots": COUNT, "reason": TEXT})),
+            "compiling": {**TRUTH, "description": "no bound yet: the loops that prove it are being compiled"},
+            "free_m2": or_null(NUMBER),
+            "asked_m2_s": or_null(NUMBER),
+        }
+    ),
+    "Job": an_object(
+        {
+            "id": TEXT,
+            "mission": or_null(TEXT),
+            "mission_name": TEXT,
+            "state": {"enum": ["queued", "running", "done", "no_plan", "failed", "stopped", "interrupted"]},
+            "planner": TEXT,
+            "effort": or_null(TEXT),
+            "seed": COUNT,
+            "time_limit_s": or_null(NUMBER),
+            "created_at": MOMENT,
+            "started_at": or_null(MOMENT),
+            "ended_at": or_null(MOMENT),
+            "progress": an_object({"fraction": NUMBER, "doing": TEXT, "elapsed_s": NUMBER}),
+            "best": or_null(an_object({"robots": or_null(COUNT), "met": TRUTH, "plan": or_null(TEXT)})),
+            "message": or_null(TEXT),
+            "plan": or_null(TEXT),
+            "place_in_queue": or_null(COUNT),
+        }
+    ),
+    "Plan": {
+        "type": "object",
+        "properties": {
+            "id": TEXT,
+            "name": TEXT,
+            "mission": or_null(TEXT),
+            "job": or_null(TEXT),
+            "planner": TEXT,
+            "effort": or_null(TEXT),
+            "created_at": MOMENT,
+            "robots": COUNT,
+            "bound": or_null(COUNT),
+            "bound_reason": or_null(TEXT),
+            "verdict": {"enum": ["met", "violated", "not proven"]},
+            "worst_ratio": or_null(NUMBER),
+            "length_m": NUMBER,
+            "plan_s": or_null(NUMBER),
+            "partial": TRUTH,
+            "facts": listed(TEXT),
+            "report": ref("Report"),
+        },
+        "required": ["id", "name", "planner", "robots", "verdict", "length_m", "partial"],
+    },
+    "Watch": an_object(
+        {
+            "id": TEXT,
+            "plan": TEXT,
+            "link": TEXT,
+            "state": {"enum": ["starting", "watching", "ended", "failed"]},
+            "began_at": MOMENT,
+            "message": or_null(TEXT),
+        }
+    ),
+}

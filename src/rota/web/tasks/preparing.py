@@ -1,0 +1,53 @@
+"""What a process loads before it is asked for anything: most of a small mission's time is loading compiled loops."""
+
+from __future__ import annotations
+
+import shapely
+
+from rota.compiled_cache import is_compiled
+from rota.make_plan import search_plan
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PlannerSettings, Zone
+from rota.planner import planner_named, planner_of
+from rota.planner_registry import DEFAULT
+from rota.web.refusal import Json
+from rota.web.tasks.context import Context
+
+
+def load_planning() -> None:
+    """Plan a yard, so that what planning and checking run is loaded, and compiled where it was not yet."""
+    mission = _yard()
+    with planner_of(mission).compiling():
+        search_plan(mission)
+
+
+def prepare(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
+    """Load what validating runs: the bound of a yard is proved, if its loops are compiled (planning compiles them)."""
+    mission = _yard()
+    if is_ready(mission):
+        planner_of(mission).proved_bound(mission)
+    return {}, b""
+
+
+def is_ready(mission: Mission) -> bool:
+    """Whether the loops of a mission's planner are compiled."""
+    return is_compiled(*planner_of(mission).compiled_packages(mission))
+
+
+def _yard() -> Mission:
+    """A small yard with a shed and a gate, for the planner that missions have when they name none."""
+    small = planner_named(DEFAULT).small_mission()
+    planning: PlannerSettings | None = None if small is None else small.planning
+    more = {} if planning is None else {"planning": planning}
+    return Mission(
+        name="yard",
+        area=_box(0, 0, 20, 20),
+        obstacles=(Obstacle(shape=_box(8, 8, 12, 11)),),
+        zones=(Zone(name="gate", shape=_box(0, 0, 4, 4), period_s=50),),
+        period_s=100,
+        fleet=Fleet(speed_m_s=5, sensor=DiscSensor(radius_m=5)),
+        **more,  # type: ignore[arg-type]
+    )
+
+
+def _box(x0: float, y0: float, x1: float, y1: float) -> shapely.MultiPolygon:
+    return shapely.MultiPolygon([shapely.box(x0, y0, x1, y1)])
