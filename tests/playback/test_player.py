@@ -119,6 +119,41 @@ def test_a_lost_robot_shows_what_lapses_and_undo_takes_it_back(opened: Open, off
     assert not page.get_by_role("heading", name="Lost robots").is_visible()
 
 
+LAPSES = """async (from) => {
+  const { lapsesFrom, stopsOf } = await import("rota/ages.js");
+  const { playback } = rotaPlayer;
+  return [...lapsesFrom(playback, from, stopsOf(playback, new Map([[0, from]])))];
+}"""
+
+
+def test_every_place_lapses_when_its_age_says_so(opened: Open, offline_page: Page) -> None:
+    header, arrays = opened(plans()["drifting"])
+    from_s, step_s = 130.0, 0.25
+    told = np.array([np.inf if at is None else at for at in offline_page.evaluate(LAPSES, from_s)], np.float64)
+    some = np.arange(0, len(told), max(1, len(told) // 50))
+    periods_s = np.array([demand["period_s"] for demand in header["demands"]])[arrays["cell_demand"][some]]
+    first_s = np.full(len(some), np.inf)
+    for time_s in np.arange(from_s, from_s + 125.0, step_s):
+        late = ages_s(header, only(arrays, some), float(time_s), {0: from_s}) > periods_s + 1e-3
+        first_s[late] = np.minimum(first_s[late], time_s)
+    told = told[some]
+    assert 5 < np.isfinite(first_s).sum() < len(some)
+    assert told[np.isfinite(first_s)] == pytest.approx(first_s[np.isfinite(first_s)], abs=step_s)
+    assert (told[np.isinf(first_s)] > from_s + 125.0 - step_s).all()
+
+
+def test_time_goes_round_where_all_loops_share_a_period(opened: Open, offline_page: Page) -> None:
+    header, _ = opened(two_robots())
+    clock = header["clock"]
+    assert clock["repeat_s"] == pytest.approx(40.0)
+    offline_page.evaluate(f"rotaPlayer.seek({clock['end_s'] - 0.2}); rotaPlayer.setSpeed(2); rotaPlayer.toggle()")
+    until(offline_page, f"rotaPlayer.clock.time < {clock['end_s'] - 30.0}")
+    assert offline_page.evaluate("rotaPlayer.clock.time") > clock["end_s"] - clock["repeat_s"]
+    now_s = clock["end_s"] - 3.0
+    before, after = offline_page.evaluate(AGES, [[now_s, now_s - clock["repeat_s"]], []])
+    assert before == pytest.approx(after, abs=1e-6)
+
+
 def first_lapse_s(header: Any, arrays: Any, entries: Any, period_s: float) -> float:
     """When the first of some entries is older than its period, without robot 1 from 100 s on, looked up in steps."""
     thinned = only(arrays, np.flatnonzero(entries))
@@ -134,7 +169,7 @@ def test_the_controls_work_by_keyboard_and_name(opened: Open, offline_page: Page
     page.keyboard.press("Space")
     until(page, "rotaPlayer.clock.time > 0.5")
     page.keyboard.press("Space")
-    assert page.get_by_role("button", name="Play").is_visible()
+    page.get_by_role("button", name="Play").wait_for()
     page.get_by_role("button", name="Back to the beginning").click()
     page.locator("body").press("ArrowRight")
     assert page.evaluate("rotaPlayer.clock.time") == pytest.approx(1.0)

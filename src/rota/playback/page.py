@@ -110,10 +110,10 @@ def _in_words(plan: Plan, report: Report) -> str:
     parts.append(f"<ul>{facts}</ul>")
     if report.demands:
         head = ("zone", "asks", "period, s", "worst gap, s", "area, m²", "left out, m²", "outcome")
-        parts += ["<h2>What is asked</h2>", _table(head, [_demand_cells(demand) for demand in report.demands])]
+        parts.append(_table("What is asked", head, [_demand_cells(demand) for demand in report.demands]))
     if any(trajectory.loop_duration_s for trajectory in plan):
         titles = ("robot", "loop, m", "loop, s", "slack", "serves")
-        parts += ["<h2>Robots</h2>", _table(titles, [_robot_cells(row) for row in robot_rows(plan)])]
+        parts.append(_table("Robots", titles, [_robot_cells(row) for row in robot_rows(plan)]))
     if report.violations:
         wrong = "".join(f"<li>{escape(violation.text())}</li>" for violation in report.violations)
         parts.append(f"<h2>Violations</h2><ul>{wrong}</ul>")
@@ -131,11 +131,12 @@ def _robot_cells(row: RobotRow) -> tuple[str | float, ...]:
     return row.robot, row.loop_length_m, row.loop_time_s, slack, ", ".join(row.zones) or "nothing"
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str | float, ...]]) -> str:
-    """A table; numbers to the right."""
+def _table(caption: str, head: tuple[str, ...], rows: list[tuple[str | float, ...]]) -> str:
+    """A heading and a table, which the keyboard can scroll; numbers to the right."""
     titles = "".join(f'<th scope="col">{escape(title)}</th>' for title in head)
     lines = "".join("<tr>" + "".join(_cell(value) for value in row) + "</tr>" for row in rows)
-    return f'<div class="page-scroll"><table><thead><tr>{titles}</tr></thead><tbody>{lines}</tbody></table></div>'
+    region = f'<h2>{caption}</h2><div class="page-scroll" tabindex="0" role="region" aria-label="{caption}">'
+    return f"{region}<table><thead><tr>{titles}</tr></thead><tbody>{lines}</tbody></table></div>"
 
 
 def _cell(value: str | float) -> str:

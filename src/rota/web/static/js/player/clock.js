@@ -12,8 +12,10 @@ export class Clock {
     this.playing = false;
     /** @type {number|null} milliseconds of the wall clock at time 0; null: it is not followed */
     this.startsAt = null;
-    /** Whether what is shown may jump back by a common period of all loops, which changes nothing. */
+    /** Whether what is shown may jump back by a common period of all loops, which then changes nothing. */
     this.mayWrap = true;
+    /** Whether time may stop once all robots hold. */
+    this.mayStop = true;
   }
 
   /** Moves on by so many seconds of the wall clock. Returns whether the time changed. */
@@ -35,7 +37,7 @@ export class Clock {
     const { repeat_s: repeat, end_s: end } = this.span;
     if (time <= this.end) {
       this.time = time;
-    } else if (repeat === 0 && this.mayWrap) {
+    } else if (repeat === 0 && this.mayStop) {
       // all robots hold: nothing changes any more
       this.time = this.startsAt === null ? this.end : time;
       if (this.startsAt === null) this.playing = false;

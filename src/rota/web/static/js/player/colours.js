@@ -8,7 +8,7 @@ export const LEVELS = 256;
 export const LATE = [228, 0, 58];
 export const STRIPE = [255, 255, 255];
 export const NEVER = [255, 185, 201];
-export const NOT_YET = [170, 170, 170];
+export const NOT_YET = [128, 128, 128];
 export const EXCLUDED = [128, 128, 128];
 
 /** Okabe-Ito without yellow; dark and light in turn. On a dark ground black becomes a light grey. */

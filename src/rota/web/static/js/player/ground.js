@@ -66,7 +66,10 @@ export function drawGround(stage, playback, colours, shown, lost) {
   context.strokeStyle = colours.ink;
   context.lineWidth = 1.5 * pixel;
   context.stroke();
-  if (shown.routes) drawRoutes(context, playback, colours, pixel, lost);
+  if (shown.routes) {
+    drawRoutes(context, playback, colours, pixel, lost);
+    if ("turn_time_s" in playback.arrays) drawTurns(context, playback, colours, pixel);
+  }
   drawNames(stage, mission, colours);
 }
 
@@ -99,6 +102,26 @@ function drawRoutes(context, playback, colours, pixel, lost) {
   });
   context.setLineDash([]);
   context.globalAlpha = 1;
+}
+
+/** A short bar across the way wherever a bouncing robot turns: where it bumps, or its clock tells it to. */
+function drawTurns(context, playback, colours, pixel) {
+  const { turn_offsets: offsets, turn_x_m: xs, turn_y_m: ys, turn_before_rad: facing } = playback.arrays;
+  playback.robots.forEach((robot, k) => {
+    const ahead = Math.max(robot.body_radius_m, 4 * pixel);
+    context.beginPath();
+    for (let i = offsets[k]; i < offsets[k + 1]; i++) {
+      const [dx, dy] = [Math.cos(facing[i]), Math.sin(facing[i])];
+      const [x, y] = [xs[i] + ahead * dx, ys[i] + ahead * dy];
+      context.moveTo(x - 4 * pixel * dy, y + 4 * pixel * dx);
+      context.lineTo(x + 4 * pixel * dy, y - 4 * pixel * dx);
+    }
+    for (const [colour, width] of [[colours.halo, 4.5], [colours.routes[k % colours.routes.length], 2.5]]) {
+      context.strokeStyle = colour;
+      context.lineWidth = width * pixel;
+      context.stroke();
+    }
+  });
 }
 
 /** The zones' names above their shapes. */

@@ -9,7 +9,7 @@ import { NO_CELL } from "./playback.js";
 const LATE_PIXEL = pixel(LATE);
 const STRIPE_PIXEL = pixel(STRIPE);
 const NEVER_PIXEL = pixel(NEVER);
-const NOT_YET_PIXEL = pixel(NOT_YET);
+const NOT_YET_PIXEL = pixel(NOT_YET, 140);
 
 export class HeatMap {
   /** @param {import("./playback.js").Playback} playback */

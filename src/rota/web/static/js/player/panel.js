@@ -18,7 +18,7 @@ export class Panel {
       this._summary(),
       this._transport(),
       this._view(),
-      ...[this._coverage(), this._demands(), this._robots(), this._place(), this._losses(), this._wrongs()].filter(Boolean),
+      ...[this._coverage(), this._bumps(), this._demands(), this._robots(), this._place(), this._losses(), this._wrongs()].filter(Boolean),
     );
     host.replaceChildren(this.root);
   }
@@ -117,6 +117,33 @@ export class Panel {
     return section(this.playback.header.coverage.what === "cells entered" ? "Cells entered" : "Coverage", true, this.player.chart.node);
   }
 
+  /** How often robots that bounce turn. */
+  _bumps() {
+    const { turn_offsets: offsets } = this.playback.arrays;
+    if (!offsets) return null;
+    this.bumps = el("p", {});
+    return section("Bumps", true, this.bumps);
+  }
+
+  /** Tells how often each robot has bumped or turned until a time. */
+  showBumps(time) {
+    if (!this.bumps) return;
+    const { turn_offsets: offsets, turn_time_s: times } = this.playback.arrays;
+    const told = this.playback.robots.map((robot, k) => {
+      const until = Math.min(time, this.player.losses.lost.get(k) ?? Infinity);
+      const all = [...times.subarray(offsets[k], offsets[k + 1])];
+      const turn = robot.end_s - robot.loop_start_s;
+      const rounds = robot.loops ? Math.max(0, Math.floor((until - robot.loop_start_s) / turn)) : 0;
+      const again = all.filter((at) => at >= robot.loop_start_s).length;
+      const local = until - rounds * turn;
+      const now = all.filter((at) => at <= local && (!rounds || at >= robot.loop_start_s)).length;
+      // before this turn of the loop: the way there, and as many whole turns
+      const before = rounds ? all.length - again + rounds * again : 0;
+      return `${robot.name} ${before + now}`;
+    });
+    this.bumps.textContent = `Bumps and turns until ${reading(time)}: ${told.join(", ")}.`;
+  }
+
   _demands() {
     const { demands } = this.playback;
     if (!demands.length) return null;
@@ -198,7 +225,7 @@ export class Panel {
   showTime() {
     const { clock } = this.player;
     const running = clock.playing || clock.startsAt !== null;
-    const text = running ? "⏸ Pause" : "▶ Play";
+    const text = running ? "‖ Pause" : "▶ Play";
     if (this.play.textContent !== text) this.play.textContent = text;
     this.time.textContent = reading(clock.time);
     if (Number(this.slider.max) !== Math.ceil(clock.end * 10) / 10) this.slider.max = Math.ceil(clock.end * 10) / 10;
@@ -242,10 +269,10 @@ export class Panel {
       el("button", { type: "button", class: "rota-link", text: playback.demands[zone.demand].name, title: "Show the place that lapses first",
         on: { click: () => this.player.showLapse(zone) } }),
       reading(zone.first),
-      `${seconds(zone.first - losses.lapses.from)} later`,
+      seconds(zone.first - losses.lapses.from),
       zone.visit ? "no visit in time" : `${area(zone.area)} (${percent(Math.min(1, zone.area / Math.max(playback.demands[zone.demand].area_m2, 1e-9)))})`,
     ]);
-    const told = losses.zones.length ? table("What lapses", ["zone", "first at", "", "lapses"], rows)
+    const told = losses.zones.length ? table("What lapses", ["zone", "first at", "after the loss", "lapses"], rows)
       : el("p", { text: playback.entries ? "Nothing more lapses: the others are on time without them." : "Nothing is asked of the ground." });
     this.losses.replaceChildren(el("p", { text: `Without ${who}:` }), told);
   }

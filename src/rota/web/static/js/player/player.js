@@ -20,6 +20,13 @@ const TOLD_EVERY_MS = 100; // texts change so often at most; pictures at every f
 const HIT_PIXELS = 12;
 const MANY = 60;
 
+const FOCUSED = "button, input, select, summary";
+
+/** What a control is called, by which it is found again in a panel made anew. */
+function nameOf(node) {
+  return node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
+}
+
 /**
  * Events: `place` {entry, x, y}, `robot` {robot}, `violation` {violation}, `time` {time}.
  */
@@ -73,6 +80,9 @@ export class Player extends EventTarget {
       Object.assign(this.clock, { speed: before.speed, playing: before.playing, startsAt: before.startsAt });
       this.clock.time = Math.min(before.time, this.clock.end);
     }
+    // a place that no loop sees only grows older
+    this._steady = playback.arrays.cell_worst.every(Number.isFinite);
+    this.clock.mayWrap = this._steady;
     this.losses = new Losses(playback);
     this.heat = new HeatMap(playback);
     this.robots = new Robots(playback, new Walls(playback.header.mission));
@@ -88,9 +98,11 @@ export class Player extends EventTarget {
       this._groundDirty = true;
       this._dirty = true;
     });
+    const focused = this.controls.contains(document.activeElement) ? nameOf(document.activeElement) : null;
     this.panel = new Panel(this, this.controls);
     this.panel.showLosses();
     this.panel.showTime();
+    if (focused) [...this.controls.querySelectorAll(FOCUSED)].find((node) => nameOf(node) === focused)?.focus();
   }
 
   // ------------------------------------------------------------ what the controls do
@@ -147,7 +159,8 @@ export class Player extends EventTarget {
 
   _lossesChanged() {
     const { losses, clock } = this;
-    clock.mayWrap = losses.lost.size === 0;
+    clock.mayStop = losses.lost.size === 0;
+    clock.mayWrap = clock.mayStop && this._steady;
     if (losses.lapses) {
       const last = Math.max(...losses.zones.map(({ first }) => first), clock.time);
       clock.end = Math.max(clock.end, last + Math.max(0, ...this.playback.periods.slice(0, 1)));
@@ -319,6 +332,7 @@ export class Player extends EventTarget {
     this.panel.showTime();
     this.panel.showLate(this.heat.late, this.lateVisits);
     this.chart?.update(this.clock.time);
+    this.panel.showBumps(this.clock.time);
     this.dispatchEvent(new CustomEvent("time", { detail: { time: this.clock.time } }));
     if (this.chosenEntry >= 0 && !this.clock.playing) this._showPlace();
   }
