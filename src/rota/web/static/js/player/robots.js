@@ -201,17 +201,22 @@ export class Robots {
       context.lineWidth = 2 * pixel;
       context.stroke();
     }
-    if (this.many) return;
-    const text = stage.inPixels("moving");
-    text.font = "600 11px system-ui, sans-serif";
-    text.textAlign = "left";
-    text.textBaseline = "middle";
-    text.lineJoin = "round";
-    for (let k = 0; k < this.playback.robots.length; k++) {
-      const [px, py] = stage.toPixels(this.places[2 * k], this.places[2 * k + 1]);
-      const beside = Math.max(this.playback.robots[k].body_radius_m, LEAST_PIXELS * pixel) / pixel + 4;
-      write(text, String(k + 1), px + beside, py, colours);
+    if (!this.many) this._numbers(stage, colours, pixel);
+  }
+
+  /** Numbers beside robots, each drawn once and then copied: text with a halo is slow to draw. */
+  _numbers(stage, colours, pixel) {
+    if (this._sprites?.colours !== colours || this._sprites.ratio !== stage.ratio) {
+      const made = this.playback.robots.map((_, k) => number(String(k + 1), colours, stage.ratio));
+      this._sprites = { colours, ratio: stage.ratio, made };
     }
+    const context = stage.inPixels("moving");
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    this._sprites.made.forEach((sprite, k) => {
+      const [px, py] = stage.toPixels(this.places[2 * k], this.places[2 * k + 1]);
+      const beside = Math.max(this.playback.robots[k].body_radius_m / pixel, LEAST_PIXELS) + 1;
+      context.drawImage(sprite, Math.round((px + beside) * stage.ratio), Math.round(py * stage.ratio - sprite.height / 2));
+    });
   }
 
   /** The robot at a place in metres, within so many metres; -1: none. */
@@ -237,4 +242,18 @@ function range(context, x, y, shape, reach) {
     context.moveTo(x + reach, y);
     context.arc(x, y, reach, 0, 2 * Math.PI);
   }
+}
+
+/** A small text as an image. */
+function number(text, colours, ratio) {
+  const sprite = document.createElement("canvas");
+  sprite.width = Math.ceil((8 * text.length + 8) * ratio);
+  sprite.height = Math.ceil(18 * ratio);
+  const context = sprite.getContext("2d");
+  context.scale(ratio, ratio);
+  context.font = "600 11px system-ui, sans-serif";
+  context.textBaseline = "middle";
+  context.lineJoin = "round";
+  write(context, text, 3, 9, colours);
+  return sprite;
 }
