@@ -41,6 +41,7 @@ from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.warm_cache import measured_warm
 from benchmarks.watched_fleet import watched_fleet
+from benchmarks.web_load import first_plan, web_load
 from rota.files.mission_file import read_mission
 from rota.planners.patrol.planner_settings import PatrolSettings
 
@@ -178,6 +179,8 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "house": house,
     "suite": suite,
     "watched-fleet": watched_fleet,
+    "web-load": web_load,
+    "web-first-plan": first_plan,
     "player": player,
     "link-noise": link_noise,
 }

@@ -83,6 +83,11 @@ class Watch:
         """How often a demand's period has lapsed so far."""
         return self._alarms.lapses
 
+    @property
+    def last_seen_s(self) -> Floats:
+        """(n,) seconds of the clock, when each of ``places`` was last seen, as far as is known."""
+        return self._ages.last_seen_s
+
     def take(self, event: Event) -> list[Notice]:
         """Take an event; a tick returns what there is to tell since the last one."""
         if isinstance(event, Heard):

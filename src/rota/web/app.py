@@ -15,9 +15,10 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from rota.web.jobs.queue import JobQueue
+from rota.web.jobs.watches import WatchDesk
 from rota.web.limits import Limits
 from rota.web.refusal import Refusal
-from rota.web.routes import jobs, missions, page, plans
+from rota.web.routes import jobs, missions, page, plans, watches
 from rota.web.routes.answers import JsonAnswer
 from rota.web.security import Guard, Security
 from rota.web.state import State
@@ -44,13 +45,15 @@ def make_app(
         database = Database(data)
         pool = Pool(POOL_SIZE, str(data), given)
         queue = JobQueue(database, given, prepares=prepares)
-        app.state.rota = State(database=database, pool=pool, jobs=queue, limits=given, tile_url=tile_url)
+        desk = WatchDesk(str(data), given)
+        app.state.rota = State(database=database, pool=pool, jobs=queue, watches=desk, limits=given, tile_url=tile_url)
         try:
             await queue.open()
             if prepares:
                 await pool.prepare()
             yield
         finally:
+            await desk.close()
             await queue.close()
             await pool.close()
             database.close()
@@ -74,7 +77,7 @@ def make_app(
 
 def all_routes() -> list[Route]:
     """Every route but the files of the page."""
-    return [*page.routes, *missions.routes, *jobs.routes, *plans.routes]
+    return [*page.routes, *missions.routes, *jobs.routes, *plans.routes, *watches.routes]
 
 
 async def _refused(request: Request, error: Exception) -> Response:

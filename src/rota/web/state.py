@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rota.web.jobs.queue import JobQueue
+from rota.web.jobs.watches import WatchDesk
 from rota.web.limits import Limits
 from rota.web.refusal import Json
 from rota.web.store.database import Database
@@ -13,11 +14,12 @@ from rota.web.workers.pool import Pool
 
 @dataclass(kw_only=True)
 class State:
-    """The database, the workers, the jobs. ``kept``: answers that stay the same while the server runs."""
+    """What runs. ``kept``: answers that stay the same while the server runs."""
 
     database: Database
     pool: Pool
     jobs: JobQueue
+    watches: WatchDesk
     limits: Limits
     tile_url: str | None
     kept: dict[str, Json] = field(default_factory=dict)

@@ -50,7 +50,13 @@ _NEW_MISSION = {
     ]
 }
 _START_WATCH = an_object(
-    {"plan": TEXT}, {"link": or_null(TEXT), "settings": or_null(listed(TEXT)), "origin": or_null(TEXT)}
+    {"plan": TEXT},
+    {
+        "link": or_null(TEXT),
+        "settings": {"description": "of the link: texts KEY=VALUE, or an object"},
+        "origin": or_null(TEXT),
+        "cells": or_null(COUNT),
+    },
 )
 
 OPERATIONS = (
@@ -156,5 +162,18 @@ OPERATIONS = (
             ("start_time", TEXT, "ISO 8601, for formats with a clock"),
             _SET,
         ),
+    ),
+    Operation(method="GET", path="/api/watches", what="All live fleets.", gives=listed(ref("Watch"))),
+    Operation(
+        method="POST", path="/api/watches", what="Watch the fleet of a plan live, simulated unless a link is named.",
+        status=201, body=_START_WATCH, gives=ref("Watch"), refuses=(404, 415, 422),
+    ),
+    Operation(method="GET", path="/api/watches/{id}", what="A live fleet.", gives=ref("Watch"), refuses=(404,)),
+    Operation(
+        method="GET", path="/api/watches/{id}/events", gives=TEXT, kind=EVENTS, refuses=(404,),
+        what="Events state (positions and ages), notice and ended, while the fleet is watched.",
+    ),
+    Operation(
+        method="POST", path="/api/watches/{id}/stop", what="End a watch.", gives=ref("Watch"), refuses=(404, 409)
     ),
 )  # fmt: skip

@@ -73,6 +73,11 @@ def main() -> None:
     threading.Thread(target=_listen, args=(sys.stdin.buffer, inbox, stop), daemon=True).start()
     if settings["role"] == "planning":
         _plan(context, inbox, outbox, stop)
+    elif settings["role"] == "watching":
+        from rota.web.tasks.watching import watch_fleet
+
+        message, _ = inbox.get()
+        outbox.send(watch_fleet(context, message, outbox.send, stop))
     else:
         _serve(context, inbox, outbox)
 
