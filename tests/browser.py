@@ -32,7 +32,8 @@ def chromium() -> Iterator[Browser]:
 @pytest.fixture
 def offline_page(chromium: Browser) -> Iterator[Page]:
     """A fresh page without a network; in the end nothing may have been asked of one, and no script may have failed."""
-    context = chromium.new_context(offline=True, viewport={"width": 1200, "height": 900})
+    # with less motion a plan is not played at once, so that tests find it where they put it
+    context = chromium.new_context(offline=True, viewport={"width": 1200, "height": 900}, reduced_motion="reduce")
     page = context.new_page()
     faults: list[str] = []
     page.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)

@@ -164,13 +164,15 @@ def first_lapse_s(header: Any, arrays: Any, entries: Any, period_s: float) -> fl
 
 
 def test_the_controls_work_by_keyboard_and_name(opened: Open, offline_page: Page) -> None:
-    opened(yard())
+    header, _ = opened(yard())
     page = offline_page
+    # all loops have begun, and what is ever seen was seen
+    assert page.evaluate("rotaPlayer.clock.time") >= header["clock"]["from_s"]
     page.keyboard.press("Space")
-    until(page, "rotaPlayer.clock.time > 0.5")
+    until(page, f"rotaPlayer.clock.time > {header['clock']['from_s'] + 0.5}")
     page.keyboard.press("Space")
     page.get_by_role("button", name="Play").wait_for()
-    page.get_by_role("button", name="Back to the beginning").click()
+    page.get_by_role("button", name="From the start").click()
     page.locator("body").press("ArrowRight")
     assert page.evaluate("rotaPlayer.clock.time") == pytest.approx(1.0)
     page.get_by_label("Time", exact=True).fill("50")
@@ -215,6 +217,24 @@ def test_a_violation_leads_to_its_place_and_time(opened: Open, offline_page: Pag
     offline_page.get_by_role("button", name=wrong["text"]).click()
     assert offline_page.evaluate("rotaPlayer.clock.time") == pytest.approx(wrong["time_s"])
     assert offline_page.evaluate("rotaPlayer._mark") == pytest.approx(wrong["place_m"])
+
+
+def test_a_fleet_is_shown_where_it_really_is(opened: Open, offline_page: Page) -> None:
+    _, arrays = opened(two_robots())
+    page = offline_page
+    ages = [None, *[5.0] * (len(arrays["cell_index"]) - 2), 99.0]  # the last entry is the zone to visit
+    state = {"time_s": 77.0, "robots": [{"robot": 0, "x_m": 12.5, "y_m": 1.0, "lost": False}], "ages": ages}
+    page.evaluate("(state) => rotaPlayer.showLive(state)", state)
+    until(page, "document.querySelector('.rota-time').textContent === '1:17.0'")
+    assert page.evaluate("[rotaPlayer.robots.places[0], rotaPlayer.robots.places[1]]") == [12.5, 1.0]
+    assert page.get_by_label("Time", exact=True).is_disabled()
+    assert "the visit of gate" in page.locator(".rota-late-now").inner_text()
+    assert page.get_by_text("Live:").is_visible()
+    page.evaluate("rotaPlayer.showLive(null)")
+    until(page, "document.querySelector('.rota-late-now').textContent === 'Nothing is late now.'")
+    assert not page.get_by_text("Live:").is_visible()
+    page.get_by_role("button", name="Play").click()
+    until(page, "rotaPlayer.clock.playing")
 
 
 def test_the_page_reads_without_scripts_and_no_name_becomes_markup(opened: Open, offline_page: Page) -> None:

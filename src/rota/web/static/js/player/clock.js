@@ -18,6 +18,13 @@ export class Clock {
     this.mayStop = true;
   }
 
+  /** When all has been seen once and the loops go on as for ever; 0 for robots that spread and hold. */
+  static steady({ from_s: from, repeat_s: repeat, end_s: end }, firstCoverage) {
+    if (repeat === 0) return 0;
+    const seen = Math.max(from, firstCoverage ?? 0);
+    return Math.min(seen, repeat ? end - repeat : end);
+  }
+
   /** Moves on by so many seconds of the wall clock. Returns whether the time changed. */
   tick(elapsed) {
     const before = this.time;

@@ -33,9 +33,11 @@ export class HeatMap {
    * @param {number} time
    * @param {Float64Array} stops
    * @param {{from: number, at: Float64Array}|null} lapses
+   * @param {Float32Array|null} [ages] in place of those by plan
    */
-  paint(mode, time, stops, lapses) {
-    agesInto(this.playback, time, stops, this.ages);
+  paint(mode, time, stops, lapses, ages = null) {
+    if (ages) this.ages.set(ages.subarray(0, this.ages.length));
+    else agesInto(this.playback, time, stops, this.ages);
     // what was not seen before all robots are on their loops may wait for a period from then on
     this._waited = time - this.playback.clock.from_s;
     this._countLate();

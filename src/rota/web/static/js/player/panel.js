@@ -49,17 +49,18 @@ export class Panel {
     this.start = el("input", { type: "datetime-local", step: 1, value: localNow(),
       on: { change: () => this.wall.box.checked && player.followClock(this._start()) } });
     this.status = el("p", { class: "rota-status", "aria-live": "polite" });
-    return el(
-      "div",
-      { class: "rota-transport", role: "group", "aria-label": "Playback" },
+    this.live = el("p", { class: "rota-live", hidden: true, text: "Live: where robots are, and when places were really seen." });
+    this.transport = el(
+      "fieldset",
+      { class: "rota-transport", "aria-label": "Playback" },
       el("div", { class: "rota-row" }, this.play,
-        el("button", { type: "button", text: "↺", title: "Back to the beginning", "aria-label": "Back to the beginning", on: { click: () => player.seek(0) } }),
+        el("button", { type: "button", text: "↺", title: "From the start, when nothing has been seen", "aria-label": "From the start", on: { click: () => player.seek(0) } }),
         this.time, labelled("Speed", this.speed)),
       this.slider,
       el("div", { class: "rota-row" }, this.wall.row, labelled("Robots start at", this.start)),
       el("p", { class: "rota-hint", text: "Space plays and pauses; ← and → go 1 s, with Shift 10 s." }),
-      this.status,
     );
+    return el("div", { class: "rota-transport" }, this.live, this.transport, this.status);
   }
 
   _start() {
@@ -227,12 +228,18 @@ export class Panel {
     const running = clock.playing || clock.startsAt !== null;
     const text = running ? "‖ Pause" : "▶ Play";
     if (this.play.textContent !== text) this.play.textContent = text;
-    this.time.textContent = reading(clock.time);
+    this.time.textContent = reading(this.player.time);
     if (Number(this.slider.max) !== Math.ceil(clock.end * 10) / 10) this.slider.max = Math.ceil(clock.end * 10) / 10;
     this.slider.value = clock.time;
     this.slider.setAttribute("aria-valuetext", reading(clock.time));
     this.wall.box.checked = clock.startsAt !== null;
     this.speed.disabled = clock.startsAt !== null;
+  }
+
+  /** Whether robots are watched now; the plan's clock then rests. */
+  showLive(on) {
+    this.live.hidden = !on;
+    this.transport.disabled = on;
   }
 
   /** Tells how much is late now. */

@@ -76,10 +76,15 @@ export class Player extends EventTarget {
   _take(playback, before) {
     this.playback = playback;
     this.clock = new Clock(playback.clock);
+    this.clock.time = Clock.steady(playback.clock, playback.header.report.first_coverage_s);
+    this.clock.playing = !window.matchMedia("(prefers-reduced-motion: reduce)").matches;
     if (before) {
       Object.assign(this.clock, { speed: before.speed, playing: before.playing, startsAt: before.startsAt });
-      this.clock.time = Math.min(before.time, this.clock.end);
+      const time = Math.min(before.time, this.clock.end);
+      this.clock.time = this._sought ? time : Math.max(time, this.clock.time);
     }
+    /** What is heard of robots that are watched now; null: the plan is played. */
+    this.live = null;
     // a place that no loop sees only grows older
     this._steady = playback.arrays.cell_worst.every(Number.isFinite);
     this.clock.mayWrap = this._steady;
@@ -118,6 +123,7 @@ export class Player extends EventTarget {
   }
 
   seek(time) {
+    this._sought = true;
     this.clock.seek(time);
     this._changed();
   }
@@ -172,6 +178,29 @@ export class Player extends EventTarget {
     this._groundDirty = true;
     this._showPlace();
     this._changed();
+  }
+
+  /**
+   * Shows robots where they really are, and ages as they really are; null: the plan again.
+   * @param {{time_s: number, robots: {robot: number, x_m: number|null, y_m: number|null, lost: boolean}[],
+   *   ages?: (number|null)[]}|null} state `ages`: of the playback's entries; without them the last ones stay
+   */
+  showLive(state) {
+    const began = state !== null && this.live === null;
+    const ages = state?.ages ? Float32Array.from(state.ages, (age) => age ?? Infinity) : this.live?.ages ?? null;
+    this.live = state === null ? null : { ...state, ages };
+    if (began) {
+      this.clock.playing = false;
+      this.clock.startsAt = null;
+      if (this.mode !== "age" && this.playback.rowOfCell.size) this.setMode("age");
+    }
+    this.panel.showLive(this.live !== null);
+    this._changed();
+  }
+
+  /** The time that is shown: the clock's, or that of what was heard last. */
+  get time() {
+    return this.live === null ? this.clock.time : this.live.time_s;
   }
 
   /** Shows an entry's sightings; `fly`: and moves the map there. */
@@ -271,21 +300,23 @@ export class Player extends EventTarget {
   /** Draws the time that the clock shows. */
   draw() {
     this._dirty = false;
-    const { playback, clock, losses, _stage: stage, _colours: palette } = this;
+    const { playback, time, live, losses, _stage: stage, _colours: palette } = this;
     if (this._groundDirty) {
       this._groundDirty = false;
       drawGround(stage, playback, palette, this.shown, losses.lost);
     }
-    this.heat.paint(this.mode, clock.time, losses.stops, losses.lapses);
-    this.robots.move(clock.time, losses.lost);
+    this.heat.paint(this.mode, time, losses.stops, losses.lapses, live?.ages);
+    if (live) this.robots.moveTo(live.robots, time);
+    else this.robots.move(time, losses.lost);
     const pixel = 1 / stage.pixelsPerMetre;
     drawHeat(stage, playback, this.heat, palette, this.opacity, (context) => {
       if (this.shown.footprints) this.robots.drawFootprints(context, palette, pixel);
     });
     const context = stage.begin("moving");
     this._drawVisits(context, pixel);
-    drawMoving(context, playback.header.mission, clock.time, palette, pixel);
-    this.robots.draw(stage, context, this.shown, palette, this.chosenRobot);
+    drawMoving(context, playback.header.mission, time, palette, pixel);
+    const shown = live ? { ...this.shown, trails: false } : this.shown;
+    this.robots.draw(stage, context, shown, palette, this.chosenRobot);
     this._drawMark(stage, pixel);
   }
 
@@ -331,9 +362,9 @@ export class Player extends EventTarget {
   _tell() {
     this.panel.showTime();
     this.panel.showLate(this.heat.late, this.lateVisits);
-    this.chart?.update(this.clock.time);
-    this.panel.showBumps(this.clock.time);
-    this.dispatchEvent(new CustomEvent("time", { detail: { time: this.clock.time } }));
+    this.chart?.update(this.time);
+    this.panel.showBumps(this.time);
+    this.dispatchEvent(new CustomEvent("time", { detail: { time: this.time } }));
     if (this.chosenEntry >= 0 && !this.clock.playing) this._showPlace();
   }
 
@@ -341,7 +372,7 @@ export class Player extends EventTarget {
     if (this.chosenEntry < 0) return;
     const seek = (time) => this.seek(time);
     this.panel.place.replaceChildren(
-      timelineOf(this.playback, this.chosenEntry, this.clock.time, this.losses.stops, seek),
+      timelineOf(this.playback, this.chosenEntry, this.time, this.losses.stops, seek),
     );
     this.panel.placeSection.open = true;
   }

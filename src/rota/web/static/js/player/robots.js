@@ -31,6 +31,21 @@ export class Robots {
     this._groups = this._grouped(time, lost);
   }
 
+  /** Puts robots where they said that they are; those that have said nothing are not drawn. */
+  moveTo(heard, time) {
+    this._time = time;
+    this._lost = new Map();
+    this._groups = { present: [], away: [], lost: [], heights: [] };
+    this.places.fill(NaN);
+    for (const { robot, x_m: x, y_m: y, lost } of heard) {
+      if (x === null || y === null || x === undefined) continue;
+      this.places[2 * robot] = x;
+      this.places[2 * robot + 1] = y;
+      this._groups.heights[robot] = this.playback.place(robot, time, this._at).z;
+      this._groups[lost ? "lost" : "present"].push(robot);
+    }
+  }
+
   /** Draws what they see. */
   drawFootprints(context, colours, pixel) {
     this._footprints(context, this._groups, colours, pixel);
@@ -194,7 +209,7 @@ export class Robots {
       context.lineTo(x + arm, y - arm);
     }
     context.stroke();
-    if (chosen >= 0) {
+    if (chosen >= 0 && !Number.isNaN(this.places[2 * chosen])) {
       context.beginPath();
       context.arc(this.places[2 * chosen], this.places[2 * chosen + 1], 11 * pixel, 0, 2 * Math.PI);
       context.strokeStyle = colours.ink;
@@ -214,6 +229,7 @@ export class Robots {
     context.setTransform(1, 0, 0, 1, 0, 0);
     this._sprites.made.forEach((sprite, k) => {
       const [px, py] = stage.toPixels(this.places[2 * k], this.places[2 * k + 1]);
+      if (Number.isNaN(px)) return;
       const beside = Math.max(this.playback.robots[k].body_radius_m / pixel, LEAST_PIXELS) + 1;
       context.drawImage(sprite, Math.round((px + beside) * stage.ratio), Math.round(py * stage.ratio - sprite.height / 2));
     });
