@@ -93,7 +93,9 @@ def faults(page_server: Server) -> Faults:
 def page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
     """The page in a fresh context, open and ready; it must make no error and ask nobody but its server."""
     sync_api = pytest.importorskip("playwright.sync_api")
-    context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    context = chromium.new_context(
+        viewport={"width": 1280, "height": 800}, accept_downloads=True, reduced_motion="reduce"
+    )
     context.set_default_timeout(HAND_MS)
     sync_api.expect.set_options(timeout=HAND_MS)
     page = context.new_page()
@@ -108,5 +110,6 @@ def page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
 
 
 def open_page(page: Any, server: Server, address: str = "") -> None:
+    page.goto("about:blank")  # an address that differs in what follows # alone would load nothing
     page.goto(f"{server.url}/{address}")
     page.locator("body[data-ready=true]").wait_for()

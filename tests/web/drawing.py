@@ -54,8 +54,11 @@ def new_mission(page: Any) -> None:
 
 def open_example(page: Any, name: str) -> None:
     page.get_by_role("button", name="Missions…").click()
-    page.get_by_label("Example").select_option(name)
-    page.get_by_role("button", name="Open the example").click()
+    row = page.locator(f"[data-example={name}]")
+    row.wait_for(state="attached")
+    if not row.is_visible():
+        page.get_by_text("more examples").click()
+    row.click()
     expect(page.locator("#mission-name")).to_have_text(name)
 
 

@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-pytest.importorskip("playwright")
 from playwright.sync_api import expect
 from tests.web.conftest import open_page
 from tests.web.drawing import (

@@ -16,12 +16,13 @@ import { Plans } from "./work/plans.js";
 import { Watching } from "./work/watching.js";
 
 class Page {
-  constructor(about, schema) {
-    this.missionMap = new MissionMap(byId("map"), about.tile_url ?? null);
+  constructor(missionMap, about, schema) {
+    this.missionMap = missionMap;
+    missionMap.useTiles(about.tile_url ?? null);
     this.editor = new Editor(this.missionMap, { planners: about.planners.map((planner) => planner.name), schema });
     this.tabs = new Tabs(byId("tabs"));
     this.plans = new Plans(byId("plans"));
-    this.jobs = new Jobs(byId("jobs"), this.editor.keeper);
+    this.jobs = new Jobs(byId("jobs"), byId("earlier"), this.editor.keeper);
     this.missions = new Missions(this.editor.keeper);
     this.downloads = new Downloads(byId("downloads"), about.formats);
     this.watching = new Watching(this.missionMap, byId("player-controls"), byId("watching"));
@@ -194,9 +195,10 @@ function isOfPlanner(path) {
 async function start() {
   startTheme();
   startBanner();
+  const missionMap = new MissionMap(byId("map"));
   try {
     const [about, schema] = await Promise.all([api.about(), api.missionSchema()]);
-    const page = new Page(about, schema);
+    const page = new Page(missionMap, about, schema);
     await page.readAddress();
     document.body.dataset.ready = "true";
   } catch (error) {

@@ -42,7 +42,7 @@ export class Editor extends EventTarget {
     ];
     this.list = new ShapeList(byId("shape-list"), this.fields);
     this.chosen = null;
-    this.frame = Frame.of(this.store.document, null, missionMap.tileUrl !== null);
+    this.frame = Frame.of(this.store.document, null, missionMap.hasTiles);
     this.drawing.frame = this.frame;
     this.ground = null;
     this.faulty = new Set();
@@ -91,7 +91,7 @@ export class Editor extends EventTarget {
   load(document, keep) {
     this.drawing.stop();
     this.chosen = null;
-    this.frame = Frame.of(document, null, this.missionMap.tileUrl !== null);
+    this.frame = Frame.of(document, null, this.missionMap.hasTiles);
     this.ground = null;
     this.faulty = new Set();
     this.waitsForFit = true;
@@ -102,7 +102,7 @@ export class Editor extends EventTarget {
   }
 
   changed(why) {
-    this.frame = Frame.of(this.store.document, this.frame, this.missionMap.tileUrl !== null);
+    this.frame = Frame.of(this.store.document, this.frame, this.missionMap.hasTiles);
     if (why !== "load") {
       this.validation.soon();
     }

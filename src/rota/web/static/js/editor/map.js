@@ -11,14 +11,13 @@ const METRES_VIEW = [
 const FIT = { padding: [24, 24], maxZoom: 6, animate: false };
 
 export class MissionMap {
-  /**
-   * @param {HTMLElement} element
-   * @param {string|null} tileUrl
-   */
-  constructor(element, tileUrl) {
+  /** @param {HTMLElement} element */
+  constructor(element) {
     // Geoman looks after layers that ask for it, so that it leaves the player's alone
     L.PM.setOptIn(true);
-    this.tileUrl = tileUrl;
+    // handles of corners have no names to be read out: the keyboard has the table of coordinates
+    L.Marker.mergeOptions({ keyboard: false });
+    this.tiles = null;
     this.tiled = false;
     this.map = L.map(element, {
       crs: L.CRS.Simple,
@@ -31,11 +30,19 @@ export class MissionMap {
       doubleClickZoom: false,
     });
     this.grid = new GridLines();
-    this.tiles = tileUrl === null ? null : L.tileLayer(tileUrl, { maxZoom: 22, maxNativeZoom: 19 });
     L.control.scale({ imperial: false, maxWidth: 140 }).addTo(this.map);
     this.map.fitBounds(METRES_VIEW, { animate: false });
     this.grid.addTo(this.map);
     new ResizeObserver(() => this.map.invalidateSize({ animate: false })).observe(element);
+  }
+
+  /** Where tiles come from, for missions that lie on the globe; null for nowhere. */
+  useTiles(url) {
+    this.tiles = url === null ? null : L.tileLayer(url, { maxZoom: 22, maxNativeZoom: 19 });
+  }
+
+  get hasTiles() {
+    return this.tiles !== null;
   }
 
   /** Shows places as a frame has them; the caller draws its layers anew and fits the view where this returns true. */

@@ -58,7 +58,7 @@ export class Downloads {
   exportOf(format) {
     const origin = this.origin.value.replaceAll(" ", "");
     const query = {
-      origin: format.needs_origin === false ? "" : origin,
+      origin: format.takes_origin === false ? "" : origin,
       start_time: this.start.value === "" || format.has_clock === false ? "" : new Date(this.start.value).toISOString(),
     };
     return api.planFile(this.plan.id, `export/${encodeURIComponent(format.name)}`, query);

@@ -18,10 +18,11 @@ const WORDS = {
 
 export class Jobs extends EventTarget {
   /**
-   * @param {HTMLElement} section
+   * @param {HTMLElement} section for the button, what is planned now and what went wrong last
+   * @param {HTMLElement} earlier for the jobs before
    * @param {import("../editor/keeper.js").Keeper} keeper
    */
-  constructor(section, keeper) {
+  constructor(section, earlier, keeper) {
     super();
     this.keeper = keeper;
     this.jobs = [];
@@ -33,16 +34,21 @@ export class Jobs extends EventTarget {
     this.plan = button("Plan", () => this.start(), { class: "primary", id: "plan-now" });
     this.fault = el("p", { class: "fault", role: "alert" });
     this.list = el("ul", { class: "plain" });
-    this.words = el("p", { class: "soft", "aria-live": "polite", id: "job-words" });
-    section.append(this.form(), this.fault, this.words, el("h2", {}, "Jobs"), this.list);
+    this.words = el("p", { class: "unseen", "aria-live": "polite", id: "job-words" });
+    this.earlier = el("ul", { class: "plain" });
+    this.earlierHead = el("summary", {}, "");
+    this.earlierBox = el("details", { class: "earlier" }, this.earlierHead, this.earlier);
+    section.append(this.form(), this.fault, this.words, this.list);
+    earlier.append(this.earlierBox);
     connection.addEventListener("back", () => this.refresh());
     window.setInterval(() => this.jobs.some(isActive) && this.refresh(), POLL_MS);
   }
 
   form() {
     const field = (label, input) => el("div", { class: "field" }, el("label", { for: input.id }, label), input);
-    const help = el("p", { class: "field-help" }, "The same seed gives the same plan. A time limit keeps the best plan so far.");
-    return el("div", { class: "fields" }, field("Seed", this.seed), field("Time limit (s)", this.limit), help, el("div", { class: "row" }, this.plan));
+    const help = el("p", { class: "field-help" }, "The same seed gives the same plan. When the time is over, the best plan so far is kept.");
+    const fields = el("div", { class: "fields" }, field("Seed", this.seed), field("Time limit (s)", this.limit));
+    return el("div", { class: "plain" }, fields, help, this.plan);
   }
 
   /** Saves the mission, then plans it. */
@@ -115,14 +121,17 @@ export class Jobs extends EventTarget {
   draw() {
     const active = this.jobs.find((job) => job.id === this.followed && isActive(job));
     this.announce(active);
-    if (this.list.contains(document.activeElement)) {
-      const mark = document.activeElement?.getAttribute("data-mark");
-      this.list.replaceChildren(...this.jobs.map((job) => this.row(job)));
-      this.list.querySelector(`[data-mark="${CSS.escape(mark ?? "")}"]`)?.focus();
-      return;
+    const focused = document.activeElement?.getAttribute("data-mark");
+    const isShown = (job, k) => isActive(job) || (k === 0 && job.plan === null);
+    const shown = this.jobs.filter(isShown);
+    const others = this.jobs.filter((job, k) => !isShown(job, k));
+    this.list.replaceChildren(...shown.map((job) => this.row(job)));
+    this.earlier.replaceChildren(...others.map((job) => this.row(job)));
+    this.earlierHead.textContent = `Earlier jobs (${others.length})`;
+    this.earlierBox.hidden = others.length === 0;
+    if (focused) {
+      [this.list, this.earlier].map((list) => list.querySelector(`[data-mark="${CSS.escape(focused)}"]`)).find(Boolean)?.focus();
     }
-    const nothing = el("li", { class: "soft" }, "No plan was asked for yet.");
-    this.list.replaceChildren(...(this.jobs.length === 0 ? [nothing] : this.jobs.map((job) => this.row(job))));
   }
 
   /** Tells progress in words to who listens, by tenths so that it does not chatter. */

@@ -4,6 +4,8 @@ import { api } from "../api.js";
 import { button, byId, el, saveBlob } from "../dom.js";
 import { confirmed, messageOf, notify, notifyError } from "../notices.js";
 
+const FIRST_EXAMPLES = ["harbour", "parcel", "building", "coast"];
+
 export class Missions extends EventTarget {
   /** @param {import("../editor/keeper.js").Keeper} keeper */
   constructor(keeper) {
@@ -34,20 +36,25 @@ export class Missions extends EventTarget {
   }
 
   starts(examples) {
-    const select = el("select", { id: "example" }, ...examples.map(({ name }) => el("option", { value: name }, name)));
-    const title = el("p", { class: "field-help" });
-    const describe = () => (title.textContent = examples.find(({ name }) => name === select.value)?.title ?? "");
-    select.addEventListener("change", describe);
-    describe();
-    const open = button("Open the example", () => this.openExample(select.value));
+    const first = (name) => (FIRST_EXAMPLES.includes(name) ? FIRST_EXAMPLES.indexOf(name) : FIRST_EXAMPLES.length);
+    const sorted = [...examples].sort((a, b) => first(a.name) - first(b.name));
+    const rows = sorted.map(({ name, title }) => {
+      const open = button(name, () => this.openExample(name), { class: "link", "data-example": name });
+      return el("li", {}, open, el("span", { class: "soft" }, ` ${title}`));
+    });
+    const shown = el("ul", { class: "plain" }, ...rows.slice(0, FIRST_EXAMPLES.length));
+    const others = el("details", {}, el("summary", {}, `${Math.max(rows.length - FIRST_EXAMPLES.length, 0)} more examples`), el("ul", { class: "plain" }, ...rows.slice(FIRST_EXAMPLES.length)));
     const fresh = button("New, empty mission", () => this.leaveTo("new", null), { class: "primary" });
-    const field = el("div", { class: "field" }, el("label", { for: "example" }, "Example"), el("div", { class: "unit" }, select, open), title);
-    return el("div", { class: "plain" }, el("div", {}, fresh), field);
+    return el("div", { class: "plain" }, el("div", {}, fresh), el("h3", {}, "Examples"), shown, others);
   }
 
   files() {
     const input = el("input", { type: "file", multiple: true, id: "mission-files", accept: ".yaml,.yml,.json,.geojson,.png,.pgm,.jpg" });
-    input.addEventListener("change", () => this.openFiles([...input.files]));
+    input.addEventListener("change", () => {
+      const files = [...input.files];
+      input.value = ""; // so that a file that was mended can be chosen again
+      this.openFiles(files);
+    });
     const save = button("Save this mission as a file", () => this.download(), { id: "save-yaml" });
     const words = "Mission (.yaml), GeoJSON, or a ROS map (.yaml and its image together); dropping them on the page does the same";
     return el("div", { class: "field" }, el("label", { for: "mission-files" }, words), input, el("div", { class: "row" }, save));

@@ -4,6 +4,13 @@ import { api } from "../api.js";
 import { button, el } from "../dom.js";
 import { confirmed, messageOf, notify } from "../notices.js";
 
+const HELP = {
+  "At least": "No plan with fewer robots exists; that is proved.",
+  "Worst ratio": "The longest wait of any place over its period: 1 or less is met.",
+  Length: "Of all loops together.",
+  "Found in": "The time that planning took.",
+};
+
 export class Plans extends EventTarget {
   /** @param {HTMLElement} section */
   constructor(section) {
@@ -16,7 +23,13 @@ export class Plans extends EventTarget {
     this.fault = el("p", { class: "fault", role: "alert" });
     this.table = el("div", { class: "scroll" });
     this.upload = el("input", { type: "file", accept: ".json", id: "plan-file" });
-    this.upload.addEventListener("change", () => this.upload.files.length > 0 && this.add(this.upload.files[0]));
+    this.upload.addEventListener("change", () => {
+      const [file] = [...this.upload.files];
+      this.upload.value = ""; // so that a file that was mended can be chosen again
+      if (file !== undefined) {
+        this.add(file);
+      }
+    });
     const all = el("div", { class: "row" }, this.everywhere, el("label", { for: "all-plans" }, "also those of other missions"));
     const add = el("div", { class: "field" }, el("label", { for: "plan-file" }, "Add a plan file (.rota.json); it is checked"), this.upload);
     section.append(el("h2", {}, "Plans"), all, this.fault, this.table, add);
@@ -56,7 +69,7 @@ export class Plans extends EventTarget {
       this.table.replaceChildren(el("p", { class: "soft" }, `No plan of this mission yet.${others}`));
       return;
     }
-    const heads = ["Plan", "Robots", "At least", "Worst gap / period", "Length", "Found in", ""].map((text) => el("th", { scope: "col" }, text));
+    const heads = ["Plan", "Robots", "At least", "Worst ratio", "Length", "Found in", ""].map((text) => el("th", { scope: "col", title: HELP[text] }, text));
     const rows = shown.map((plan) => this.row(plan));
     this.table.replaceChildren(el("table", {}, el("thead", {}, el("tr", {}, ...heads)), el("tbody", {}, ...rows)));
   }
@@ -64,22 +77,17 @@ export class Plans extends EventTarget {
   row(plan) {
     const chosen = plan.id === this.chosen;
     const name = this.everywhere.checked || !plan.planner ? plan.name : [plan.planner, plan.effort].filter(Boolean).join(", ");
-    const watch = button(name, () => this.dispatchEvent(new CustomEvent("watch", { detail: plan.id })), { class: "link", "aria-pressed": String(chosen) });
+    const watch = button(name, () => this.dispatchEvent(new CustomEvent("watch", { detail: plan.id })), { class: "link", "aria-pressed": String(chosen), "aria-label": `Watch ${name}, ${plan.robots} robots` });
     const verdict = el("span", { class: `state state-${plan.verdict === "met" ? "met" : "failed"}` }, plan.verdict ?? "?");
     const cells = [
       String(plan.robots),
       plan.bound === null ? "–" : String(plan.bound),
       typeof plan.worst_ratio === "number" ? plan.worst_ratio.toFixed(3) : "never seen",
-      typeof plan.length_m === "number" ? `${plan.length_m.toFixed(0)} m` : "–",
+      typeof plan.length_m === "number" ? lengthText(plan.length_m) : "–",
       typeof plan.plan_s === "number" ? `${plan.plan_s.toFixed(1)} s` : "–",
     ].map((text) => el("td", {}, text));
     const label = `${name}, ${plan.robots} robots`;
-    const actions = el(
-      "td",
-      { class: "row" },
-      button("Watch", () => this.dispatchEvent(new CustomEvent("watch", { detail: plan.id })), { "aria-label": `Watch ${label}` }),
-      button("Delete", () => this.remove(plan), { class: "quiet", "aria-label": `Delete ${label}` }),
-    );
+    const actions = el("td", {}, button("✕", () => this.remove(plan), { class: "quiet", "aria-label": `Delete ${label}`, title: "Delete" }));
     const first = el("td", {}, watch, " ", verdict, plan.partial ? el("span", { class: "state" }, "so far") : null);
     return el("tr", { "data-chosen": String(chosen) }, first, ...cells, actions);
   }
@@ -109,6 +117,9 @@ export class Plans extends EventTarget {
     } catch (error) {
       this.fault.textContent = `${file.name}: ${messageOf(error)}`;
     }
-    this.upload.value = "";
   }
+}
+
+function lengthText(metres) {
+  return metres >= 1000 ? `${(metres / 1000).toFixed(2)} km` : `${metres.toFixed(0)} m`;
 }
