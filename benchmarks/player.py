@@ -48,6 +48,7 @@ PLAY = """async ([text, speed, milliseconds]) => {
     };
     requestAnimationFrame(step);
   });
+  if (!rotaPlayer.clock.playing) throw new Error("it did not play");
   rotaPlayer.toggle();
   return [deltas.slice(2), [...rotaPlayer.frameCosts], rotaPlayer.playback.entries];
 }"""
@@ -98,7 +99,8 @@ def player(options: Options) -> Iterator[Row]:
             f"first paint of a plan of {FEW} robots", f"< {MOST_PAINT_S:g} s",
             f"{shown:.2f} s until the map is drawn, {first:.2f} s until text is", shown < MOST_PAINT_S,
         )  # fmt: skip
-        page = browser.new_page(viewport=SIZE)
+        # with less motion nothing plays before it is told to
+        page = browser.new_page(viewport=SIZE, reduced_motion="reduce")
         page.goto(file.as_uri())
         many, swarm = field_of_mowers(MANY), spreading_swarm()
         played = _played(page, playback_of(many, check_plan(many), CELLS), 10.0)
