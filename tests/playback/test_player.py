@@ -237,6 +237,18 @@ def test_a_fleet_is_shown_where_it_really_is(opened: Open, offline_page: Page) -
     until(page, "rotaPlayer.clock.playing")
 
 
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1400), ("dark", 360)])
+def test_everybody_can_use_it(opened: Open, offline_page: Page, scheme: Any, width: int) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    offline_page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+    offline_page.set_viewport_size({"width": width, "height": 900})
+    opened(yard())
+    offline_page.evaluate("rotaPlayer.choosePlace(0); rotaPlayer.toggleLoss(0)")
+    found = axe.run(offline_page).response["violations"]
+    assert [(wrong["id"], [node["html"] for node in wrong["nodes"]]) for wrong in found] == []
+    assert offline_page.evaluate("document.documentElement.scrollWidth") <= width
+
+
 def test_the_page_reads_without_scripts_and_no_name_becomes_markup(opened: Open, offline_page: Page) -> None:
     plan = yard()
     text = page_text(plan, check_plan(plan), cells=100)

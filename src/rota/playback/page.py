@@ -135,7 +135,7 @@ def _table(caption: str, head: tuple[str, ...], rows: list[tuple[str | float, ..
     """A heading and a table, which the keyboard can scroll; numbers to the right."""
     titles = "".join(f'<th scope="col">{escape(title)}</th>' for title in head)
     lines = "".join("<tr>" + "".join(_cell(value) for value in row) + "</tr>" for row in rows)
-    region = f'<h2>{caption}</h2><div class="page-scroll" tabindex="0" role="region" aria-label="{caption}">'
+    region = f'<h2>{caption}</h2><div class="page-scroll" tabindex="0" role="region" aria-label="{caption}, in full">'
     return f"{region}<table><thead><tr>{titles}</tr></thead><tbody>{lines}</tbody></table></div>"
 
 
