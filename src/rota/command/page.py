@@ -15,7 +15,7 @@ def page(
     plan: PlanPath,
     output: Annotated[str, typer.Option("-o", "--output", metavar="PAGE", help="The file to write, .html.")],
 ) -> None:
-    """Write a plan as one page that plays it in any browser, without a network."""
+    """Write a plan as a page that plays it in any browser."""
     from rota.check import check_plan
     from rota.files.atomic_write import require_suffix
     from rota.playback.page import write_page

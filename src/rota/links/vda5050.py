@@ -86,6 +86,7 @@ class Vda5050Link(RealTimeLink):
             except LinkError as error:
                 self._lost = str(error)
                 for vehicle in self._vehicles.values():
+                    vehicle.was_away = True
                     async with vehicle.news:
                         vehicle.news.notify_all()
                 await self._broker.reopen()
@@ -104,6 +105,12 @@ class Vda5050Link(RealTimeLink):
         try:
             if name == "connection":
                 vehicle.connection = connection_of(payload)
+                if vehicle.connection != "ONLINE":
+                    vehicle.was_away = True
+                elif vehicle.was_away:
+                    # it may stand at the end of what it has, and have nothing new to tell
+                    vehicle.was_away = False
+                    await self._publish(vehicle, "instantActions", vehicle.instant_action("stateRequest")[1])
                 return
             state = state_of(payload, serial)
         except Malformed as error:

@@ -25,7 +25,7 @@ ASK_AGAIN_S = 2.0  # MQTT's quality of service 0, which VDA 5050 asks for, may l
 class Vda5050Vehicle:
     """What is known of a vehicle. ``planned``: the route of its robot, also where another program has sent it.
 
-    ``news`` is told of every state.
+    ``news`` is told of every state. ``was_away``: it or the broker was lost since it was last asked for its state.
     """
 
     identity: Vehicle
@@ -33,6 +33,7 @@ class Vda5050Vehicle:
     window: Window
     state: VehicleState | None = None
     connection: str = ""
+    was_away: bool = False
     returning: bool = False
     news: asyncio.Condition = field(default_factory=asyncio.Condition)
     _route: Route | None = None
