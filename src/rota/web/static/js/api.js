@@ -140,6 +140,7 @@ export const api = {
   deletePlan: (id) => json(`/api/plans/${at(id)}`, "DELETE"),
   playback: (id, signal) => ask(`/api/plans/${at(id)}/playback`, { signal }).then((r) => r.arrayBuffer()),
 
+  watch: (id) => json(`/api/watches/${at(id)}`),
   startWatch: (body) => json("/api/watches", "POST", body),
   stopWatch: (id) => json(`/api/watches/${at(id)}/stop`, "POST"),
   watchEvents: (id, listeners, onBroken) => events(`/api/watches/${at(id)}/events`, listeners, onBroken),

@@ -11,6 +11,7 @@ import { Tabs } from "./tabs.js";
 import { startTheme } from "./theme.js";
 import { Downloads } from "./work/downloads.js";
 import { Jobs } from "./work/jobs.js";
+import { Live } from "./work/live.js";
 import { Missions } from "./work/missions.js";
 import { Plans } from "./work/plans.js";
 import { Watching } from "./work/watching.js";
@@ -26,6 +27,7 @@ class Page {
     this.missions = new Missions(this.editor.keeper);
     this.downloads = new Downloads(byId("downloads"), about.formats);
     this.watching = new Watching(this.missionMap, byId("player-controls"), byId("watching"));
+    this.live = new Live(byId("live"), about.links ?? [], () => ({ plan: this.watching.shown, player: this.watching.player }));
     this.plan = null; // the id of the plan that is chosen
     this.better = { job: null, plan: null }; // the best so far of the job that runs
     this.listen();
@@ -53,7 +55,7 @@ class Page {
     jobs.addEventListener("ended", (event) => this.jobEnded(event.detail));
     jobs.addEventListener("watch", (event) => this.watch(event.detail));
     plans.addEventListener("watch", (event) => this.watch(event.detail));
-    plans.addEventListener("listed", () => this.downloads.show(plans.find(this.plan)));
+    plans.addEventListener("listed", () => this.better.plan === null && this.downloads.show(plans.find(this.plan)));
     plans.addEventListener("deleted", (event) => event.detail === this.plan && this.choosePlan(null));
     this.tabs.addEventListener("change", () => this.tabShown());
     window.addEventListener("hashchange", () => this.readAddress());
@@ -101,6 +103,7 @@ class Page {
   lookOn() {
     this.editor.layers.lock(this.tabs.current !== "edit");
     this.editor.layers.hide(this.watching.player !== null);
+    this.live.showPlan();
   }
 
   async showPlan(id, fit) {
@@ -133,6 +136,8 @@ class Page {
       return;
     }
     this.better = { job, plan };
+    // what there is so far can be taken away too
+    api.plan(plan).then((found) => this.better.plan === plan && this.downloads.show({ ...found, partial: true })).catch(() => undefined);
     if (this.tabs.current !== "edit") {
       await this.showPlan(plan, this.watching.player === null);
     }

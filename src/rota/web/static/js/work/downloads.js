@@ -35,7 +35,9 @@ export class Downloads {
       this.body.replaceChildren();
       return;
     }
-    this.title.textContent = `Of the plan ${plan.name}: ${plan.robots} robots, ${plan.verdict}.`;
+    const which = plan.partial ? "the best plan so far of" : "the plan";
+    const goesOn = plan.partial ? " Preliminary: better ones may still be found." : "";
+    this.title.textContent = `Of ${which} ${plan.name}: ${plan.robots} robots, ${plan.verdict}.${goesOn}`;
     const field = (label, input, help) => el("div", { class: "field" }, el("label", { for: input.id }, label), input, el("span", { class: "field-help" }, help));
     const asked = el(
       "div",
