@@ -35,6 +35,7 @@ pictures: demo
 	$(BIN)/rota draw out/swarm-port.rota.json -o docs/swarm-port.png
 	$(BIN)/rota plan examples/bounce-monitor.yaml -o out/bounce-monitor.rota.json
 	$(BIN)/rota draw out/bounce-monitor.rota.json --cells -o docs/bounce-monitor.png
+	$(BIN)/python -m docs.page_pictures
 
 # the pages of docs/ as HTML; a warning is an error
 docs: setup

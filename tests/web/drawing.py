@@ -63,7 +63,8 @@ def open_example(page: Any, name: str) -> None:
 
 
 def saved(page: Any) -> None:
-    expect(page.locator("#saved")).to_have_text("✓ saved")
+    # an example is read by a worker, which may be compiling
+    expect(page.locator("#saved")).to_have_text("✓ saved", timeout=COMPILING_MS)
 
 
 def judged(page: Any) -> str:

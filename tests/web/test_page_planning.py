@@ -7,11 +7,11 @@ import re
 from pathlib import Path
 from typing import Any
 
-import httpx
 import pytest
 from playwright.sync_api import expect
 from tests.web.conftest import open_page
 from tests.web.drawing import COMPILING_MS, document, draw_polygon, draw_two, judged, new_mission, open_example, saved
+from tests.web.planned import planned_mission
 
 from rota import check_plan, read_plan
 
@@ -20,33 +20,10 @@ pytestmark = pytest.mark.browser
 SQUARE = [(100, 500), (500, 500), (500, 100), (100, 100)]
 
 
-SMALL = {
-    "rota": 1,
-    "name": "small",
-    "area": [[0, 0], [40, 0], [40, 30], [0, 30]],
-    "period_s": 60,
-    "fleet": {"robots": "fewest", "speed_m_s": 5, "sensor": {"shape": "disc", "radius_m": 15}},
-    "patrol": {"effort": "quick"},
-}
-
-
-@pytest.fixture(scope="module")
-def small(page_server: Any) -> str:
-    """The id of a mission with one plan."""
-    with httpx.Client(base_url=page_server.url) as client:
-        mission = client.post("/api/missions", json={"document": SMALL}).raise_for_status().json()["id"]
-        job = client.post("/api/jobs", json={"mission": mission}).raise_for_status().json()["id"]
-        with client.stream("GET", f"/api/jobs/{job}/events", timeout=COMPILING_MS / 1000) as events:
-            for _ in events.iter_lines():
-                pass  # they end when the job ends
-        assert client.get(f"/api/jobs/{job}").json()["state"] == "done"
-    return str(mission)
-
-
 @pytest.fixture
-def planned(page: Any, page_server: Any, small: str) -> Any:
+def planned(page: Any, page_server: Any) -> Any:
     """The page with a mission that has a plan."""
-    open_page(page, page_server, f"#mission={small}&tab=plan")
+    open_page(page, page_server, f"#mission={planned_mission(page_server.url)}&tab=plan")
     expect(page.locator("#mission-name")).to_have_text("small")
     page.locator("#plans tbody tr").first.wait_for()
     return page

@@ -106,7 +106,12 @@ export class Live {
       return;
     }
     try {
-      this.ended(await api.stopWatch(this.watch.id));
+      const watch = await api.stopWatch(this.watch.id);
+      if (OVER.includes(watch.state)) {
+        this.ended(watch);
+      } else {
+        this.state.textContent = "Ending the watch…"; // its last event tells when
+      }
     } catch (error) {
       this.fault.textContent = `The watch could not be ended: ${messageOf(error)}`;
     }
