@@ -258,7 +258,9 @@ def test_other_hosts_get_a_token_that_is_printed_once(tmp_path: Path) -> None:
             client.base_url = f"http://127.0.0.1:{port}"  # type: ignore[assignment]
             assert client.get("/api/missions").status_code == 401
             assert client.get("/api/missions", headers={"authorization": f"Bearer {server.token}"}).status_code == 200
-            assert client.get("/", headers={"host": "evil.example"}).status_code == 403
+            bearer = {"authorization": f"Bearer {server.token}"}
+            for host, status in ((f"192.168.7.7:{port}", 200), (f"evil.example:{port}", 403), ("192.168.7.7", 403)):
+                assert client.get("/api/missions", headers={"host": host, **bearer}).status_code == status
     finally:
         assert server.end() == 0
     assert len(server.token or "") > 20

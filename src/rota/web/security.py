@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import secrets
 from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
@@ -21,17 +22,32 @@ MOST_HEADERS = 64
 
 @dataclass(frozen=True, kw_only=True)
 class Guard:
-    """What a request must show. hosts: the names by which the server is asked, with the port; token: None for none."""
+    """What a request must show.
+
+    hosts: the names by which the server is asked, with the port. token: None where none is needed. any_address: of a
+    server that listens at all addresses of its machine the end of Hosts that are addresses, not names, which nobody can
+    make lead here; None: only ``hosts`` are its names.
+    """
 
     hosts: frozenset[str]
     token: str | None
+    any_address: str | None = None
 
     def require_host(self, headers: Headers) -> str:
         """The Host that was asked; Refusal for any that the server was not bound to, as after DNS rebinding."""
         hosts = headers.getlist("host")
-        if len(hosts) != 1 or hosts[0].lower() not in self.hosts:
+        if len(hosts) != 1 or not (hosts[0].lower() in self.hosts or self._is_address(hosts[0])):
             raise Refusal(403, "this server does not go by that name; use the address that rota serve printed")
         return hosts[0].lower()
+
+    def _is_address(self, host: str) -> bool:
+        if self.any_address is None or not host.endswith(self.any_address):
+            return False
+        try:
+            ipaddress.ip_address(host.removesuffix(self.any_address).removeprefix("[").removesuffix("]"))
+        except ValueError:
+            return False
+        return True
 
     def require_own_page(self, headers: Headers, method: str, host: str) -> None:
         """Refuse what another site's page sends: it could change things in the user's name."""

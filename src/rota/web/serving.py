@@ -17,10 +17,12 @@ import uvicorn
 from rota.errors import RotaError
 from rota.web.app import make_app
 from rota.web.limits import Limits
+from rota.web.patience import PatientProtocol
 from rota.web.security import LOOPBACK, Guard
 
 Say = Callable[[str], None]
 MOST_CONNECTIONS = 1000
+HTTP_PORT, ANY_HOST = 80, ("0.0.0.0", "::")
 IDLE_S = 20  # how long a connection may say nothing between two requests
 
 
@@ -43,15 +45,16 @@ class Serving:
         port = address[1]
         token = None if is_loopback(self.host) else secrets.token_urlsafe(24)
         names = {*LOOPBACK, _name(self.host), _name(address[0])} | ({socket.gethostname().lower()} if token else set())
-        guard = Guard(hosts=frozenset(f"{name}:{port}" for name in names), token=token)
+        hosts = {f"{name}:{port}" for name in names} | (names if port == HTTP_PORT else set())  # browsers leave out 80
+        guard = Guard(hosts=frozenset(hosts), token=token, any_address=f":{port}" if self.host in ANY_HOST else None)
         limits = self.limits or Limits(planning_jobs=self.processes)
         app = make_app(self.data, guard, limits, self.tile_url)
-        shown = _name(address[0] if self.host not in ("0.0.0.0", "::") else socket.gethostname())
+        shown = _name(address[0] if self.host not in ANY_HOST else socket.gethostname())
         page = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")
         config = uvicorn.Config(
             app, log_level="warning", access_log=False, server_header=False, date_header=False, proxy_headers=False,
             limit_concurrency=MOST_CONNECTIONS, timeout_keep_alive=IDLE_S, timeout_graceful_shutdown=2,
-            h11_max_incomplete_event_size=64 * 1024, http="h11", ws="none", lifespan="on",
+            h11_max_incomplete_event_size=64 * 1024, http=PatientProtocol, ws="none", lifespan="on",
         )  # fmt: skip
 
         def started() -> None:
