@@ -99,6 +99,8 @@ class JobQueue:
             live.end()
             if not self._closing:
                 self._start_what_may_run()
+                if not self._running:  # otherwise it would take time from a plan
+                    await self._runner.prepare()
 
     async def stop(self, job: str) -> Json:
         """Ask a job to stop with its best plan; one that waits is stopped at once."""

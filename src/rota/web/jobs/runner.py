@@ -52,7 +52,6 @@ class JobRunner:
             del self._workers[live.job]
             await asyncio.shield(worker.kill())
         await asyncio.to_thread(self._keep_end, live, ended)
-        await self.prepare()  # not before, when it would take time from the plan
 
     async def _followed(self, live: LiveJob, worker: WorkerProcess) -> Json:
         """What the process tells until it ends, by itself, by the time limit, or because it did not heed a stop."""
@@ -131,7 +130,8 @@ class JobRunner:
                 log.info("job %s ended while it was asked to stop", live.job)
 
     async def close(self) -> None:
-        """End the process that waits for a job."""
+        """End the process that waits for a job, and start none any more."""
+        self._prepares = False
         if self._ready is not None:
             await self._ready.kill()
             self._ready = None
