@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from base64 import b64decode
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapely import Point, box
+from shapely import Point, box, union_all
+from tests.live.two_robots import two_robots
 from tests.playback.plans import spreading, yard
 from tests.playback.reference import ages_looked_up_s, ages_s, centres_m
 
@@ -14,8 +17,10 @@ from rota import check_plan
 from rota.check.revisits import worst_gaps_s
 from rota.mission import Obstacle
 from rota.plan import Plan
+from rota.playback import page
 from rota.playback.cells import NO_CELL
 from rota.playback.container import packed, unpacked
+from rota.playback.page import page_text
 from rota.playback.playback import playback_of
 
 STEP_S = 0.01
@@ -90,10 +95,28 @@ def test_the_share_in_range_over_time() -> None:
     times_s, shares = arrays["coverage_time_s"], arrays["coverage_share"]
     assert times_s[0] == 0
     assert times_s[-1] == 10
-    # at first b's square and c's disc, of which the square, 2 to 8, hides the left half up to 1 m beyond its middle
-    at_first = box(2, 2, 8, 8).union(Point(8, 5).buffer(4, quad_segs=64)).area / 200
+    ground = plan.mission.area
+    at_first = box(2, 2, 8, 8).union(Point(8, 5).buffer(4, quad_segs=64)).area / 200  # a has not joined
     assert shares[0] == pytest.approx(at_first, abs=2e-3)
-    assert shares[-1] == pytest.approx(header["coverage"]["at_rest"], abs=0.5)
+    ends = [Point(2, 8).buffer(4, quad_segs=64), box(9, 2, 15, 8), Point(17, 5).buffer(4, quad_segs=64)]
+    assert shares[-1] == pytest.approx(union_all(ends).intersection(ground).area / 200, abs=2e-3)
+    # b leaves later
+    left = union_all([ends[0], ends[2]]).intersection(ground).area / 200
+    assert header["coverage"]["at_rest"] == pytest.approx(left, abs=1e-4)
+
+
+def test_a_page_has_fewer_cells_where_it_would_be_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = two_robots()
+    report = check_plan(plan)
+    whole = packed_bytes(page_text(plan, report, cells=8000))
+    monkeypatch.setattr(page, "MOST_BYTES", whole // 2)
+    assert whole // 3 < packed_bytes(page_text(plan, report, cells=8000)) <= whole // 2
+
+
+def packed_bytes(text: str) -> int:
+    found = re.search(r'id="playback">([^<]*)<', text)
+    assert found
+    return len(b64decode(found[1]))
 
 
 def test_a_file_of_a_playback_is_read_as_it_was_written() -> None:

@@ -196,6 +196,11 @@ def test_a_click_on_the_map_finds_the_place_and_the_robot(opened: Open, offline_
     until(page, "rotaPlayer.robots.places[8] !== 0")
     box = page.locator("#map").bounding_box()
     assert box
+    page.evaluate("rotaPlayer.map.setView([40, 45], rotaPlayer.map.getZoom() + 0.5, { animate: false })")
+    for x, y in ((0.0, 0.0), (100.0, 0.0), (33.0, 77.0)):
+        leaflets = page.evaluate(f"(({{ x, y }}) => [x, y])(rotaPlayer.map.latLngToContainerPoint([{y}, {x}]))")
+        assert page.evaluate(f"rotaPlayer._stage.toPixels({x}, {y})") == pytest.approx(leaflets, abs=1.0)
+    page.evaluate("rotaPlayer.map.setView([52, 48], rotaPlayer.map.getZoom() - 0.5, { animate: false })")
     for (x, y), chosen in (((60.0, 90.0), "chosenEntry"), ((20.0, 50.0), "chosenRobot")):
         px, py = page.evaluate(f"rotaPlayer._stage.toPixels({x}, {y})")
         page.mouse.click(box["x"] + px, box["y"] + py)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.cell_map import CellMap
+from rota.cell_map import cell_map_of
 from rota.check.presence import away_times_s
 from rota.check.routes import sensors_of
 from rota.mission import DiscSensor
@@ -19,6 +19,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOMENTS = 400
+CELLS = 20_000
 
 
 class Coverage(NamedTuple):
@@ -35,13 +36,14 @@ class Coverage(NamedTuple):
         return {"what": self.what, "at_rest": self.at_rest}
 
 
-def range_over_time(plan: Plan, cell_map: CellMap) -> Coverage | None:
+def range_over_time(plan: Plan) -> Coverage | None:
     """What robots that all hold in the end have in range, obstacles aside, as pictures count it; None for others.
 
-    Judged at the centres of the map's cells.
+    Judged at the centres of some ``CELLS`` cells.
     """
     if not len(plan.trajectories) or any(trajectory.loop_duration_s for trajectory in plan):
         return None
+    cell_map = cell_map_of(plan.mission, CELLS)
     end_s = max(float(trajectory.times_s[-1]) for trajectory in plan)
     times_s = np.linspace(0.0, end_s, MOMENTS if end_s > 0 else 1)
     places_m = np.stack([_places_at(trajectory.times_s, trajectory.positions_m, times_s) for trajectory in plan], 1)

@@ -74,12 +74,19 @@ def page_text(plan: Plan, report: Report, cells: int = CELLS) -> str:
 
 
 def _packed_playback(plan: Plan, report: Report, cells: int) -> bytes:
-    """The playback by gzip, with fewer cells where it would be larger than ``MOST_BYTES``."""
-    while True:
-        packed = gzip.compress(playback_of(plan, report, cells), mtime=0)
-        if len(packed) <= MOST_BYTES or cells <= FEWEST_CELLS:
-            return packed
-        cells = max(FEWEST_CELLS, int(0.9 * cells * MOST_BYTES / len(packed)))
+    """The playback by gzip, with fewer cells where it would be larger than ``MOST_BYTES``.
+
+    Cells may take half of that at least, however much the robots' ways take.
+    """
+    packed = gzip.compress(playback_of(plan, report, cells), mtime=0)
+    if len(packed) <= MOST_BYTES or cells <= FEWEST_CELLS:
+        return packed
+    least = gzip.compress(playback_of(plan, report, FEWEST_CELLS), mtime=0)
+    taken, allowed = len(packed) - len(least), max(MOST_BYTES - len(least), MOST_BYTES / 2)
+    if taken <= allowed:
+        return packed
+    fewer = max(FEWEST_CELLS, int(0.95 * cells * allowed / taken))
+    return gzip.compress(playback_of(plan, report, fewer), mtime=0)
 
 
 @cache

@@ -35,7 +35,7 @@ def playback_of(plan: Plan, report: Report, cells: int = CELLS) -> bytes:
     """
     seen = seen_cells(plan, report, cells)
     bounces, more = _bounces(plan, report)
-    coverage = bounces.pop("coverage", None) or range_over_time(plan, seen.cell_map)
+    coverage = bounces.pop("coverage", None) or range_over_time(plan)
     header: Json = {
         "plan": _plan_header(plan, report),
         "mission": {**ground_to_json(plan.mission), "moving_obstacles": _moving(plan)},
