@@ -188,7 +188,7 @@ export class Panel {
   }
 
   _place() {
-    this.place = el("div", { "aria-live": "polite" }, el("p", { class: "rota-hint", text: "Click a place on the map, or a zone in the table." }));
+    this.place = el("div", {}, el("p", { class: "rota-hint", text: "Click a place on the map, or a zone in the table." }));
     this.placeSection = section("A place's sightings", true, this.place);
     return this.playback.entries ? this.placeSection : null;
   }

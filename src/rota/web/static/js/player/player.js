@@ -17,6 +17,7 @@ import { colours, onThemeChange } from "./theme.js";
 import { timelineOf } from "./timeline.js";
 
 const TOLD_EVERY_MS = 100; // texts change so often at most; pictures at every frame
+const PLACE_EVERY_MS = 500;
 const HIT_PIXELS = 12;
 const MANY = 60;
 
@@ -209,6 +210,8 @@ export class Player extends EventTarget {
     const [x, y] = this.playback.middleOf(entry);
     if (fly) this.flyTo(x, y);
     this._showPlace();
+    this.panel.placeSection.open = true;
+    this.panel.say(this.panel.place.querySelector("p").textContent);
     this._changed();
     this.dispatchEvent(new CustomEvent("place", { detail: { entry, x, y } }));
   }
@@ -365,16 +368,19 @@ export class Player extends EventTarget {
     this.chart?.update(this.time);
     this.panel.showBumps(this.time);
     this.dispatchEvent(new CustomEvent("time", { detail: { time: this.time } }));
-    if (this.chosenEntry >= 0 && !this.clock.playing) this._showPlace();
+    if (!this.clock.playing || performance.now() - this._placeShownAt > PLACE_EVERY_MS) this._showPlace();
   }
 
   _showPlace() {
-    if (this.chosenEntry < 0) return;
+    const { place } = this.panel;
+    // what somebody is about to use stays as it is
+    if (this.chosenEntry < 0 || place.contains(document.activeElement)) return;
+    this._placeShownAt = performance.now();
+    const open = place.querySelector("details")?.open ?? false;
     const seek = (time) => this.seek(time);
-    this.panel.place.replaceChildren(
-      timelineOf(this.playback, this.chosenEntry, this.time, this.losses.stops, seek),
-    );
-    this.panel.placeSection.open = true;
+    place.replaceChildren(timelineOf(this.playback, this.chosenEntry, this.time, this.losses.stops, seek));
+    const table = place.querySelector("details");
+    if (table) table.open = open;
   }
 
   // ------------------------------------------------------------ mouse and keyboard
