@@ -39,7 +39,7 @@ class Load(NamedTuple):
 
 def web_load(options: Options) -> Iterator[Row]:
     """200 clients that read once a second each and 20 that plan one job after another, for a minute on loopback."""
-    with page_server(options.folder / "load") as (port, _):
+    with page_server(options.folder / "load", "--processes", "2") as (port, _):
         load = asyncio.run(_loaded(port))
     ordered = sorted(load.reads_ms)
     late_ms = ordered[int(0.99 * len(ordered))]

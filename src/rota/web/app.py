@@ -33,16 +33,18 @@ POOL_SIZE = 2
 def make_app(
     data: Path, guard: Guard, limits: Limits | None = None, tile_url: str | None = None, *, prepares: bool = True
 ) -> Starlette:
-    """The server of a data folder. RotaError, once it starts, for a folder that another server uses.
+    """The server of a data folder, which it holds from now until it ends.
+
+    Raises RotaError for a folder that another server uses, or that cannot be used.
 
     prepares: load what planning and validating need ahead of the first request.
     """
     given = limits or Limits()
+    sole = SoleUser(data)
+    database = Database(data)
 
     @asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
-        sole = SoleUser(data)
-        database = Database(data)
         pool = Pool(POOL_SIZE, str(data), given)
         queue = JobQueue(database, given, prepares=prepares)
         desk = WatchDesk(str(data), given)

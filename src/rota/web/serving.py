@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
+import os
 import secrets
 import socket
+import sys
+import threading
 import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -63,17 +66,16 @@ class Serving:
             if token is not None:
                 say("Everybody who has this address can use the page; nothing that is sent is encrypted.")
             if open_page:
-                webbrowser.open(page)
+                show(page)
 
-        server = _Server(config, started)
+        server = _Server(config)
+        server.told = started
         try:
             asyncio.run(server.serve(sockets=[listening]))
         except KeyboardInterrupt:
             pass
         finally:
             listening.close()
-        if server.failure is not None:
-            raise server.failure
 
     def _listening(self) -> socket.socket:
         """The socket, bound."""
@@ -89,18 +91,24 @@ class Serving:
 
 
 class _Server(uvicorn.Server):
-    """uvicorn's server, which tells when it listens and why it does not start."""
+    """uvicorn's server, which tells when it listens."""
 
-    def __init__(self, config: uvicorn.Config, started: Callable[[], None]) -> None:
-        super().__init__(config)
-        self._told = started
-        self.failure: RotaError | None = None
+    told: Callable[[], None]
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and say so."""
         await super().startup(sockets)
         if self.started and not self.should_exit:
-            self._told()
+            self.told()
+
+
+def show(page: str) -> None:
+    """Open an address in the user's browser, where there is a screen for one."""
+    has_screen = sys.platform in ("win32", "darwin") or any(
+        os.environ.get(key) for key in ("DISPLAY", "WAYLAND_DISPLAY")
+    )
+    if has_screen:
+        threading.Thread(target=webbrowser.open, args=(page,), daemon=True).start()
 
 
 def is_loopback(host: str) -> bool:

@@ -28,6 +28,11 @@ class Pool:
         self._count = 0
         self._preparing: asyncio.Task[None] | None = None
 
+    @property
+    def processes(self) -> list[int]:
+        """The numbers of the processes that work on something just now."""
+        return [worker.pid for worker in self._busy]
+
     async def ask(
         self,
         task: str,

@@ -43,6 +43,11 @@ class WorkerProcess:
         return self._process.returncode is None
 
     @property
+    def pid(self) -> int:
+        """The process's number."""
+        return self._process.pid
+
+    @property
     def memory_bytes(self) -> int:
         """What it holds in memory; 0 where the system does not tell."""
         try:
