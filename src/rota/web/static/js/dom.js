@@ -47,10 +47,10 @@ export function button(text, listener, attributes = {}) {
   return el("button", { type: "button", on: { click: listener }, ...attributes }, text);
 }
 
-/** Waits until calls have stopped for so long, then calls once. */
-export function debounced(wait_ms, call) {
+/** Calls once, so long after the last time that it was asked for. */
+export function debounced(call) {
   let timer = 0;
-  const later = () => {
+  const later = (wait_ms) => {
     clearTimeout(timer);
     timer = window.setTimeout(call, wait_ms);
   };

@@ -29,7 +29,7 @@ class Page {
     this.watching = new Watching(this.missionMap, byId("player-controls"), byId("watching"));
     this.live = new Live(byId("live"), about.links ?? [], () => ({ plan: this.watching.shown, player: this.watching.player }));
     this.plan = null; // the id of the plan that is chosen
-    this.better = { job: null, plan: null }; // the best so far of the job that runs
+    this.better = null; // the id of the best plan so far, while a job of this mission runs
     this.listen();
   }
 
@@ -55,7 +55,7 @@ class Page {
     jobs.addEventListener("ended", (event) => this.jobEnded(event.detail));
     jobs.addEventListener("watch", (event) => this.watch(event.detail));
     plans.addEventListener("watch", (event) => this.watch(event.detail));
-    plans.addEventListener("listed", () => this.better.plan === null && this.downloads.show(plans.find(this.plan)));
+    plans.addEventListener("listed", () => this.better === null && this.downloads.show(plans.find(this.plan)));
     plans.addEventListener("deleted", (event) => event.detail === this.plan && this.choosePlan(null));
     this.tabs.addEventListener("change", () => this.tabShown());
     window.addEventListener("hashchange", () => this.readAddress());
@@ -92,8 +92,8 @@ class Page {
     this.editor.drawing.stop();
     if (!watches) {
       this.watching.clear();
-    } else if (this.plan !== null || this.better.plan !== null) {
-      this.showPlan(this.plan ?? this.better.plan, false);
+    } else if (this.plan !== null || this.better !== null) {
+      this.showPlan(this.plan ?? this.better, false);
     }
     this.lookOn();
     this.writeAddress();
@@ -115,7 +115,7 @@ class Page {
   /** The plan that is watched and taken away; null for none. */
   choosePlan(id) {
     this.plan = id;
-    this.better = { job: null, plan: null };
+    this.better = null;
     this.plans.choose(id);
     this.downloads.show(this.plans.find(id));
     if (id === null) {
@@ -131,13 +131,13 @@ class Page {
     await this.showPlan(id, true);
   }
 
-  async showBetter({ job, plan }) {
-    if (plan === null || plan === undefined || this.plan !== null) {
+  async showBetter({ mission, plan }) {
+    if (this.plan !== null || mission !== this.editor.keeper.id) {
       return;
     }
-    this.better = { job, plan };
+    this.better = plan;
     // what there is so far can be taken away too
-    api.plan(plan).then((found) => this.better.plan === plan && this.downloads.show({ ...found, partial: true })).catch(() => undefined);
+    api.plan(plan).then((found) => this.better === plan && this.downloads.show({ ...found, partial: true })).catch(() => undefined);
     if (this.tabs.current !== "edit") {
       await this.showPlan(plan, this.watching.player === null);
     }
@@ -174,6 +174,7 @@ class Page {
     try {
       const kept = mission ?? (await api.missions())[0]?.id ?? null;
       if (kept !== null && kept !== this.editor.keeper.id) {
+        await this.missions.keep();
         this.openKept(await api.mission(kept));
       }
     } catch (error) {

@@ -22,9 +22,9 @@ export class Keeper extends EventTarget {
     this.state = "new";
     this.problem = null;
     this.running = null;
-    this.later = debounced(WAIT_MS, () => this.flush().catch(() => undefined));
+    this.later = debounced(() => this.flush().catch(() => undefined));
     store.addEventListener("change", (event) => this.edited(/** @type {CustomEvent} */ (event).detail));
-    connection.addEventListener("back", () => this.state === "failed" && this.later());
+    connection.addEventListener("back", () => this.state === "failed" && this.later(WAIT_MS));
     window.addEventListener("beforeunload", (event) => {
       if (this.state !== "saved" && this.state !== "new") {
         event.preventDefault();
@@ -51,7 +51,7 @@ export class Keeper extends EventTarget {
       return;
     }
     this.set(this.store.document === this.saved ? "saved" : "unsaved");
-    this.later();
+    this.later(WAIT_MS);
   }
 
   /** Saves now what is not saved; resolves to the mission's id when it is. Rejects with what the server said. */

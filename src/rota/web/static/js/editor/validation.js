@@ -4,6 +4,7 @@ import { api, ApiError } from "../api.js";
 import { debounced } from "../dom.js";
 
 const WAIT_MS = 350;
+const COMPILING_MS = 2000; // the proved bound comes when Rota has compiled itself
 
 /** @typedef {{faults: import("../api.js").Fault[], warnings: string[], ground: any, bound: any, free_m2: any, asked_m2_s: any}} Validity */
 
@@ -15,13 +16,13 @@ export class Validation extends EventTarget {
     this.running = null;
     /** @type {Validity|null} */
     this.latest = null;
-    this.later = debounced(WAIT_MS, () => this.ask());
+    this.later = debounced(() => this.ask());
   }
 
   /** Asks soon; what was asked before does not count any more. */
-  soon() {
+  soon(wait_ms = WAIT_MS) {
     this.tell("asking");
-    this.later();
+    this.later(wait_ms);
   }
 
   async ask() {
@@ -37,6 +38,9 @@ export class Validation extends EventTarget {
       if (running === this.running) {
         this.latest = answer;
         this.tell("result", answer);
+        if (answer.compiling) {
+          this.soon(COMPILING_MS);
+        }
       }
     } catch (error) {
       if (running === this.running && !(error instanceof DOMException)) {

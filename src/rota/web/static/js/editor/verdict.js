@@ -45,7 +45,8 @@ function boxesOf(result, goTo, empty) {
     const robots = result.bound.robots === 1 ? "1 robot" : `${result.bound.robots} robots`;
     boxes.push(box("ok", el("strong", {}, `At least ${robots}, proved: `), result.bound.reason, areaText(result)));
   } else {
-    boxes.push(box("ok", "The mission can be planned.", areaText(result)));
+    const more = result.compiling ? " How many robots are surely needed follows once Rota has compiled itself, which it does once." : "";
+    boxes.push(box("ok", `The mission can be planned.${more}`, areaText(result)));
   }
   if (result.warnings.length > 0) {
     boxes.push(box("warn", el("ul", {}, ...result.warnings.map((warning) => el("li", {}, textOf(warning))))));

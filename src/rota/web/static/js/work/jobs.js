@@ -27,6 +27,7 @@ export class Jobs extends EventTarget {
     this.keeper = keeper;
     this.jobs = [];
     this.followed = null; // the id of the job whose events are read
+    this.bestPlan = null; // the id of the best plan so far that was told last
     this.endEvents = () => undefined;
     this.announced = "";
     this.seed = el("input", { type: "number", min: "0", step: "1", value: "0", id: "seed" });
@@ -77,8 +78,20 @@ export class Jobs extends EventTarget {
   follow(id) {
     this.endEvents();
     this.followed = id;
-    const better = (found) => this.followed === id && this.dispatchEvent(new CustomEvent("better", { detail: { job: id, ...found } }));
-    this.endEvents = api.jobEvents(id, { job: (job) => this.put(job), better }, () => this.refresh());
+    this.tellBetter(this.jobs.find((job) => job.id === id));
+    this.endEvents = api.jobEvents(id, { job: (job) => this.put(job) }, () => {
+      this.followed = null; // the events end with the job, and break off with the server: the list tells which
+      this.refresh();
+    });
+  }
+
+  /** Tells of a better plan of the job that is followed, each one once. */
+  tellBetter(job) {
+    const plan = job?.best?.plan ?? null;
+    if (plan !== null && plan !== this.bestPlan && job.id === this.followed) {
+      this.bestPlan = plan;
+      this.dispatchEvent(new CustomEvent("better", { detail: { mission: job.mission, plan } }));
+    }
   }
 
   async refresh() {
@@ -104,6 +117,7 @@ export class Jobs extends EventTarget {
     const before = this.jobs.find((other) => other.id === job.id);
     this.jobs = before === undefined ? [job, ...this.jobs] : this.jobs.map((other) => (other.id === job.id ? job : other));
     this.draw();
+    this.tellBetter(job);
     if (before !== undefined && isActive(before) && !isActive(job)) {
       this.ended(job);
     }

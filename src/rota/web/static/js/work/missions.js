@@ -110,17 +110,23 @@ export class Missions extends EventTarget {
 
   /** Saves what is open, then tells what to open instead. */
   async leaveTo(name, detail) {
-    if (this.keeper.state !== "new" && this.keeper.state !== "saved") {
-      try {
-        await this.keeper.flush();
-      } catch {
-        if (!(await confirmed("The mission that is open could not be saved. Leave it, and lose its last changes?", "Leave it"))) {
-          return;
-        }
-      }
+    if (await this.keep()) {
+      this.dialog.close();
+      this.dispatchEvent(new CustomEvent(name, { detail }));
     }
-    this.dialog.close();
-    this.dispatchEvent(new CustomEvent(name, { detail }));
+  }
+
+  /** Saves what is open; resolves to whether it may be left. */
+  async keep() {
+    if (this.keeper.state === "new" || this.keeper.state === "saved") {
+      return true;
+    }
+    try {
+      await this.keeper.flush();
+      return true;
+    } catch {
+      return confirmed("The mission that is open could not be saved. Leave it, and lose its last changes?", "Leave it");
+    }
   }
 
   async remove(mission) {
