@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import statistics
 from base64 import b64encode
@@ -72,7 +73,8 @@ class Played(NamedTuple):
         """Frames and script, the usual and the slow ones."""
         slow = np.percentile(self.script_ms, 95)
         usual = statistics.median(self.script_ms)
-        return f"{self.per_second:.0f} frames/s; {usual:.1f} ms of script a frame, 95 % under {slow:.1f} ms"
+        load = f"at a load of {os.getloadavg()[0]:.0f} on {os.cpu_count()} cores"
+        return f"{self.per_second:.0f} frames/s {load}; {usual:.1f} ms of script a frame, 95 % under {slow:.1f} ms"
 
 
 def player(options: Options) -> Iterator[Row]:

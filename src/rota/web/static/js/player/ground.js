@@ -22,7 +22,8 @@ export function drawHeat(stage, playback, heat, colours, opacity, more) {
   context.save();
   trace(context, mission.area);
   context.fillStyle = colours.ground;
-  context.fill("evenodd");
+  // a map's own tiles shine through
+  if (opacity === 1) context.fill("evenodd");
   context.clip("evenodd");
   const { x0_m: x0, y0_m: y0, cell_m: size, columns, rows } = heat.grid;
   context.imageSmoothingEnabled = false;

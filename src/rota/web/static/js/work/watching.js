@@ -6,6 +6,7 @@ import { toMetres } from "../geodesy.js";
 import { messageOf } from "../notices.js";
 
 const L = window.L;
+const SHEER = 0.7; // colours above a map's tiles
 const NEAR_M = 20000; // plans so near to the mission on the map are shown where they lie
 
 export class Watching {
@@ -67,7 +68,7 @@ export class Watching {
       this.player?.destroy();
       this.playedIn = key;
       const place = this.placing(origin);
-      this.player = new Player({ playback, map: this.missionMap.map, controls: this.controls, project: (x, y) => L.latLng(place(x, y)) });
+      this.player = new Player({ playback, map: this.missionMap.map, controls: this.controls, project: (x, y) => L.latLng(place(x, y)), opacity: this.frame.tiled ? SHEER : 1 });
     }
     this.title.textContent = "";
     if (fit) {
