@@ -22,7 +22,7 @@ OVER = ("done", "no_plan", "failed", "stopped", "interrupted")
 SQUARE = {
     "rota": 1,
     "name": "square",
-    "area": [[0, 0], [30, 0], [30, 30], [0, 30]],
+    "area": [[0, 0], [6, 0], [6, 6], [0, 6]],
     "period_s": 60,
     "fleet": {"robots": "fewest", "speed_m_s": 2, "sensor": {"shape": "disc", "radius_m": 5}},
     "patrol": {"effort": "quick"},

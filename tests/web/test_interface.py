@@ -31,7 +31,7 @@ values = st.recursive(
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    with serving(tmp_path_factory.mktemp("interface"), Limits(planning_jobs=1, job_time_s=5)) as made:
+    with serving(tmp_path_factory.mktemp("interface"), Limits(planning_jobs=1)) as made:
         yield made
 
 

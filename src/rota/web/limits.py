@@ -28,7 +28,7 @@ class Limits:
     job_memory_bytes: int = 4096 * MIB
     job_time_s: float = 3600.0
     stop_grace_s: float = 30.0
-    task_time_s: float = 60.0
+    task_time_s: float = 180.0
     task_memory_bytes: int = 3072 * MIB
     waiting_tasks: int = 300
     watches: int = 4

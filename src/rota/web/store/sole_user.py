@@ -19,7 +19,9 @@ class SoleUser:
     def __init__(self, folder: Path) -> None:
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._connection = sqlite3.connect(folder / LOCK_NAME, timeout=0, isolation_level=None)
+            self._connection = sqlite3.connect(
+                folder / LOCK_NAME, timeout=0, isolation_level=None, check_same_thread=False
+            )
         except (OSError, sqlite3.Error) as error:
             raise RotaError(f"{folder}: cannot be used to keep missions and plans: {error}") from error
         try:
