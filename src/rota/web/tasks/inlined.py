@@ -37,7 +37,7 @@ def inlined(context: Context, source: Source) -> Inlined:
     if document.get("coordinates") == "wgs84":
         with laid_out({name: content for name, content in source.files.items() if _may_be_named(name)}) as folder:
             document = _with_shapes(document, folder)
-    return Inlined(document, _still_named(document, source.files), [])
+    return Inlined(document, _still_named(document, source.files), source.warnings)
 
 
 def _may_be_named(name: str) -> bool:

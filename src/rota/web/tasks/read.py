@@ -8,18 +8,19 @@ import zipfile
 from typing import Any
 
 from rota.web.refusal import Json, Refusal
-from rota.web.store.missions import mission_files, mission_json, new_mission, upload_contents
+from rota.web.store.missions import keep_upload, mission_files, mission_json, new_mission, upload_contents
 from rota.web.tasks.context import Context
 from rota.web.tasks.examples import examples_folder
-from rota.web.tasks.inlined import inlined
-from rota.web.tasks.sources import Source, source_of
+from rota.web.tasks.inlined import Inlined, inlined
+from rota.web.tasks.sources import source_of
 
 
 def read_upload(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     """What POST /api/missions/read answers; ``upload`` names the files."""
     contents = upload_contents(context.database, given["upload"])
-    source = source_of(contents)
-    return {}, _encoded({**_document_json(context, source), "upload": given["upload"]})
+    read = inlined(context, source_of(contents))
+    # what the mission needs of the files, with paths in them that lead to each other
+    return {}, _encoded({**_shown(read), "upload": keep_upload(context.database, read.files)})
 
 
 def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
@@ -34,13 +35,12 @@ def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, byte
         kept = inlined(context, source)
         made = new_mission(context.database, kept.document, contents=kept.files, most=context.missions)
         return {"mission": made["id"]}, b""
-    return {}, _encoded(_document_json(context, source))
+    return {}, _encoded(_shown(inlined(context, source)))
 
 
-def _document_json(context: Context, source: Source) -> Json:
-    read = inlined(context, source)
+def _shown(read: Inlined) -> Json:
     attachments = [{"name": name, "size": len(content)} for name, content in read.files.items()]
-    return {"document": read.document, "attachments": attachments, "warnings": [*source.warnings, *read.warnings]}
+    return {"document": read.document, "attachments": attachments, "warnings": read.warnings}
 
 
 def _encoded(value: Any) -> bytes:
@@ -60,8 +60,9 @@ def mission_yaml(context: Context, given: Json, body: bytes) -> tuple[Json, byte
     if given["kind"] == "yaml":
         return {"name": f"{stem}.yaml", "type": "application/yaml"}, text
     packed = io.BytesIO()
+    files = mission_files(context.database, given["mission"])
+    own = f"{stem}.yaml" if f"{stem}.yaml" not in files else f"{stem}-mission.yaml"  # a map may have the name
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(f"{stem}.yaml", text)
-        for name, content in mission_files(context.database, given["mission"]).items():
+        for name, content in {own: text, **files}.items():
             archive.writestr(name, content)
     return {"name": f"{stem}.zip", "type": "application/zip"}, packed.getvalue()

@@ -1,0 +1,109 @@
+"""Files that people give, as documents: missions with what they name, parcels, maps; and the files they get back."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+from tests.web.serving import SQUARE, Json, kept, serving
+
+from rota.files.mission_file import read_mission
+from rota.files.yaml_text import parse_text
+
+EXAMPLES = Path("examples")
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+    with serving(tmp_path_factory.mktemp("reading")) as made:
+        yield made
+
+
+def read(client: TestClient, *names: str, **more: bytes) -> Json:
+    """The document of some files of the examples, and of others."""
+    files = [(name, (EXAMPLES / name).read_bytes()) for name in names]
+    files += [(name.replace("_yaml", ".yaml"), content) for name, content in more.items()]
+    answer = client.post("/api/missions/read", files=[("files", file) for file in files])
+    assert answer.status_code == 200, answer.text
+    found: Json = answer.json()
+    return found
+
+
+def faults(client: TestClient, document: Json, **more: Any) -> list[Json]:
+    answer = client.post("/api/validate", json={"document": document, **more})
+    assert answer.status_code == 200, answer.text
+    found: list[Json] = answer.json()["faults"]
+    return found
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.yaml") if "rota:" in path.read_text()))
+def test_every_example_can_be_kept_and_has_no_faults(client: TestClient, name: str) -> None:
+    mission = client.post("/api/missions", json={"example": name}).json()
+    assert faults(client, mission["document"], mission=mission["id"]) == []
+    assert name in {entry["name"] for entry in client.get("/api/examples").json()}
+
+
+def test_a_mission_brings_the_shapes_of_its_geojson_where_they_can_be_edited(client: TestClient) -> None:
+    found = read(client, "parcel.yaml", "parcel.geojson")
+    (field, pond) = json.loads((EXAMPLES / "parcel.geojson").read_text())["features"][:2]
+    assert found["document"]["area"]["ring"] == field["geometry"]["coordinates"][0][:-1]
+    assert found["document"]["obstacles"] == [{"ring": pond["geometry"]["coordinates"][0][:-1]}]
+    assert found["attachments"] == []
+    ground = client.post("/api/validate", json={"document": found["document"]}).json()["ground"]
+    area = read_mission(EXAMPLES / "parcel.yaml").mission.area.geoms[0]
+    assert ground["area"][0][0] == [list(point) for point in area.exterior.coords[:-1]]
+
+
+def test_a_parcel_alone_becomes_a_mission(client: TestClient) -> None:
+    found = read(client, "parcel.geojson")
+    assert found["document"]["coordinates"] == "wgs84"
+    assert len(found["document"]["obstacles"]) == 1
+    assert "guesses" in found["warnings"][0]
+    assert faults(client, found["document"]) == []
+
+
+def test_a_ros_map_becomes_a_mission_with_its_picture_wherever_that_lay(client: TestClient) -> None:
+    sheet = (
+        (EXAMPLES / "building_map.yaml").read_bytes().replace(b"building_map.png", b"/home/me/maps/building_map.png")
+    )
+    found = read(client, "building_map.png", floor_yaml=sheet)
+    assert found["document"]["area"]["map"] == "floor.yaml"
+    assert {entry["name"] for entry in found["attachments"]} == {"floor.yaml", "building_map.png"}
+    assert faults(client, found["document"], upload=found["upload"]) == []
+    mission = client.post("/api/missions", json={"document": found["document"], "upload": found["upload"]}).json()
+    assert faults(client, mission["document"], mission=mission["id"]) == []
+    packed = zipfile.ZipFile(io.BytesIO(client.get(f"/api/missions/{mission['id']}/mission.zip").content))
+    assert sorted(packed.namelist()) == ["building_map.png", "floor-mission.yaml", "floor.yaml"]
+
+
+def test_a_mission_file_that_is_downloaded_is_the_mission(client: TestClient, tmp_path: Path) -> None:
+    answer = client.get(f"/api/missions/{kept(client, SQUARE)}/mission.yaml")
+    assert parse_text(answer.text, "it.yaml", "a mission").value == SQUARE
+    assert answer.headers["content-disposition"].startswith('attachment; filename="square.yaml"')
+    (tmp_path / "square.yaml").write_text(answer.text)
+    assert read_mission(tmp_path / "square.yaml").mission.name == "square"
+
+
+def test_a_draft_with_faults_is_kept_and_its_faults_have_places(client: TestClient) -> None:
+    draft = {**SQUARE, "area": [], "fleet": {**SQUARE["fleet"], "speed_m_s": -1}, "zones": [{"name": "a"}]}
+    mission = kept(client, draft)
+    assert client.get(f"/api/missions/{mission}").json()["document"] == draft
+    told = {tuple(fault["path"]): fault["field"] for fault in faults(client, draft)}
+    assert told[("fleet", "speed_m_s")] == "fleet.speed_m_s"
+    assert told[("zones", 0, "period_s")] == "zones[0].period_s"
+    assert ("area",) in told
+
+
+def test_what_a_mission_asks_is_told_in_numbers(client: TestClient) -> None:
+    told = client.post(
+        "/api/validate", json={"document": {**SQUARE, "obstacles": [[[0, 0], [1, 0], [1, 1], [0, 1]]]}}
+    ).json()
+    assert told["free_m2"] == pytest.approx(35)
+    assert told["asked_m2_s"] == pytest.approx(35 / 60)
+    assert told["compiling"] or told["bound"]["robots"] == 1
