@@ -1,4 +1,4 @@
-"""A running page and a real browser, one of each for a module; without chromium these tests are left out."""
+"""A running page, one for all tests of a process, and a real browser; without chromium these tests are left out."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Server:
         self._process.communicate(timeout=60)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def page_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     server = Server(tmp_path_factory.mktemp("page") / "data")
     yield server

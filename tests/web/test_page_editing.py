@@ -247,7 +247,7 @@ def test_examples_and_files_are_read(page: Any, tmp_path: Path) -> None:
     page.get_by_role("button", name="Delete building").click()
     page.get_by_role("button", name="Delete", exact=True).last.click()
     expect(page.get_by_role("button", name="Delete building")).to_have_count(0)
-    page.locator("#missions").get_by_role("button", name="harbour", exact=True).click()
+    page.locator("#missions .grow", has_text="harbour").first.click()
     expect(page.locator("#mission-name")).to_have_text("harbour")
     saved(page)
     assert mission_id(page)

@@ -54,19 +54,26 @@ def test_a_mission_with_faults_is_not_planned(page: Any, faults: Any) -> None:
     expect(page.locator("#jobs .fault").first).to_contain_text("speed_m_s")
 
 
-@pytest.mark.parametrize(
-    ("status", "words"),
-    [(429, "Too many plans are waiting"), (413, "too large"), (503, "Try again"), (401, "token"), (500, "status 500")],
-)
-def test_refusals_without_words_have_the_pages_own(page: Any, faults: Any, status: int, words: str) -> None:
+REFUSALS = {429: "Too many plans are waiting", 413: "too large", 503: "Try again", 401: "token", 500: "status 500"}
+
+
+def refusing(status: int) -> Any:
+    return lambda route: route.fulfill(status=status, body="<html>no json</html>")
+
+
+def test_refusals_without_words_have_the_pages_own(page: Any, faults: Any) -> None:
     faults.refusals_expected = True
     open_example(page, "coast")
     saved(page)
-    page.route("**/api/jobs", lambda route: route.fulfill(status=status, body="<html>no json</html>"))
     page.locator("#tab-plan").click()
-    page.get_by_role("button", name="Plan", exact=True).click()
-    expect(page.locator("#jobs .fault").first).to_contain_text(words)
-    expect(page.get_by_role("button", name="Plan", exact=True)).to_be_enabled()
+    for status, words in REFUSALS.items():
+        page.route(
+            "**/api/jobs", lambda route, status=status: route.fulfill(status=status, body="<html>no json</html>")
+        )
+        page.get_by_role("button", name="Plan", exact=True).click()
+        expect(page.locator("#jobs .fault").first).to_contain_text(words)
+        expect(page.get_by_role("button", name="Plan", exact=True)).to_be_enabled()
+        page.unroute("**/api/jobs")
 
 
 def test_a_deleted_mission_in_the_address_is_told(page: Any, page_server: Any, faults: Any) -> None:
@@ -75,6 +82,7 @@ def test_a_deleted_mission_in_the_address_is_told(page: Any, page_server: Any, f
     expect(page.locator("#notices")).to_contain_text("cannot be opened")
 
 
+@pytest.mark.slow  # starts two servers of its own
 def test_edits_outlive_a_server_that_dies(chromium: Any, tmp_path: Path) -> None:
     server = Server(tmp_path / "data")
     context = chromium.new_context(viewport={"width": 1280, "height": 800})

@@ -13,7 +13,7 @@ from tests.web.conftest import HAND_MS, Server, open_page
 from tests.web.drawing import COMPILING_MS, document, draw_two, judged, open_example, saved
 from tests.web.planned import planned_mission
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]  # fleets that fly in real time, and a server with tiles
 
 TILES = "http://tiles.invalid"
 DOT = (

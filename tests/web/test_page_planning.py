@@ -103,7 +103,7 @@ def test_plans_stand_side_by_side_and_jobs_run_again(planned: Any) -> None:
     rows = page.locator("#plans tbody tr")
     plans, jobs = rows.count(), page.locator("#earlier li").count()
     page.get_by_text("Earlier jobs").click()
-    page.locator("#earlier").get_by_role("button", name="Run again").first.click()
+    page.locator("#earlier").get_by_role("button", name="Run again: small").first.click()
     expect(rows).to_have_count(plans + 1, timeout=COMPILING_MS)
     rows.get_by_role("button", name="Delete").first.click()
     page.get_by_role("button", name="Keep").click()
@@ -112,11 +112,12 @@ def test_plans_stand_side_by_side_and_jobs_run_again(planned: Any) -> None:
     rows.get_by_role("button", name="Delete").first.click()
     page.locator("#confirm-yes").click()
     expect(rows).to_have_count(plans)
-    page.locator("#earlier").get_by_role("button", name="Delete").first.click()
+    page.locator("#earlier").get_by_role("button", name="Delete: small").first.click()
     page.locator("#confirm-yes").click()
     expect(page.locator("#earlier li")).to_have_count(jobs)
 
 
+@pytest.mark.slow  # begins a long search
 def test_a_plan_that_is_stopped_keeps_its_best(page: Any) -> None:
     open_example(page, "harbour")
     judged(page)
