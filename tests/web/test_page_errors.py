@@ -67,9 +67,7 @@ def test_refusals_without_words_have_the_pages_own(page: Any, faults: Any) -> No
     saved(page)
     page.locator("#tab-plan").click()
     for status, words in REFUSALS.items():
-        page.route(
-            "**/api/jobs", lambda route, status=status: route.fulfill(status=status, body="<html>no json</html>")
-        )
+        page.route("**/api/jobs", refusing(status))
         page.get_by_role("button", name="Plan", exact=True).click()
         expect(page.locator("#jobs .fault").first).to_contain_text(words)
         expect(page.get_by_role("button", name="Plan", exact=True)).to_be_enabled()
