@@ -157,6 +157,12 @@ def test_modules_and_functions_stay_short() -> None:
     assert too_long == {}
 
 
+def test_test_modules_have_names_of_their_own() -> None:
+    # pytest takes two modules of one name for one, and collects neither when both are asked for
+    names = [file.name for file in Path(__file__).parent.rglob("test_*.py")]
+    assert {name for name in names if names.count(name) > 1} == set()
+
+
 def test_compiled_functions_have_few_parameters(tmp_path: Path) -> None:
     names = ", ".join(f"a{k}" for k in range(MOST_PARAMETERS + 1))
     (tmp_path / "some_kernels.py").write_text(f"def many({names}): ...\ndef few(a): ...\n")
