@@ -68,7 +68,7 @@ export class PlannerForm {
   setting(path, name, about) {
     const kind = plain(about);
     const [label, unit] = worded(name);
-    const help = about.description ?? kind.description ?? "";
+    const help = (about.description ?? kind.description ?? "").replaceAll("``", ""); // docstrings mark names so
     const unset = kind.default === undefined || kind.default === null ? "" : String(kind.default);
     if (kind.properties !== undefined) {
       const inner = Object.entries(kind.properties).map(([key, inside]) => this.setting([...path, key], key, inside));
