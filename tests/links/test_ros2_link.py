@@ -62,9 +62,11 @@ def test_routes_arrive_whole_and_orders_are_obeyed() -> None:
         await send_all(link, routes)
         await start_all(link, routes)
         await link.pause("b")
+        modes: dict[str, str] = {}
         async with aclosing(link.reports()) as reports, asyncio.timeout(30):
             async for report in reports:
-                if report.robot == "b" and report.mode == "paused":
+                modes[report.robot] = report.mode
+                if modes == {"robot-1": "running", "b": "paused"}:
                     break
         latest = link.latest("robot-1")
         assert latest.position_m == (-10.0, 0.0, 0.5)
