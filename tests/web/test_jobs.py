@@ -52,6 +52,7 @@ def test_a_job_plans_tells_its_progress_and_leaves_a_plan_that_the_check_passes(
     assert [entry["id"] for entry in client.get("/api/plans").json()] == [ended["plan"]]  # none of those on the way
 
 
+@pytest.mark.slow  # searches until a plan is there to stop at
 def test_stop_keeps_the_best_plan_so_far_and_the_queue_moves_up(client: TestClient) -> None:
     first = started(client, YARD)
     job_with_plan(client, first)
@@ -75,6 +76,7 @@ def test_stop_keeps_the_best_plan_so_far_and_the_queue_moves_up(client: TestClie
     assert client.get(f"/api/plans/{stopped['plan']}").status_code == 200
 
 
+@pytest.mark.slow  # starts processes anew
 def test_a_worker_that_dies_fails_its_job_and_no_other(client: TestClient) -> None:
     job = started(client, YARD)
     best = job_with_plan(client, job)["best"]
@@ -127,12 +129,14 @@ def test_a_mission_with_faults_is_not_planned_and_all_of_them_are_told(client: T
     assert [fault["path"] for fault in answer.json()["error"]["faults"]] == [["name"], ["period_s"]]
 
 
+@pytest.mark.slow  # fills memory
 def test_a_job_that_takes_too_much_memory_is_ended(tmp_path: Path) -> None:
     with serving(tmp_path, Limits(job_memory_bytes=100 * 2**20)) as client:
         failed = job_when(client, started(client, YARD), "failed")
         assert "memory" in failed["message"]
 
 
+@pytest.mark.slow  # waits out the grace
 def test_a_job_that_heeds_no_stop_is_killed_with_its_best_plan(tmp_path: Path) -> None:
     with serving(tmp_path, Limits(stop_grace_s=0.0)) as client:
         job = started(client, YARD)
@@ -142,6 +146,7 @@ def test_a_job_that_heeds_no_stop_is_killed_with_its_best_plan(tmp_path: Path) -
         assert client.get(f"/api/plans/{stopped['plan']}").json()["robots"] == stopped["best"]["robots"]
 
 
+@pytest.mark.slow  # starts two servers
 def test_everything_saved_is_back_after_kill_9_and_interrupted_jobs_can_be_run_again(tmp_path: Path) -> None:
     server = Server(tmp_path / "data", "--processes", "1")
     with server.client() as client:

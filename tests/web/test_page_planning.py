@@ -98,6 +98,7 @@ def test_every_format_is_taken_or_says_what_it_lacks(planned: Any, faults: Any, 
     expect(page.locator("#downloads li", has=page.locator("[data-download=gpx]"))).to_contain_text("north")
 
 
+@pytest.mark.slow  # plans twice
 def test_plans_stand_side_by_side_and_jobs_run_again(planned: Any) -> None:
     page = planned
     rows = page.locator("#plans tbody tr")

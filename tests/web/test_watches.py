@@ -34,6 +34,7 @@ def kept_plan(client: Any) -> str:
     return plan
 
 
+@pytest.mark.slow  # goes by real time
 def test_a_simulated_fleet_is_watched_until_it_is_stopped(server: Server) -> None:
     with server.client() as client:
         asked = {"plan": kept_plan(client), "settings": {"clock": 20, "faults": "b:dies@15"}, "cells": 400}
