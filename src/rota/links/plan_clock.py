@@ -6,6 +6,8 @@ import time
 
 from rota.files.timed_places import instant_given
 
+DRIFT_S = 0.001  # by which the two clocks may drift apart before they are compared anew
+
 
 class PlanClock:
     """Seconds since ``start_time`` (ISO 8601, named ``where`` in errors), or since ``begin`` where it is empty."""
@@ -13,6 +15,7 @@ class PlanClock:
     def __init__(self, start_time: str, where: str) -> None:
         self._start_unix_s = instant_given(start_time, where).timestamp() if start_time else None
         self._zero_s = time.monotonic()
+        self._ahead_s = 0.0  # of the monotonic clock, against the system's
 
     def begin(self) -> None:
         """Let the plan start now, unless it is given when it started."""
@@ -24,5 +27,14 @@ class PlanClock:
         return time.monotonic() - self._zero_s
 
     def of_unix_s(self, unix_s: float) -> float:
-        """The same of another instant, by the system's clock."""
-        return self.now_s() + unix_s - time.time()
+        """The same of another instant, by the system's clock; equal instants stay equal, and later ones later.
+
+        The two clocks cannot be read at one instant, and the process may be put off between the two. Their difference
+        is therefore kept until it is surely wrong: were it taken anew each time, two messages of one millisecond could
+        seem to have come in the wrong order.
+        """
+        before_s, system_s, after_s = time.monotonic(), time.time(), time.monotonic()
+        lowest_s, highest_s = before_s - system_s, after_s - system_s
+        if not lowest_s - DRIFT_S <= self._ahead_s <= highest_s + DRIFT_S:
+            self._ahead_s = (lowest_s + highest_s) / 2
+        return unix_s + self._ahead_s - self._zero_s
