@@ -1,6 +1,8 @@
 # make demo and make test are all a newcomer needs; both create .venv first when it is missing.
 PYTHON ?= python3
 BIN := .venv/bin
+# where the shell forbids Python to keep what it compiled, every start of a command would take seconds more
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: setup demo serve pictures docs test bench clean
 
@@ -10,8 +12,10 @@ setup: .venv/ready
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { \
 	  echo "Creating .venv failed: Debian and Ubuntu need 'apt install python3-venv'."; exit 1; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+	# Rota with what it runs on first: its loops are compiled while the tools for tests and pages are installed
+	$(BIN)/uv pip install --quiet --python $(BIN)/python --constraints requirements.lock --editable .
+	@$(BIN)/rota compile patrol >.venv/compile.log 2>&1 &
 	$(BIN)/uv pip install --quiet --python $(BIN)/python --requirements requirements.lock
-	$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --editable .
 	@touch $@
 
 demo: setup

@@ -7,15 +7,20 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from benchmarks.anytime import anytime
 from benchmarks.bounce_joint_maps import bounce_map
 from benchmarks.bounce_teams import bounce_coverage, bounce_monitoring
 from benchmarks.check_legs import check_legs
+from benchmarks.city import city
+from benchmarks.cold_start import cold_start
 from benchmarks.create2_sketch import create2_sketch
 from benchmarks.export_formats import export_formats
 from benchmarks.house import house, suite
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
 from benchmarks.link_noise import link_noise
+from benchmarks.loop_lengths import loop_lengths
+from benchmarks.many_robots import many_robots
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
 from benchmarks.one_robot import one_robot
@@ -27,6 +32,7 @@ from benchmarks.reader_runs import mutated_missions
 from benchmarks.row import Options, Row
 from benchmarks.scanned_floors import FLOORS, corners_of, write_floor
 from benchmarks.shell import python, rota
+from benchmarks.starts import warm_start
 from benchmarks.sun_cases import sun_cases
 from benchmarks.sun_deploy import sun_deploy
 from benchmarks.sun_frame import sun_frame
@@ -39,6 +45,7 @@ from benchmarks.swarm_peer import swarm_peer
 from benchmarks.swarm_processes import swarm_processes
 from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
+from benchmarks.sweeps import plan_on_cluster, sweeps
 from benchmarks.warm_cache import measured_warm
 from benchmarks.watched_fleet import watched_fleet
 from benchmarks.web_load import first_plan, web_load
@@ -98,6 +105,19 @@ def scanned_floors(options: Options) -> Iterator[Row]:
         yield Row(what, "met, plan in < 180 s, < 2 GB", measured, reached)
 
 
+def office_floor(options: Options) -> Iterator[Row]:
+    """An office floor of 60 rooms from a ROS map, at two efforts."""
+    name = "sixty-rooms"
+    mission, floor = write_floor(name, FLOORS[name], 0, options.folder), FLOORS[name]
+    for effort, most_s in (("quick", 60.0), ("normal", 180.0)):
+        found = plan_and_check(mission, options.folder, effort=effort, patience_s=FLOOR_PATIENCE_S)
+        what = (
+            f"office floor of 60 rooms, {floor.columns} x {floor.rows} pixels, {corners_of(mission)} corners, {effort}"
+        )
+        reached = found.met and found.plan.wall_s < most_s and found.peak_bytes < 1e9
+        yield Row(what, f"met, plan in < {most_s:.0f} s, < 1 GB", f"{told([found])}; CPU {found.cpu_s:.0f} s", reached)
+
+
 def importing(options: Options) -> Iterator[Row]:
     """How long ``import rota`` keeps one waiting."""
     runs = measured_warm(lambda: python("-c", "import rota"), lambda run: run.wall_s, repeats=5)
@@ -143,15 +163,20 @@ def methods(options: Options) -> Iterator[Row]:
 FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "fig13": fig13_warm,
     "fig13-cold": fig13_cold,
+    "cold-start": cold_start,
     "parcel-nl": parcel_nl,
     "cumberland": cumberland,
     "scanned-floors": scanned_floors,
+    "office-floor": office_floor,
+    "city": city,
     "import": importing,
+    "warm-start": warm_start,
     "square-kilometre": square_kilometre,
     "examples": examples,
     "methods": methods,
     "formats": export_formats,
     "sun-cases": sun_cases,
+    "loop-lengths": loop_lengths,
     "sun2019-deploy": sun_deploy,
     "sun2019-frame": sun_frame,
     "sun2019-method": sun_method,
@@ -171,11 +196,13 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,
+    "many-robots": many_robots,
     "known-plans": known_plans,
     "mutated-missions": mutated_missions,
     "mutated-plans": mutated_plans,
     "check-legs": check_legs,
     "random-missions": random_missions,
+    "anytime": anytime,
     "house": house,
     "suite": suite,
     "watched-fleet": watched_fleet,
@@ -183,11 +210,16 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "web-first-plan": first_plan,
     "player": player,
     "link-noise": link_noise,
+    "sweep": sweeps,
+    "plan-on-cluster": plan_on_cluster,
 }
 LONG = (
     "random-missions",
+    "anytime",
     "swarm-million",
     "mutated-plans",
     "scanned-floors",
+    "office-floor",
+    "city",
     "suite",
 )  # a quarter of an hour and more: measured only when named, or with --all

@@ -53,8 +53,8 @@ REAL_INPUTS = {
 
 
 def example_missions() -> list[Path]:
-    """The mission files in examples/ (not the description of the building's map)."""
-    return sorted(path for path in EXAMPLES.glob("*.yaml") if not path.stem.endswith("_map"))
+    """The mission files in examples/ (not the description of the building's map, and not the sweep)."""
+    return sorted(path for path in EXAMPLES.glob("*.yaml") if not path.stem.endswith(("_map", "sweep")))
 
 
 def write_real_mission(name: str, folder: Path) -> Path:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any
 
-from benchmarks.missions import EXAMPLES
+from benchmarks.missions import EXAMPLES, example_missions
 from rota.files.yaml_text import parse_text
 
 Files = dict[str, bytes]
@@ -63,9 +63,7 @@ def mutated(seed: int) -> tuple[str, Files]:
 def bases() -> dict[str, Files]:
     """The examples with the files that they name, and some with other kinds of maps."""
     found: dict[str, Files] = {}
-    for path in sorted(EXAMPLES.glob("*.yaml")):
-        if path.name.endswith("_map.yaml"):
-            continue
+    for path in example_missions():
         text = path.read_bytes()
         named = re.findall(rb"[\w.]+\.(?:geojson|yaml)", re.sub(rb"#.*", b"", text))
         found[path.stem] = {"mission.yaml": text} | {

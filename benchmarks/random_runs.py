@@ -5,22 +5,21 @@ Ctrl-C stops the planners; what is done until then is told.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import signal
 import sys
+import threading
 import time
 import traceback
 from collections import Counter
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing.synchronize import Event
+from concurrent.futures import FIRST_COMPLETED, wait
 from typing import NamedTuple
 
 from benchmarks.random_missions import described, random_mission
 from benchmarks.row import Options, Row
 from rota.check import check_plan
+from rota.engines.processes import WorkerDied
+from rota.engines.workers import workers
 from rota.errors import NoPlanFound, RotaError
 from rota.files.plan_file import plan_from_text, plan_text
 from rota.make_plan import search_plan
@@ -28,7 +27,6 @@ from rota.mission import Mission
 from rota.plan import Plan
 
 PATIENCE_S = 600.0  # for one mission: a search that takes longer is stopped, and counts as failed
-STOPPED = "stopped"  # no outcome: Ctrl-C came before
 
 
 class Outcome(NamedTuple):
@@ -91,58 +89,23 @@ def summary(done: list[Outcome], options: Options, wall_s: float) -> Row:
 
 
 def outcomes(options: Options) -> Iterator[Outcome]:
-    """What becomes of each mission, as it becomes known; fewer than asked for after Ctrl-C.
-
-    A process that dies takes the missions in work with it: they count as failed, and the others go on.
-    """
-    left = list(range(options.first_seed, options.first_seed + options.missions))
-    context = multiprocessing.get_context("spawn")
-    stop = context.Event()
+    """What becomes of each mission, as it becomes known; fewer than asked for after Ctrl-C."""
+    seeds = range(options.first_seed, options.first_seed + options.missions)
+    stop = threading.Event()
     before = signal.signal(signal.SIGINT, lambda _signal, _frame: stop.set())
     try:
-        while left and not stop.is_set():
-            yield from _outcomes_of_one_pool(left, options, context, stop)
+        with workers(None, options.processes) as executor:
+            running = {executor.submit(planned, seed, options.effort): seed for seed in seeds}
+            while running and not stop.is_set():
+                ready, _ = wait(running, timeout=0.1, return_when=FIRST_COMPLETED)
+                for future in ready:
+                    seed = running.pop(future)
+                    try:
+                        yield future.result()
+                    except WorkerDied as died:
+                        yield Outcome(seed, 0.0, str(died), described(random_mission(seed)))
     finally:
-        stop.set()
         signal.signal(signal.SIGINT, before)
-
-
-def _outcomes_of_one_pool(
-    left: list[int], options: Options, context: multiprocessing.context.SpawnContext, stop: Event
-) -> Iterator[Outcome]:
-    """Outcomes until nothing is left, or a process dies; takes the seeds that it began out of ``left``."""
-    processes = options.processes or os.cpu_count() or 1
-    running: dict[Future[Outcome], int] = {}
-    with ProcessPoolExecutor(processes, mp_context=context, initializer=_begin, initargs=(stop,)) as pool:
-        while (left and not stop.is_set()) or running:
-            while left and len(running) < processes and not stop.is_set():
-                seed = left.pop(0)
-                running[pool.submit(planned, seed, options.effort)] = seed
-            ready, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in ready:
-                seed = running.pop(future)
-                try:
-                    outcome = future.result()
-                except BrokenProcessPool:
-                    for lost in (seed, *running.values()):
-                        kind = described(random_mission(lost))
-                        yield Outcome(lost, 0.0, "a process died while planning this or a mission beside it", kind)
-                    return
-                if outcome.failure != STOPPED:
-                    yield outcome
-
-
-_stop: Event | None = None
-
-
-def _begin(stop: Event) -> None:
-    global _stop
-    _stop = stop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the first one tells the others
-
-
-def _interrupted() -> bool:
-    return _stop is not None and _stop.is_set()
 
 
 def planned(seed: int, effort: str) -> Outcome:
@@ -151,9 +114,7 @@ def planned(seed: int, effort: str) -> Outcome:
     started_s = time.perf_counter()
     plan, failure = _plan_or_failure(mission)
     seconds = time.perf_counter() - started_s
-    if _interrupted():
-        failure = STOPPED
-    elif plan is not None:
+    if plan is not None:
         failure = fault(plan)
     return Outcome(
         seed=seed,
@@ -168,7 +129,7 @@ def planned(seed: int, effort: str) -> Outcome:
 
 def _plan_or_failure(mission: Mission) -> tuple[Plan | None, str | None]:
     try:
-        found = search_plan(mission, time_limit_s=PATIENCE_S, should_stop=_interrupted)
+        found = search_plan(mission, time_limit_s=PATIENCE_S)
     except NoPlanFound as failure:
         best = failure.best
         robots = f" (best: {len(best.trajectories)} robots)" if isinstance(best, Plan) else ""

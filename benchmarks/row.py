@@ -6,7 +6,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 # figures that heed ``effort``; all others are measured at quick
-EFFORT_TAKEN = ("sun-cases", "sun2019-method", "one-robot", "plan-1-km2", "plan-10-km2", "random-missions")
+EFFORT_TAKEN = (
+    "sun-cases",
+    "loop-lengths",
+    "sun2019-method",
+    "one-robot",
+    "plan-1-km2",
+    "plan-10-km2",
+    "random-missions",
+    "plan-on-cluster",
+)
 
 
 class Row(NamedTuple):

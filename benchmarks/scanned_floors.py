@@ -28,7 +28,8 @@ class Floor:
 
     columns, rows: pixels of ``pixel_m`` metres. turned_deg: by how much the building is turned on the sheet. ragged:
     the share of a wall's border pixels to which the scanner added up to three more, outwards. speckle: occupied pixels
-    by themselves, per square metre of free ground. furniture: pieces per room, in the mean.
+    by themselves, per square metre of free ground. furniture: pieces per room, in the mean. rooms: about so many;
+    None for as many as rooms of usual sizes make. sensor_m, period_s: of the mission over it.
     """
 
     columns: int
@@ -38,13 +39,20 @@ class Floor:
     ragged: float = 0.0
     speckle: float = 0.0
     furniture: float = 2.0
+    rooms: int | None = None
+    sensor_m: float = 2.5
+    period_s: float = 600.0
 
 
 FLOORS = {
     "office": Floor(columns=2289, rows=927, turned_deg=1.5, ragged=0.05, speckle=0.02),
     "ragged": Floor(columns=2289, rows=927, turned_deg=3.0, ragged=0.35, speckle=0.3, furniture=4.0),
     "large": Floor(columns=4000, rows=2000, turned_deg=3.0, ragged=0.25, speckle=0.2, furniture=4.0),
-}
+    "sixty-rooms": Floor(
+        columns=4000, rows=3000, turned_deg=1.0, ragged=0.05, speckle=0.01, furniture=12.0, rooms=60,
+        sensor_m=6.0, period_s=900.0,
+    ),
+}  # fmt: skip
 MARGIN_M, WALL_M, CORRIDOR_M, DOOR_M = 2.0, 0.15, 2.6, 1.2
 ROOM_M = (4.0, 9.0)  # along the corridor
 BAND_M = 7.0  # about the depth of a row of rooms
@@ -62,9 +70,10 @@ def drawn_floor(floor: Floor, seed: int) -> tuple[Bytes, tuple[float, float]]:
     x, y = x + floor.pixel_m / 2 - wide_m / 2, y + floor.pixel_m / 2 - high_m / 2
     u = math.cos(turn) * x + math.sin(turn) * y + size_m[0] / 2
     v = -math.sin(turn) * x + math.cos(turn) * y + size_m[1] / 2
-    walls, corridor_m = _walls(size_m, rng)
+    walls, corridor_m = _walls(size_m, floor.rooms, rng)
     inside = (u > 0) & (u < size_m[0]) & (v > 0) & (v < size_m[1])
-    solid = _filled([*walls, *_furniture(size_m, corridor_m, floor.furniture, rng)], u, v)
+    pieces = floor.furniture * (floor.rooms or size_m[0] * size_m[1] / (BAND_M * sum(ROOM_M) / 2))
+    solid = _filled([*walls, *_furniture(size_m, corridor_m, round(pieces), rng)], u, v)
     solid |= inside & ((u < WALL_M) | (u > size_m[0] - WALL_M) | (v < WALL_M) | (v > size_m[1] - WALL_M))
     solid = _ragged(solid, floor.ragged, rng)
     solid |= rng.random(solid.shape) < floor.speckle * floor.pixel_m**2
@@ -84,7 +93,8 @@ def write_floor(name: str, floor: Floor, seed: int, folder: Path) -> Path:
     mission = folder / f"{name}.yaml"
     mission.write_text(
         f"rota: 1\nname: {name}\narea: {{map: {name}-map.yaml, inside: [{x:.3f}, {y:.3f}], unknown: blocked}}\n"
-        "period_s: 600\nfleet:\n  speed_m_s: 0.8\n  sensor: {shape: disc, radius_m: 2.5}\n  body_radius_m: 0.2\n"
+        f"period_s: {floor.period_s:g}\nfleet:\n  speed_m_s: 0.8\n"
+        f"  sensor: {{shape: disc, radius_m: {floor.sensor_m:g}}}\n  body_radius_m: 0.2\n"
     )
     return mission
 
@@ -97,10 +107,16 @@ def corners_of(mission: Path) -> int:
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in the building's frame, metres
 
 
-def _walls(size_m: tuple[float, float], rng: np.random.Generator) -> tuple[list[Box], float]:
-    """Walls between corridors and rooms, with doors left out; and the height of the middle of a corridor."""
+def _walls(size_m: tuple[float, float], rooms: int | None, rng: np.random.Generator) -> tuple[list[Box], float]:
+    """Walls between corridors and rooms, with doors left out; and the height of the middle of a corridor.
+
+    Two rows of rooms have a corridor between them. rooms: about so many, about square; None for usual sizes.
+    """
     wide_m, high_m = size_m
-    pairs = max(1, round(high_m / (2 * BAND_M + CORRIDOR_M)))  # two rows of rooms with a corridor between them
+    pairs, room_m = max(1, round(high_m / (2 * BAND_M + CORRIDOR_M))), ROOM_M
+    if rooms is not None:
+        pairs = max(1, round(math.sqrt(rooms * high_m / wide_m) / 2))
+        room_m = (2 * pairs * wide_m / rooms,) * 2
     pitch_m = high_m / pairs
     cross_m = wide_m * (0.4 + 0.2 * rng.random())  # a corridor across joins the others
     walls: list[Box] = []
@@ -109,15 +125,19 @@ def _walls(size_m: tuple[float, float], rng: np.random.Generator) -> tuple[list[
         bands = ((low, middle - CORRIDOR_M / 2, 1), (middle + CORRIDOR_M / 2, low + pitch_m, 0))
         for bottom, top, door_side in bands:
             for left, right in ((0.0, cross_m - CORRIDOR_M / 2), (cross_m + CORRIDOR_M / 2, wide_m)):
-                walls += _row_of_rooms(left, right, bottom, top, door_side, rng)
+                walls += _row_of_rooms((left, right, bottom, top), room_m, door_side, rng)
     return walls, pitch_m / 2
 
 
 def _row_of_rooms(
-    left: float, right: float, bottom: float, top: float, door_side: int, rng: np.random.Generator
+    row: tuple[float, float, float, float], room_m: tuple[float, float], door_side: int, rng: np.random.Generator
 ) -> list[Box]:
-    """Walls of rooms side by side, each with a door in its lower (0) or upper (1) wall; some have one between them."""
-    count = max(1, round((right - left) / rng.uniform(*ROOM_M)))
+    """Walls of rooms side by side, each with a door in its lower (0) or upper (1) wall; some have one between them.
+
+    row: left, right, bottom, top. room_m: least and greatest width of a room.
+    """
+    left, right, bottom, top = row
+    count = max(1, round((right - left) / rng.uniform(*room_m)))
     ends = np.linspace(left, right, count + 1)
     ends[1:-1] += rng.uniform(-0.8, 0.8, count - 1)
     walls: list[Box] = []
@@ -132,11 +152,10 @@ def _row_of_rooms(
     return walls
 
 
-def _furniture(size_m: tuple[float, float], corridor_m: float, each: float, rng: np.random.Generator) -> list[Box]:
+def _furniture(size_m: tuple[float, float], corridor_m: float, count: int, rng: np.random.Generator) -> list[Box]:
     """Tables and shelves anywhere, and the legs of chairs."""
-    rooms = size_m[0] * size_m[1] / (BAND_M * sum(ROOM_M) / 2)
     found: list[Box] = []
-    for _ in range(round(each * rooms)):
+    for _ in range(count):
         x, y = rng.uniform(0, size_m[0]), rng.uniform(0, size_m[1])
         a, b = rng.uniform(0.3, 1.6, 2)
         found.append((x, y, x + a, y + b) if rng.random() < 0.4 else (x, y, x + 0.06, y + 0.06))

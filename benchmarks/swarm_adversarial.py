@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.row import Options, Row
+from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, DECIDE
-from rota.planners.swarm.rollout import Beginning, Controller, Surroundings, Swarm
+from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
 from rota.planners.swarm.state import Hearing, Rule
 from rota.planners.swarm.world import kinds_of
 

@@ -1,12 +1,11 @@
-"""Measurements with a warm numba cache: repeated while short, and made again when one of them had to compile."""
+"""Measurements with all kernels compiled: repeated while short, and made again when one of them had to compile."""
 
 from __future__ import annotations
 
-import importlib.util
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import TypeVar
+
+from rota.compiled.code_cache import kept_names
 
 SHORT_S = 20.0  # shorter measurements are repeated: a passing disturbance is a larger part of them
 REPEATS = 3
@@ -20,23 +19,10 @@ def measured_warm(
 ) -> list[Measured]:
     """Call ``measure`` until a call compiles nothing; that one and, where it is short, the ``repeats`` - 1 after it."""
     for _ in range(MOST_WARM_UPS):
-        before = _compiled_forms()
+        before = kept_names()
         first = measure()
-        if _compiled_forms() == before:
+        if kept_names() == before:
             break
     if wall_s(first) >= SHORT_S:
         return [first]
     return [first] + [measure() for _ in range(repeats - 1)]
-
-
-def _compiled_forms() -> set[tuple[Path, int]]:
-    """The files in which numba keeps compiled code, and when each was written."""
-    return {(file, file.stat().st_mtime_ns) for place in _places() for file in place.rglob("*.nbc")}
-
-
-def _places() -> list[Path]:
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    if chosen:
-        return [Path(chosen)]
-    package = importlib.util.find_spec("rota")
-    return [Path(package.origin).parent, Path.home() / ".cache" / "numba"]

@@ -20,7 +20,7 @@ from rota.draw.palette import OVER_PERIOD, route_style
 from rota.files.mission_file import read_mission
 from rota.mission import Mission
 from rota.planners.patrol.annealing.schedule import anneal_all
-from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import set_up_problem
@@ -51,7 +51,7 @@ class Trial(NamedTuple):
     robots: int
     candidates: list[Allocation]
     begun: list[list[Tour]]
-    searches: list[Annealing]
+    searches: list[Annealed]
 
     def __str__(self) -> str:
         slack = [allocation.slack for allocation in self.candidates]
@@ -107,7 +107,7 @@ def stages(context: Context, tried: Trial) -> list[Stage]:
     ]
 
 
-def repaired(context: Context, search: Annealing, seed: int) -> Repaired | None:
+def repaired(context: Context, search: Annealed, seed: int) -> Repaired | None:
     """What comes of a search after cooler annealing and repair; None when the check does not pass it."""
     *_, last = [None, *anneal_and_repair(context, search, seed=seed)]
     return last

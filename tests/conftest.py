@@ -1,4 +1,4 @@
-"""One cache of compiled kernels for all processes of the tests, and the order in which two workers share the tests."""
+"""The order in which two workers share the tests."""
 
 from __future__ import annotations
 
@@ -9,12 +9,6 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[1]
-
-# processes side by side, and those that they start, keep what they compile in one place
-if "PYTEST_XDIST_WORKER" in os.environ:
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(PROJECT / ".pytest_cache" / "numba"))
-    os.environ["NUMBA_CACHE_LOCATOR_CLASSES"] = "tests.shared_cache.SharedCache"
-    os.environ["PYTHONPATH"] = os.pathsep.join([str(PROJECT), *filter(None, [os.environ.get("PYTHONPATH")])])
 
 # a shell without job control lets what it starts in the background ignore Ctrl-C, which then no child could be sent
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks import ablation, plan_hashes
+from benchmarks import ablation, many_robots, plan_hashes
 from benchmarks.__main__ import arguments, line_of
 from benchmarks.figures import FIGURES, LONG
 from benchmarks.house import size_of
@@ -389,3 +389,11 @@ def test_what_an_ablation_measured_is_put_into_a_table() -> None:
     assert told == ["| detours | 1 | 4 | 5 | 0 | 0 | 2 | 3 |"]
     left = list(ablation.tasks("quick", {("case/Section 5.1", ""): {**line, "acts": {"detours": 1}}}, ["detours"], 7))
     assert ("case/Section 5.1", "quick", "detours") in left
+
+
+def test_growth_of_many_robots_is_the_slope_of_logarithms() -> None:
+    # twice the robots, 2 ** 1.5 times the seconds
+    row = many_robots.growth_row([(100 * 2**k, 2 ** (1.5 * k)) for k in range(4)])
+    assert row.measured.startswith("exponent 1.50 (CPU: 100 robots 1 s, 200 robots 3 s")
+    assert row.reached is False
+    assert many_robots.growth_row([(100, 1.0), (None, 5.0)]).reached is False

@@ -14,7 +14,8 @@ from shapely import MultiPolygon, box
 from tests.stand_in import standing_in
 
 from rota.command.cli import run
-from rota.compare import HEAD, compare_methods, comparison_table, distinct_loops, draw_outcomes, named_methods
+from rota.compare import HEAD, compare_methods, comparison_table, draw_outcomes, named_methods
+from rota.distinct_loops import distinct_loops
 from rota.errors import MissionError, NoPlanFound
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan, Trajectory

@@ -1,35 +1,34 @@
-"""Whether a first run would compile is told from numba's index files."""
+"""Whether a first run would compile is told from the names of what is kept."""
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-import rota
-from rota.compiled_cache import is_compiled
+from rota.compiled.code_cache import code_prefix, write_code
+from rota.compiled.source_stamp import source_stamp
+from rota.compiled_cache import PACKAGE, is_compiled
 from rota.planners.patrol.compiled_by_two import OTHER_HALF, compiled_by_two
 
 
-def index_of(folder: Path, name: str, *, age_s: float) -> None:
-    """An index file as numba would leave it, ``age_s`` older than the source of the check's main kernels."""
-    made_s = (Path(rota.__file__).parent / "check" / "kernels.py").stat().st_mtime
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / name).touch()
-    os.utime(folder / name, (made_s - age_s, made_s - age_s))
+def kept(module: str, *, stamp: str | None = None) -> None:
+    """A file as a kernel of the module leaves it, compiled of its present sources or of those with this stamp."""
+    file = PACKAGE.joinpath(*module.split(".")[1:]).with_suffix(".py")
+    name = code_prefix(module, "worst_gaps", file) + "0" * 40
+    write_code(name if stamp is None else name.replace(source_stamp(file)[:12], stamp), b"code")
 
 
 def test_only_the_main_kernels_of_each_package_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    index_of(tmp_path / "check_0a1b", "sight_kernels.sees_ground-62.py311.nbi", age_s=-1)
-    index_of(tmp_path / "geometry_0a1b", "kernels.clearances-100.py311.nbi", age_s=-1e9)
+    kept("rota.check.sight_kernels")
+    kept("rota.geometry.kernels")
     assert not is_compiled("check")
-    index_of(tmp_path / "check_0a1b", "kernels.worst_gaps-219.py311.nbi", age_s=1)
+    kept("rota.check.kernels", stamp="0123456789ab")  # of older sources
     assert not is_compiled("check")
-    index_of(tmp_path / "check_0a1b", "kernels.worst_gaps-219.py311.nbi", age_s=-1)
+    kept("rota.check.kernels")
     assert is_compiled("check")
     assert is_compiled("check", "geometry")
     assert not is_compiled("check", "geometry", "planners/patrol/annealing")
@@ -43,7 +42,7 @@ def test_a_package_without_kernels_is_compiled(tmp_path: Path, monkeypatch: pyte
 
 def test_the_packages_that_the_program_asks_for_have_main_kernels() -> None:
     for package in ("check", "geometry", "planners/patrol/annealing"):
-        assert (Path(rota.__file__).parent / package / "kernels.py").exists()
+        assert (PACKAGE / package / "kernels.py").exists()
 
 
 @pytest.mark.slow  # compiles all of the check anew

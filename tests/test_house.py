@@ -20,6 +20,7 @@ PATROL_STAGES = [
     ["annealing"],
     ["initial", "traffic"],
     ["repair"],
+    ["shortening"],
     ["methods"],
     ["planner", "compiled_by_two"],
 ]

@@ -55,7 +55,9 @@ def test_a_footprint_is_height_times_the_tangent_and_no_more_than_the_radius() -
         ({"altitudes_m": (45, 20)}, "swarm.altitudes_m"),
         ({"altitudes_m": (0, 20)}, "swarm.altitudes_m"),
         ({"altitudes_m": (20, math.nan)}, "swarm.altitudes_m"),
-        ({"controller": "settle"}, "swarm.controller"),
+        ({"controller": "voronoi"}, "swarm.controller"),
+        ({"altitudes_m": (20, 30, 40)}, "swarm.altitudes_m"),
+        ({"altitudes_m": (20, 30, 25, 40)}, "swarm.altitudes_m"),
         ({"velocity": "sampled"}, "swarm.velocity"),
         ({"boundary": "circle"}, "swarm.boundary"),
         ({"delay_steps": 1}, "swarm.delay_steps"),
@@ -85,9 +87,9 @@ def test_what_cannot_be_judged_or_done_in_space_is_refused() -> None:
 def test_a_file_s_faults_are_named_with_their_place(tmp_path: Path) -> None:
     text = EXAMPLE.read_text()
     for old, new, told in (
-        ("controller: reciprocal", "controller: settle", "swarm.controller"),
-        ("  altitudes_m: [20, 45]", "  altitudes_m: [45, 20]", "swarm.altitudes_m"),
-        ("  altitudes_m: [20, 45]", "", "fleet.sensor.half_angle_deg"),
+        ("swarm:\n", "swarm:\n  controller: voronoi\n", "swarm.controller"),
+        ("altitudes_m: [20, 45]", "altitudes_m: [45, 20]", "swarm.altitudes_m"),
+        ("  altitudes_m: [20, 45]", "  stop_m: 0.001", "fleet.sensor.half_angle_deg"),
         ("planner: swarm", "period_s: 5\nplanner: swarm", "period_s"),
         ("half_angle_deg: 30", "half_angle_deg: 90", "fleet.sensor.half_angle_deg"),
     ):
@@ -115,12 +117,49 @@ def test_a_plan_in_space_passes_the_check_and_survives_its_file() -> None:
     assert range_at_the_end(run.plan)[2] == pytest.approx(discs_m2, rel=1e-6)
 
 
-def test_a_run_in_space_goes_on_bit_for_bit(tmp_path: Path) -> None:
-    whole = run_mission(mission(), seed=1)
-    part = run_mission(mission(most_steps=60), seed=1)
+@pytest.mark.parametrize("controller", ["reciprocal", "settle"])
+def test_a_run_in_space_goes_on_bit_for_bit(controller: str, tmp_path: Path) -> None:
+    whole = run_mission(mission(controller=controller), seed=1)
+    part = run_mission(mission(controller=controller, most_steps=60), seed=1)
     write_checkpoint(part.state, tmp_path / "a.rota-run")
-    rest = run_mission(mission(), seed=1, resume=read_checkpoint(tmp_path / "a.rota-run"))
+    rest = run_mission(mission(controller=controller), seed=1, resume=read_checkpoint(tmp_path / "a.rota-run"))
     assert rest.plan.trajectories == whole.plan.trajectories
+
+
+@pytest.mark.parametrize("controller", ["reciprocal", "settle"])
+def test_robots_keep_to_the_bands_that_they_are_dealt_to(controller: str) -> None:
+    run = run_mission(mission(controller=controller, altitudes_m=(20, 25, 30, 38, 45, 45)), seed=2)
+    assert check_plan(run.plan).verdict == "met"
+    for k, trajectory in enumerate(run.plan):
+        low, high = ((20, 25), (30, 38), (45, 45))[k % 3]
+        z = trajectory.positions_m[:, 2]
+        assert ((z >= low - 1e-9) & (z <= high + 1e-9)).all()
+        assert z[-1] == pytest.approx(high, abs=1e-9)
+
+
+def test_the_example_covers_all_that_its_discs_can() -> None:
+    asked = read_mission(EXAMPLE).mission
+    seen, free, footprints_m2 = range_at_the_end(run_mission(asked, seed=0).plan)
+    # 20 discs of 45 m x tan 30 degrees that neither overlap nor reach out of the square
+    assert footprints_m2 == pytest.approx(20 * math.pi * (45 * math.tan(math.pi / 6)) ** 2, rel=1e-6)
+    assert seen.area >= footprints_m2 - 0.001 * free.area
+
+
+def test_the_check_wants_a_robot_in_one_band_all_the_time() -> None:
+    for altitudes, heights, kinds in (
+        ((20, 30, 40, 45), (21, 44), ["above altitudes"]),
+        ((20, 30, 40, 45), (44, 21), ["below altitudes"]),
+        ((20, 30, 40, 45), (35, 29), ["above altitudes"]),
+        ((20, 30, 30, 45), (21, 44), []),
+    ):
+        good = mission(robots=1, altitudes_m=altitudes)
+        places = [(50 + k, 50, height) for k, height in enumerate(heights)]
+        plan = Plan(
+            mission=good,
+            trajectories=(Trajectory(robot="r0", times_s=[0, 60], positions_m=places, loop_start_s=60),),
+            seed=0,
+        )
+        assert [violation.kind for violation in check_plan(plan).violations] == kinds
 
 
 def test_the_check_names_robots_out_of_the_band() -> None:

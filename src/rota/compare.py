@@ -10,19 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import shapely
-
+from rota.distinct_loops import distinct_loops
 from rota.errors import MissionError, NoPlanFound, RotaError
 from rota.make_plan import search_plan
 from rota.mission import Mission
-from rota.plan import Plan, Trajectory
+from rota.plan import Plan
 from rota.planner import planner_named, planner_of
 from rota.planner_registry import DEFAULT
 
 if TYPE_CHECKING:
     from rota.check.report import Report
 
-SAME_LOOP_M = 1e-6
 HEAD = ("method", "robots", "lower bound", "loops m", "worst gap / period", "time s", "outcome")
 
 
@@ -163,24 +161,6 @@ def load_compiled_loops(methods: Sequence[str] = (), planner: str = DEFAULT) -> 
         return
     with suppress(NoPlanFound):
         search_plan(small)
-
-
-def distinct_loops(plan: Plan) -> list[Trajectory]:
-    """One trajectory for each loop of the plan; robots that follow each other on one loop count once."""
-    distinct: list[tuple[Trajectory, shapely.LineString]] = []
-    for trajectory in plan:
-        points_m = trajectory.positions_m[trajectory.loop_index :, :2]
-        if len(points_m) < 2:
-            continue
-        line = shapely.LineString(points_m)
-        same_s = 1e-6 * trajectory.loop_duration_s
-        for other, along in distinct:
-            alike = abs(other.loop_duration_s - trajectory.loop_duration_s) <= same_s
-            if alike and shapely.hausdorff_distance(line, along) < SAME_LOOP_M:
-                break
-        else:
-            distinct.append((trajectory, line))
-    return [trajectory for trajectory, _ in distinct]
 
 
 def comparison_table(outcomes: Sequence[MethodOutcome]) -> str:

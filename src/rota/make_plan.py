@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -72,6 +73,7 @@ def search_plan(
     resume: Checkpoint | None = None,
     observe: Callable[[Any], None] | None = None,
     on_better: OnBetter | None = None,
+    executor: Executor | None = None,
 ) -> PlanSearch:
     """Plan ``mission`` with the planner that its settings name, and check the outcome.
 
@@ -82,7 +84,9 @@ def search_plan(
     the outcome is the plan of the same run without a stop, bit for bit. observe: called with what every step of a swarm
     in the plane came to (``History``), those since the stop of one that goes on. on_better: called with each plan, and
     its report, that is better than all before it (``BetterPlans``), from one thread at a time; the plan may not meet
-    its demand yet. It changes nothing of what is found.
+    its demand yet. It changes nothing of what is found. executor: workers for what can be done side by side (patrol's
+    annealings and repairs), from ``rota.engines``; None: this process alone. The plan is the same, sooner. What is done
+    there tells ``watch`` nothing, and ``on_better`` only what passed.
 
     Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
     is not greater than 0 or a mission that the planner cannot use; CheckpointError for a run of another one or seed.
@@ -97,7 +101,7 @@ def search_plan(
         raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
     request = Request(
         mission=mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch,
-        checkpoint=resume, observe=observe, early=on_better is not None,
+        checkpoint=resume, observe=observe, executor=executor,
     )  # fmt: skip
     try:
         answer = planner.plan(request)
@@ -132,6 +136,10 @@ class _Judge:
         self._better = None if on_better is None else BetterPlans(mission, on_better)
         self._mission = mission
         self._watch = watch
+
+    def __reduce__(self) -> tuple[type[_Judge], tuple[object, ...]]:
+        """Sent to another process it judges there, and tells nobody."""
+        return _Judge, (self._mission, None, None)
 
     def __call__(self, plan: Plan) -> Report:
         from rota.check import check_plan

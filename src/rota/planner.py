@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -29,8 +30,8 @@ class Request:
     judge: the check's report on a plan. progress: to be told a share 0..1 and what is being done. should_stop: to be
     polled often; once True the best answer so far is wanted. watch: to be told of every state on the way, perhaps from
     several threads. checkpoint: of a planner that makes runs, the one to go on from. observe: of such a planner, to be
-    given the measures of every step. early: somebody looks on, so that a plan within a second is worth its time; what
-    is found does not change by it.
+    given the measures of every step. executor: workers for what can be done side by side, with functions and arguments
+    that can be pickled; None: this process alone. The answer is the same.
     """
 
     mission: Mission
@@ -41,7 +42,7 @@ class Request:
     watch: Watch | None = None
     checkpoint: Checkpoint | None = None
     observe: Callable[[Any], None] | None = None
-    early: bool = False
+    executor: Executor | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,8 +89,11 @@ class Planner(ABC):
         """Folders below the package rota whose ``kernels.py`` planning the mission runs; compiling them takes long."""
         return ()
 
-    def compiling(self) -> AbstractContextManager[object]:
-        """Held while the planner works: what compiles ahead, when that is worth it."""
+    def compiling(self, *, to_the_end: bool = False) -> AbstractContextManager[object]:
+        """Held while the planner works: what compiles ahead, when that is worth it.
+
+        to_the_end: what compiles beside the planner is not stopped when the planner is done.
+        """
         return nullcontext()
 
     def small_mission(self, methods: Sequence[str] = ()) -> Mission | None:

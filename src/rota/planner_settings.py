@@ -253,7 +253,7 @@ class PlannerSettings(Settings):
 
     ``planner``: its name. ``makes_runs``: robots move step by step in a run that can be stopped, kept and gone on with.
     ``heeds_moving_obstacles``: missions may have some. ``robots_come_and_go``: robots may join and leave.
-    ``altitudes_m``: robots move in space, between the lowest and the highest. ``bouncing``: robots move as they do that
+    ``altitudes_m``: robots move in space, each in a band of altitudes. ``bouncing``: robots move as they do that
     bounce. Defaults say that nothing of that is so.
     """
 
@@ -307,8 +307,8 @@ class PlannerSettings(Settings):
         return None
 
     @property
-    def altitudes_m(self) -> tuple[float, float] | None:
-        """Between which altitudes robots move, if not in the plane."""
+    def altitudes_m(self) -> tuple[float, ...] | None:
+        """In which bands of altitudes robots move, if not in the plane: the lowest and the highest of each, rising."""
         return None
 
     @property

@@ -30,12 +30,13 @@ def seen(m: Mission, *points: tuple[float, float], spread: float = 0.0) -> list[
 
 def test_standing_ground_of_a_body_in_a_square_with_a_block() -> None:
     m = mission(box(0, 0, 10, 10), obstacle(box(4, 4, 6, 6)), body=1.0)
-    ground = standing(m, 1.0)
+    ground = standing(m.area, m.obstacles, 1.0)
     expected = 8 * 8 - (2 * 2 + 4 * 2 * 1 + math.pi)
     assert ground.area == pytest.approx(expected, abs=2e-3)
     assert ground.area >= expected  # never too small
-    assert standing(mission(box(0, 0, 10, 1.9)), 1.0).is_empty
-    assert standing(mission(box(0, 0, 10, 2.0)), 1.0).area == pytest.approx(8 * 2e-6, rel=0.1)  # a corridor just wide
+    corridors = [mission(box(0, 0, 10, wide)).area for wide in (1.9, 2.0)]
+    assert standing(corridors[0], (), 1.0).is_empty
+    assert standing(corridors[1], (), 1.0).area == pytest.approx(8 * 2e-6, rel=0.1)  # a corridor just wide
 
 
 def test_reach_into_ground_that_nobody_enters() -> None:
@@ -90,7 +91,7 @@ def test_matches_sight_from_many_standing_places(seed: int) -> None:
     points = rng.uniform(0, 10, (400, 2))
     points = points[~shapely.contains_xy(hidden, *points.T)]
     places = np.stack(np.meshgrid(*2 * [np.arange(0.0, 10.0, 0.06)]), axis=-1).reshape(-1, 2)
-    ground = standing(m, 0.6)
+    ground = standing(m.area, m.obstacles, 0.6)
     places = places[shapely.contains_xy(ground, *places.T)]
     core = shapely.buffer(hidden, -1e-7)
     shapely.prepare(core)
@@ -153,3 +154,17 @@ def test_a_place_is_asked_for_only_if_it_is_seen_by_the_tolerance_that_plans_are
     drive = Trajectory(robot="robot-1", times_s=np.array([0.0, 10.0, 20.0]), positions_m=along)
     plan = Plan(mission=m, trajectories=(drive,))
     assert worst_gaps_s(plan, np.array([place, (3 - 5e-7, 0.7)])).tolist() == [np.inf, pytest.approx(14.0, abs=1e-3)]
+
+
+def test_where_bodies_stand_is_the_same_in_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(3)
+    places = rng.uniform(0, 16, (60, 2))
+    blocks = shapely.union_all(shapely.box(*places.T, *(places + rng.uniform(0.1, 1.2, (60, 2))).T))
+    m = mission(MultiPolygon([box(0, 0, 16, 16)]).difference(blocks), obstacle(blocks), body=0.3)
+    whole = standing(m.area, m.obstacles, 0.3)
+    monkeypatch.setattr("rota.check.seeable.MANY_SIDES", 50)
+    monkeypatch.setattr("rota.check.seeable.TILE_SIDES", 20)
+    tiled = standing(m.area, m.obstacles, 0.3)
+    assert shapely.symmetric_difference(whole, tiled).area < 1e-12
+    assert shapely.hausdorff_distance(whole.boundary, tiled.boundary) < 1e-9
+    assert whole.area > 50

@@ -350,14 +350,26 @@ period_s: 60
 fleet: {speed_m_s: 2, sensor: {shape: disc, radius_m: 2.5}}
 patrol: {effort: high}
 """
+MANY_ROBOTS = """\
+rota: 1
+name: field
+area: [[0, 0], [160, 0], [160, 160], [0, 160]]
+period_s: 10
+fleet: {speed_m_s: 5, sensor: {shape: disc, radius_m: 4}}
+"""
 SPREADING = (EXAMPLES / "swarm-square.yaml").read_text()
 BOUNCING = (EXAMPLES / "bounce-monitor.yaml").read_text()
 
 
 @pytest.mark.parametrize(
     ("mission", "asked", "left"),
-    [(LONG_SEARCH, 1, "mission.rota.json"), (SPREADING, 20, "mission.rota-run"), (BOUNCING, 0, "mission.rota.json")],
-    ids=["patrol", "swarm", "bounce"],
+    [
+        (LONG_SEARCH, 1, "mission.rota.json"),
+        (MANY_ROBOTS, 1, "mission.rota.json"),
+        (SPREADING, 20, "mission.rota-run"),
+        (BOUNCING, 0, "mission.rota.json"),
+    ],
+    ids=["patrol", "many robots", "swarm", "bounce"],
 )
 def test_sigterm_stops_a_search_and_keeps_what_there_is(mission: str, asked: int, left: str, yard: Path) -> None:
     Path("mission.yaml").write_text(mission)

@@ -5,6 +5,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from benchmarks.missions import example_missions
 from pyproj import Geod
 from shapely import Point, Polygon, box, unary_union
 
@@ -18,7 +19,7 @@ from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 ROOT = Path(__file__).parent.parent.parent
-EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.yaml") if not path.name.endswith("_map.yaml"))
+EXAMPLES = example_missions()
 SHARED = ROOT.parent / "shared" / "data"
 
 BASE = """\

@@ -105,7 +105,12 @@ def ns(stamp: Any) -> int:
 
 
 def test_a_subscriber_that_comes_late_sees_the_plan_go_on(playing: Any, heard: Any) -> None:
-    found = heard(lambda some: len(some["/robot_1/pose"]) >= 20 and all(some.values()))
+    def enough(some: dict[str, list[Any]]) -> bool:
+        """Twenty poses, all else, and a place that was seen and left: at the beginning there is none."""
+        left = any(0 < age < 100 for ages in some["/time_since_seen"][-1:] for age in ages.data)
+        return len(some["/robot_1/pose"]) >= 20 and all(some.values()) and left
+
+    found = heard(enough)
     (path,) = found["/robot_1/path"]
     begin_ns = ns(path.header.stamp)
     told_s = np.array([ns(each.header.stamp) - begin_ns for each in path.poses]) * 1e-9 * SPEED

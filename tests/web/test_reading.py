@@ -69,9 +69,7 @@ def test_a_parcel_alone_becomes_a_mission(client: TestClient) -> None:
 
 
 def test_a_ros_map_becomes_a_mission_with_its_picture_wherever_that_lay(client: TestClient) -> None:
-    sheet = (
-        (EXAMPLES / "building_map.yaml").read_bytes().replace(b"building_map.png", b"/home/me/maps/building_map.png")
-    )
+    sheet = (EXAMPLES / "building_map.yaml").read_bytes().replace(b"building_map.png", b"/elsewhere/building_map.png")
     found = read(client, "building_map.png", floor_yaml=sheet)
     assert found["document"]["area"]["map"] == "floor.yaml"
     assert {entry["name"] for entry in found["attachments"]} == {"floor.yaml", "building_map.png"}

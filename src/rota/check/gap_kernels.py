@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from rota.compiled.kernel import kernel
 
 EXPAND_AT_ONCE, EXPAND_AT_MOST = 512, 100_000
 
 
-@njit(cache=True)
+@kernel
 def _lone_gap(times, m, period_s):
     """Worst gap of the m-th robot alone, whose loop takes ``period_s``, and the time at which it begins."""
     starts, ends, lo, hi = times.starts_s, times.ends_s, times.bounds[m], times.bounds[m + 1]
@@ -26,7 +27,7 @@ def _lone_gap(times, m, period_s):
     return max(worst, 0.0), when
 
 
-@njit(cache=True)
+@kernel
 def _shared_gap(times, members, parts, unit_s, common):
     """Worst gap of several robots over their common period of ``common`` units, and the time at which it begins."""
     starts, ends, bounds, robots = times
@@ -53,7 +54,7 @@ def _shared_gap(times, members, parts, unit_s, common):
     return worst, when
 
 
-@njit(cache=True)
+@kernel
 def pair_gap(times, a, b, period_a, period_b, shared_s):
     """Worst gap in seconds of robots a and b whose phases differ by any multiple of ``shared_s``.
 
@@ -77,7 +78,7 @@ def pair_gap(times, a, b, period_a, period_b, shared_s):
     return worst
 
 
-@njit(cache=True)
+@kernel
 def _divisor(a, b):
     """The greatest common divisor of two whole numbers."""
     while b:
@@ -85,7 +86,7 @@ def _divisor(a, b):
     return a
 
 
-@njit(cache=True)
+@kernel
 def _class_gap(times, members, parts, unit_s, limit_s):
     """Worst gap of commensurable loops, the time at which it begins, its period, and whether it is exact.
 
@@ -124,7 +125,7 @@ def _class_gap(times, members, parts, unit_s, limit_s):
     return best, math.nan, 1.0, False
 
 
-@njit(cache=True)
+@kernel
 def team_gap(times, n, loops, limit_s):
     """Worst gap in seconds of the n robots in ``times``, the time at which it begins, and whether it is exact.
 

@@ -10,18 +10,18 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from rota.check.arrays import Parts, SeenTimes, Shadows
 from rota.check.gap_kernels import team_gap
 from rota.check.tiling_kernels import cell_of, half_width, in_cell
 from rota.check.tolerances import CONE_M, NO_LENGTH
+from rota.compiled.kernel import kernel
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
 FIRST_ROOM = 64  # parts and times that there is room for at first
 
 
-@njit(cache=True)
+@kernel
 def shrunk(corners, start, stop, slack_m):
     """The piece with all its sides moved inwards by at least ``slack_m``, (c, 2): scaled about the mean of its corners.
 
@@ -38,7 +38,7 @@ def shrunk(corners, start, stop, slack_m):
     return piece
 
 
-@njit(cache=True)
+@kernel
 def part_in_range(piece, leg, reach_m, square):
     """The part (lo, hi) of a leg, in 0..1, from which every corner of a piece is in range; lo > hi when there is none.
 
@@ -72,7 +72,7 @@ def part_in_range(piece, leg, reach_m, square):
     return lo, hi
 
 
-@njit(cache=True)
+@kernel
 def _shadow(piece, wall, slack_m, shadow):
     """Fill ``shadow`` with the half-planes in whose intersection ``wall`` cuts the piece from every position.
 
@@ -132,7 +132,7 @@ def _shadow(piece, wall, slack_m, shadow):
     return 1
 
 
-@njit(cache=True)
+@kernel
 def shadows_of(piece, walls, cell, slack_m, reach_m):
     """The ``Shadows`` of the walls near a cell that may hide part of the piece (c, 2) within reach_m, nearest first."""
     x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
@@ -161,7 +161,7 @@ def shadows_of(piece, walls, cell, slack_m, reach_m):
     return Shadows(sides, boxes, index, n)
 
 
-@njit(cache=True)
+@kernel
 def blocked_part(shadow, leg, lo, hi):
     """The open part from, to of lo..hi of a leg (4,) inside a shadow (9,); empty when from is not below to."""
     dx, dy = leg[2] - leg[0], leg[3] - leg[1]
@@ -177,7 +177,7 @@ def blocked_part(shadow, leg, lo, hi):
     return lo, hi
 
 
-@njit(cache=True)
+@kernel
 def _cut_out(parts, n, a, b):
     """Take the open part a..b out of the n parts of a leg; returns how many parts there are then."""
     kept = 0
@@ -199,7 +199,7 @@ def _cut_out(parts, n, a, b):
     return kept
 
 
-@njit(cache=True)
+@kernel
 def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
     """Number of parts of a leg (4,) from which the whole piece (c, 2) is seen; ``parts`` takes them, ascending.
 
@@ -224,7 +224,7 @@ def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
             return 0
         if not a < b:
             continue
-        n = _cut_out(parts, n, a, b)
+        n = _cut_out(parts, np.int64(n), a, b)
         if n == 0:
             return 0
     # between two neighbouring walls the tolerance leaves a slit through which nothing is seen
@@ -238,7 +238,7 @@ def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
     return kept
 
 
-@njit(cache=True)
+@kernel
 def room_for_parts(parts, shadows):
     """``parts`` where it has room for the parts of one leg among these shadows, else larger ones.
 
@@ -249,7 +249,7 @@ def room_for_parts(parts, shadows):
     return parts
 
 
-@njit(cache=True)
+@kernel
 def times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
     """When robots see the whole piece (c, 2) from the legs near a cell.
 
@@ -293,14 +293,14 @@ def times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
     return SeenTimes(starts, ends, bounds, robots), n_robots, first_s, always
 
 
-@njit(cache=True)
+@kernel
 def nothing_seen(n_pieces):
     """What ``worst_gaps`` returns of pieces that nobody sees."""
     inf = np.full(n_pieces, np.inf)
     return inf, np.full(n_pieces, np.nan), inf.copy(), np.ones(n_pieces, np.bool_)
 
 
-@njit(cache=True)
+@kernel
 def first_room(n_team):
     """Room for the times of sights of one piece, which grows where it is too small, and for those between shadows."""
     bounds, robots = np.zeros(n_team + 1, np.int64), np.empty(n_team, np.int64)
@@ -308,7 +308,7 @@ def first_room(n_team):
     return times, Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     """Worst gap of each piece: an upper bound for its points, exact for a single point.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -26,12 +26,15 @@ MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together
 def motion_violations(plan: Plan) -> list[Violation]:
     """Everything wrong with the motion of each robot by itself, at most 20 of a kind for each robot."""
     mission = plan.mission
-    blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
+    area = _border_of(mission.area)
+    blocked = _border_of(
+        shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
+    )
     violations: list[Violation] = []
     for trajectory in plan:
         robot = mission.fleet.robot(trajectory.robot)
-        violations += place_violations(trajectory, robot, mission.area, "outside area")
-        violations += place_violations(trajectory, robot, blocked, "obstacle")
+        violations += _place_violations(trajectory, robot, area, "outside area")
+        violations += _place_violations(trajectory, robot, blocked, "obstacle")
         violations += speed_violations(trajectory, robot)
         violations += turn_violations(trajectory, robot)
         violations += turn_radius_violations(trajectory, robot)
@@ -42,13 +45,14 @@ def motion_violations(plan: Plan) -> list[Violation]:
 def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) -> list[Violation]:
     """Timed points more than 1e-6 m out of the altitudes that a swarm's mission allows, or without a height.
 
-    Straight legs between points in the band stay in it.
+    Of several bands a robot keeps to the one that it begins in, or nearest to. Straight legs between points in a band
+    stay in it; bands that touch are one.
     """
     if mission.planning.altitudes_m is None:
         return []
-    low, high = mission.planning.altitudes_m
     places = trajectory.positions_m
     z = places[:, 2] if places.shape[1] == 3 else np.zeros(len(places))
+    low, high = _band_round(float(z[0]), mission.planning.altitudes_m)
     violations = []
     kinds: tuple[ViolationKind, ViolationKind] = ("below altitudes", "above altitudes")
     for kind, out, limit in zip(kinds, (z < low - TOUCH_M, z > high + TOUCH_M), (low, high), strict=True):
@@ -60,22 +64,47 @@ def altitude_violations(trajectory: Trajectory, robot: Robot, mission: Mission) 
     return violations
 
 
-def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: ViolationKind) -> list[Violation]:
+def _band_round(height_m: float, altitudes_m: tuple[float, ...]) -> tuple[float, float]:
+    """The band of altitudes, bands that touch as one, that a height lies in or nearest to."""
+    bands: list[tuple[float, float]] = []
+    for low, high in zip(altitudes_m[::2], altitudes_m[1::2], strict=True):
+        if bands and low <= bands[-1][1]:
+            bands[-1] = (bands[-1][0], high)
+        else:
+            bands.append((low, high))
+    return min(bands, key=lambda band: max(band[0] - height_m, height_m - band[1]))
+
+
+class _Border(NamedTuple):
+    """A shape, its sides (s, 4), and a tree of them."""
+
+    shape: Any
+    sides: Floats
+    tree: Any
+
+
+def _border_of(shape: Any) -> _Border:
+    """The border of the area, or of what blocks motion, made ready for all robots."""
+    sides = segments_of(shape)
+    shapely.prepare(shape)
+    return _Border(shape, sides, shapely.STRtree(lines_of(sides)))
+
+
+def _place_violations(trajectory: Trajectory, robot: Robot, border: _Border, kind: ViolationKind) -> list[Violation]:
     """Legs on which the body reaches more than 1e-6 m out of the area (kind "outside area") or into an obstacle.
 
-    ``shape`` is the area or what blocks motion. Each leg has one violation: its deepest place, when and how deep. Where
-    the centre itself is on the wrong side, the deepest of 65 places along the stretch counts, refined three times.
+    ``border`` is that of the area or of what blocks motion. Each leg has one violation: its deepest place, when and
+    how deep. Where the centre itself is on the wrong side, the deepest of 65 places along the stretch counts, refined
+    three times.
     """
     xy = trajectory.positions_m[:, :2]
     legs = np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy])
-    sides = segments_of(shape)
-    if not len(sides):
+    if not len(border.sides):
         return []
     wrong_inside = kind == "obstacle"
-    tree = shapely.STRtree(lines_of(sides))
-    at_once = max(1, MOST_PAIRS // len(sides))
+    at_once = max(1, MOST_PAIRS // len(border.sides))
     parts = [legs[k : k + at_once] for k in range(0, len(legs), at_once)]
-    judged = [_deepest(part, tree, sides, shape, wrong_inside, robot.body_radius_m) for part in parts]
+    judged = [_deepest(part, border, wrong_inside, robot.body_radius_m) for part in parts]
     depth, place = (np.concatenate(values) for values in zip(*judged, strict=True))
     violations = []
     for m in np.flatnonzero(depth > TOUCH_M)[:MOST_PER_ROBOT]:
@@ -86,34 +115,34 @@ def place_violations(trajectory: Trajectory, robot: Robot, shape: Any, kind: Vio
     return violations
 
 
-def _deepest(
-    legs: Floats, tree: Any, sides: Floats, shape: Any, wrong_inside: bool, body_m: float
-) -> tuple[Floats, Floats]:
+def _deepest(legs: Floats, border: _Border, wrong_inside: bool, body_m: float) -> tuple[Floats, Floats]:
     """Depth (m,) in metres to which the body enters the wrong side of the border on each leg, and where, (m,) in 0..1.
 
-    legs: (m, 4). sides: (s, 4) of the border, also in the tree. wrong_inside: whether the shape is the wrong side.
+    legs: (m, 4). wrong_inside: whether the shape is the wrong side.
     """
+    shape, sides, tree = border
     leg, side = tree.query(lines_of(legs), predicate="dwithin", distance=body_m + 2 * TOUCH_M)
     depth, place = np.full(len(legs), -math.inf), np.zeros(len(legs))
     distance, along = segment_distances(legs[leg], sides[side])
     order = np.argsort(distance, kind="stable")[::-1]
     depth[leg[order]] = body_m - distance[order]
     place[leg[order]] = along[order]
-    shapely.prepare(shape)
     starts = shapely.points(legs[:, :2])
     inside = shapely.contains(shape, starts) if wrong_inside else shapely.covers(shape, starts)
     suspect = (inside == wrong_inside) | (np.bincount(leg[distance <= TOUCH_M], minlength=len(legs)) > 0)
     for m in np.flatnonzero(suspect):
-        deep, at = _centre_depth(legs[m], sides[side[leg == m]], shape, tree, wrong_inside)
+        deep, at = _centre_depth(legs[m], sides[side[leg == m]], border, wrong_inside, TOUCH_M - body_m)
         if deep > 0 and body_m + deep > depth[m]:
             depth[m], place[m] = body_m + deep, at
     return depth, place
 
 
-def _centre_depth(leg: Floats, near: Floats, shape: Any, tree: Any, wrong_inside: bool) -> tuple[float, float]:
+def _centre_depth(
+    leg: Floats, near: Floats, border: _Border, wrong_inside: bool, allowed_m: float
+) -> tuple[float, float]:
     """Largest depth in metres of the centre on the wrong side along a leg (4,), and where in 0..1; 0: never there.
 
-    near: (s, 4) sides of the border near the leg.
+    near: (s, 4) sides of the border near the leg. Stretches surely no deeper than ``allowed_m`` are not looked at.
     """
     start, along = leg[:2], leg[2:] - leg[:2]
     stops = [0.0, 1.0]
@@ -127,19 +156,35 @@ def _centre_depth(leg: Floats, near: Floats, shape: Any, tree: Any, wrong_inside
         stops += list(crossings[(crossings > 0) & (crossings < 1)])
     knots = np.unique(stops)
     middles = shapely.points(start + ((knots[1:] + knots[:-1]) / 2)[:, None] * along)
-    inside = shapely.contains(shape, middles) if wrong_inside else shapely.covers(shape, middles)
+    inside = shapely.contains(border.shape, middles) if wrong_inside else shapely.covers(border.shape, middles)
     best, where = 0.0, 0.0
-    for k in np.flatnonzero(inside == wrong_inside):
+    wrong = np.flatnonzero(inside == wrong_inside)
+    if allowed_m > 0 and len(near) and len(wrong):
+        wrong = wrong[_least_sag(start + knots[:, None] * along, near)[wrong] > allowed_m / 2]
+    for k in wrong:
         low, high = knots[k], knots[k + 1]
         for _ in range(4):
             spots = np.linspace(low, high, 65)
             points = shapely.points(start + spots[:, None] * along)
-            _, distance = tree.query_nearest(points, return_distance=True, all_matches=False)
+            _, distance = border.tree.query_nearest(points, return_distance=True, all_matches=False)
             deepest = int(np.argmax(distance))
             low, high = spots[max(deepest - 1, 0)], spots[min(deepest + 1, 64)]
             if distance[deepest] > best:
                 best, where = float(distance[deepest]), float(spots[deepest])
     return best, where
+
+
+def _least_sag(places: Floats, sides: Floats) -> Floats:
+    """For each stretch between neighbouring places (n + 1, 2) how far off the sides (s, 4) any of it can be: (n,).
+
+    Distance from one side is a convex function of the place, so that it is greatest at an end of the stretch; of all
+    sides the nearest one counts.
+    """
+    count = len(sides)
+    each = np.repeat(places, count, axis=0), np.tile(sides[:, :2], (len(places), 1))
+    away = _point_distance(*each, np.tile(sides[:, 2:] - sides[:, :2], (len(places), 1)))[0].reshape(-1, count)
+    least: Floats = np.maximum(away[:-1], away[1:]).min(axis=1)
+    return least
 
 
 def segment_distances(a: Floats, b: Floats) -> tuple[Floats, Floats]:

@@ -18,7 +18,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rota.check.arrays import Floats, Parts, SeenTimes
 from rota.check.gap_kernels import team_gap
@@ -34,6 +33,7 @@ from rota.check.kernels import (
 )
 from rota.check.tiling_kernels import cell_of, in_cell
 from rota.check.tolerances import SAME_CORNER_M, SAME_TIME
+from rota.compiled.kernel import kernel
 
 
 class View(NamedTuple):
@@ -61,13 +61,13 @@ class Stretch(NamedTuple):
     place: float
 
 
-@njit(cache=True)
+@kernel
 def _cross(ax, ay, bx, by):
     """The cross product of two vectors in the plane."""
     return ax * by - ay * bx
 
 
-@njit(cache=True)
+@kernel
 def _ends(wall, piece, slack_m, turn):
     """The ends of a wall, (first x, y, last x, y) as the piece sees the leg run, and whether they are sure.
 
@@ -87,7 +87,7 @@ def _ends(wall, piece, slack_m, turn):
     return wall[2], wall[3], wall[0], wall[1], sure
 
 
-@njit(cache=True)
+@kernel
 def _ahead(piece, view, x, y):
     """Whether (x, y) lies ahead of all of the piece."""
     least = math.inf
@@ -96,7 +96,7 @@ def _ahead(piece, view, x, y):
     return least > 0
 
 
-@njit(cache=True)
+@kernel
 def _end_of_hidden(wall, piece, slack_m, view):
     """Which part of the leg a wall hides: 1 before (x, y) as each point of the piece sees it, -1 behind it, 0: unclear.
 
@@ -111,7 +111,7 @@ def _end_of_hidden(wall, piece, slack_m, view):
     return 0, 0.0, 0.0
 
 
-@njit(cache=True)
+@kernel
 def _in_order(piece, turn, before, behind):
     """Whether a(q) <= b(q) for all corners q of the piece and all ends (n, 2) of walls before and (m, 2) behind."""
     for i in range(len(before)):
@@ -125,7 +125,7 @@ def _in_order(piece, turn, before, behind):
     return True
 
 
-@njit(cache=True)
+@kernel
 def _seen_round(stretch, piece, middle, walls, shadows, slack_m):
     """Whether each point of the piece is seen from somewhere on the ``Stretch`` round its place.
 
@@ -161,7 +161,7 @@ def _seen_round(stretch, piece, middle, walls, shadows, slack_m):
     return _in_order(piece, turn, before[:n_before], behind[:n_behind])
 
 
-@njit(cache=True)
+@kernel
 def _gap_of_followers(first, passing, legs, team, limit_s):
     """Worst gap between looks at one point by all robots that drive the same leg as the first, one after the other.
 
@@ -187,7 +187,7 @@ def _gap_of_followers(first, passing, legs, team, limit_s):
     return gap + 2 * SAME_TIME
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     """Times (n,) that no point of each piece waits longer for a look, and first looks (n,), in seconds; inf: not told.
 

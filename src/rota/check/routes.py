@@ -86,7 +86,9 @@ def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, 
     Two loops share a period when one is p/q of the other with q <= 64 within 1e-9, or both share one with a third. A
     robot that stays (duration 0) is alone in its class, with one part.
     """
-    n = len(durations_s)
+    durations = np.asarray(durations_s, np.float64)
+    kinds_s, kind_of = np.unique(durations, return_inverse=True)
+    n = len(durations)
     classes, parts = np.full(n, -1, np.int64), np.ones(n, np.int64)
     units: list[float] = []
     for head in range(n):
@@ -97,9 +99,12 @@ def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, 
             units.append(1.0)
             continue
         ratios = {head: Fraction(1)}
-        reached = [head]
+        reached, done = [head], set()
         for i in reached:
-            for j in range(n):
+            if durations[i] in done:
+                continue  # all that shares a period with it has been reached
+            done.add(durations[i])
+            for j in map(int, np.flatnonzero(_perhaps_alike(kinds_s, durations[i])[kind_of])):
                 ratio = _ratio(durations_s[j], durations_s[i]) if j not in ratios and classes[j] < 0 else None
                 if ratio is not None:
                     ratios[j] = ratios[i] * ratio
@@ -111,6 +116,15 @@ def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, 
             classes[i], parts[i] = len(units), int(ratio * common)
         units.append(durations_s[head] / common if durations_s[head] > 0 else 1.0)
     return classes, parts, np.array(units, np.float64)
+
+
+def _perhaps_alike(durations_s: Floats, one_s: float) -> NDArray[np.bool_]:
+    """Which durations (n,) may be p / q of another one; of the rest ``_ratio`` is None."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.maximum(durations_s, one_s) / np.minimum(durations_s, one_s)
+        wholes = ratios[:, None] * np.arange(1, LARGEST_DENOMINATOR + 1)
+        off = np.abs(wholes - np.rint(wholes)) / wholes
+    return np.asarray((off <= 2 * SAME_RATIO).any(axis=1))
 
 
 def _ratio(longer_s: float, shorter_s: float) -> Fraction | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import os
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -12,15 +13,19 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely import MultiPolygon
 
 from rota.check import sight_kernels, tiling_kernels
 from rota.check.arrays import Flags, Floats, Grid
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import GRID_MARGIN_M, SLACK_M, TOUCH_M, slack_of
-from rota.mission import DiscSensor, Mission, Sensor
+from rota.mission import DiscSensor, Mission, Obstacle, Sensor
+
+Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
 MANY_SIDES, RAGGED_SIDES = 10_000, 5_000
+TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 MOST_GRID_CELLS = 250_000
 BOX, NEAR, MOST_SPREAD = 2.0, 2.0, 0.4  # of the reach: boxes of points, what is near them, and spreads that allows for
 
@@ -33,34 +38,76 @@ class StandingArea:
     sensor: Sensor
 
 
-def standing(mission: Mission, body_radius_m: float) -> Any:
+def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m: float) -> Any:
     """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
 
     It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
     replaced by their chords.
     """
-    blocked = shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
+    blocked = shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_motion])
     body = body_radius_m - TOUCH_M
     if body <= 0:
-        return shapely.difference(mission.area, blocked)
-    open_ground = shapely.difference(mission.area, blocked)
-    # side by side, since offsetting a whole polygon loses corridors only just as wide as the body
-    sides = lines_of(np.vstack([segments_of(mission.area), segments_of(blocked)]))
-    return shapely.difference(open_ground, shapely.union_all(shapely.buffer(sides, body, quad_segs=ARC_STEPS)))
+        return shapely.difference(area, blocked)
+    open_ground = shapely.difference(area, blocked)
+    sides = np.vstack([segments_of(area), segments_of(blocked)])
+    if len(sides) <= MANY_SIDES or open_ground.is_empty:
+        return _out_of(lines_of(sides), body, open_ground)
+    # where a map is read all around as an obstacle, area and obstacle share their sides
+    turned = (sides[:, 0] > sides[:, 2]) | ((sides[:, 0] == sides[:, 2]) & (sides[:, 1] > sides[:, 3]))
+    sides = np.unique(np.where(turned[:, None], sides[:, [2, 3, 0, 1]], sides), axis=0)
+    lines = lines_of(sides)
+    tree = shapely.STRtree(lines)
+
+    def in_tile(box: Box) -> Any:
+        frame = shapely.box(*box)
+        near = np.sort(tree.query(shapely.buffer(frame, 1.01 * body)))
+        return _out_of(lines[near], body, _cut_to(frame, open_ground))
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        return shapely.union_all(list(pool.map(in_tile, _tiles(open_ground.bounds, sides))))
 
 
-@functools.lru_cache(maxsize=4)
+def _out_of(lines: Any, body_m: float, ground: Any) -> Any:
+    """The part of the ground that is farther than ``body_m`` from the lines (n,).
+
+    Lines are grown one by one, since offsetting a whole polygon loses corridors only just as wide as the body.
+    """
+    return shapely.difference(ground, shapely.union_all(shapely.buffer(lines, body_m, quad_segs=ARC_STEPS)))
+
+
+def _tiles(box: Box, sides: Floats) -> Iterator[Box]:
+    """Boxes that share no ground and together are the box, each with few of the sides (n, 4): their middles count."""
+    x0, y0, x1, y1 = box
+    middles = (sides[:, :2] + sides[:, 2:]) / 2
+    inside = ((middles >= (x0, y0)) & (middles <= (x1, y1))).all(axis=1)
+    if inside.sum() <= TILE_SIDES or max(x1 - x0, y1 - y0) <= LEAST_TILE_M:
+        yield box
+        return
+    x, y = (x0 + x1) / 2, (y0 + y1) / 2
+    wide = x1 - x0 >= y1 - y0
+    yield from _tiles((x0, y0, x, y1) if wide else (x0, y0, x1, y), sides[inside])
+    yield from _tiles((x, y0, x1, y1) if wide else (x0, y, x1, y1), sides[inside])
+
+
 def standing_areas(mission: Mission) -> tuple[StandingArea, ...]:
     """One area for each kind of robot (body and sensor) that the fleet has."""
     fleet = mission.fleet
     robots = [fleet.equal_robot("any")] if fleet.robots is None else fleet.robots
-    kinds = {(robot.body_radius_m, robot.sensor): None for robot in robots}
-    return tuple(StandingArea(shape=standing(mission, body), sensor=sensor) for body, sensor in kinds)
+    kinds = tuple({(robot.body_radius_m, robot.sensor): None for robot in robots})
+    return _standing_areas(mission.area, mission.obstacles, kinds)
+
+
+@functools.lru_cache(maxsize=4)
+def _standing_areas(
+    area: MultiPolygon, obstacles: tuple[Obstacle, ...], kinds: tuple[tuple[float, Sensor], ...]
+) -> tuple[StandingArea, ...]:
+    """The same for the kinds of robots; a search has missions checked that differ in their periods only."""
+    return tuple(StandingArea(shape=standing(area, obstacles, body), sensor=sensor) for body, sensor in kinds)
 
 
 def has_many_sides(mission: Mission) -> bool:
     """Whether walls have so many sides, as on a scanned floor, that they cut most pieces of the ground."""
-    return int(shapely.get_num_coordinates(_hidden(mission))) > RAGGED_SIDES
+    return int(shapely.get_num_coordinates(_hidden(mission.obstacles))) > RAGGED_SIDES
 
 
 def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
@@ -71,18 +118,18 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
     out of obstacles made thinner by that much.) Points must not lie inside what blocks sight.
     """
     reach_m = max((area.sensor.reach_m for area in areas), default=0.0)
-    hidden, slack_m = _hidden(mission), slack_of(mission)
+    hidden, slack_m = _hidden(mission.obstacles), slack_of(mission)
     corners = shapely.get_num_coordinates([hidden, *(area.shape for area in areas)]).sum()
     if corners <= MANY_SIDES or spread_m > MOST_SPREAD * reach_m:
         return _seen_from_any(areas, hidden, points_m, spread_m, slack_m)
-    known = _known(mission, areas, spread_m)
+    known = _known(mission.obstacles, areas, spread_m)
     keys = list(map(tuple, points_m.tolist()))
     new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
     boxes, box_of = np.unique(np.floor(points_m[new] / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
 
     def in_box(k: int) -> tuple[NDArray[np.int64], Flags]:
         members = new[box_of.ravel() == k]
-        near = _near_box(mission, areas, reach_m, *boxes[k].tolist())
+        near = _near_box(mission.obstacles, areas, reach_m, *boxes[k].tolist())
         return members, _seen_from_any(*near, points_m[members], spread_m, slack_m)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
@@ -92,20 +139,22 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
 
 
 @functools.lru_cache(maxsize=16)
-def _known(mission: Mission, areas: tuple[StandingArea, ...], spread_m: float) -> dict[tuple[float, float], bool]:
-    """The answers so far about places on ragged ground; a search has hundreds of plans of one mission checked."""
+def _known(
+    obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], spread_m: float
+) -> dict[tuple[float, float], bool]:
+    """The answers so far about places on ragged ground; a search has hundreds of plans over one ground checked."""
     return {}
 
 
 @functools.lru_cache(maxsize=4)
-def _hidden(mission: Mission) -> Any:
+def _hidden(obstacles: tuple[Obstacle, ...]) -> Any:
     """All obstacles that block sight as one geometry."""
-    return shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
+    return shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_sight])
 
 
 @functools.lru_cache(maxsize=4096)
 def _near_box(
-    mission: Mission, areas: tuple[StandingArea, ...], reach_m: float, i: int, j: int
+    obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], reach_m: float, i: int, j: int
 ) -> tuple[tuple[StandingArea, ...], Any]:
     """The parts of the areas, and of what blocks sight, that can matter to points in one box of a lattice.
 
@@ -114,7 +163,7 @@ def _near_box(
     low, wide = BOX * reach_m, NEAR * reach_m
     frame = shapely.box(i * low - wide, j * low - wide, (i + 1) * low + wide, (j + 1) * low + wide)
     near = tuple(StandingArea(shape=_cut_to(frame, area.shape), sensor=area.sensor) for area in areas)
-    return near, _cut_to(frame, _hidden(mission))
+    return near, _cut_to(frame, _hidden(obstacles))
 
 
 def _cut_to(frame: Any, shape: Any) -> Any:
@@ -173,8 +222,11 @@ def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square
     size = max(margin / 4, math.sqrt(width * height / MOST_GRID_CELLS), max(width, height) / MOST_GRID_CELLS)
     grid = Grid(low[0] - origin[0], low[1] - origin[1], size, int(width / size) + 1, int(height / size) + 1)
     sides, walls = segments_of(ground), segments_of(hidden)
-    crossings = shapely.intersection(shapely.boundary(ground), shapely.boundary(hidden))
-    crossed = shapely.get_coordinates(crossings)
+    border, wall = shapely.boundary(ground), shapely.boundary(hidden)
+    shapely.prepare(border)
+    crossed = np.empty((0, 2))
+    if shapely.intersects(border, wall):  # bodies keep off most walls
+        crossed = shapely.get_coordinates(shapely.intersection(border, wall))
     crossed = np.hstack([crossed, crossed])
     layers = [
         tiling_kernels.rasterise(np.ascontiguousarray(segments - np.tile(origin, 2)), margin, grid)

@@ -7,11 +7,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rota.check.arrays import Floats, Ints
 from rota.check.tiling_kernels import cell_of, in_cell
 from rota.check.tolerances import EDGE_RAD, FLAT_RAD, GRID_MARGIN_M, RAY_M, SLACK_M
+from rota.compiled.kernel import kernel
 
 SOME_DIRECTIONS = 64
 MANY_NEAR, SECTORS = 8, 128  # with more walls and sides near a point, those that walls hide are left out first
@@ -24,7 +24,7 @@ class Nearby(NamedTuple):
     items: Ints
 
 
-@njit(cache=True)
+@kernel
 def _first_hit(nearby, x, y, cx, cy):
     """Distance along the ray from (x, y) in the unit direction (cx, cy) to the first of the segments; inf for none."""
     segments = nearby.segments_m
@@ -44,7 +44,7 @@ def _first_hit(nearby, x, y, cx, cy):
     return nearest
 
 
-@njit(cache=True)
+@kernel
 def _directions(x, y, walls, ground, crossings, square):
     """Angles (n,) in radians: where the first wall or the first side of the ground may change, and the middles between.
 
@@ -82,7 +82,7 @@ def _directions(x, y, walls, ground, crossings, square):
     return np.append(angles, middles)
 
 
-@njit(cache=True)
+@kernel
 def _span(segment, x, y):
     """Nearest and farthest distance of a segment (4,) in metres, the angle at which it begins, and the angle it spans.
 
@@ -101,7 +101,7 @@ def _span(segment, x, y):
     return near, far, begin + math.pi, math.pi if near < GRID_MARGIN_M or turn > math.pi - FLAT_RAD else turn
 
 
-@njit(cache=True)
+@kernel
 def _blocked_at(x, y, walls):
     """(SECTORS,) metres beyond which nothing is seen in each sector of directions, since a single wall spans all of it.
 
@@ -118,7 +118,7 @@ def _blocked_at(x, y, walls):
     return blocked_at
 
 
-@njit(cache=True)
+@kernel
 def _not_beyond(x, y, blocked_at, nearby):
     """The segments of ``nearby`` that a ray may hit first.
 
@@ -142,7 +142,7 @@ def _not_beyond(x, y, blocked_at, nearby):
     return Nearby(nearby.segments_m, kept[:count])
 
 
-@njit(cache=True)
+@kernel
 def _sees_along(angles, x, y, reach_m, square, walls, ground):
     """Whether (x, y) sees ground within reach_m in any of the directions, angles (n,) in radians."""
     for angle in angles:
@@ -155,7 +155,7 @@ def _sees_along(angles, x, y, reach_m, square, walls, ground):
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def sees_ground(points, reach_m, square, grid, walls, ground, crossings):
     """Whether each point (n, 2), outside of the ground, sees some of the ground within reach_m: (n,) bool.
 

@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from rota.check.arrays import Binned
 from rota.check.tolerances import STILL_M
+from rota.compiled.kernel import kernel
 
 
-@njit(cache=True)
+@kernel
 def cell_along(offset_m, size_m, count):
     """The cell of a grid along one axis, 0 to count - 1; the nearest for an offset outside, the first for nan."""
     cells = offset_m / size_m
@@ -27,20 +27,20 @@ def cell_along(offset_m, size_m, count):
     return count - 1 if cells >= count else int(cells)
 
 
-@njit(cache=True)
+@kernel
 def cell_of(x, y, grid):
     """Number of the cell of a ``Grid`` that holds a place; for places outside the nearest cell."""
     column = cell_along(x - grid.x0_m, grid.cell_m, grid.columns)
     return column * grid.rows + cell_along(y - grid.y0_m, grid.cell_m, grid.rows)
 
 
-@njit(cache=True)
+@kernel
 def in_cell(binned, cell):
     """(n,) indices of the segments that matter to a cell."""
     return binned.items[binned.offsets[cell] : binned.offsets[cell + 1]]
 
 
-@njit(cache=True)
+@kernel
 def _cells_between(low_m, high_m, size_m, count):
     """The first and last cell that an interval along one axis meets; last is before first where it meets none."""
     if not (high_m >= 0.0 and low_m < size_m * count):
@@ -48,7 +48,7 @@ def _cells_between(low_m, high_m, size_m, count):
     return cell_along(low_m, size_m, count), cell_along(high_m, size_m, count)
 
 
-@njit(cache=True)
+@kernel
 def rasterise(segments, margin_m, grid):
     """Sort segments (n, 4) into the cells of a ``Grid`` that they come within ``margin_m`` of, or a little more."""
     nx, ny = grid.columns, grid.rows
@@ -83,7 +83,7 @@ def rasterise(segments, margin_m, grid):
     return Binned(segments, offsets, index)
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def swath_cuts(offsets, corners, grid, legs, team, margin_m):
     """For each piece a line (n, 3) nx, ny, c: n.p = c, along the edge of what a leg sees; nan where there is none.
 
@@ -127,7 +127,7 @@ def swath_cuts(offsets, corners, grid, legs, team, margin_m):
     return cuts
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def halve(offsets, corners, cuts, narrowest_m):
     """Cut each convex piece in two along its line, or across the longer side of its box where the line is nan.
 
@@ -173,7 +173,7 @@ def halve(offsets, corners, cuts, narrowest_m):
     return new_offsets[: count + 1].copy(), new_corners[:top].copy(), parent[:count].copy()
 
 
-@njit(cache=True)
+@kernel
 def half_width(corners, start, stop):
     """Distance in metres from the mean of corners[start:stop] to the nearest side; 0 for less than a triangle."""
     if stop - start < 3:
@@ -189,7 +189,7 @@ def half_width(corners, start, stop):
     return nearest
 
 
-@njit(cache=True)
+@kernel
 def half_widths(offsets, corners):
     """``half_width`` (n,) of each piece; offsets (n + 1,), corners (c, 2)."""
     widths_m = np.empty(len(offsets) - 1)

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from rota.check.kernels import first_room, nothing_seen, room_for_parts, shadows_of, shrunk, times_of_sights
 from rota.check.tiling_kernels import cell_of
+from rota.compiled.kernel import kernel
 
 
-@njit(cache=True)
+@kernel
 def gap_within(times, n, from_s, to_s):
     """Worst gap in seconds of the n robots in ``times`` between two moments, and when it begins.
 
@@ -33,7 +33,7 @@ def gap_within(times, n, from_s, to_s):
     return worst, when
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def gaps_within(offsets, corners, slack_m, grid, legs, team, walls, window_s):
     """Worst gap of each piece within a window (from, to): an upper bound for its points, exact for a single point.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -11,12 +12,20 @@ import typer
 from rota.command.terminal import STANDARD_STREAM
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from rota.mission import Mission
     from rota.plan import Plan
 
 PICTURES = (".png", ".svg", ".pdf")
 
 EffortName = Literal["quick", "normal", "high"]
+ClusterAddress = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster", metavar="ADDRESS", help="Work on a dask cluster: its scheduler's address, tcp://HOST:8786."
+    ),
+]
 PlanPath = Annotated[str, typer.Argument(metavar="PLAN", help="A plan file; - reads stdin.")]
 
 
@@ -25,6 +34,15 @@ def read_plan_argument(path: str) -> Plan:
     from rota.files.plan_file import plan_from_text, read_plan
 
     return plan_from_text(sys.stdin.buffer.read(), "stdin") if path == STANDARD_STREAM else read_plan(path)
+
+
+def cluster_or_none(address: str | None) -> AbstractContextManager[Executor | None]:
+    """The workers of a cluster within a block; None, which means this process alone, where no address is given."""
+    if address is None:
+        return nullcontext()
+    from rota.engines.workers import workers
+
+    return workers(address)
 
 
 def compiled_for_check(mission: Mission) -> tuple[str, ...]:

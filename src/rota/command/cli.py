@@ -13,13 +13,16 @@ import typer
 
 from rota.command.arguments import (
     PICTURES,
+    ClusterAddress,
     EffortName,
     PlanPath,
+    cluster_or_none,
     compiled_for_check,
     read_plan_argument,
     require_target,
 )
 from rota.command.compare import compare
+from rota.command.compile import compile_kernels
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
 from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, write_export
 from rota.command.fly import fly
@@ -32,6 +35,7 @@ from rota.command.serve import serve
 from rota.command.start import new, schema
 from rota.command.study import app as study_app
 from rota.command.swarm_processes import swarm_launch, swarm_node
+from rota.command.sweep import sweep
 from rota.command.terminal import mention_compiling, reading_ahead, say
 from rota.command.watch import watch
 from rota.errors import NoPlanFound, RotaError
@@ -117,6 +121,7 @@ def plan(
     metrics: Annotated[
         str | None, typer.Option(metavar="FILE.csv", help="Write what every step of a swarm came to, as a table.")
     ] = None,
+    cluster: ClusterAddress = None,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
     from rota.compiled_cache import is_compiled
@@ -145,8 +150,8 @@ def plan(
     mention_compiling(*packages)
     checkpoint = None if resume is None else read_checkpoint(resume)
     seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
-    with nullcontext() if is_compiled(*packages) else planner.compiling():
-        code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics)
+    with nullcontext() if is_compiled(*packages) else planner.compiling(), cluster_or_none(cluster) as executor:
+        code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics, executor)
     raise typer.Exit(code)
 
 
@@ -273,8 +278,10 @@ app.command("swarm-launch")(swarm_launch)
 app.command(epilog=LINKS_LIST)(fly)
 app.command(epilog=LINKS_LIST)(watch)
 app.command()(serve)
+app.command()(sweep)
 app.command()(new)
 app.command()(schema)
+app.command("compile")(compile_kernels)
 
 
 # ---------------------------------------------------------------- the program as a whole

@@ -13,6 +13,8 @@ from rota.command.terminal import STANDARD_STREAM, progress_bar, say
 from rota.errors import NoPlanFound
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from rota.check import Report
     from rota.checkpoint import Checkpoint
     from rota.command.interrupt import StopFlag
@@ -29,10 +31,11 @@ def plan_and_write(
     best: bool,
     resume: tuple[str | None, Checkpoint | None],
     metrics: str | None = None,
+    executor: Executor | None = None,
 ) -> int:
     """Plan, check, write and tell the outcome; returns the exit code. resume: a run file's path and what it holds.
 
-    metrics: where the measures of every step of a swarm are written to, as CSV.
+    metrics: where the measures of every step of a swarm are written to, as CSV. executor: as ``search_plan`` takes it.
     """
     from rota.check import check_plan
     from rota.command.interrupt import stop_on_interrupt
@@ -45,7 +48,7 @@ def plan_and_write(
         try:
             search = search_plan(
                 mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1],
-                observe=None if metrics is None else histories.append,
+                observe=None if metrics is None else histories.append, on_better=bar.show_better, executor=executor,
             )  # fmt: skip
             answer, report, early = search.answer, search.report, search.stopped_early
         except NoPlanFound as failure:

@@ -13,7 +13,7 @@ import typer
 from rota.command.terminal import STANDARD_STREAM
 from rota.errors import RotaError
 
-SchemaName = Literal["mission", "plan", "report"]
+SchemaName = Literal["mission", "plan", "report", "sweep"]
 
 
 def new(
@@ -35,7 +35,7 @@ def new(
 
 
 def schema(
-    name: Annotated[SchemaName, typer.Argument(metavar="NAME", help="mission, plan or report.")],
+    name: Annotated[SchemaName, typer.Argument(metavar="NAME", help="mission, plan, report or sweep.")],
 ) -> None:
     """Print the JSON Schema of a file format."""
     typer.echo(json.dumps(_schema_maker(name)(), indent=1))
@@ -50,6 +50,10 @@ def _schema_maker(name: SchemaName) -> Callable[[], dict[str, Any]]:
         from rota.files.plan_schema import plan_schema
 
         return plan_schema
+    if name == "sweep":
+        from rota.files.sweep_file import sweep_schema
+
+        return sweep_schema
     from rota.check import report_schema
 
     return report_schema

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from rota.planner import about
+
+if TYPE_CHECKING:
+    from rota.check.report import Report
+    from rota.plan import Plan
 
 STANDARD_STREAM = "-"  # stands for standard input or output where a file is asked for
 
@@ -27,11 +33,21 @@ class Bar:
     def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
         self._task = None if progress is None else progress.add_task("planning", total=1.0)
+        self._began_s = time.monotonic()
 
     def show(self, fraction: float, doing: str) -> None:
         """What the planner calls."""
         if self._progress is not None and self._task is not None:
             self._progress.update(self._task, completed=fraction, description=doing)
+
+    def show_better(self, plan: Plan, report: Report) -> None:
+        """A plan that is better than all before it: its robots and the seconds until it was found, above the bar.
+
+        Only plans that the check passes are shown, and only where the number of robots is what is looked for.
+        """
+        if self._progress is not None and report.verdict == "met" and plan.mission.fleet.robots is None:
+            found_s, robots = time.monotonic() - self._began_s, len(plan.trajectories)
+            self._progress.console.print(f"{found_s:7.1f} s  {robots} robot{'s' * (robots != 1)}", highlight=False)
 
     def announce_stop(self, by: str, outcome: str = "with the best plan so far") -> None:
         """What the first Ctrl-C or SIGTERM, ``by``, calls; ``outcome``: what there will be of the work."""

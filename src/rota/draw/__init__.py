@@ -5,6 +5,7 @@ from rota.draw.comparison_picture import Panel, draw_comparison
 from rota.draw.plan_film import animate_plan
 from rota.draw.plan_picture import draw_gaps, draw_plan, draw_routes
 from rota.draw.progress_picture import draw_progress
+from rota.draw.sweep_picture import draw_sweep
 
 __all__ = [
     "Panel",
@@ -15,4 +16,5 @@ __all__ = [
     "draw_plan",
     "draw_progress",
     "draw_routes",
+    "draw_sweep",
 ]

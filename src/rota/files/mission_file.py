@@ -60,20 +60,33 @@ class ReadMission(NamedTuple):
 def read_mission(path: str | Path, *, overrides: Mapping[str, Any] | None = None, confine: bool = False) -> ReadMission:
     """Read a mission file (.yaml, .yml, or .json), with the GeoJSON files and maps that it names.
 
-    overrides: values that replace the file's, by field path, such as ``{"patrol.effort": "quick", "fleet.robots": 4}``.
+    overrides: values that replace the file's, by field path, such as ``{"patrol.effort": "quick", "fleet.robots": 4}``;
+    items of lists go by their number from 0 or their name (``zones.gate.period_s``).
     confine: refuse paths that leave the mission file's folder, for missions that came over the network.
 
     Raises MissionError with one line per fault, all at once: ``file:line:column: path.to.field: what is wrong, what is
     allowed``. A value from ``overrides`` is at fault under the name ``override`` in place of file, line and column.
     """
-    path = Path(path)
+    return mission_of(mission_document(path), Path(path).parent, overrides=overrides, confine=confine)
+
+
+def mission_document(path: str | Path) -> Document:
+    """The text of a mission file parsed, as yet without a look at what it says; MissionError where it is no YAML."""
     what = "a mission file"
-    document = parse_text(read_text(path, what), str(path), what + " ('rota new' writes an example)")
+    return parse_text(read_text(Path(path), what), str(path), what + " ('rota new' writes an example)")
+
+
+def mission_of(
+    document: Document, folder: Path, *, overrides: Mapping[str, Any] | None = None, confine: bool = False
+) -> ReadMission:
+    """The mission of a parsed file whose paths begin at ``folder``; for the rest as ``read_mission``."""
     document = _overridden(document, overrides or {})
-    judged = judge_document(document, path.parent, confine=confine)
+    judged = judge_document(document, folder, confine=confine)
     if judged.mission is None:
         faults = positioned(document, judged.faults)
-        raise MissionError(*(faults or (f"{path}: {contradiction}" for contradiction in judged.contradictions)))
+        raise MissionError(
+            *(faults or (f"{document.name}: {contradiction}" for contradiction in judged.contradictions))
+        )
     return ReadMission(judged.mission, tuple(positioned(document, judged.warnings)))
 
 
@@ -130,17 +143,39 @@ def _overridden(document: Document, overrides: Mapping[str, Any]) -> Document:
     if not overrides or not isinstance(document.value, dict):
         return document
     value = deepcopy(document.value)
-    places: set[Place] = set()
-    for field, replacement in overrides.items():
-        keys = field.split(".")
-        block = value
-        for key in keys[:-1]:
-            if not isinstance(block.get(key), dict):
+    places = {_put(value, field, replacement) for field, replacement in overrides.items()}
+    return replace(document, value=value, overridden=frozenset(places))
+
+
+def _put(value: dict[str, Any], field: str, replacement: Any) -> Place:
+    """Give a field of a document a value; returns the field's place. MissionError for an item that a list has not."""
+    steps = field.split(".")
+    block: Any = value
+    place: Place = ()
+    for k, step in enumerate(steps):
+        key: Any = _item(block, step, field) if isinstance(block, list) else step
+        place = (*place, key)
+        if k == len(steps) - 1:
+            block[key] = replacement
+        elif isinstance(block, list):
+            block = block[key]
+            if not isinstance(block, dict | list):
+                raise MissionError(f"override: {field}: {'.'.join(steps[: k + 1])} holds no fields")
+        else:
+            if not isinstance(block.get(key), dict | list):
                 block[key] = {}
             block = block[key]
-        block[keys[-1]] = replacement
-        places.add(tuple(keys))
-    return replace(document, value=value, overridden=frozenset(places))
+    return place
+
+
+def _item(items: list[Any], step: str, field: str) -> int:
+    """The place in a list of the item of this number, counted from 0, or of this name."""
+    if step.isdecimal() and int(step) < len(items):
+        return int(step)
+    named = [k for k, item in enumerate(items) if isinstance(item, dict) and item.get("name") == step]
+    if not named:
+        raise MissionError(f"override: {field}: there is no {step!r} among its {len(items)} items")
+    return named[0]
 
 
 def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:

@@ -11,12 +11,12 @@ from math import hypot, inf
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from rota.compiled.kernel import kernel
 from rota.geometry.kernels import TOUCH_M, segment_is_free
 
 
-@njit(cache=True)
+@kernel
 def _can_bend(px, py, corner):
     """Whether a shortest path straight from the point may bend at the corner (6,): its line is a tangent there."""
     dx, dy = corner[0] - px, corner[1] - py
@@ -26,7 +26,7 @@ def _can_bend(px, py, corner):
     return not ((before > slack and after < -slack) or (before < -slack and after > slack))
 
 
-@njit(cache=True)
+@kernel
 def bitangents(corners, corner_part, grid):
     """(c, c) bool: corners of one part that see each other along a line that is a tangent at both."""
     c = len(corners)
@@ -42,7 +42,7 @@ def bitangents(corners, corner_part, grid):
     return linked
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def bitangents_of(first, last, corners, corner_part, grid):
     """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
     pairs = np.empty((1024, 2), np.int32)
@@ -61,7 +61,7 @@ def bitangents_of(first, last, corners, corner_part, grid):
     return pairs[:count].copy()
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def tangents(points, part, corners, corner_part, grid):
     """(n, c) bool: the corners of its own part that each point sees along a tangent."""
     linked = np.zeros((len(points), len(corners)), np.bool_)
@@ -73,7 +73,7 @@ def tangents(points, part, corners, corner_part, grid):
     return linked
 
 
-@njit(cache=True)
+@kernel
 def _lengths_to_corners(px, py, linked, corners, between, lengths):
     """Fill lengths (c,) with those of the shortest paths from the point, by way of its links, to each corner."""
     lengths[:] = inf
@@ -95,7 +95,7 @@ class Ends(NamedTuple):
     items: Any
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def path_lengths(a, b, corners, between, grid, symmetric):
     """(n, m) lengths of shortest paths from ends a to ends b, inf between different parts.
 
@@ -125,7 +125,7 @@ def path_lengths(a, b, corners, between, grid, symmetric):
     return path_m
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def lengths_by_way_of(points, part, reached, b, corners, grid, symmetric, first):
     """(n, m) lengths of shortest paths from points (n, 2) in parts (n,) to ends b, as ``path_lengths`` gives them.
 
@@ -149,7 +149,7 @@ def lengths_by_way_of(points, part, reached, b, corners, grid, symmetric, first)
     return path_m
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def corner_chain(a, from_a, b, from_b, corners, start, items):
     """Corners on the shortest path from point a (2,) to point b (2,) that bends; none where there is no such path.
 

@@ -11,9 +11,9 @@ from math import hypot, inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rota.by_reference import by_reference
+from rota.compiled.kernel import kernel
 
 TOUCH_M = 1e-9
 
@@ -40,7 +40,7 @@ class EdgeGrid(NamedTuple):
     clear: Any
 
 
-@njit(cache=True)
+@kernel
 def _edge_meets_box(edge, left, low, right, high):
     """Whether an edge (4,) has a point in the closed box."""
     if max(edge[0], edge[2]) < left or min(edge[0], edge[2]) > right:
@@ -52,7 +52,7 @@ def _edge_meets_box(edge, left, low, right, high):
     return abs(side) <= 0.5 * (abs(dx) * (high - low) + abs(dy) * (right - left))
 
 
-@njit(cache=True)
+@kernel
 def cells_of_edges(edges, x0, y0, cell_m, nx, ny, margin_m):
     """Start and items of the cells that each edge comes within margin_m of, row by row."""
     start = np.zeros(nx * ny + 1, np.int64)
@@ -82,7 +82,7 @@ def cells_of_edges(edges, x0, y0, cell_m, nx, ny, margin_m):
     return start, items
 
 
-@njit(cache=True)
+@kernel
 def rows_of_edges(edges, y0, cell_m, ny, margin_m):
     """Start and items of the rows of cells whose heights each edge comes within margin_m of."""
     first, last = np.empty(len(edges), np.int64), np.empty(len(edges), np.int64)
@@ -102,7 +102,7 @@ def rows_of_edges(edges, y0, cell_m, ny, margin_m):
     return start, items
 
 
-@njit(cache=True)
+@kernel
 def _left_of_odd_edges(px, py, edges, items, begin, end):
     """Crossing parity of the ray from the point to the right, over edges items[begin:end]."""
     odd = False
@@ -116,7 +116,7 @@ def _left_of_odd_edges(px, py, edges, items, begin, end):
     return odd
 
 
-@njit(cache=True)
+@kernel
 def clearances(edges, x0, y0, cell_m, nx, ny, start, items):
     """``clear`` of an EdgeGrid: chessboard distances in two sweeps, their signs by crossing parity."""
     clear = np.full((ny + 2, nx + 2), nx + ny, np.int64)
@@ -144,7 +144,7 @@ def clearances(edges, x0, y0, cell_m, nx, ny, start, items):
     return signed
 
 
-@njit(cache=True)
+@kernel
 def _place(px, py, grid, touch_m):
     """INSIDE, OUTSIDE, or BORDER for a point within touch_m of an edge."""
     u, v = (px - grid.x0) / grid.cell_m, (py - grid.y0) / grid.cell_m
@@ -167,13 +167,13 @@ def _place(px, py, grid, touch_m):
     return INSIDE if odd else OUTSIDE
 
 
-@njit(cache=True)
+@kernel(noinline=True)
 def point_in_space(px, py, grid):
     """Whether the point lies in the closed space."""
     return _place(px, py, grid, TOUCH_M) != OUTSIDE
 
 
-@njit(cache=True)
+@kernel
 def _contact(ax, ay, bx, by, ux, uy, edges, k):
     """0: apart, 1: within TOUCH_M of each other, 2: properly crossing; (ux, uy) is the unit vector from a to b."""
     ex0, ey0, ex1, ey1 = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
@@ -192,7 +192,7 @@ def _contact(ax, ay, bx, by, ux, uy, edges, k):
     return 2
 
 
-@njit(cache=True)
+@kernel
 def _clip_to_grid(ax, ay, dx, dy, grid):
     """First and last parameter of a + t d, t in 0..1, in the grid; the first is greater when there is none."""
     wide, high = grid.nx * grid.cell_m, grid.ny * grid.cell_m
@@ -214,7 +214,7 @@ def _clip_to_grid(ax, ay, dx, dy, grid):
     return first, last
 
 
-@njit(cache=True)
+@kernel
 def _contacts(ax, ay, bx, by, grid, touches):
     """How many touches of edges lie on the segment, -1 when it properly crosses one.
 
@@ -261,7 +261,7 @@ def _contacts(ax, ay, bx, by, grid, touches):
             return count
 
 
-@njit(cache=True)
+@kernel
 def _meets_between_touches(ax, ay, bx, by, grid, count, what):
     """Whether a stretch of the segment between two touches lies in what (INSIDE or OUTSIDE)."""
     rows = np.zeros((count + 1, 2))
@@ -285,7 +285,7 @@ def _meets_between_touches(ax, ay, bx, by, grid, count, what):
     return False
 
 
-@njit(cache=True)
+@kernel(noinline=True)
 def segment_is_free(ax, ay, bx, by, grid):
     """Whether the segment stays in the closed space; both ends must lie in it."""
     if (ax - bx) ** 2 + (ay - by) ** 2 <= TOUCH_M * TOUCH_M:
@@ -296,7 +296,7 @@ def segment_is_free(ax, ay, bx, by, grid):
     return not _meets_between_touches(ax, ay, bx, by, grid, count, np.int64(OUTSIDE))
 
 
-@njit(cache=True)
+@kernel
 def point_sees_point(ax, ay, bx, by, grid):
     """Whether the segment meets no inside of an obstacle, its ends included; grid: of walls of sight."""
     if _place(ax, ay, grid, TOUCH_M) == INSIDE or _place(bx, by, grid, TOUCH_M) == INSIDE:
@@ -309,7 +309,7 @@ def point_sees_point(ax, ay, bx, by, grid):
     return not _meets_between_touches(ax, ay, bx, by, grid, count, np.int64(INSIDE))
 
 
-@njit(cache=True)
+@kernel
 def points_in_space(points, grid):
     """point_in_space for each row."""
     inside = np.empty(len(points), np.bool_)
@@ -318,7 +318,7 @@ def points_in_space(points, grid):
     return inside
 
 
-@njit(cache=True)
+@kernel
 def free_segments(a, b, grid):
     """segment_is_free for each pair of rows."""
     free = np.empty(len(a), np.bool_)
@@ -327,7 +327,7 @@ def free_segments(a, b, grid):
     return free
 
 
-@njit(cache=True)
+@kernel
 def seen_points(a, b, grid):
     """point_sees_point for each pair of rows."""
     seen = np.empty(len(a), np.bool_)

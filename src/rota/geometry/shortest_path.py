@@ -25,6 +25,7 @@ Ints = NDArray[np.int64]
 
 MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of them take some 100 MB
 ROWS_TOGETHER, SOURCES_TOGETHER = 200, 100
+FEW_CORNERS = 300  # with more, what corners points see is remembered
 MOST_REMEMBERED = 100_000  # points
 
 
@@ -60,6 +61,10 @@ class ShortestPaths:
         self._measured_m = np.zeros((0, 0))
         # the corners that points see along tangents, where that takes a look at very many: tours ask again and again
         self._seen_corners: dict[tuple[float, ...], Ints] = {}
+
+    def __getstate__(self) -> dict[str, object]:
+        """What is sent to another process: all but what was asked for before, which other threads may change."""
+        return {**self.__dict__, "_measured": {}, "_measured_m": np.zeros((0, 0)), "_seen_corners": {}}
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
@@ -118,6 +123,17 @@ class ShortestPaths:
 
         inf between different parts and from and to points outside.
         """
+        a, b = self._alone(a_m), self._alone(b_m)
+        path_m = self._lengths(a, b, symmetric=False)  # of the straight ways
+        bent = np.isinf(path_m) & (a.part[:, None] == b.part[None]) & (a.part[:, None] >= 0)
+        rows, columns = np.flatnonzero(bent.any(axis=1)), np.flatnonzero(bent.any(axis=0))
+        if len(rows):
+            some = self._bent_lengths(a.points[rows], b.points[columns])
+            path_m[np.ix_(rows, columns)] = np.where(bent[np.ix_(rows, columns)], some, path_m[np.ix_(rows, columns)])
+        return path_m
+
+    def _bent_lengths(self, a_m: Floats, b_m: Floats) -> Floats:
+        """The same for points some of which do not see each other."""
         a, b = self._ends(a_m), self._ends(b_m)
         if not self._dense and len(b.points) < len(a.points):  # each point searched from costs a search
             return np.ascontiguousarray(self._lengths(b, a, symmetric=False).T)
@@ -161,10 +177,15 @@ class ShortestPaths:
             return points
         return self._polyline(points)
 
+    def _alone(self, points_m: Floats) -> Ends:
+        """Points without the corners that they see."""
+        points = _points(points_m)
+        return _without_corners(Ends(points, self.part_of(points), None, None))
+
     def _ends(self, points_m: Floats) -> Ends:
         points = _points(points_m)
         part = self.part_of(points)
-        if self._dense:
+        if len(self.corners_m) <= FEW_CORNERS:
             linked = corner_kernels.tangents(points, part, self._corners, self._corner_part, self.grid)
             start = np.concatenate([[0], np.cumsum(linked.sum(axis=1))]).astype(np.int64)
             return Ends(points, part, start, np.nonzero(linked)[1].astype(np.int64))
@@ -230,11 +251,12 @@ class ShortestPaths:
                 f"no path leads from {points[index].tolist()} to {points[index + 1].tolist()}: they are in two parts"
             )
         straight = kernels.free_segments(points[:-1], points[1:], self.grid)
-        bent = self._ends(points) if not straight.all() else None
+        bent = np.flatnonzero(~straight)
+        ends = self._ends(np.stack([points[bent], points[bent + 1]], axis=1).reshape(-1, 2)) if len(bent) else None
         pieces = [points[:1]]
         for k in range(len(points) - 1):
-            if bent is not None and not straight[k]:
-                pieces.append(self.corners_m[self._corners_between(bent, k)])
+            if ends is not None and not straight[k]:
+                pieces.append(self.corners_m[self._corners_between(ends, 2 * int(np.searchsorted(bent, k)))])
             pieces.append(points[k + 1 : k + 2])
         line = np.vstack(pieces)
         return line[np.r_[True, (line[1:] != line[:-1]).any(axis=1)]]

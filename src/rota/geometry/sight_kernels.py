@@ -6,12 +6,12 @@ from __future__ import annotations
 from math import hypot, inf
 
 import numpy as np
-from numba import njit
 
+from rota.compiled.kernel import kernel
 from rota.geometry.kernels import TOUCH_M
 
 
-@njit(cache=True)
+@kernel
 def is_inside(walls):
     """Whether the origin lies to the left of the walls: crossing parity of the ray to the right."""
     odd = False
@@ -22,7 +22,7 @@ def is_inside(walls):
     return odd
 
 
-@njit(cache=True)
+@kernel
 def _clip(x0, y0, x1, y1, frame):
     """Parameters of the part of the wall inside the convex frame (sides with the inside on the left)."""
     first, last = 0.0, 1.0
@@ -39,7 +39,7 @@ def _clip(x0, y0, x1, y1, frame):
     return first, last
 
 
-@njit(cache=True)
+@kernel
 def lines_in_frame(walls, frame, lines, rays):
     """Fill lines with the walls inside the frame, turning left round the origin; return how many, and how many rays.
 
@@ -74,7 +74,7 @@ def lines_in_frame(walls, frame, lines, rays):
     return count, touching
 
 
-@njit(cache=True)
+@kernel
 def nearest_lines(lines, first, last, ux, uy):
     """For each sector with middle direction (ux, uy) the line nearest to the origin, -1 without one.
 

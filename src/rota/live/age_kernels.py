@@ -7,11 +7,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rota.check.kernels import part_in_range
 from rota.check.tiling_kernels import cell_along
+from rota.compiled.kernel import kernel
 from rota.geometry.kernels import point_in_space, point_sees_point, segment_is_free
 
 
@@ -27,7 +27,7 @@ class Driven(NamedTuple):
     squares: NDArray[np.bool_]
 
 
-@njit(cache=True)
+@kernel
 def _shares_in_sight(piece, leg, reach_m, square, walls):
     """The first and last share of a leg (4,), of three that are tried, from which a point (1, 2) is seen.
 
@@ -44,7 +44,7 @@ def _shares_in_sight(piece, leg, reach_m, square, walls):
     return first, last
 
 
-@njit(cache=True)
+@kernel
 def see_along(driven, points, grid, near, walls, first_s, last_s):
     """Note the first and last moments at which points are seen along what was driven.
 
@@ -71,7 +71,7 @@ def see_along(driven, points, grid, near, walls, first_s, last_s):
                     last_s[p] = max(last_s[p], t1 if last == 1.0 else t0 + last * (t1 - t0))
 
 
-@njit(cache=True)
+@kernel
 def visits_along(legs, times_s, space, first_s, last_s):
     """The first and last moment at which one of the legs (m, 4) is in a closed space, and those given before.
 
@@ -87,7 +87,7 @@ def visits_along(legs, times_s, space, first_s, last_s):
     return first_s, last_s
 
 
-@njit(cache=True)
+@kernel
 def close_gaps(first_s, last_s, last_seen_s, demand, gaps_s, where):
     """Move last_seen_s (n,) on to last_s (n,) and note each demand's worst gap that this ends, and its place.
 
@@ -102,7 +102,7 @@ def close_gaps(first_s, last_s, last_seen_s, demand, gaps_s, where):
         first_s[p], last_s[p] = math.inf, -math.inf
 
 
-@njit(cache=True)
+@kernel
 def oldest(last_seen_s, demand, demands):
     """For each demand the place (demands,) that was seen longest ago, -1 without one, the first of several."""
     where = np.full(demands, -1, np.int64)

@@ -7,10 +7,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rota.by_reference import by_reference
+from rota.compiled.kernel import kernel
 
 # of the speed: metres away that a second of another lag weighs as much as; the second one where the first finds nothing
 DOUBTS = (0.1, 0.001)
@@ -31,7 +31,7 @@ class PlannedRoutes(NamedTuple):
     speeds_m_s: NDArray[np.float64]
 
 
-@njit(cache=True)
+@kernel
 def _nearest_on_leg(t0, t1, a, b, place, likely_s, weight):
     """The planned moment on a leg from a to b that fits a place best, and by how much it misses, in square metres."""
     ax, ay = a
@@ -43,7 +43,7 @@ def _nearest_on_leg(t0, t1, a, b, place, likely_s, weight):
     return t0 + u, dx * dx + dy * dy + weight * late * late
 
 
-@njit(cache=True)
+@kernel
 def _nearest_on_route(place, likely, weight, routes, robot):
     """The planned moment on a robot's route that fits a place best, and how far it is away in metres."""
     knots_s, knots_m, loop_start = routes.knots_s, routes.knots_m, routes.loop_starts[robot]
@@ -68,7 +68,7 @@ def _nearest_on_route(place, likely, weight, routes, robot):
     return when, math.sqrt(max(0.0, best - weight * (when - likely) ** 2))
 
 
-@njit(cache=True)
+@kernel
 def locate(robots, times_s, places, lags_s, routes, off_route_m):
     """Where on their planned routes robots are that were at places (m, 2) at times_s (m,).
 
@@ -89,7 +89,7 @@ def locate(robots, times_s, places, lags_s, routes, off_route_m):
     return lags, away
 
 
-@njit(cache=True)
+@kernel
 def _place_at(moment_s, routes, robot):
     """Where a robot is by plan at a moment; where its route begins before that."""
     knots_s, knots_m, start = routes.knots_s, routes.knots_m, routes.loop_starts[robot]
@@ -105,7 +105,7 @@ def _place_at(moment_s, routes, robot):
     return x, knots_m[i - 1, 1] + share * (knots_m[i, 1] - knots_m[i - 1, 1])
 
 
-@njit(cache=True)
+@kernel
 def planned_m(robots, from_s, to_s, routes):
     """How far apart robots (m,) are by plan at moments from_s (m,) and to_s (m,): (m,) metres."""
     apart = np.empty(len(robots))

@@ -7,7 +7,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rota.by_reference import by_reference
@@ -15,6 +14,7 @@ from rota.check.arrays import Parts
 from rota.check.kernels import FIRST_ROOM, leg_sights, part_in_range, room_for_parts, shadows_of
 from rota.check.routes import HOLD, LOOP
 from rota.check.tiling_kernels import cell_of, in_cell
+from rota.compiled.kernel import kernel
 
 SAME_S = 1e-9  # a sight that ends no later than this after a moment brings nothing on
 MOST_STEPS = 100_000  # sights that one place is followed through
@@ -46,7 +46,7 @@ class Team(NamedTuple):
     until_s: NDArray[np.float64]
 
 
-@njit(cache=True)
+@kernel
 def planned_sights(points, slack_m, grid, legs, team, walls):
     """The sights of points (n, 2) by plan, as the arrays of ``PlannedSights``; the last four are those of the check."""
     offsets = np.zeros(len(points) + 1, np.int64)
@@ -86,7 +86,7 @@ def planned_sights(points, slack_m, grid, legs, team, walls):
     return offsets, robots[:n].copy(), starts[:n].copy(), ends[:n].copy(), again[:n].copy()
 
 
-@njit(cache=True)
+@kernel
 def next_sight(place, after_s, now_s, sights, team):
     """The first sight of a place that ends after a moment, and not before now: its start, end and robot.
 
@@ -112,7 +112,7 @@ def next_sight(place, after_s, now_s, sights, team):
     return best, until, who
 
 
-@njit(cache=True)
+@kernel
 def lapse_of(place, seen_s, period_s, now_s, until_s, sights, team):
     """When the period of a place lapses if robots go on by plan, each with its lag; inf: not until until_s.
 
@@ -128,7 +128,7 @@ def lapse_of(place, seen_s, period_s, now_s, until_s, sights, team):
     return math.inf
 
 
-@njit(cache=True)
+@kernel
 def first_lapses(last_seen_s, demand, demands, periods_s, until_s, now_s, sights, team):
     """For each demand when its first place lapses (inf: none does), and which place: (demands,) each.
 

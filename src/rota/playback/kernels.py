@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from rota.compiled.kernel import kernel
 
 
-@njit(cache=True)
+@kernel
 def cells_in_range(places, reaches, squares, x, y, inside):
     """How many of the cells ``inside`` (rows, columns) have their centre in range of a robot: (t,).
 

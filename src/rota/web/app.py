@@ -14,6 +14,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from rota.files.sole_user import SoleUser
 from rota.web.jobs.queue import JobQueue
 from rota.web.jobs.watches import WatchDesk
 from rota.web.limits import Limits
@@ -23,7 +24,6 @@ from rota.web.routes.answers import JsonAnswer
 from rota.web.security import Guard, Security
 from rota.web.state import State
 from rota.web.store.database import Database
-from rota.web.store.sole_user import SoleUser
 from rota.web.workers.pool import Pool
 
 log = logging.getLogger(__name__)
@@ -40,7 +40,8 @@ def make_app(
     prepares: load what planning and validating need ahead of the first request.
     """
     given = limits or Limits()
-    sole = SoleUser(data)
+    in_use = "another rota serve uses this folder; end it, or give another --data"
+    sole = SoleUser(data, kept="missions and plans", in_use=in_use)
     database = Database(data)
 
     @asynccontextmanager

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from shapely import MultiPolygon, box
 
 from rota.check import check_plan
@@ -23,3 +25,16 @@ def search_on(ground: Mission | Problem) -> Context:
         problem, asked=problem.mission, seed=0, judge=check_plan, progress=lambda _share, _what: None,
         should_stop=lambda: False,
     )  # fmt: skip
+
+
+def hasty_search_on(ground: Mission | Problem) -> Context:
+    """The same with so few moves that it takes seconds."""
+    context = search_on(ground)
+    own = context.settings
+    few = replace(
+        own,
+        screening=replace(own.screening, moves=2_000),
+        annealing=replace(own.annealing, moves=30_000),
+        alternation=replace(own.alternation, annealings=3, moves=20_000),
+    )
+    return replace(context, settings=few)

@@ -27,5 +27,13 @@ def test_who_looks_on_is_shown_lanes_first_and_gets_the_same_plan() -> None:
         on_better=lambda _plan, report: told.append(report.verdict),
         progress=lambda _, doing: told.append(doing),
     )
-    assert told.index("sweeping in lanes") < told.index("met") < told.index("trying 1 robots")
+    assert told.index("sweeping in lanes") < told.index("met")
     assert plan_text(search.plan) == plan_text(rota.make_plan(mission))
+
+
+def test_lanes_with_as_few_robots_as_are_proved_are_the_plan() -> None:
+    mission = PatrolPlanner().small_mission().with_method("tours")
+    told: list[str] = []
+    search = search_plan(mission, progress=lambda _, doing: told.append(doing))
+    assert len(search.plan.trajectories) == search.plan.lower_bound_robots == 1
+    assert not any(doing.startswith("trying") for doing in told)

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Beginning, Controller, Surroundings, Swarm
+from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
 from rota.planners.swarm.state import Rule
 from rota.planners.swarm.world import kinds_of
 

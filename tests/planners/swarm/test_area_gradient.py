@@ -9,9 +9,9 @@ from shapely import MultiPolygon, Point, box
 from tests.planners.swarm.conftest import PAPER, in_box
 
 from rota.planners.swarm.arc_kernels import area_gradient, exposed_arcs
+from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.kernels import find_neighbours
 from rota.planners.swarm.planner import ALL_NEIGHBOURS
-from rota.planners.swarm.rollout import deciding_room
 from rota.planners.swarm.settle_kernels import decide_settle, own_share
 from rota.planners.swarm.world import walls_of
 

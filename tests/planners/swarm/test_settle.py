@@ -16,10 +16,10 @@ from tests.planners.swarm.conftest import PAPER, in_box, scattered
 from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
 from rota.papers.chen2018.maps import square
+from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import ALL_NEIGHBOURS, beginning_of, make_swarm, run_mission
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.rollout import deciding_room
 from rota.planners.swarm.settle_kernels import OVERLAP_SHARE, decide_settle, pushes
 from rota.planners.swarm.world import walls_of
 

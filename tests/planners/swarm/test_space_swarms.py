@@ -11,8 +11,9 @@ from hypothesis import given, settings, strategies as st
 from scipy.spatial.distance import pdist
 from tests.planners.swarm.conftest import PAPER, box_walls, in_box, scattered, taken
 
+from rota.planners.swarm.planner import ALL_NEIGHBOURS
 from rota.planners.swarm.rollout import Beginning
-from rota.planners.swarm.space_kernels import Band
+from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.space_set_kernels import MOST_PLANES, centroid_in_ball
 from rota.planners.swarm.state import Outline, Rule
@@ -29,7 +30,8 @@ def in_space(
     like = {"body_m": 0.5, "sensor_m": 25, "speed_m_s": 2, "neighbour_range_m": 51, "wall_range_m": 25}
     like |= {key: changed.pop(key) for key in tuple(changed) if key in like}
     beginning, walls = Beginning(places, **taken(changed, Beginning)), changed.pop("walls", box_walls(250, 250))
-    return SpaceSwarm(beginning, kinds_of(len(places), **like), walls, rule, band=Band(*band),
+    bands = Bands(*(np.full(len(places), float(end)) for end in band))
+    return SpaceSwarm(beginning, kinds_of(len(places), **like), walls, rule, bands=bands,
                       full_m=np.full(len(places), full_m), **changed)  # fmt: skip
 
 
@@ -140,7 +142,57 @@ def test_a_robot_climbs_as_long_as_its_footprint_grows() -> None:
     assert swarm.places_m[0] == pytest.approx([125, 125, 55], abs=1e-9)
 
 
+# ---------------------------------------------------------------- nobody stays low
+
+
+RING = [[120, 100, 45], [100, 120, 45], [80, 100, 45], [100, 80, 45]]
+
+
+def test_a_robot_among_higher_ones_climbs() -> None:
+    # the half-spaces towards the four leave velocity 0 alone; by their directions in the plane they leave the climb
+    velocity = first_velocities(in_space([[100, 100, 30], *RING], band=(20, 45), full_m=45))[0]
+    assert velocity == pytest.approx([0, 0, 1], abs=1e-9)  # the middle of a segment, 0 to 2 m/s upwards
+    level = first_velocities(in_space([[100, 100, 45], *RING], band=(20, 45), full_m=45))[0]
+    assert level == pytest.approx([0, 0, 0], abs=1e-9)
+
+
+@pytest.mark.parametrize("settles", [False, True])
+def test_robots_above_each_other_part_and_all_climb(settles: bool) -> None:
+    stack = [[100, 100, 20 + 2 * k] for k in range(5)]
+    rule = PAPER if not settles else PAPER._replace(neighbours=ALL_NEIGHBOURS)
+    swarm = in_space(stack, band=(20, 45), rule=rule, full_m=45, settles=settles)
+    for _ in range(300):
+        swarm.step()
+        assert pdist(swarm.places_m).min() >= 1.0 - 1e-9
+    assert swarm.places_m[:, 2] == pytest.approx(np.full(5, 45.0), abs=1e-9)
+    assert pdist(swarm.places_m).min() > 45
+
+
+def test_robots_that_settle_climb_no_faster_than_they_can() -> None:
+    places = np.column_stack([scattered(30, 100, 140, 1.2, 5), np.random.default_rng(5).uniform(20, 40, 30)])
+    rule = PAPER._replace(neighbours=ALL_NEIGHBOURS)
+    swarm = in_space(places, band=(20, 45), rule=rule, full_m=44, settles=True)
+    for _ in range(200):
+        swarm.step()
+        assert np.linalg.norm(swarm.velocities_m_s, axis=1).max() <= 2 + 1e-9
+    assert swarm.places_m[:, 2].min() == pytest.approx(44.0, abs=1e-9)
+    still = in_space(places, band=(20, 45), rule=rule, settles=True)  # a footprint that never grows
+    for _ in range(5):
+        still.step()
+    assert (still.places_m[:, 2] == places[:, 2]).all()
+
+
 # ---------------------------------------------------------------- the plane, and what must not matter
+
+
+@pytest.mark.parametrize("settles", [False, True])
+def test_threads_change_no_bit(settles: bool) -> None:
+    places = np.column_stack([scattered(200, 20, 230, 1.2, 5), np.random.default_rng(5).uniform(20, 40, 200)])
+    rule = PAPER if not settles else PAPER._replace(neighbours=ALL_NEIGHBOURS)
+    swarms = [in_space(places, band=(20, 45), rule=rule, full_m=45, settles=settles, threads=k) for k in (1, 2, 3)]
+    for _ in range(10):
+        assert len({swarm.step() for swarm in swarms}) == 1
+    assert len({swarm.places_m.tobytes() for swarm in swarms}) == 1
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -171,13 +223,13 @@ def test_permuting_robots_permutes_the_result() -> None:
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)
-@given(seed=st.integers(0, 2**32 - 1), count=st.integers(2, 30), neighbours=st.integers(0, 4))
-def test_bodies_never_touch_and_nobody_leaves(seed: int, count: int, neighbours: int) -> None:
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(2, 30), neighbours=st.integers(0, 4), settles=st.booleans())
+def test_bodies_never_touch_and_nobody_leaves(seed: int, count: int, neighbours: int, settles: bool) -> None:
     rng = np.random.default_rng(seed)
     places = np.column_stack([scattered(count, 0.5, 9.5, 1.0, seed), rng.uniform(3, 5, count)])
     speeds = units(rng, count) * 2
     swarm = in_space(places, band=(3, 5), rule=PAPER._replace(neighbours=neighbours), walls=box_walls(10, 10),
-                     velocities_m_s=speeds)  # fmt: skip
+                     velocities_m_s=speeds, full_m=5, settles=settles)  # fmt: skip
     for _ in range(12):
         before = swarm.places_m
         swarm.step()

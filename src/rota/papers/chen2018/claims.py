@@ -199,7 +199,7 @@ def _verdicts(tried: dict[str, Tried], small_us: float, large_us: float, large: 
         ),
         Verdict(
             "It suits sensors whose range changes with height", "Abstract, 6", "cannot be told",
-            "The paper's model is plane. `examples/swarm-space.yaml` extends it; some robots stay low.",
+            "The paper's model is plane. `examples/swarm-space.yaml` extends it, and all robots climb.",
         ),
         Verdict(
             "Moving obstacles are avoided (Eq. 15)", "3.3.2",

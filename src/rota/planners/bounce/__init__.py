@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rota.planner import Answer, Planner, Request
@@ -48,3 +48,27 @@ class BouncePlanner(Planner):
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """Cells, cycles and groups."""
         return ("planners/bounce",)
+
+    def small_mission(self, methods: Sequence[str] = ()) -> Mission:
+        """Two robots that watch a door and a window."""
+        import shapely
+
+        from rota.mission import DiscSensor, Fleet, Mission, Robot, Zone
+
+        sensor = DiscSensor(radius_m=0.25)
+        robots = tuple(
+            Robot(name=f"robot-{k}", speed_m_s=0.2, sensor=sensor, body_radius_m=0.17, turn_rate_rad_s=1.5)
+            for k in range(2)
+        )
+        door, window = (shapely.MultiPolygon([shapely.box(*b)]) for b in ((0, 2.5, 1, 3), (3, 0, 4, 0.5)))
+        return Mission(
+            name="room",
+            area=shapely.MultiPolygon([shapely.box(0, 0, 5, 3.5)]),
+            zones=(
+                Zone(name="door", shape=door, period_s=240, demand="visit"),
+                Zone(name="window", shape=window, period_s=220, demand="visit"),
+            ),
+            period_s=None,
+            fleet=Fleet(speed_m_s=0.2, sensor=sensor, body_radius_m=0.17, turn_rate_rad_s=1.5, robots=robots),
+            planning=BounceSettings(cell_m=0.5, bouncing_angles_deg=(135.0,)),
+        )

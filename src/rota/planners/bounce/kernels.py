@@ -11,25 +11,26 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from rota.compiled.kernel import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Longs = NDArray[np.int64]
 Words = NDArray[np.uint32]
 # no function here allocates an array, so numba's reference counts ("nrt") would only take time
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "_nrt": False}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 
 def compiled(function: Callable[..., Any]) -> Any:
     """A compiled function that allocates no array."""
-    return njit(**OPTIONS)(function)
+    return kernel(**OPTIONS)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """A compiled function that becomes part of its callers."""
-    return njit(**OPTIONS, inline="always")(function)
+    return kernel(**OPTIONS, inline="always")(function)
 
 
 class Team(NamedTuple):

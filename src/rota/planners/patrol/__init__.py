@@ -27,7 +27,7 @@ class PatrolPlanner(Planner):
 
         plan = plan_patrol(
             request.mission, seed=request.seed, judge=request.judge, progress=request.progress,
-            should_stop=request.should_stop, watch=request.watch, early=request.early,
+            should_stop=request.should_stop, watch=request.watch, executor=request.executor,
         )  # fmt: skip
         return Answer(plan=plan)
 
@@ -53,11 +53,11 @@ class PatrolPlanner(Planner):
         """The annealing, and the geometry that it stands on."""
         return "planners/patrol/annealing", "geometry"
 
-    def compiling(self) -> AbstractContextManager[object]:
+    def compiling(self, *, to_the_end: bool = False) -> AbstractContextManager[object]:
         """The annealing compiled here, all else by a second process."""
         from rota.planners.patrol.compiled_by_two import compiled_by_two
 
-        return compiled_by_two()
+        return compiled_by_two(to_the_end=to_the_end)
 
     def small_mission(self, methods: Sequence[str] = ()) -> Mission:
         """A small yard; by sun2019 where it is among the methods, for most of its loops are its own."""

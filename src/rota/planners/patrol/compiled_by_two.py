@@ -36,10 +36,10 @@ check_plan(Plan(mission=mission, trajectories=tuple(robots)))
 
 
 @contextmanager
-def compiled_by_two() -> Iterator[None]:
+def compiled_by_two(*, to_the_end: bool = False) -> Iterator[None]:
     """Compile the annealing while another process compiles all else: a first plan comes sooner by a third.
 
-    Both write numba's shared cache, of different functions; what the other has not finished is compiled when needed.
+    What both need is compiled by one of them, and the other one waits for it. to_the_end: wait for all of it.
     """
     quiet = subprocess.DEVNULL
     process = subprocess.Popen([sys.executable, "-c", OTHER_HALF], stdin=quiet, stdout=quiet, stderr=quiet)
@@ -48,6 +48,8 @@ def compiled_by_two() -> Iterator[None]:
 
         compile_moves()
         yield
+        if to_the_end:
+            process.wait()
     finally:
         process.kill()
         process.wait()

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from concurrent.futures import Executor, Future, wait
+from dataclasses import dataclass, replace
+from typing import Concatenate, ParamSpec, TypeVar
 
+from rota.engines.placing import answer_of, submitted_with
 from rota.mission import Mission
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
@@ -14,6 +18,12 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.verdict import Judge
 from rota.progress import Watch
+
+Result = TypeVar("Result")
+Given = ParamSpec("Given")
+
+MOST_WAITING = 200  # threads
+POLL_S = 0.1  # between two looks at the stop flag while others work
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +35,7 @@ class Context:
     enough_robots: fewer are not looked for; the bound, or the number of a fixed team.
     coverage_weight: multiple of the weight of seeing on open ground.
     watch: told of the states of the search, from several threads; it changes nothing of the result.
+    executor: does what can be done side by side, without telling ``watch``; None: threads do.
     """
 
     problem: Problem
@@ -37,11 +48,57 @@ class Context:
     should_stop: Callable[[], bool]
     coverage_weight: float = 1.0
     watch: Watch | None = None
+    executor: Executor | None = None
+
+    @property
+    def threads(self) -> int | None:
+        """How many threads may work side by side, each by ``run``; those that only wait for an executor may be many."""
+        return os.cpu_count() if self.executor is None else MOST_WAITING
+
+    def run(
+        self, function: Callable[Concatenate[Context, Given], Result], *args: Given.args, **kwargs: Given.kwargs
+    ) -> Result:
+        """``function(context, ...)``, done by the executor if there is one; the result is the same.
+
+        A function that is done there is not told to stop. Once the search is to stop it is called here instead, which
+        then returns at once.
+        """
+        if self.executor is None:
+            return function(self, *args, **kwargs)
+        there = replace(
+            self, problem=None, progress=silent, should_stop=_never, watch=None, executor=None,  # type: ignore[arg-type]
+        )  # fmt: skip
+        future: Future[Result] = submitted_with(self.executor, self.problem, _run_there, there, function, args, kwargs)
+        while not wait([future], timeout=POLL_S).done:
+            if self.should_stop():
+                future.cancel()
+                return function(self, *args, **kwargs)
+        return answer_of(future)
 
     @property
     def anneals(self) -> bool:
         """Whether the mission's method anneals tours, so that each team size can be searched by itself."""
         return PatrolSettings.of(self.problem.mission).method == "tours"
+
+
+def _run_there(
+    problem: Problem,
+    context: Context,
+    function: Callable[..., Result],
+    args: tuple[object, ...],
+    kwargs: dict[str, object],
+) -> Result:
+    """What a worker does: the function with the context that was sent without its problem."""
+    return function(replace(context, problem=problem), *args, **kwargs)
+
+
+def silent(share: float, what: str) -> None:
+    """Tell nobody."""
+
+
+def _never() -> bool:
+    """Whether to stop, where nobody can say so."""
+    return False
 
 
 def begin_search(
@@ -53,6 +110,7 @@ def begin_search(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
+    executor: Executor | None = None,
 ) -> Context:
     """A search with the settings of the mission's effort and the bound of the mission as it is asked.
 
@@ -63,7 +121,7 @@ def begin_search(
         problem=problem, settings=EFFORTS[PatrolSettings.of(problem.mission).effort],
         bound=bound if asks_alike(asked, problem.mission) else prove_bound(set_up_problem(asked)),
         enough_robots=robots_enough(problem, asked, bound), seed=seed, judge=judge, progress=progress,
-        should_stop=should_stop, watch=watch,
+        should_stop=should_stop, watch=watch, executor=executor,
     )  # fmt: skip
 
 

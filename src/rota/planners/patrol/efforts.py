@@ -17,6 +17,8 @@ from rota.planners.patrol.settings import (
     SamplingSettings,
     ScreeningSettings,
     SearchSettings,
+    ShorteningSettings,
+    ShorteningStage,
     Stage,
     TeamSizeSettings,
 )
@@ -31,6 +33,13 @@ ESTIMATES = (
     ExcursionEstimate(1.05, 0.8),
     ExcursionEstimate(0.95, 0.55),
 )
+
+
+def shortening_attempts(moves: int, last_moves: int) -> tuple[tuple[ShorteningStage, ...], ...]:
+    """Attempts at shorter loops: with much heat, which gives the tours other shapes; then with little."""
+    last = ShorteningStage(last_moves, 1 / 16, 1 / 1000, 8.0)
+    return (ShorteningStage(moves, 1.0, 1 / 100, 1.5), last), (last,)
+
 
 QUICK = SearchSettings(
     sampling=SamplingSettings(per_reach=8, shrink=0.4),
@@ -54,6 +63,7 @@ QUICK = SearchSettings(
     fixed_team=FixedTeamSettings(tries=4, nearness=1.025, new_allocations=False),
     sweeping=SweepingSettings(tries=2, angles=3),
     districts=DistrictSettings(enough=1.1),
+    shortening=ShorteningSettings(attempts=shortening_attempts(1200, 400), rounds=10),
 )
 
 NORMAL = SearchSettings(
@@ -78,6 +88,7 @@ NORMAL = SearchSettings(
     fixed_team=FixedTeamSettings(tries=6, nearness=1.015, new_allocations=True),
     sweeping=SweepingSettings(tries=2, angles=6),
     districts=DistrictSettings(enough=1.05),
+    shortening=ShorteningSettings(attempts=shortening_attempts(4000, 1200), rounds=12),
 )
 
 HIGH = SearchSettings(
@@ -102,9 +113,12 @@ HIGH = SearchSettings(
     fixed_team=FixedTeamSettings(tries=9, nearness=1.01, new_allocations=True),
     sweeping=SweepingSettings(tries=8, angles=12),
     districts=DistrictSettings(enough=1.0),
+    shortening=ShorteningSettings(attempts=shortening_attempts(12000, 4000), rounds=12),
 )
 
-# the first plan that somebody who looks on is shown: lanes, from the two groupings that promise the fewest robots
-EARLY = replace(QUICK, sweeping=SweepingSettings(tries=1, angles=3, groupings=2))
+# the plan with which every search begins: lanes, from the two groupings that promise the fewest robots
+EARLY = replace(
+    QUICK, sweeping=SweepingSettings(tries=1, angles=3, groupings=2), repair=replace(QUICK.repair, rounds=4)
+)
 
 EFFORTS: dict[Effort, SearchSettings] = {"quick": QUICK, "normal": NORMAL, "high": HIGH}

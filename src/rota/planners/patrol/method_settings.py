@@ -46,12 +46,18 @@ class DistrictSettings:
     """Large ground, which is planned in districts.
 
     enough: lanes are kept if their robots are at most this multiple of the fewest there can be.
+    many_robots: ground for so many robots at least, by the bound, is large.
+    many_enough: the same as ``enough`` for many robots, or of what perfect lanes take: below, no search spares one.
     large_from: ground of a larger area, in squares of the reach, is large.
     most_area: of a district that is searched by itself, in squares of the reach.
+    most_robots: of such a district, by the bound.
     margin: reaches round a district in which its robots may go.
     """
 
     enough: float
+    many_robots: int = 24
+    many_enough: float = 1.15
     large_from: float = 4_000.0
     most_area: float = 8_000.0
+    most_robots: int = 10
     margin: float = 4.0

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import replace
 
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.patrol.context import begin_search
-from rota.planners.patrol.efforts import EARLY, QUICK
+from rota.planners.patrol.efforts import QUICK
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.search import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
 from rota.progress import Watch
@@ -29,7 +32,7 @@ def plan_patrol(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
-    early: bool = False,
+    executor: Executor | None = None,
 ) -> Plan:
     """A plan for the mission whose loops pass the judge with the reserve that its settings ask for.
 
@@ -40,16 +43,17 @@ def plan_patrol(
     tight = with_reserve(mission)
     require_room(mission)
     try:
-        plan = plan_tours(
+        plans = plan_tours(
             without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress,
-            should_stop=should_stop, watch=watch, early=early,
+            should_stop=should_stop, watch=watch, executor=executor,
         )  # fmt: skip
     except NoPlanFound as failure:
         raise NoPlanFound(str(failure), best=led_as_asked(failure.best, mission)) from failure
+    plan = plans[0]
     if mission.has_starts:
         progress(0.95, "leading the robots from their starts")
         try:
-            plan = led_from_starts(plan, tight, judge)
+            plan = first_led(plans, tight, judge)
         except NoPlanFound as failure:
             raise NoPlanFound(str(failure), best=as_asked(failure.best, mission)) from failure
     final = plan if plan.mission is mission else replace(plan, mission=mission)  # the judge knows the plan judged last
@@ -72,31 +76,42 @@ def plan_tours(
     progress: Callable[[float, str], None],
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
-    early: bool = False,
-) -> Plan:
-    """A plan of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
+    executor: Executor | None = None,
+) -> list[Plan]:
+    """Plans of closed tours that the judge passes, with as few robots as the mission's method finds within the effort.
+
+    The last is what the method finds; before it comes the same with the loops that the mission prefers, if any are
+    better.
 
     asked: the mission with its starts and before any reserve: the bound is proved for it, and a fixed fleet's spare
     robots go where their starts are. judge: the verdict on a plan. progress: told a share in 0..1 and what is going
     on. should_stop: polled often; once true the best plan so far is returned. watch: told of every state on the way,
-    from several threads. early: a plan of lanes is judged first, for who looks on. Raises NoPlanFound, with the best
-    plan found, when the demand is not met.
+    from several threads. executor: does what can be done side by side. Raises NoPlanFound, with the best plan found,
+    when the demand is not met.
     """
     progress(0.0, "looking at the mission")
     context = begin_search(
         set_up_problem(mission), asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop,
-        watch=watch,
+        watch=watch, executor=executor,
     )  # fmt: skip
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
-        return plan_fixed_team(context, asked, method)
-    lanes = swept(context, EARLY) if early and context.anneals else None
+        return [plan_fixed_team(context, asked, method)]
     best = method(context)
     if not best.met and should_stop() and context.anneals:
-        best = lanes or swept(context, QUICK) or best
+        best = swept(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
-    return best.plan
+    better = with_better_loops(context, best) if context.anneals else best
+    return [best.plan] if better is best else [better.plan, best.plan]
+
+
+def first_led(plans: list[Plan], mission: Mission, judge: Judge) -> Plan:
+    """The first of the plans whose loops can be reached from the mission's starts; NoPlanFound where none can."""
+    for plan in plans[:-1]:
+        with suppress(NoPlanFound):
+            return led_from_starts(plan, mission, judge)
+    return led_from_starts(plans[-1], mission, judge)
 
 
 def as_asked(best: object | None, mission: Mission) -> Plan | None:

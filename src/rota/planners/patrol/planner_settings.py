@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 else:
     Method = Literal[tuple(METHODS)]  # the table is the one place that names them
 DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
+Preference = Literal["shortest", "fewest_turns"]
 FrameTour = Literal["local_search", "genetic"]
 FramePartition = Literal["exact", "pso"]
 SegmentRoutes = Literal["shortened", "repaired", "printed"]
@@ -51,7 +52,8 @@ class PatrolSettings(PlannerSettings):
     "sequential" scanning, area "decomposition"; or "sun2019", the paper's stages, by default each done by an algorithm
     of ours; ``sun2019`` chooses the paper's. A reserve against wind and poor localisation: the plan keeps periods
     shorter by the share ``period_margin``, and with sensors whose reach in every direction is shorter by
-    ``range_margin_m``.
+    ``range_margin_m``. ``prefer``: what the slack of the periods is spent on where the robots are "fewest" and the
+    method is "tours".
     """
 
     planner: ClassVar[str] = "patrol"
@@ -62,6 +64,9 @@ class PatrolSettings(PlannerSettings):
     )
     range_margin_m: float = setting(
         0.0, "reserve: plan with sensors that reach so much less far", least=0, written=LENGTH_OR_ZERO, newer=True
+    )
+    prefer: Preference = setting(
+        "shortest", "of plans with as few robots: the shortest loops or those that turn least", newer=True
     )
     sun2019: Sun2019 = setting(Sun2019, newer=True)
 

@@ -270,6 +270,7 @@ class BendingSettings:
     budget_penalty: of a metre over a budget.
     range_weight: of a metre of range that a sample lacks.
     move_weight: of a metre that a vertex moves along an axis, so that what need not move stays.
+    length_weight: of a metre of the tours; 0 where all that counts is that they keep within their budgets.
     first_rows: ranges with less to spare than this share of a step are limits from the start.
     """
 
@@ -284,7 +285,46 @@ class BendingSettings:
     budget_penalty: float = 2.0
     range_weight: float = 5.0
     move_weight: float = 1e-3
+    length_weight: float = 0.0
     first_rows: float = 0.25
+
+
+class ShorteningStage(NamedTuple):
+    """One annealing for length.
+
+    moves: for each reach of ideal loop, the ground over the swath.
+    hot, cold: heat at the beginning and at the end, as shares of the reach.
+    coverage_weight: multiple of the usual weight of seeing.
+    """
+
+    moves: int
+    hot: float
+    cold: float
+    coverage_weight: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShorteningSettings:
+    """Shorter loops for the plan with the fewest robots found.
+
+    attempts: each begins with the tours found and makes its stages; the first that gives shorter loops is the last.
+    reserve: share of the budgets that annealing leaves to the repair.
+    budget_penalty: of a metre over a budget.
+    rounds: of repair and judgement.
+    largest: ground of more reaches of ideal loop than this is left as it is.
+    turn_reaches: reaches of the sensor that a turn by one radian costs where fewest turns are preferred.
+    bending: linear programs of the repair, for which every metre counts.
+    bending_steps: of them in one round.
+    """
+
+    attempts: tuple[tuple[ShorteningStage, ...], ...]
+    rounds: int
+    reserve: float = 0.005
+    budget_penalty: float = 6.0
+    largest: float = 2_000.0
+    turn_reaches: float = 1.0
+    bending_steps: int = 10
+    bending: BendingSettings = BendingSettings(length_weight=1.0, range_weight=20.0, least_gain=1e-4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -302,4 +342,5 @@ class SearchSettings:
     fixed_team: FixedTeamSettings
     sweeping: SweepingSettings
     districts: DistrictSettings
+    shortening: ShorteningSettings
     bending: BendingSettings = BendingSettings()

@@ -12,6 +12,9 @@ from rota.planner import about
 
 # measured with the benchmark plan-10-km2 (100,000 squares of the reach: 34 s, 0.76 GB)
 PLANNING_S_PER_SQUARE, MEMORY_PER_SQUARE, MEMORY_AT_LEAST = 3.4e-4, 4.3e3, 3.3e8
+# measured with the benchmark many-robots (353 and 2,058 robots in rows of lanes), and for districts of 10 robots that
+# are searched one by one on two cores
+ROWS_S_PER_ROBOT, SEARCHED_S_PER_ROBOT = 0.03, 1.2
 MANY_SQUARES, MANY_ROBOTS, MANY_CORNERS = 100_000, 200, 2_000
 
 
@@ -30,7 +33,12 @@ def planning_ahead(mission: Mission) -> Iterator[str]:
             )
         robots = mission.area.area / (2 * reach_m * robot.speed_m_s * mission.period_s)
         if robots >= MANY_ROBOTS:
-            yield f"about {robots:,.0f} robots are needed to sweep the area in {mission.period_s:g} s: maybe hours"
+            walls = bool(mission.obstacles) or any(part.interiors for part in mission.area.geoms)
+            searched = f", up to {about(SEARCHED_S_PER_ROBOT * robots)} where walls are in the way" if walls else ""
+            yield (
+                f"about {robots:,.0f} robots are needed to sweep the area in {mission.period_s:g} s: at effort quick"
+                f" about {about(ROWS_S_PER_ROBOT * robots)} in the open{searched}"
+            )
     shapes = [mission.area, *(obstacle.shape for obstacle in mission.obstacles)]
     corners = int(shapely.get_num_coordinates(shapes).sum())
     if corners >= MANY_CORNERS:

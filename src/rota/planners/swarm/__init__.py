@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rota.errors import MissionError
@@ -36,7 +36,7 @@ class SwarmPlanner(Planner):
             seed=request.seed,
             progress=request.progress,
             should_stop=request.should_stop,
-            threads=os.cpu_count() or 1,
+            threads=_cores(),
             observed=request.observe is not None,
             resume=request.checkpoint,
         )
@@ -56,8 +56,33 @@ class SwarmPlanner(Planner):
         """The controllers."""
         return ("planners/swarm",)
 
+    def small_mission(self, methods: Sequence[str] = ()) -> Mission:
+        """Four robots in a yard with a shed."""
+        import shapely
+
+        from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+
+        sensor = DiscSensor(radius_m=5)
+        robots = tuple(
+            Robot(name=f"robot-{k}", speed_m_s=1, sensor=sensor, body_radius_m=0.3, start=(2.0 + 1.5 * k, 2.0))
+            for k in range(4)
+        )
+        return Mission(
+            name="yard",
+            area=shapely.MultiPolygon([shapely.box(0, 0, 20, 20)]),
+            obstacles=(Obstacle(shape=shapely.MultiPolygon([shapely.box(8, 8, 12, 12)])),),
+            period_s=None,
+            fleet=Fleet(speed_m_s=1, sensor=sensor, body_radius_m=0.3, robots=robots),
+            planning=SwarmSettings(most_steps=200),
+        )
+
     def robot_processes(self, mission: Mission, settings: ProcessSettings) -> RobotProcesses:
         """The mission's robots as processes of their own, which decide by the controller of the simulation."""
         from rota.planners.swarm.nodes.processes import SwarmProcesses
 
         return SwarmProcesses(mission, settings)
+
+
+def _cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -12,15 +12,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from rota.compiled.kernel import kernel
 
 # no function here allocates an array, so numba's reference counts ("nrt") would only take time
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "_nrt": False}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 
 def compiled(function: Callable[..., Any]) -> Any:
     """A compiled function that allocates no array."""
-    return njit(**OPTIONS)(function)
+    return kernel(**OPTIONS)(function)
 
 
 @compiled
@@ -31,6 +32,20 @@ def cell_of(x: float, y: float, grid: Any) -> int:
     i = min(max(i, 0), grid.columns - 1)
     j = min(max(j, 0), grid.rows - 1)
     return (j + 1) * (grid.columns + 2) + i + 1
+
+
+@compiled
+def move(begin: int, end: int, robots: Any, decided: Any, time_step_s: float) -> float:
+    """Write where the robots begin..end - 1 are after one time step into ``decided``, which has their new velocities.
+
+    They keep their order. Returns the longest way of any of them, squared.
+    """
+    farthest2 = 0.0
+    for k in range(begin, end):
+        dx, dy = decided.vx[k] * time_step_s, decided.vy[k] * time_step_s
+        decided.x[k], decided.y[k] = robots.x[k] + dx, robots.y[k] + dy
+        farthest2 = max(farthest2, dx * dx + dy * dy)
+    return farthest2
 
 
 @compiled

@@ -16,14 +16,15 @@ from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
 from rota.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
+from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.messages import oldest_steps
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.presence import Presence, holding_from_joining, last_motion
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
-from rota.planners.swarm.rollout import Beginning, Controller, Surroundings, Swarm
+from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
-from rota.planners.swarm.space_kernels import Band
+from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.starts import place_starts, spare_room_m
 from rota.planners.swarm.state import FleetKinds, Hearing, Rule
@@ -79,7 +80,7 @@ def run_mission(
     is promised. ``observed``: measure every step. ``resume``: go on from there, to the plan that the same run comes to
     without a stop, bit for bit; what is observed is then the rest. Raises MissionError for starts without room and for
     a time step that jumps through walls, CheckpointError for a run of another mission or seed. Swarms in space are not
-    observed, and run on one thread.
+    observed.
     """
     settings = SwarmSettings.of(mission)
     ground = free_ground(mission)
@@ -129,7 +130,7 @@ def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> Checkpoint:
     reserve_m = min(wish_m, spare_room_m(mission, ground, starts, wish_m))
     if settings.altitudes_m is not None:
         # apart in the plane, they are apart at any heights
-        heights = np.random.default_rng([seed, HEIGHTS]).uniform(*settings.altitudes_m, len(starts))
+        heights = np.random.default_rng([seed, HEIGHTS]).uniform(*bands_of(mission), len(starts))
         starts = np.column_stack([starts, heights])
     none = np.empty(0, np.int64)
     return Checkpoint(
@@ -154,7 +155,7 @@ def _swarm_from(state: Checkpoint, mission: Mission, ground: MultiPolygon, threa
     """The swarm that goes on from a state, on the ground or at the mission's altitudes."""
     reserve_m = state.thinned_m if SwarmSettings.of(mission).filter else 0.0
     if SwarmSettings.of(mission).altitudes_m is not None:
-        return make_space_swarm(mission, ground, state, reserve_m=reserve_m)
+        return make_space_swarm(mission, ground, state, reserve_m=reserve_m, threads=threads)
     return make_swarm(mission, ground, beginning_of(state), seed=state.seed, reserve_m=reserve_m, threads=threads)
 
 
@@ -248,34 +249,32 @@ def fleet_of(mission: Mission, reserve_m: float = 0.0, sensors_m: NDArray[np.flo
 
 
 def make_space_swarm(
-    mission: Mission, ground: MultiPolygon, state: Checkpoint, *, reserve_m: float = 0.0
+    mission: Mission, ground: MultiPolygon, state: Checkpoint, *, reserve_m: float = 0.0, threads: int = 1
 ) -> SpaceSwarm:
     """The robots of a mission with altitudes as ``state`` has them; their bodies are wider by ``reserve_m``.
 
-    Ranges that are not given follow from the footprints that robots have at the ceiling.
+    Ranges that are not given follow from the footprints that robots have at their ceilings.
     """
-    settings, band = SwarmSettings.of(mission), SwarmSettings.of(mission).altitudes_m
-    assert band is not None
-    robots = mission.fleet.robots or ()
-    widest = sensors_of(mission)
+    settings, robots, bands = SwarmSettings.of(mission), mission.fleet.robots or (), bands_of(mission)
     full = np.array([robot.sensor.full_height_m for robot in robots if isinstance(robot.sensor, DiscSensor)])
-    fleet = kinds_of(
-        len(robots),
-        body_m=np.array([robot.body_radius_m for robot in robots]) + reserve_m,
-        sensor_m=widest,
-        speed_m_s=np.array([robot.speed_m_s for robot in robots]),
-        neighbour_range_m=settings.neighbour_range_m or RANGE_PER_SENSOR * widest.max(),
-        wall_range_m=settings.wall_range_m or widest,
-    )
     return SpaceSwarm(
         beginning_of(state),
-        fleet,
+        fleet_of(mission, reserve_m),
         walls_of(ground),
         rule_of(settings, state.seed),
-        band=Band(*band),
-        full_m=np.minimum(full, band[1]),
+        bands=bands,
+        full_m=np.minimum(full, bands.high_m),
+        settles=settings.controller == "settle",
         safe=settings.filter,
+        threads=threads,
     )
+
+
+def bands_of(mission: Mission) -> Bands:
+    """The band of each robot of a mission with altitudes: they are dealt out in turn, the lowest band first."""
+    ends = np.array(SwarmSettings.of(mission).altitudes_m, np.float64).reshape(-1, 2)
+    low, high = ends[np.arange(len(mission.fleet.robots or ())) % len(ends)].T
+    return Bands(np.ascontiguousarray(low), np.ascontiguousarray(high))
 
 
 def beginning_of(state: Checkpoint) -> Beginning:
@@ -313,9 +312,15 @@ def hearing_of(settings: SwarmSettings) -> Hearing | None:
 
 def sensors_of(mission: Mission) -> Floats:
     """(n,): radius of each robot's footprint, at the ceiling where it grows with height; a square's half side."""
-    ceiling_m = (SwarmSettings.of(mission).altitudes_m or (0.0, 0.0))[1]
     sensors = [robot.sensor for robot in mission.fleet.robots or ()]
-    return np.array([s.radius_at_m(ceiling_m) if isinstance(s, DiscSensor) else inner_reach_m(s) for s in sensors])
+    in_space = SwarmSettings.of(mission).altitudes_m is not None
+    ceilings_m = bands_of(mission).high_m if in_space else np.zeros(len(sensors))
+    return np.array(
+        [
+            sensor.radius_at_m(ceiling_m) if isinstance(sensor, DiscSensor) else inner_reach_m(sensor)
+            for sensor, ceiling_m in zip(sensors, ceilings_m.tolist(), strict=True)
+        ]
+    )
 
 
 def squares_of(mission: Mission) -> NDArray[np.bool_]:

@@ -17,6 +17,7 @@ SetBoundary = Literal["tangent", "circle"]
 MOST_DELAY = 20  # steps; robots with older news of each other could only stand
 MOST_SAMPLES, MOST_STEPS, MOST_NEIGHBOURS = 1e6, 1e8, 1e5  # more would take a year
 PLANE_ONLY = {"velocity": "centroid", "boundary": "tangent", "delay_steps": 0, "messages_lost": 0.0, "device": "cpu"}
+IN_SPACE = ("settle", "reciprocal")
 OF_RECIPROCAL = ("velocity", "samples", "boundary", "horizon_s", "neighbours", "neighbour_range_m", "alpha")
 NEEDED = {"samples": ("velocity", "sampled"), "horizon_s": ("boundary", "circle")}
 
@@ -43,9 +44,11 @@ class SwarmSettings(PlannerSettings):
 
     ``device``: what decides, "cpu" or, with an NVIDIA GPU and the package numba-cuda, "cuda"; to within rounding.
 
-    ``altitudes_m``: robots move in three dimensions between two altitudes over the ground, which the middles of their
-    bodies never leave. For "reciprocal" by the exact centroid only, with robots that know all at once; ``filter`` then
-    keeps balls apart. Robots whose footprint grows with height climb as far as it does. None: they move in the plane.
+    ``altitudes_m``: robots move in three dimensions, each in a band between two altitudes over the ground, which the
+    middle of its body never leaves: the lowest and the highest altitude of each band, from below. Robots are dealt out
+    to the bands in turn. For "settle", and "reciprocal" by the exact centroid, with robots that know all at once;
+    ``filter`` then keeps balls apart. Robots whose footprint grows with height climb as far as it does. None: they move
+    in the plane.
     """
 
     planner: ClassVar[str] = "swarm"
@@ -71,9 +74,9 @@ class SwarmSettings(PlannerSettings):
     delay_steps: int = setting(0, "age of what robots hear", least=0, most=MOST_DELAY, newer=True)
     messages_lost: float = setting(0.0, "share of messages that never arrive", least=0, below=1, newer=True)
     device: Device = setting("cpu", "cuda: decisions on an NVIDIA GPU, with the package numba-cuda", newer=True)
-    altitudes_m: tuple[float, float] | None = setting(
+    altitudes_m: tuple[float, ...] | None = setting(
         None,
-        "of reciprocal: robots move in space, between the lowest and the highest altitude",
+        "of settle and reciprocal: robots move in space, in bands: the lowest and the highest altitude of each",
         above=0,
         written=LENGTH,
         newer=True,
@@ -90,15 +93,16 @@ class SwarmSettings(PlannerSettings):
         heights = values.get("altitudes_m")
         if heights is None:
             return
-        if heights[0] > heights[1]:
-            message = f"{list(heights)} is not allowed; give the lowest and the highest altitude, metres above 0"
+        if len(heights) % 2 or list(heights) != sorted(heights):
+            message = (
+                f"{list(heights)} is not allowed; give the lowest and the highest altitude of each band, from below,"
+                " metres above 0"
+            )
             yield ("altitudes_m",), message
         controller = values.get("controller", "settle")
-        if controller != "reciprocal":
-            yield (
-                ("controller",),
-                f"{controller} is not allowed; robots with altitudes_m are moved by reciprocal only",
-            )
+        if controller not in IN_SPACE:
+            message = f"{controller} is not allowed; robots with altitudes_m are moved by {' or '.join(IN_SPACE)} only"
+            yield ("controller",), message
         for name, only in PLANE_ONLY.items():
             if values.get(name, only) != only:
                 yield (name,), f"{values[name]} is not allowed; with altitudes_m only {only}"

@@ -2,45 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rota.errors import CheckpointError, MissionError
 from rota.mission import MovingObstacle
-from rota.planners.swarm.cuda_step import CudaStep
-from rota.planners.swarm.delayed_news_kernels import NUMBER_OF, OWN, Filtering, decide_from_delayed_news, load_with_told
-from rota.planners.swarm.filter_kernels import filter_velocities
+from rota.planners.swarm.deciding import Controller, Deciding
+from rota.planners.swarm.delayed_news_kernels import load_with_told
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
-from rota.planners.swarm.kernels import move_and_sort
+from rota.planners.swarm.kernels import move, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
 from rota.planners.swarm.place_graph import place_graph_of
-from rota.planners.swarm.planner_settings import Device
 from rota.planners.swarm.settle_kernels import decide_settle
-from rota.planners.swarm.state import (
-    Decisions,
-    FleetKinds,
-    Grid,
-    Hearing,
-    Near,
-    Outline,
-    Robots,
-    Room,
-    Rule,
-    Snapshot,
-)
-from rota.planners.swarm.velocity_set_kernels import MOST_CORNERS
+from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Kinds, Robots, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-CHUNKS_PER_THREAD = 4  # so that a thread with an easy share takes another one
-FEWEST_PER_CHUNK = 256
-EXACT = np.empty(0)  # nobody has gone on unheard
+FEWEST_UNSORTED, STEPS_UNSORTED = 10_000, 4  # so many robots are sorted after so many of their longest steps only
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,22 +61,6 @@ class Surroundings:
     moving: tuple[MovingObstacle, ...] = ()
 
 
-@dataclass(frozen=True)
-class Controller:
-    """How robots decide.
-
-    decide: the compiled controller; rule: what it reads. safe: whether the last filter is applied. hearing: what robots
-    learn of each other; None: at every step where all others are. device: what decides, the processor or, "cuda", an
-    NVIDIA GPU, to within rounding.
-    """
-
-    decide: Callable[..., None]
-    rule: Rule
-    safe: bool = True
-    hearing: Hearing | None = None
-    device: Device = "cpu"
-
-
 class Swarm:
     """n robots, their places and velocities; ``step`` moves them. The same on any number of threads, bit for bit.
 
@@ -117,36 +83,29 @@ class Swarm:
         self.steps = beginning.steps
         self.moving = surroundings.moving
         unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
-        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, unheard_m)
+        self._slack_m, self._unsorted_m = _slack_m(kinds, n, rule.time_step_s), 0.0
+        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, unheard_m + self._slack_m)
         if decide is decide_settle:
             self.grid = self.grid._replace(place_graph=place_graph_of(walls, kinds))
         if beginning.news_m is not None:
-            news_m = _require_places(beginning.news_m, len(self.grid.place_graph.x))
+            news_m = require_places(beginning.news_m, len(self.grid.place_graph.x))
             self.grid.place_graph.away_m[self.steps % 2] = news_m
-        self.kinds, self.rule, self.safe = with_absent(kinds), rule, controller.safe
+        self.kinds, self.rule = with_absent(kinds), rule
         self._present_kind, self._member_kinds = kind.astype(np.int64), len(kinds.body_m)
-        self._decide = decide
         starts = (*beginning.places_m.T, *beginning.known_velocities_m_s.T)
         x, y, vx, vy = (np.array(values, np.float64) for values in starts)
         self._robots = Robots(x, y, vx, vy, self._present_kind[names], names, self._member_kinds)
         self._spare = room_for(n, self._member_kinds)
         self._cell = np.empty(n, np.int64)
         self._nearest2 = np.empty(n)
-        self._widest_m = widest_m(kinds, rule.time_step_s) + unheard_m
-        self._threads = threads
-        chunks = min(CHUNKS_PER_THREAD * threads, n // FEWEST_PER_CHUNK) if threads > 1 else 1
-        self._cuts = [n * k // max(chunks, 1) for k in range(max(chunks, 1) + 1)]
-        self._rooms = [deciding_room(rule) for _ in self._cuts[1:]]
-        self._pool = ThreadPoolExecutor(threads) if len(self._cuts) > 2 else None
-        self._device = None if controller.device == "cpu" else CudaStep(decide, self.kinds, rule)
-        if self._device is not None and hearing is not None:
-            raise MissionError("swarm.device: cuda is for robots that know all at once; no delay_steps, messages_lost")
+        reach_m = widest_m(kinds, rule.time_step_s) + unheard_m
+        self._deciding = Deciding(controller, self.kinds, n, reach_m, threads)
         self._messages = None
         if hearing is not None:
             step_m = kinds.speed_m_s[self._present_kind] * rule.time_step_s
             told = np.stack([self._in_order(x, y), self._in_order(vx, vy)])
             told = told if beginning.past is None else beginning.past
-            self._messages = Messages(hearing, step_m, told, len(self._rooms))
+            self._messages = Messages(hearing, step_m, told, len(self._deciding.chunks))
         self._sort(0.0)
 
     def __len__(self) -> int:
@@ -253,20 +212,17 @@ class Swarm:
         snapshot = Snapshot(self.steps, self._robots, self.kinds, self.grid, moving, self.rule)
         if len(self.grid.place_graph.x):
             self._pass_on_distances(snapshot)
-        # decisions go to the spare state's velocities, which nobody reads meanwhile
-        decisions = Decisions(self._spare.vx, self._spare.vy, self._nearest2)
-        if self._device is not None:
-            self._device.decide(snapshot, self._widest_m if self.safe else None, decisions)
-        elif self._pool is None:
-            self._decide_for(0, len(self), 0, snapshot, decisions)
-        else:
-            jobs = [
-                self._pool.submit(self._decide_for, begin, end, k, snapshot, decisions)
-                for k, (begin, end) in enumerate(pairwise(self._cuts))
-            ]
-            for job in jobs:
-                job.result()
-        return self._take_decided()
+        # decisions go to the spare state, which nobody reads meanwhile
+        robots, decided = self._robots, self._spare
+        decisions = Decisions(decided.vx, decided.vy, self._nearest2)
+        self.steps += 1
+        if self._slack_m == 0:
+            self._deciding.decide(snapshot, self._messages, decisions, lambda _begin, _end: 0.0)
+            return self._move_and_sort()
+        ways2 = self._deciding.decide(
+            snapshot, self._messages, decisions, lambda begin, end: move(begin, end, robots, decided, time_step_s)
+        )
+        return self._take_moved(math.sqrt(max(ways2)))
 
     def _pass_on_distances(self, snapshot: Snapshot) -> None:
         """Work out what robots tell of free ground for the next step; in this step they go by what they were told."""
@@ -276,30 +232,28 @@ class Swarm:
             load_with_told(snapshot, self._messages.hearing, self._messages.past)
         pass_on_distances(self.steps, self.grid.place_graph)
 
-    def _take_decided(self) -> float:
-        """Move as decided, sort, and count the step."""
+    def _take_moved(self, farthest_m: float) -> float:
+        """Take the places of robots that have moved, and sort them where they may be too far from their cells."""
+        robots, moved = self._robots, self._spare
+        self._robots = moved._replace(kind=robots.kind, name=robots.name)
+        self._spare = robots._replace(kind=moved.kind, name=moved.name)
+        self._unsorted_m += farthest_m
+        if self._unsorted_m > self._slack_m:
+            self._sort(0.0)
+        return farthest_m
+
+    def _move_and_sort(self) -> float:
+        """Move as decided, and sort; the longest way in metres."""
         decided = self._robots._replace(vx=self._spare.vx, vy=self._spare.vy)
         self._spare = self._spare._replace(vx=self._robots.vx, vy=self._robots.vy)
         self._robots = decided
-        self.steps += 1
         return self._sort(self.rule.time_step_s)
-
-    def _decide_for(self, begin: int, end: int, part: int, snapshot: Snapshot, decisions: Decisions) -> None:
-        """Decide for the robots begin..end - 1 in one thread, with its part of the room."""
-        room, controller = self._rooms[part], NUMBER_OF.get(self._decide, OWN)
-        if self._messages is None or controller == OWN:
-            self._decide(begin, end, snapshot, decisions, room)
-        if self._messages is not None:
-            news = self._messages.news_for(part, self._robots, self.grid)
-            filtering = Filtering(self.safe, self._widest_m)
-            decide_from_delayed_news(begin, end, controller, filtering, snapshot, news, decisions, room)
-        elif self.safe:
-            filter_velocities(begin, end, snapshot, self._widest_m, EXACT, decisions, room)
 
     def _sort(self, time_step_s: float) -> float:
         """Move the robots for that time and sort them by cell; returns the longest way in metres."""
         farthest2 = move_and_sort(self._robots, self._spare, self.grid, self._cell, time_step_s)
         self._robots, self._spare = self._spare, self._robots
+        self._unsorted_m = 0.0
         return float(np.sqrt(farthest2))
 
     def _in_order(self, x: Floats, y: Floats) -> Floats:
@@ -307,7 +261,15 @@ class Swarm:
         return in_fleet_order(self._robots, x, y)
 
 
-def _require_places(news_m: Floats, places: int) -> Floats:
+def _slack_m(kinds: Kinds, n: int, time_step_s: float) -> float:
+    """How far n robots may go before they are sorted again: 0, so that they are after each step, where they are few.
+
+    Cells are wider by that, so that all near robots are in the cells round about all the same.
+    """
+    return STEPS_UNSORTED * float(kinds.speed_m_s.max()) * time_step_s if n >= FEWEST_UNSORTED else 0.0
+
+
+def require_places(news_m: Floats, places: int) -> Floats:
     """The numbers (k,) of places; raises CheckpointError where their count is another."""
     if len(news_m) != places:
         raise CheckpointError(f"news_m: numbers of {len(news_m)} places; {places} are needed")
@@ -326,10 +288,3 @@ def in_fleet_order(robots: Robots, x: Floats, y: Floats) -> Floats:
     values[robots.name, 0] = x
     values[robots.name, 1] = y
     return values
-
-
-def deciding_room(rule: Rule) -> Room:
-    """Room for one thread that decides by this rule."""
-    most = max(rule.neighbours, 1)
-    outlines = [Outline(np.empty(MOST_CORNERS), np.empty(MOST_CORNERS)) for _ in range(2)]
-    return Room(Near(np.empty(most, np.int64), np.empty(most)), *outlines)

@@ -4,6 +4,10 @@
 Chen et al., Sensors 18(6):1864, 2018, with balls and half-spaces in place of discs and half-planes (their section 6
 leaves three dimensions to the future). Walls are upright. Robots stand in the grid by their places in the plane;
 heights and climbs are in the order of the fleet.
+
+Nobody is held down. By half-spaces alone a robot among higher ones could rest there for ever: to climb would be to
+come nearer to each of them. So a neighbour above a robot that has still to climb counts by its direction in the plane.
+It keeps the robot from coming nearer in the plane and leaves climbing free; bodies are kept apart by the filter.
 """
 
 from __future__ import annotations
@@ -11,12 +15,15 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from rota.by_reference import by_reference
 from rota.planners.swarm.filter_kernels import ROUNDING_M, greatest_speed, wall_normal
 from rota.planners.swarm.kernels import cell_of, comes_before, compiled, to_wall
 from rota.planners.swarm.reciprocal_kernels import SAME_PLACE_M2
 from rota.planners.swarm.space_set_kernels import add_plane, centroid_in_ball
 from rota.planners.swarm.state import Floats, Grid, Kinds, Near, Outline, Robots, Rule
 
+STRAIGHT_ABOVE = 1e-9  # a direction that leads by no more along the plane has none there
+GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # of its multiples no two are near each other soon
 MOST_PROJECTIONS = 8  # half-spaces that a filtered velocity is brought into, one after the other
 
 
@@ -27,13 +34,14 @@ class Heights(NamedTuple):
     vz: Floats
 
 
-class Band(NamedTuple):
-    """Heights between which the middles of bodies stay."""
+class Bands(NamedTuple):
+    """Heights between which the middles of n robots' bodies stay, (n,) each, in the order of the fleet."""
 
-    low_m: float
-    high_m: float
+    low_m: Floats
+    high_m: Floats
 
 
+@by_reference
 class SpaceSnapshot(NamedTuple):
     """All that robots in space decide from in one step.
 
@@ -45,7 +53,7 @@ class SpaceSnapshot(NamedTuple):
     kinds: Kinds
     full_m: Floats
     grid: Grid
-    band: Band
+    bands: Bands
     rule: Rule
 
 
@@ -96,27 +104,39 @@ def find_neighbours(i: int, most: int, robots: Any, heights: Any, grid: Any, ran
 
 
 @compiled
-def lowest_m(z: float, band: Any, full_m: float) -> float:
+def lowest_m(z: float, low_m: float, full_m: float) -> float:
     """How far down a robot may go: to the floor, and not where its footprint, full from full_m on, would shrink."""
-    return max(band.low_m, min(z, full_m))
+    return max(low_m, min(z, full_m))
 
 
 @compiled
-def decide_in_space(snapshot: Any, decisions: Any, room: Any) -> None:
-    """New velocities of all robots from one snapshot: the centroid of what each may choose, 0 where that is nothing.
+def in_plane(ex: float, ey: float, sign: float) -> tuple[float, float]:
+    """The unit vector along (ex, ey); along x or against it, as the sign says, where that is nothing."""
+    length = math.sqrt(ex * ex + ey * ey)
+    return (ex / length, ey / length) if length > STRAIGHT_ABOVE else (sign, 0.0)
+
+
+@compiled
+def decide_in_space(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
+    """New velocities of the robots begin..end - 1 from one snapshot: the centroid of what each may choose.
+
+    0 where that is nothing. room: of one thread.
 
     A neighbour at the unit vector e, velocity w: v . e <= (v_now + w) . e / 2; a wall within reach, e towards its
     nearest point: v . e <= 0; ceiling and floor, as robots may go right up to them: no farther than there in one step.
-    Where a robot's footprint grows with height, below full_m, to sink is to weaken coverage.
+    Where a robot's footprint grows with height, below full_m, to sink is to weaken coverage, and neighbours above count
+    by their direction in the plane; of two in one place there, each gives way to its own side.
     """
-    robots, heights, kinds, full_m, grid, band, rule = snapshot
+    robots, heights, kinds, full_m = snapshot.robots, snapshot.heights, snapshot.kinds, snapshot.full_m
+    grid, bands, rule = snapshot.grid, snapshot.bands, snapshot.rule
     near, planes, outline, spare = room
-    for i in range(robots.x.shape[0]):
+    for i in range(begin, end):
         kind, name, x, y = robots.kind[i], robots.name[i], robots.x[i], robots.y[i]
         z, vx, vy, vz = heights.z[name], robots.vx[i], robots.vy[i], heights.vz[name]
         neighbours = find_neighbours(i, rule.neighbours, robots, heights, grid, kinds.neighbour_range_m[kind], near)
-        count = add_plane(planes, 0, 0.0, 0.0, 1.0, (band.high_m - z) / rule.time_step_s)
-        count = add_plane(planes, count, 0.0, 0.0, -1.0, (z - lowest_m(z, band, full_m[name])) / rule.time_step_s)
+        lowest = lowest_m(z, bands.low_m[name], full_m[name])
+        count = add_plane(planes, 0, 0.0, 0.0, 1.0, (bands.high_m[name] - z) / rule.time_step_s)
+        count = add_plane(planes, count, 0.0, 0.0, -1.0, (z - lowest) / rule.time_step_s)
         c, range_m = cell_of(x, y, grid), kinds.wall_range_m[kind]
         for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
             dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
@@ -129,6 +149,9 @@ def decide_in_space(snapshot: Any, decisions: Any, room: Any) -> None:
             j, distance = near.robot[k], math.sqrt(near.distance2[k])
             other = robots.name[j]
             ex, ey, ez = (robots.x[j] - x) / distance, (robots.y[j] - y) / distance, (heights.z[other] - z) / distance
+            if ez > 0.0 and z < full_m[name]:
+                ex, ey = in_plane(ex, ey, 1.0 if name < other else -1.0)
+                ez = 0.0
             # half of what the relative velocity must change by, as in the plane
             closing = (vx - robots.vx[j]) * ex + (vy - robots.vy[j]) * ey + (vz - heights.vz[other]) * ez
             count = add_plane(planes, count, ex, ey, ez, vx * ex + vy * ey + vz * ez - 0.5 * closing)
@@ -154,13 +177,13 @@ def tighter(limit: Any, vx: float, vy: float, vz: float, ex: float, ey: float, e
 @compiled
 def limits_of(i: int, snapshot: Any, vx: float, vy: float, vz: float) -> Any:
     """The half-space that robot i's velocity violates most, as (violation, e, bound), and the share that all allow."""
-    robots, heights, kinds, _full_m, grid, band, rule = snapshot
-    time_step_s = rule.time_step_s
+    robots, heights, kinds = snapshot.robots, snapshot.heights, snapshot.kinds
+    grid, bands, time_step_s = snapshot.grid, snapshot.bands, snapshot.rule.time_step_s
     kind, name, x, y = robots.kind[i], robots.name[i], robots.x[i], robots.y[i]
     z, body, step_m = heights.z[name], kinds.body_m[kind], kinds.speed_m_s[kind] * time_step_s
     limit = (0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-    limit = tighter(limit, vx, vy, vz, 0.0, 0.0, 1.0, max(band.high_m - z, 0.0) / time_step_s)
-    limit = tighter(limit, vx, vy, vz, 0.0, 0.0, -1.0, max(z - band.low_m, 0.0) / time_step_s)
+    limit = tighter(limit, vx, vy, vz, 0.0, 0.0, 1.0, max(bands.high_m[name] - z, 0.0) / time_step_s)
+    limit = tighter(limit, vx, vy, vz, 0.0, 0.0, -1.0, max(z - bands.low_m[name], 0.0) / time_step_s)
     c, stride = cell_of(x, y, grid), grid.columns + 2
     for row in range(3):
         first = c + (row - 1) * stride
@@ -188,15 +211,36 @@ def limits_of(i: int, snapshot: Any, vx: float, vy: float, vz: float) -> Any:
 
 
 @compiled
-def filter_in_space(snapshot: Any, decisions: Any) -> None:
-    """Replace velocities by ones with which no balls can touch each other or a wall, or leave the band, in one step.
+def climb(begin: int, end: int, snapshot: Any, nearest2: Any, decisions: Any) -> None:
+    """Let the robots begin..end - 1, which have decided in the plane, climb to where their footprints are full.
+
+    A robot goes no faster than it can: a velocity longer than that is shortened, climbing included. nearest2: (n,) as
+    ``Decisions`` has them. Robots straight above each other know no direction away; each takes one of its own.
+    """
+    robots, heights, rule = snapshot.robots, snapshot.heights, snapshot.rule
+    for i in range(begin, end):
+        name, speed = robots.name[i], snapshot.kinds.speed_m_s[robots.kind[i]]
+        vx, vy = decisions.vx[i], decisions.vy[i]
+        if nearest2[i] < STRAIGHT_ABOVE * STRAIGHT_ABOVE:
+            vx, vy = speed * math.cos(GOLDEN_ANGLE * name), speed * math.sin(GOLDEN_ANGLE * name)
+        vz = min(max(snapshot.full_m[name] - heights.z[name], 0.0) / rule.time_step_s, speed)
+        length = math.sqrt(vx * vx + vy * vy + vz * vz)
+        share = speed / length if length > speed else 1.0
+        decisions.vx[i], decisions.vy[i], decisions.vz[name] = share * vx, share * vy, share * vz
+
+
+@compiled
+def filter_in_space(begin: int, end: int, snapshot: Any, decisions: Any) -> None:
+    """Replace the velocities of the robots begin..end - 1 by ones that are safe for one step.
+
+    No balls can then touch each other or a wall, or leave their band.
 
     The bounds are those of the filter in the plane. A velocity glides: a few times it is brought into the half-space
     that it violates most. That makes it no longer, since 0 is in all half-spaces. Then it is shortened to what all of
     them allow.
     """
     robots = snapshot.robots
-    for i in range(robots.x.shape[0]):
+    for i in range(begin, end):
         vx, vy, vz = decisions.vx[i], decisions.vy[i], decisions.vz[robots.name[i]]
         for glide in range(MOST_PROJECTIONS):
             over, ex, ey, ez, _bound, share = limits_of(i, snapshot, vx, vy, vz)

@@ -1,35 +1,44 @@
-"""A swarm that moves in three dimensions, in a band of altitudes; all decide from one snapshot, then all move."""
+"""A swarm that moves in three dimensions, in bands of altitudes; all decide from one snapshot, then all move."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.planners.swarm.chunks import Chunks
+from rota.planners.swarm.deciding import deciding_room
+from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
 from rota.planners.swarm.kernels import move_and_sort
-from rota.planners.swarm.rollout import Beginning, deciding_room, in_fleet_order, room_for
+from rota.planners.swarm.place_graph import place_graph_of
+from rota.planners.swarm.rollout import Beginning, in_fleet_order, require_places, room_for
+from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.space_kernels import (
-    Band,
+    Bands,
     Heights,
     SpaceDecisions,
     SpaceRoom,
     SpaceSnapshot,
+    climb,
     decide_in_space,
     filter_in_space,
 )
 from rota.planners.swarm.space_set_kernels import MOST_PLANES
-from rota.planners.swarm.state import FleetKinds, Grid, Robots, Rule
-from rota.planners.swarm.world import make_grid
+from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Robots, Rule, Snapshot
+from rota.planners.swarm.world import make_grid, moving_at
 
 Floats = NDArray[np.float64]
+FEWEST_PER_CHUNK = 16  # robots whose decisions take about as long as it takes to wake a thread
 
 
 class SpaceSwarm:
-    """n robots in space, bodies and velocities balls; ``step`` moves them by the reciprocal controller, on one thread.
+    """n robots in space, bodies and velocities balls; ``step`` moves them. The same on any number of threads.
 
-    beginning: places (n, 3) in the band, whose heights may be equal; robots in space tell each other nothing, so that
-    past and news_m are of no use. walls: (m, 4) segments, at least one. rule: samples, circle and alpha are of no use.
-    full_m: (n,) for each robot the height from which on its footprint grows no more; -inf for one that never grows.
-    safe: whether the last filter is applied.
+    beginning: places (n, 3) in the bands, whose heights may be equal; robots in space tell each other nothing of
+    themselves, so that past is of no use. walls: (m, 4) segments, at least one, closed rings for ``settles``. rule:
+    samples, circle and alpha are of no use. bands: for each robot. full_m: (n,) for each robot the height in its band
+    from which on its footprint grows no more; -inf for one that never grows. settles: robots decide in the plane by
+    "settle", with the footprints that they have at full_m, and climb there; else by the reciprocal controller. safe:
+    whether the last filter is applied.
     """
 
     def __init__(
@@ -39,24 +48,33 @@ class SpaceSwarm:
         walls: Floats,
         rule: Rule,
         *,
-        band: Band,
+        bands: Bands,
         full_m: Floats,
+        settles: bool = False,
         safe: bool = True,
+        threads: int = 1,
     ) -> None:
         n, names = len(beginning.places_m), beginning.known_names
         kinds, kind = fleet
         self.steps, self.rule, self.kinds = beginning.steps, rule, kinds
         self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s)
-        self._band, self._safe, self._full_m = Band(*map(float, band)), safe, np.asarray(full_m, np.float64)
+        if settles:
+            self.grid = self.grid._replace(place_graph=place_graph_of(walls, kinds))
+        if beginning.news_m is not None:
+            news_m = require_places(beginning.news_m, len(self.grid.place_graph.x))
+            self.grid.place_graph.away_m[self.steps % 2] = news_m
+        self._bands, self._safe, self._settles = bands, safe, settles
+        self._full_m = np.asarray(full_m, np.float64)
         starts = (*beginning.places_m.T, *beginning.known_velocities_m_s.T)
         x, y, z, vx, vy, vz = (np.array(values, np.float64) for values in starts)
         self._robots = Robots(x, y, vx, vy, kind.astype(np.int64)[names], names, len(kinds.body_m))
         self._spare = room_for(n, len(kinds.body_m))
         self._heights, self._new_vz = Heights(np.empty(n), np.empty(n)), np.empty(n)
         self._heights.z[names], self._heights.vz[names] = z, vz
-        self._cell = np.empty(n, np.int64)
-        near, outline, spare = deciding_room(rule)
-        self._room = SpaceRoom(near, np.empty((MOST_PLANES, 4)), outline, spare)
+        self._cell, self._nearest2 = np.empty(n, np.int64), np.empty(n)
+        self._chunks = Chunks(n, threads, FEWEST_PER_CHUNK)
+        rooms = [deciding_room(rule) for _ in range(len(self._chunks))]
+        self._rooms = [(SpaceRoom(r.near, np.empty((MOST_PLANES, 4)), r.outline, r.spare), r) for r in rooms]
         self._sort(0.0)
 
     def __len__(self) -> int:
@@ -74,8 +92,8 @@ class SpaceSwarm:
 
     @property
     def news_m(self) -> Floats:
-        """None: robots in space keep no numbers of places."""
-        return np.empty(0)
+        """(k,): how far it is to free ground from each place of the map, as told; k = 0 unless robots settle."""
+        return np.array(self.grid.place_graph.away_m[self.steps % 2])
 
     @property
     def places_m(self) -> Floats:
@@ -90,24 +108,40 @@ class SpaceSwarm:
     def step(self) -> float:
         """Decide and move once; returns the longest way of any robot in metres."""
         new, time_step_s = self._spare, self.rule.time_step_s
-        snapshot = SpaceSnapshot(
-            self._robots, self._heights, self.kinds, self._full_m, self.grid, self._band, self.rule
-        )
-        decisions = SpaceDecisions(new.vx, new.vy, self._new_vz)
-        decide_in_space(snapshot, decisions, self._room)
-        if self._safe:
-            filter_in_space(snapshot, decisions)
+        self._decide(SpaceDecisions(new.vx, new.vy, self._new_vz))
         decided = self._robots._replace(vx=new.vx, vy=new.vy)
         self._spare = new._replace(vx=self._robots.vx, vy=self._robots.vy)
         self._robots = decided
         self.steps += 1
         heights = self._heights
         heights.vz[:] = self._new_vz
-        # rounding must not carry anybody out of the band
-        np.clip(heights.z + heights.vz * time_step_s, self._band.low_m, self._band.high_m, out=heights.z)
+        # rounding must not carry anybody out of its band
+        np.clip(heights.z + heights.vz * time_step_s, self._bands.low_m, self._bands.high_m, out=heights.z)
         farthest2 = decided.vx**2 + decided.vy**2 + heights.vz[decided.name] ** 2
         self._sort(time_step_s)
         return float(np.sqrt(farthest2.max())) * time_step_s
+
+    def _decide(self, decisions: SpaceDecisions) -> None:
+        """The velocities of all robots, from one snapshot."""
+        robots, kinds, grid, rule = self._robots, self.kinds, self.grid, self.rule
+        snapshot = SpaceSnapshot(robots, self._heights, kinds, self._full_m, grid, self._bands, rule)
+        plane = Snapshot(self.steps, robots, kinds, grid, moving_at((), 0.0, rule.time_step_s), rule)
+        in_plane = Decisions(decisions.vx, decisions.vy, self._nearest2)
+        if self._settles:
+            load_with_all(robots, kinds, grid.place_graph)
+            pass_on_distances(self.steps, grid.place_graph)
+
+        def decide_part(begin: int, end: int, part: int) -> None:
+            room, plane_room = self._rooms[part]
+            if self._settles:
+                decide_settle(begin, end, plane, in_plane, plane_room)
+                climb(begin, end, snapshot, self._nearest2, decisions)
+            else:
+                decide_in_space(begin, end, snapshot, decisions, room)
+            if self._safe:
+                filter_in_space(begin, end, snapshot, decisions)
+
+        self._chunks.run(decide_part)
 
     def _sort(self, time_step_s: float) -> None:
         """Move the robots in the plane for that time and sort them by cell."""

@@ -101,16 +101,17 @@ def require_room(
             raise MissionError(f"{where}: there is no room to join; it stands outside the free space or in a wall")
 
 
-def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, unheard_m: float = 0.0) -> Grid:
+def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, slack_m: float = 0.0) -> Grid:
     """A grid over all walls; whatever concerns a robot stands in its cell or in the cells next to it.
 
     walls: (m, 4), at least one. Cells are as wide as the farthest that any robot looks, and wider where there would be
-    more than a few for each robot. unheard_m: how far robots may be from where others know them.
+    more than a few for each robot. slack_m: how far robots may be from where others know them, and from where they were
+    when they were sorted.
     """
     low = np.minimum(walls[:, :2], walls[:, 2:]).min(axis=0)
     size = np.maximum(walls[:, :2], walls[:, 2:]).max(axis=0) - low
     step_reach = 2 * widest_m(kinds, time_step_s)
-    cell = max(float(kinds.neighbour_range_m.max()), 2 * float(kinds.sensor_m.max()), step_reach) + unheard_m
+    cell = max(float(kinds.neighbour_range_m.max()), 2 * float(kinds.sensor_m.max()), step_reach) + slack_m
     most = max(CELLS_PER_ROBOT * robots, FEWEST_CELLS)
     cell = max(cell, math.sqrt(float(size[0] * size[1]) / most), float(size.max()) / most)
     columns, rows = (int(extent // cell) + 1 for extent in size)

@@ -129,16 +129,24 @@ async def _told(jobs: JobQueue, job: str) -> AsyncIterator[str]:
                 shown = now
             if over:
                 return
-            try:
-                async with asyncio.timeout(ALIVE_EVERY_S):
-                    await listener.changed.wait()
-            except TimeoutError:
-                yield ": still here\n\n"
-            await asyncio.sleep(BETWEEN_S)
-            listener.changed.clear()
+            if sign := await until_changed(listener):
+                yield sign
     finally:
         if live is not None:
             live.listeners.discard(listener)
+
+
+async def until_changed(listener: Listener) -> str:
+    """Wait for news, or for so long that the line needs a sign of life; that sign, or nothing."""
+    sign = ""
+    try:
+        async with asyncio.timeout(ALIVE_EVERY_S):
+            await listener.changed.wait()
+    except TimeoutError:
+        sign = ": still here\n\n"
+    await asyncio.sleep(BETWEEN_S)
+    listener.changed.clear()
+    return sign
 
 
 def event(name: str, data: Json) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator
 
 from starlette.concurrency import run_in_threadpool
@@ -14,7 +13,7 @@ from rota.web.jobs.live import Listener
 from rota.web.jobs.watches import LiveWatch, notices_after
 from rota.web.refusal import Json, Refusal
 from rota.web.routes.answers import JsonAnswer, json_of, state_of, text_or_none
-from rota.web.routes.jobs import ALIVE_EVERY_S, BETWEEN_S, event, event_stream
+from rota.web.routes.jobs import event, event_stream, until_changed
 from rota.web.routes.page import about_of
 from rota.web.routes.plans import CELLS, MOST_CELLS
 from rota.web.store.plans import plan_json
@@ -99,13 +98,8 @@ async def _told(watch: LiveWatch) -> AsyncIterator[str]:
                 ended: Json = watch.shown()
                 yield event("ended", ended)
                 return
-            try:
-                async with asyncio.timeout(ALIVE_EVERY_S):
-                    await listener.changed.wait()
-            except TimeoutError:
-                yield ": still here\n\n"
-            await asyncio.sleep(BETWEEN_S)
-            listener.changed.clear()
+            if sign := await until_changed(listener):
+                yield sign
     finally:
         watch.listeners.discard(listener)
 

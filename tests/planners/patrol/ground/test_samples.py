@@ -15,6 +15,7 @@ from rota.planners.patrol.ground.sample_kernels import Leg, leg_sees
 from rota.planners.patrol.ground.samples import (
     border,
     joined,
+    known_walls,
     lattice,
     one_a_cell,
     points_of,
@@ -236,7 +237,7 @@ def test_what_is_known_of_the_first_points_is_used_as_if_it_were_found_again() -
     both = joined([first[order], second])
     weight = rng.uniform(1, 2, 110)
     at_once, one = prepare(both, walls, weight=weight, **settings)
-    in_steps, other = prepare(both, walls, weight=weight, known=known, **settings)
+    in_steps, other = prepare(both, walls, weight=weight, known=known_walls(known), **settings)
     assert one.tolist() == other.tolist()
     for name, field in at_once._asdict().items():
         assert getattr(in_steps, name).tolist() == field.tolist(), name

@@ -12,7 +12,7 @@ from rota.check import check_plan
 from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.patrol.annealing.schedule import anneal_shape
-from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.initial.allocation import period_groupings
@@ -21,7 +21,7 @@ from rota.planners.patrol.settings import AlternationSettings, Stage
 from rota.planners.patrol.verdict import Verdict
 
 
-def begun(mission: Mission, *, robots: int) -> tuple[Context, Annealing]:
+def begun(mission: Mission, *, robots: int) -> tuple[Context, Annealed]:
     """A search with few moves on the mission, and annealed tours of so many robots."""
     context = search_on(mission)
     settings = context.settings
@@ -34,18 +34,18 @@ def begun(mission: Mission, *, robots: int) -> tuple[Context, Annealing]:
 
 
 @pytest.fixture(scope="module")
-def tight() -> tuple[Context, Annealing]:
+def tight() -> tuple[Context, Annealed]:
     """Two robots, for whom there is no time."""
     return begun(replace(YARD, period_s=40), robots=2)
 
 
 @pytest.fixture(scope="module")
-def turning() -> tuple[Context, Annealing]:
+def turning() -> tuple[Context, Annealed]:
     """The same of robots that take time to turn, whose tours linear programs do not bend."""
     return begun(replace(YARD, period_s=40, fleet=replace(YARD.fleet, turn_rate_rad_s=3.0)), robots=2)
 
 
-def repairs(search: tuple[Context, Annealing], **limits: float) -> tuple[int, int]:
+def repairs(search: tuple[Context, Annealed], **limits: float) -> tuple[int, int]:
     """How many plans are judged, and how many repairs fail, with these limits of the alternation."""
     context, annealed = search
     judged: list[Plan] = []
@@ -63,7 +63,7 @@ def repairs(search: tuple[Context, Annealing], **limits: float) -> tuple[int, in
 
 
 def test_tours_without_hope_are_not_repaired(
-    tight: tuple[Context, Annealing], turning: tuple[Context, Annealing]
+    tight: tuple[Context, Annealed], turning: tuple[Context, Annealed]
 ) -> None:
     for search in (tight, turning):
         assert repairs(search) == (1, 1)
@@ -75,12 +75,12 @@ def test_tours_without_hope_are_not_repaired(
         assert repairs(turning, **limits) == (1, 1)
 
 
-def test_tours_that_come_close_have_more_attempts(tight: tuple[Context, Annealing]) -> None:
+def test_tours_that_come_close_have_more_attempts(tight: tuple[Context, Annealed]) -> None:
     assert repairs(tight, attempts=3, retry_limit=9.0) == (3, 3)
     assert repairs(tight, attempts=3, retry_limit=0.0) == (1, 1)
 
 
-def test_repairs_go_on_while_they_gain(tight: tuple[Context, Annealing]) -> None:
+def test_repairs_go_on_while_they_gain(tight: tuple[Context, Annealed]) -> None:
     assert repairs(tight, annealings=4, gain_limit=99.0) == (3, 3)
     assert repairs(tight, annealings=4, gain_limit=0.0, near_budget_limit=0.0) == (1, 1)
 

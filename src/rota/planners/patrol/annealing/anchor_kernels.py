@@ -16,7 +16,7 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, norm
+from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
 
 
 @compiled
@@ -39,7 +39,7 @@ def meeting_with(k: int, meets: int, t: Tours) -> int:
     return int(t.anchor[k]) if t.meets[k] == meets else -1
 
 
-@compiled
+@noinline
 def move_together(
     v: int, x: float, y: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours
 ) -> bool:
@@ -100,7 +100,7 @@ def move_together(
     return bool(keeps)
 
 
-@compiled
+@noinline
 def put_meeting(
     h: int, meets: int, kept: tuple[float, float], moved: tuple[float, float], keeps: bool, t: Tours
 ) -> None:

@@ -21,10 +21,10 @@ from rota.planners.patrol.annealing.state_kernels import (
 )
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, norm
+from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
 
 
-@compiled
+@noinline
 def chain_m(p: int, q: int, added: int, most_m: float, k: int, t: Tours) -> float:
     """Length of the way from vertex p past the new places to vertex q; inf when a leg of it is too long.
 
@@ -48,7 +48,7 @@ def chain_m(p: int, q: int, added: int, most_m: float, k: int, t: Tours) -> floa
     return total
 
 
-@compiled
+@noinline
 def way_m(p: int, q: int, t: Tours) -> float:
     """Length of the tour from vertex p on to vertex q, with the turning at both and in between."""
     k = t.tour[p]
@@ -66,7 +66,7 @@ def way_m(p: int, q: int, t: Tours) -> float:
     return total
 
 
-@compiled
+@noinline
 def short_ring_m(p: int, removed: int, added: int, k: int, t: Tours) -> float:
     """Length, turning included, of a ring of at most three vertices after the change; see ``change_legs``."""
     x, y = t.scratch[0], t.scratch[1]
@@ -97,7 +97,7 @@ def range_m(k: int, t: Tours) -> float:
     return float(t.reach_m[k] * (1.4142135623730951 if t.square[k] else 1.0))
 
 
-@compiled
+@noinline
 def chain_is_free(p: int, q: int, added: int, space: EdgeGrid, t: Tours) -> bool:
     """Whether the way from vertex p past the new places to vertex q stays in the standing space."""
     x, y = t.x[p], t.y[p]
@@ -109,7 +109,7 @@ def chain_is_free(p: int, q: int, added: int, space: EdgeGrid, t: Tours) -> bool
     return True
 
 
-@compiled
+@noinline
 def new_chain(p: int, q: int, added: int, k: int, s: Samples, t: Tours) -> bool:
     """Count what the legs from vertex p past the new places to vertex q see, as legs of tour k."""
     x, y = t.x[p], t.y[p]
@@ -146,7 +146,7 @@ def link(a: int, b: int, t: Tours) -> None:
     t.before[b] = a
 
 
-@compiled
+@noinline
 def replace_vertices(p: int, q: int, removed: int, added: int, k: int, t: Tours) -> None:
     """Lead tour k from vertex p past new places to vertex q; the ``removed`` vertices between them are used again."""
     v = t.after[p]
@@ -169,7 +169,7 @@ def replace_vertices(p: int, q: int, removed: int, added: int, k: int, t: Tours)
     link(last, q, t)
 
 
-@compiled
+@noinline
 def take_out(v: int, m: int, q: int, t: Tours) -> None:
     """Give back the m vertices from v on. If one of them is its tour's anchor, vertex q after them becomes it."""
     k = t.tour[v]
@@ -181,7 +181,7 @@ def take_out(v: int, m: int, q: int, t: Tours) -> None:
         v = after
 
 
-@compiled
+@noinline
 def put_between(e: int, f: int, m: int, to: int, t: Tours) -> None:
     """Link new vertices of tour ``to`` at m places between vertices e and f."""
     last = e

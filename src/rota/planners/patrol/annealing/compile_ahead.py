@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rota.geometry.kernels import EdgeGrid, point_in_space, segment_is_free
+from rota.geometry.kernels import EdgeGrid
 from rota.planners.patrol.annealing import kernels, move_kernels
 from rota.planners.patrol.annealing.state_kernels import Tours
 from rota.planners.patrol.ground.sample_kernels import Samples
@@ -25,24 +25,16 @@ SINGLE = {"depth2"}  # of three dimensions, and 32 bits a number
 
 
 def compile_moves() -> None:
-    """Compile the whole annealing, but for what is in numba's cache already."""
-    _compile_geometry()
-    kernels.anneal.compile((INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0)), FLOAT, FLOAT, *_states()))
+    """Compile the whole annealing, but for what is in the cache already."""
+    space, samples, tours = _states()
+    kernels.anneal.compile_entry(INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0)), FLOAT, FLOAT, space, samples, tours)
 
 
 def compile_exchanges() -> None:
-    """Compile the two longest moves alone; ``compile_moves`` in another process finds them in numba's cache."""
-    _compile_geometry()
+    """Compile the two longest moves alone; ``compile_moves`` in another process finds them in the cache."""
     space, samples, tours = _states()
     move_kernels.try_two_opt.compile((INT, INT, FLOAT, space, samples, tours))
     move_kernels.try_or_opt.compile((INT, INT, INT, FLOAT, FLOAT, space, samples, tours))
-
-
-def _compile_geometry() -> None:
-    # it allocates, which it may not when it is compiled for a caller that must not
-    space = _states()[0]
-    point_in_space.compile((FLOAT, FLOAT, space))
-    segment_is_free.compile((FLOAT, FLOAT, FLOAT, FLOAT, space))
 
 
 def _states() -> tuple[Any, Any, Any]:

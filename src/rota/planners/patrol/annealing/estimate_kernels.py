@@ -6,10 +6,10 @@ import math
 
 from rota.planners.patrol.annealing.state_kernels import RANGE, SURE_M, WEIGHT, Tours, bucket_of
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import compiled, noinline
 
 
-@compiled
+@noinline
 def unseen_near(ax: float, ay: float, bx: float, by: float, t: Tours) -> float:
     """No less than the weight of the unseen samples that legs can see that stay in the box with corners a and b."""
     far = t.most[RANGE]
@@ -25,7 +25,7 @@ def unseen_near(ax: float, ay: float, bx: float, by: float, t: Tours) -> float:
     return float(min(t.unseen[0], unseen * t.most[WEIGHT])) + SURE_M
 
 
-@compiled
+@noinline
 def gain_at_most(p: int, q: int, added: int, t: Tours) -> float:
     """What the way from vertex p past the new places to vertex q may gain: no more than is unseen near it.
 
@@ -49,7 +49,7 @@ def note_leg(number: int, ax: float, ay: float, bx: float, by: float, t: Tours) 
     leg[4] = 1 / aa if aa > 0 else 0.0
 
 
-@compiled
+@noinline
 def note_chain(number: int, p: int, q: int, added: int, t: Tours) -> None:
     """Note the legs from vertex p past the new places to vertex q, the first with this number."""
     x, y = t.x[p], t.y[p]
@@ -59,7 +59,7 @@ def note_chain(number: int, p: int, q: int, added: int, t: Tours) -> None:
         x, y = cx, cy
 
 
-@compiled
+@noinline
 def lost_at_least(slot: int, legs: int, reach: float, most: float, s: Samples, t: Tours) -> float:
     """Weight of samples that only the leg with this slot sees, and that none of the first noted legs reaches.
 

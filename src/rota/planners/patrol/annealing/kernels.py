@@ -17,7 +17,7 @@ from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt,
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.annealing.state_kernels import FULL, UNSEEN, VERTICES, Tours, apart, tour_length
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, norm
+from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
 
 ANCHOR_MOVES = 0.5  # share of the exchanges at petals that may begin anywhere on their hub that change where they do
 MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg
@@ -42,7 +42,7 @@ def added_by(v: int, px: float, py: float, qx: float, qy: float, t: Tours) -> fl
     return (min(ahead, back) - norm(bx - ax, by - ay)) * price
 
 
-@compiled
+@noinline
 def near_leg(px: float, py: float, qx: float, qy: float, tour: int, period_class: int, t: Tours) -> int:
     """The leg, of those that begin or end near p, where the way p-q adds least; -1 when there is none near.
 
@@ -77,7 +77,7 @@ def near_leg(px: float, py: float, qx: float, qy: float, tour: int, period_class
     return leg
 
 
-@compiled
+@noinline
 def crossing_leg(a: int, t: Tours, most_m: float) -> int:
     """The vertex c near a, of its tour, for which legs a-c and after a-after c shorten it most; -1: none is near."""
     k, b = t.tour[a], t.after[a]
@@ -102,7 +102,7 @@ def crossing_leg(a: int, t: Tours, most_m: float) -> int:
     return leg
 
 
-@compiled
+@noinline
 def propose_insert(space: EdgeGrid, s: Samples, t: Tours) -> int:
     """A place from where an unseen sample may be seen; returns the leg to lead there, or -1: none this time."""
     i = t.unseen_item[int(uniform(t.rng) * t.ints[UNSEEN])]
@@ -131,7 +131,7 @@ def propose_insert(space: EdgeGrid, s: Samples, t: Tours) -> int:
     return a if point_in_space(t.new_x[0], t.new_y[0], space) else -1
 
 
-@compiled
+@noinline
 def see_more(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> int:
     """Bend legs towards unseen samples, as long as each bend gains more than it costs; nothing else moves.
 
@@ -146,7 +146,7 @@ def see_more(tries: int, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -
     return tries
 
 
-@compiled
+@noinline
 def try_moving_stretch(v: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> None:
     """Move one to three vertices from v on to where they add least, in any tour."""
     m = 1 + int(uniform(t.rng) * 3)
@@ -166,7 +166,7 @@ def try_moving_stretch(v: int, limit: float, most_m: float, space: EdgeGrid, s: 
         try_or_opt(v, m, leg, limit, most_m, space, s, t)
 
 
-@compiled
+@noinline
 def leg_elsewhere(v: int, w: int, t: Tours) -> int:
     """The leg near vertex v where the way v..w adds least, none of its own and neither the one before nor after it."""
     best, leg = math.inf, -1
@@ -194,7 +194,7 @@ def leg_elsewhere(v: int, w: int, t: Tours) -> int:
     return leg
 
 
-@compiled
+@noinline
 def shift(v: int, spread: float, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> None:
     """Move vertex v by up to ``spread`` in both directions."""
     t.new_x[0] = t.x[v] + spread * (2 * uniform(t.rng) - 1)
@@ -207,7 +207,7 @@ def shift(v: int, spread: float, limit: float, most_m: float, space: EdgeGrid, s
         change_legs(t.before[v], np.int64(1), np.int64(1), limit, most_m, space, s, t)
 
 
-@compiled
+@noinline
 def one_move(limit: float, step_m: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> None:
     """Try one move of a random kind at a random place; keep it if it costs at most ``limit``."""
     none, one = np.int64(0), np.int64(1)

@@ -21,12 +21,12 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, norm
+from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
 
 FARTHEST_STEPS = 8  # along its hub that an empty petal goes
 
 
-@compiled
+@noinline
 def try_meeting_near(v: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
     """Let the petal of vertex v pass its hub, there to begin, near v and at any vertex; keep it if it costs ``limit``.
 
@@ -68,7 +68,7 @@ def hub_vertex_near(v: int, t: Tours) -> int:
     return int(vertex)
 
 
-@compiled
+@noinline
 def meets_at(k: int, u: int, e: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
     """Let petal k begin at vertex u of its hub, passed on leg e of the petal, if that costs at most ``limit``.
 

@@ -45,10 +45,10 @@ from rota.planners.patrol.annealing.state_kernels import (
     undo,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.sight_kernels import compiled
+from rota.planners.patrol.ground.sight_kernels import compiled, noinline
 
 
-@compiled
+@noinline
 def change_legs(
     p: int, removed: int, added: int, limit: float, most_m: float,
     space: EdgeGrid, s: Samples, t: Tours,
@@ -103,7 +103,7 @@ def change_legs(
     return True
 
 
-@compiled
+@noinline
 def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
     """Reverse the way from after a to c, both of one tour, so that a-c and after a-after c are its new legs."""
     k = t.tour[a]
@@ -171,7 +171,7 @@ def reverse(first: int, last: int, t: Tours) -> None:
         v = after
 
 
-@compiled
+@noinline
 def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeGrid, s: Samples, t: Tours) -> bool:
     """Move the m vertices from v on between vertex e, which is none of them, and the vertex after it, in any tour."""
     k, to = t.tour[v], t.tour[e]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.patrol.annealing.progress import searched
-from rota.planners.patrol.annealing.search import Annealing, budget_penalties
+from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.samples import SamplePoints
@@ -20,17 +19,17 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 
 
-def anneal_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: int, coarse: bool) -> list[Annealing]:
+def anneal_all(context: Context, begun: list[list[Tour]], *, moves: int, seed: int, coarse: bool) -> list[Annealed]:
     """The annealings that begin with each of these sets of tours, in their order, on any number of threads."""
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+    with ThreadPoolExecutor(max_workers=context.threads) as pool:
         jobs = [
-            pool.submit(anneal_tours, context, tours, no_points(), moves=moves, seed=seed + i, coarse=coarse)
+            pool.submit(context.run, anneal_tours, tours, no_points(), moves=moves, seed=seed + i, coarse=coarse)
             for i, tours in enumerate(begun)
         ]
         return [job.result() for job in jobs]
 
 
-def anneal_shape(context: Context, tours: list[Tour], *, seed: int) -> Annealing:
+def anneal_shape(context: Context, tours: list[Tour], *, seed: int) -> Annealed:
     """The full annealing that finds the shape of the tours; later stages change little of it."""
     settings = context.settings.annealing
     return anneal_tours(
@@ -49,7 +48,7 @@ def anneal_tours(
     stage: Stage | None = None,
     halfway_unseen_limit: float = math.inf,
     coarse: bool = False,
-) -> Annealing:
+) -> Annealed:
     """One annealing: everything seen if it can be, within the budgets if it can be, then short.
 
     stage: its heat, weight of seeing and reserve; None: those of the settings and of the context.
@@ -81,7 +80,7 @@ def anneal_tours(
         moves, hot_m=stage.heat * problem.reach_m, cold_m=problem.reach_m / settings.cold,
         should_stop=stop, done=searched(context, search, points),
     )  # fmt: skip
-    return search
+    return search.annealed
 
 
 def relevant_corners(context: Context, tours: list[Tour]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,18 @@ from rota.planners.patrol.tours.tour import (
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Annealed:
+    """What an annealing came to: its tours, and what ``Annealing`` says of them in properties of these names."""
+
+    tours: list[Tour]
+    unseen_share: float
+    over_budget_share: float
+    shortfall_m: float
+    moves_made: int
+
 
 LONGEST_LEG = 6.0  # legs of at most this many reaches, so that what one sees stays near its ends
 MOST_BUCKETS = 4_000_000
@@ -193,6 +205,15 @@ class Annealing:
         state = self._state
         over = sum(over_budget_cost(h, state) for h in np.unique(state.hub))
         return float(state.unseen[0] + over)
+
+    @property
+    def annealed(self) -> Annealed:
+        """What it came to so far, without its state."""
+        tours = self.tours
+        return Annealed(
+            tours=tours, unseen_share=self.unseen_share, over_budget_share=over_budget_share(tours),
+            shortfall_m=self.shortfall_m, moves_made=self.moves_made,
+        )  # fmt: skip
 
     @property
     def tours(self) -> list[Tour]:

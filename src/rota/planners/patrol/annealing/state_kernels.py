@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rota.by_reference import by_reference
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.sample_kernels import Index, Leg, Samples, leg_sees
-from rota.planners.patrol.ground.sight_kernels import compiled, norm
+from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -86,7 +86,7 @@ class Tours(NamedTuple):
     scratch: Floats  # room for the places of a short ring
 
 
-@compiled
+@noinline
 def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
     """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
     runs = t.seen[slot]
@@ -133,7 +133,7 @@ def apart(a: int, b: int, t: Tours) -> float:
     return norm(t.x[b] - t.x[a], t.y[b] - t.y[a])
 
 
-@compiled
+@noinline
 def tour_length(k: int, t: Tours) -> float:
     """Length of tour k in metres, turning included as the metres that take the same time."""
     first = t.anchor[k]
@@ -147,7 +147,7 @@ def tour_length(k: int, t: Tours) -> float:
             return total
 
 
-@compiled
+@noinline
 def over_budget_cost(h: int, t: Tours) -> float:
     """Price of what tour h, or the hub h with its petals, is over budget: in each of its rounds and in all of them."""
     first, last = t.petals[h, 0], t.petals[h, 1]
@@ -177,7 +177,7 @@ def length_cost(k: int, change_m: float, t: Tours) -> float:
     return t.length_weight[k] * change_m + now - was
 
 
-@compiled
+@noinline
 def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: Tours) -> bool:
     """Count what a new leg of tour k sees; it joins the trial. False (and FULL set) when there is no room for it."""
     left, tried = t.ints[SLOTS_LEFT], t.ints[TRIED_NEW]
@@ -221,7 +221,7 @@ def keep(t: Tours) -> None:
     t.ints[ACCEPTED] += 1
 
 
-@compiled
+@noinline
 def undo(unseen: float, s: Samples, t: Tours) -> None:
     """Undo the trial; ``unseen`` is the weight of the unseen samples before it, to the last bit."""
     for i in range(t.ints[TRIED_OLD]):
@@ -264,7 +264,7 @@ def leave_bucket(v: int, t: Tours) -> None:
         t.bucket_before[after] = before
 
 
-@compiled
+@noinline
 def new_vertex(x: float, y: float, k: int, t: Tours) -> int:
     """A vertex of tour k at a place, in its bucket, not yet linked; the caller has made sure that one is left."""
     t.ints[VERTICES_LEFT] -= 1
@@ -278,7 +278,7 @@ def new_vertex(x: float, y: float, k: int, t: Tours) -> int:
     return v
 
 
-@compiled
+@noinline
 def free_vertex(v: int, t: Tours) -> None:
     """Give a vertex back; the caller has unlinked it. A tour's anchor moves on before."""
     k = t.tour[v]

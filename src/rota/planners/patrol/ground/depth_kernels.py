@@ -6,15 +6,15 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from rota.compiled.kernel import kernel
 from rota.planners.patrol.ground.sight_kernels import DEPTH_SECTORS, TOUCH_M, turned
 
 SLACK = 1e-5  # share of a depth given away: depths are kept with 24 bits
 ROUNDING = 1e-9  # of a sector: a wall that ends so near a border may reach across it
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
     """(n, 2, DEPTH_SECTORS) float32 squared metres: up to there nothing is hidden, and beyond there everything is.
 
@@ -37,7 +37,7 @@ def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
     return depth2
 
 
-@njit(cache=True)
+@kernel
 def _borders() -> Any:
     """(DEPTH_SECTORS, 2) unit vectors towards which the sectors begin."""
     borders = np.empty((DEPTH_SECTORS, 2))
@@ -51,7 +51,7 @@ def _borders() -> Any:
     return borders
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any, blocked: Any) -> None:
     """Let one wall, from u to v as seen from the point, bring down the depths of the sectors that it reaches into."""
     turn = ux * vy - uy * vx

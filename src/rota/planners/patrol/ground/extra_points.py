@@ -6,7 +6,7 @@ import numpy as np
 
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out, points_of, thinned
+from rota.planners.patrol.ground.samples import SamplePoints, joined, known_walls, laid_out, points_of, thinned
 
 UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
 
@@ -26,6 +26,6 @@ def prepared_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False
     # no way is too long for a visit, however small the zone
     longest_m = np.array(problem.periods_s)[points.period] * problem.robot.speed_m_s
     weight = np.where(points.visit_m > 0, longest_m, UNSEEN_WEIGHT * points.area_m2 / problem.swath_m)
-    known = None if coarse else problem.samples
+    known = None if coarse else known_walls(problem.samples)
     points, samples, _ = laid_out(points, problem.walls, problem.robot, weight=weight, known=known)
     return points, samples

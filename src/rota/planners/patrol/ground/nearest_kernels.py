@@ -6,10 +6,11 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from rota.compiled.kernel import kernel
 
 
-@njit(cache=True, error_model="numpy")
+@kernel(error_model="numpy")
 def nearest_on_segments(points: Any, segments: Any, square: int) -> Any:
     """For each point (n, 2) the place (n, 2) on the segments (k, 4) at the least range (n,), inf when k is 0.
 

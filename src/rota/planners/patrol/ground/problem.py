@@ -16,7 +16,7 @@ from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.limits_of_sight import limit_points
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out, region_points
+from rota.planners.patrol.ground.samples import SamplePoints, joined, known_walls, laid_out, region_points
 from rota.planners.patrol.ground.sight import Sight
 from rota.planners.patrol.ground.standing import space_for
 from rota.planners.patrol.ground.unseeable import refuse_unseeable
@@ -104,7 +104,8 @@ def set_up_problem(mission: Mission) -> Problem:
     refuse_unseeable(mission, seen.points, seen.unseeable, regions)
     points, samples = seen.points, seen.samples
     if len(seen.unseen):
-        points, samples, _ = laid_out(points[np.isin(np.arange(len(points)), seen.unseen, invert=True)], walls, robot)
+        kept = np.setdiff1d(np.arange(len(points)), seen.unseen)
+        points, samples, _ = laid_out(points[kept], walls, robot, known=known_walls(samples, kept))
     paths = ShortestPaths(space)
     return Problem(
         mission=mission,

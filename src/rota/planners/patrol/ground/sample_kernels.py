@@ -19,6 +19,7 @@ from rota.planners.patrol.ground.sight_kernels import (
     hidden_until,
     inlined,
     nearest_in_range,
+    noinline,
     range_interval,
     turned,
 )
@@ -177,7 +178,7 @@ def in_sight(line: Line, near: float, reach: float, square: int, i: int, s: Samp
     return True
 
 
-@compiled
+@noinline
 def leg_sees(leg: Leg, period_class: int, s: Samples, out: Any) -> int:
     """Write what the leg sees of the samples of this period class or a longer one: first index, one past the last.
 
@@ -203,13 +204,13 @@ def lattice_runs(leg: Leg, period_class: int, s: Samples, out: Any) -> int:
         if s.frame_ints[f, 0] < period_class or r < 0:
             continue
         lane = Lane(leg.ax, leg.ay, dx, dy, per_dy, -dy * per_leg * r, dx * per_leg * r, r)
-        written = frame_runs(f, leg, lane, per_aa, s, out, written)
+        written = frame_runs(f, leg, lane, per_aa, s, out, np.int64(written))
         if written < 0:
             return -1
     return written
 
 
-@compiled
+@noinline
 def frame_runs(f: int, leg: Leg, lane: Lane, per_aa: float, s: Samples, out: Any, written: int) -> int:
     """The part that lies on lattice f, row by row; samples are asked one by one only where walls are near."""
     xs, ys, next_walled, column_start, square = s.x, s.y, s.next_walled, s.column_start, leg.square
@@ -254,7 +255,7 @@ def frame_runs(f: int, leg: Leg, lane: Lane, per_aa: float, s: Samples, out: Any
     return written
 
 
-@compiled
+@noinline
 def loose_runs(leg: Leg, period_class: int, s: Samples, out: Any, written: int) -> int:
     """The part of ``leg_sees`` that lies on no lattice, bin by bin; ``written`` numbers are in ``out`` already."""
     # local names: the loop below runs over everything near every leg that is ever tried

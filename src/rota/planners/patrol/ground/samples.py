@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,20 +12,24 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon
 
+from rota.geometry import kernels
 from rota.geometry.free_space import DemandedRegion
 from rota.mission import Robot, inner_reach_m
 from rota.planners.patrol.ground.depth_kernels import depths
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import TOUCH_M
-from rota.planners.patrol.ground.viewpoint_kernels import walls_that_hide
+from rota.planners.patrol.ground.wall_kernels import WallCells, walls_that_hide
 from rota.polygons import polygons_of
 
 MANY_CORNERS = 12_000  # of borders: of more, points stand for their neighbours
 ON_THE_SPOT_M = 1e-9  # a robot so near a point is on it
+POINTS_TOGETHER = 2_000  # for which walls are looked for in one thread
+MOST_CELLS = 4_000_000  # into which walls are sorted
 WALL_MARGIN = 0.001  # of the inner reach: walls count as longer by this at both ends
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Rows = tuple[Ints, Ints]  # starts (n + 1,) of n rows, and the items of all
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,13 +191,13 @@ def prepare(
     reach_m: float,
     weight: Floats,
     wall_margin_m: float,
-    known: Samples | None = None,
+    known: Rows | None = None,
 ) -> tuple[Samples, Ints]:
     """The arrays that the kernels work on, and the order (n,) in which the points stand in them.
 
     walls: (k, 4) segments that block sight, lengthened by ``wall_margin_m`` at both ends so that nothing counts as seen
     by a hair's breadth. Points on lattices stand first, row by row; the others by bins of the size of the reach. Each
-    knows the walls within reach. known: what was prepared of the first points, whose walls need not be found again.
+    knows the walls within reach. known: the walls of the first points, which need not be found again.
     """
     far_m = max(reach_m, float(points.visit_m.max(initial=0.0)))
     on_lattice = np.flatnonzero(points.row >= 0)
@@ -208,8 +214,8 @@ def prepare(
     if known is None:
         wall_start, wall_item = walls_in_reach(points[order], walls, reach_m)
     else:
-        new = points[np.arange(len(known.x), len(points))]
-        rows = joined_rows((known.wall_start, known.wall_item), walls_in_reach(new, walls, reach_m))
+        new = points[np.arange(len(known[0]) - 1, len(points))]
+        rows = joined_rows(known, walls_in_reach(new, walls, reach_m))
         wall_start, wall_item = rows_in_order(*rows, order)
     points = points[order]
     longer = walls.copy().reshape(-1, 4)
@@ -241,7 +247,7 @@ def prepare(
 
 
 def laid_out(
-    points: SamplePoints, walls: Floats, robot: Robot, *, weight: Floats | None = None, known: Samples | None = None
+    points: SamplePoints, walls: Floats, robot: Robot, *, weight: Floats | None = None, known: Rows | None = None
 ) -> tuple[SamplePoints, Samples, Ints]:
     """The points (n) in the order in which the kernels take them, as they take them, and that order (n,).
 
@@ -258,7 +264,13 @@ def laid_out(
     return points[order], samples, order
 
 
-def joined_rows(first: tuple[Ints, Ints], second: tuple[Ints, Ints]) -> tuple[Ints, Ints]:
+def known_walls(samples: Samples, which: Ints | None = None) -> Rows:
+    """The walls of each of the prepared points, or of some of them (k,)."""
+    rows = samples.wall_start, samples.wall_item
+    return rows if which is None else rows_in_order(*rows, which)
+
+
+def joined_rows(first: Rows, second: Rows) -> Rows:
     """Two lists of rows, each as starts (n + 1,) and items, as one."""
     start = np.concatenate([first[0], first[0][-1] + second[0][1:]])
     return start, np.concatenate([first[1], second[1]])
@@ -311,13 +323,24 @@ def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple
     n = len(points)
     if not len(walls):
         return np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    tree = shapely.STRtree(shapely.linestrings(walls.reshape(-1, 2, 2)))
     wanted = np.flatnonzero(points.visit_m == 0)
-    pairs = tree.query(shapely.points(points.xy_m[wanted]), predicate="dwithin", distance=reach_m)
-    point, wall = wanted[pairs[0]], pairs[1]
-    order = np.lexsort((wall, point))
-    point, wall = point[order], np.ascontiguousarray(wall[order], dtype=np.int64)
-    start = np.searchsorted(point, np.arange(n + 1)).astype(np.int64)
-    x, y = (np.ascontiguousarray(points.xy_m[:, axis]) for axis in (0, 1))
-    needed = walls_that_hide(x, y, start, wall, np.ascontiguousarray(walls))
-    return np.searchsorted(point[needed], np.arange(n + 1)).astype(np.int64), wall[needed]
+    cells = wall_cells(walls, reach_m / 2)
+    some = np.array_split(np.ascontiguousarray(points.xy_m[wanted]), 1 + len(wanted) // POINTS_TOGETHER)
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        found = list(pool.map(lambda xy_m: walls_that_hide(xy_m, reach_m, cells), some))
+    sizes = np.zeros(n, dtype=np.int64)
+    sizes[wanted] = np.concatenate([np.diff(start) for start, _ in found])
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.concatenate([items for _, items in found])
+
+
+def wall_cells(walls: Floats, cell_m: float) -> WallCells:
+    """The walls (k, 4), k at least 1, sorted into cells of about that size."""
+    low, high = walls.reshape(-1, 2).min(axis=0), walls.reshape(-1, 2).max(axis=0)
+    width_m, height_m = high - low
+    cell_m = max(cell_m, float(np.sqrt(width_m * height_m / MOST_CELLS)), float(max(width_m, height_m)) / MOST_CELLS)
+    margin_m = 1e-6 * cell_m
+    x0, y0 = float(low[0]) - cell_m / 2, float(low[1]) - cell_m / 2
+    nx, ny = int(width_m / cell_m) + 2, int(height_m / cell_m) + 2
+    edges = np.ascontiguousarray(walls)
+    start, items = kernels.cells_of_edges(edges, x0, y0, cell_m, nx, ny, margin_m)
+    return WallCells(edges, x0, y0, cell_m, nx, ny, start, items)

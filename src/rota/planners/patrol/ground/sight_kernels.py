@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from numba import njit
+from rota.compiled.kernel import kernel
 
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "_nrt": False}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 STANDING_M2 = 1e-18  # a leg with less length (squared) is a place where the robot stands
 TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not hide it
 DEPTH_SECTORS = 32  # of directions round a sample, a multiple of 4
@@ -20,12 +20,17 @@ def compiled(function: Callable[..., Any]) -> Any:
     Such functions pass tuples of many arrays to each other; to count references to every array on every call (numba's
     runtime, "nrt") would take more time than all the rest.
     """
-    return njit(**OPTIONS)(function)
+    return kernel(**OPTIONS)(function)
+
+
+def noinline(function: Callable[..., Any]) -> Any:
+    """The same for a large function, which its callers call instead of taking it in: they compile in less time."""
+    return kernel(**OPTIONS, noinline=True)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """A compiled function that becomes part of its callers."""
-    return njit(**OPTIONS, inline="always")(function)
+    return kernel(**OPTIONS, inline="always")(function)
 
 
 class Line(NamedTuple):

@@ -17,7 +17,7 @@ from rota.mission import Robot
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import ON_THE_SPOT_M, SamplePoints, laid_out, lattice, one_a_cell
+from rota.planners.patrol.ground.samples import ON_THE_SPOT_M, SamplePoints, known_walls, laid_out, lattice, one_a_cell
 from rota.planners.patrol.ground.sight import Sight, sensor_arguments
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
 from rota.polygons import polygons_of
@@ -164,7 +164,8 @@ def places_that_see_all(points: SamplePoints, sight: Sight) -> SeenPoints:
     if not len(left):
         return SeenPoints(points, samples, np.vstack([candidates_m, further_m]), left, left)
     nearest_m, ranges_m = nearest_places(points.xy_m[left], space, walls, robot)
-    points, samples, order = laid_out(_with_shrink_fitted(points, left, ranges_m, sight), walls, robot)
+    fitted = _with_shrink_fitted(points, left, ranges_m, sight)
+    points, samples, order = laid_out(fitted, walls, robot, known=known_walls(samples))
     left = np.argsort(order)[left]
     in_range = {
         int(i): nearest_m[k] for k, i in enumerate(left) if reach_m - ranges_m[k] > HAIR_M and points.visit_m[i] == 0

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from rota.compiled.kernel import kernel
 from rota.planners.patrol.ground.sight_kernels import compiled
 
 
-@njit(cache=True)
+@kernel
 def nearest_neighbour_tour(d: Any) -> Any:
     """Order (n,) that always goes on to the nearest place not yet visited, from place 0."""
     n = d.shape[0]
@@ -27,7 +27,7 @@ def nearest_neighbour_tour(d: Any) -> Any:
     return order
 
 
-@njit(cache=True)
+@kernel
 def improve_tour(d: Any, near: Any, order: Any) -> None:
     """2-opt and or-opt over neighbour lists (n, k) until neither shortens the closed tour; changes ``order``."""
     n = order.shape[0]
@@ -42,7 +42,7 @@ def improve_tour(d: Any, near: Any, order: Any) -> None:
                 again = True
 
 
-@njit(cache=True)
+@kernel
 def two_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
     """Replace the edge after or before place a by one to a neighbour, if that shortens the tour."""
     n = order.shape[0]
@@ -78,7 +78,7 @@ def reverse_places(first: int, last: int, order: Any, place: Any) -> None:
         last = last - 1 if last > 0 else n - 1
 
 
-@njit(cache=True)
+@kernel
 def or_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
     """Move the stretch of one to three places that begins at a next to a neighbour of a, if that shortens the tour."""
     n = order.shape[0]
@@ -105,7 +105,7 @@ def or_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
     return False
 
 
-@njit(cache=True)
+@kernel
 def move_stretch(a: int, long: int, way: int, c: int, e: int, order: Any, place: Any) -> None:
     """Take ``long`` places from a on (in direction ``way``) and put them between c and e, a beside c."""
     n = order.shape[0]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Generator, Iterator
 
 from rota.planners.patrol.annealing.schedule import anneal_tours
-from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.samples import SamplePoints
@@ -18,7 +18,7 @@ from rota.planners.patrol.tours.tour import over_budget_share
 SEEDS_APART = 10  # the annealings of one attempt take seeds of their own
 
 
-def anneal_and_repair(context: Context, search: Annealing, *, seed: int) -> Iterator[Repaired | None]:
+def anneal_and_repair(context: Context, search: Annealed, *, seed: int) -> Iterator[Repaired | None]:
     """After every repair None, or at last the plan that the judge passed within the budgets.
 
     Tours that come near to their budgets once may do so with other seeds, so that other attempts are made.
@@ -32,7 +32,7 @@ def anneal_and_repair(context: Context, search: Annealing, *, seed: int) -> Iter
             return
 
 
-def attempt_with_seed(context: Context, search: Annealing, *, seed: int) -> Generator[Repaired | None, None, float]:
+def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Generator[Repaired | None, None, float]:
     """Anneal, then repair; while that fails narrowly, anneal again, cooler, with what the judge found unmet.
 
     Yields as ``anneal_and_repair`` does. Returns the least share by which repaired tours were over their budgets; inf
@@ -49,15 +49,22 @@ def attempt_with_seed(context: Context, search: Annealing, *, seed: int) -> Gene
         over_limit = search.over_budget_share > settings.over_budget_limit
         if context.should_stop() or search.unseen_share > unseen_limit or over_limit:
             break
-        search = annealed_once_more(context, search, extra, stage, seed=seed + 1 + turn)
+        search = context.run(annealed_once_more, search, extra, stage, seed=seed + 1 + turn)
         if turn + 1 < len(settings.first_stages):
             continue
         if bends and search.over_budget_share > settings.bent_over_budget_limit:
             break
-        repaired = repair_until_feasible(
-            context, search.tours, extra, may_add=False, rounds=context.settings.repair.rounds, annealed=True
+        repaired = context.run(
+            repair_until_feasible,
+            search.tours,
+            extra,
+            may_add=False,
+            rounds=context.settings.repair.rounds,
+            annealed=True,
         )
         if repaired.met and repaired.within_budgets:
+            if context.executor is not None:
+                context.judge(repaired.plan)  # who looks on was not told of what is judged elsewhere
             yield repaired
             return math.inf
         yield None
@@ -70,9 +77,7 @@ def attempt_with_seed(context: Context, search: Annealing, *, seed: int) -> Gene
     return least_excess
 
 
-def annealed_once_more(
-    context: Context, search: Annealing, extra: SamplePoints, stage: Stage, *, seed: int
-) -> Annealing:
+def annealed_once_more(context: Context, search: Annealed, extra: SamplePoints, stage: Stage, *, seed: int) -> Annealed:
     """The annealing that begins with the tours of another, with this stage's heat, weight and reserve."""
     settings = context.settings.alternation
     stage = stage._replace(heat=max(stage.heat, settings.least_heat))

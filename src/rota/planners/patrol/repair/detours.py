@@ -97,16 +97,19 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
     A robot of its own is posted there also where the detour would take more than one robot travels in a period.
     """
     component = int(problem.paths.part_of(place_m[None])[0])
+    able = [k for k, tour in enumerate(tours) if tour.period_class <= period and tour.component == component]
+    straight_m = {k: float(straight_detours(tours[k].vertices_m, place_m).min()) for k in able}
     best: tuple[float, int, int] | None = None
-    for k, tour in enumerate(tours):
-        if tour.period_class > period or tour.component != component:
-            continue
+    for k in sorted(able, key=straight_m.__getitem__):
+        if best is not None and straight_m[k] > best[0] + ON_ROUTE_M:
+            break  # no detour is shorter than straight
+        tour = tours[k]
         i, detour_m = least_detour(problem, tour.vertices_m, place_m)
         room = room_m(tours, k)
         if min(detour_m, detour_m - room) > replace(tour, robots=1).budget_m:
             continue
         cost = detour_m + 3 * max(0.0, detour_m - room)
-        if math.isfinite(cost) and (best is None or cost < best[0]):
+        if math.isfinite(cost) and (best is None or (cost, k) < best[:2]):
             best = (cost, k, i)
     if best is None:
         alone = Tour(
@@ -129,8 +132,7 @@ def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple
     """
     ends_m = np.roll(vertices_m, -1, axis=0)
     legs_m = np.hypot(*(ends_m - vertices_m).T)
-    away_m = np.hypot(*(vertices_m - place_m).T)
-    straight_m = away_m + np.roll(away_m, -1) - legs_m
+    straight_m = straight_detours(vertices_m, place_m)
     order = np.argsort(straight_m, kind="stable")
     best = (math.inf, 0)
     for first in range(0, len(order), MOST_DETOURS):
@@ -141,3 +143,11 @@ def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple
         detours_m = ways_m[: len(some)] + ways_m[len(some) :] - legs_m[some]
         best = min(best, *zip(detours_m.tolist(), some.tolist(), strict=True))
     return best[1], best[0]
+
+
+def straight_detours(vertices_m: Floats, place_m: Floats) -> Floats:
+    """Metres (n,) that each leg of a closed tour (n, 2) would be longer past the place, if nothing were in the way."""
+    legs_m = np.hypot(*(np.roll(vertices_m, -1, axis=0) - vertices_m).T)
+    away_m = np.hypot(*(vertices_m - place_m).T)
+    straight_m: Floats = away_m + np.roll(away_m, -1) - legs_m
+    return straight_m

@@ -14,9 +14,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from rota.compiled.kernel import kernel
 from rota.geometry.kernels import segment_is_free
 
 LEFT, STRAIGHT, RIGHT = 1, 0, -1
@@ -46,14 +46,14 @@ class Leg(NamedTuple):
     headings_b: NDArray[np.float64]
 
 
-@njit(cache=True)
+@kernel
 def _wrapped(angle):
     """The angle in 0..2 pi; what rounding leaves just below 2 pi is 0."""
     angle = angle % FULL
     return 0.0 if angle > FULL - NO_TURN_RAD else angle
 
 
-@njit(cache=True)
+@kernel
 def word_pieces(word, d, a, b, pieces):
     """The three pieces (3,) of a word in units of the radius, turns as angles; False where it does not lead there.
 
@@ -103,7 +103,7 @@ def word_pieces(word, d, a, b, pieces):
     return True
 
 
-@njit(cache=True)
+@kernel
 def word_corners(word, x, y, heading, pieces, radius_m, corners):
     """The corners (k, 2) of the legs along a word that begins at (x, y), without both its ends; returns k."""
     k = 0
@@ -129,7 +129,7 @@ def word_corners(word, x, y, heading, pieces, radius_m, corners):
     return k
 
 
-@njit(cache=True)
+@kernel
 def _corners_are_free(ax, ay, corners, count, bx, by, grid):
     """Whether the legs from a past the corners to b stay in the space."""
     x, y = ax, ay
@@ -140,14 +140,14 @@ def _corners_are_free(ax, ay, corners, count, bx, by, grid):
     return segment_is_free(x, y, bx, by, grid)
 
 
-@njit(cache=True)
+@kernel
 def _relative(a, b, heading_a, heading_b, radius_m):
     """What word_pieces takes: the distance over the radius, and the headings from the direction of the far end."""
     along = math.atan2(b[1] - a[1], b[0] - a[0])
     return math.hypot(b[0] - a[0], b[1] - a[1]) / radius_m, heading_a - along, heading_b - along
 
 
-@njit(cache=True)
+@kernel
 def _length_m(word, pieces, radius_m):
     """The length of a word, as the legs beside its arcs are driven."""
     total = 0.0
@@ -160,7 +160,7 @@ def _length_m(word, pieces, radius_m):
     return radius_m * total
 
 
-@njit(cache=True)
+@kernel
 def shortest_words(leg, radius_m, grid, looks, lengths, words):
     """The shortest path along a leg for each pair of headings: its length and its word, both (h, g).
 
@@ -188,7 +188,7 @@ def shortest_words(leg, radius_m, grid, looks, lengths, words):
             lengths[i, j] = best if not looks else free if free < np.inf else best + BLOCKED_M
 
 
-@njit(cache=True)
+@kernel
 def is_free(a, b, heading_a, heading_b, word, radius_m, grid):
     """Whether the path by a word from a to b (2,) stays in the space."""
     pieces, corners = np.zeros(3), np.zeros((MOST_CORNERS, 2))
@@ -198,7 +198,7 @@ def is_free(a, b, heading_a, heading_b, word, radius_m, grid):
     return _corners_are_free(a[0], a[1], corners, count, b[0], b[1], grid)
 
 
-@njit(cache=True)
+@kernel
 def chosen_headings(lengths, closed):
     """The headings (n,) by number, of the shortest way past n vertices; a closed one comes back to the first.
 
@@ -229,7 +229,7 @@ def chosen_headings(lengths, closed):
     return chosen
 
 
-@njit(cache=True)
+@kernel
 def look_for_walls(points, headings, chosen, radius_m, grid, lengths, words, looked):
     """Look for walls along all paths of the legs by whose chosen headings walls would be met; whether there were any.
 
@@ -248,7 +248,7 @@ def look_for_walls(points, headings, chosen, radius_m, grid, lengths, words, loo
     return some
 
 
-@njit(cache=True)
+@kernel
 def curve_corners(points, headings, words, radius_m):
     """The corners (m, 2) of the curve past the points (n, 2) with these headings (n,) by these words (n - 1,).
 

@@ -64,9 +64,14 @@ class Tour:
     @property
     def turn_m_per_rad(self) -> float:
         """Metres that could be travelled while turning by one radian; on arcs, what these add at most."""
-        if self.robot.turn_rate_rad_s is None:
-            return ARC_SHARE * self.robot.turn_radius_m
-        return self.robot.speed_m_s / self.robot.turn_rate_rad_s
+        return turn_m_per_rad(self.robot)
+
+
+def turn_m_per_rad(robot: Robot) -> float:
+    """Metres that the robot could travel while it turns by one radian; on arcs, what these add at most."""
+    if robot.turn_rate_rad_s is None:
+        return ARC_SHARE * robot.turn_radius_m
+    return robot.speed_m_s / robot.turn_rate_rad_s
 
 
 def tour_length_m(tour: Tour) -> float:

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.delayed_news_kernels import MOST_SPEED_GAIN, no_faster
 from rota.planners.swarm.filter_kernels import filter_velocities
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
 from rota.planners.swarm.kernels import cell_of
 from rota.planners.swarm.nodes.hearing import Known
-from rota.planners.swarm.rollout import deciding_room
 from rota.planners.swarm.state import Decisions, Grid, Kinds, Moving, Robots, Rule, Snapshot
 
 

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import shapely
-from shapely import LineString, MultiPolygon, box
+from shapely import LinearRing, LineString, MultiPolygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.methods.large.lanes import MOST_SHARING, groups_for, in_districts, robots_shared, space_near
+from rota.planners.patrol.methods.large.lanes import (
+    groups_for,
+    in_boxes,
+    in_districts,
+    in_rows,
+    promising_rows,
+    robots_shared,
+    space_near,
+)
+from rota.planners.patrol.methods.large.rows import MOST_SHARING
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, sweep_grounds
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import tour_length_m
@@ -66,19 +76,36 @@ def test_too_few_robots_give_none(problem: Problem) -> None:
     assert in_districts(problem, ground, 0.0, 11) is None  # 23,100 m2 take 11.55 robots that sweep 10 m
 
 
-def test_periods_too_short_for_lanes_give_none(problem: Problem) -> None:
+def test_periods_too_short_for_boxes_are_met_by_loops_that_many_share(problem: Problem) -> None:
     (ground,) = sweep_grounds(problem, ((0,),))
     soon = tuple(replace(region, period_s=9.9) for region in problem.regions)
-    assert in_districts(replace(problem, regions=soon), ground, 0.0, None) is None  # 99 m, and the reach is 5 m
+    hasty = replace(problem, regions=soon)  # a robot drives 99 m, and the reach is 5 m
+    assert in_boxes(hasty, ground, 0.0, None) is None
+    tours = in_districts(hasty, ground, 0.0, None)
+    assert tours is not None
+    assert max(tour_length_m(tour) / (tour.robots * 99) for tour in tours) <= 1
+    # 23,100 m2 in lanes of 10 m are 23.3 robots; the hole is small, and ways round it cost as much as it is long
+    assert sum(tour.robots for tour in tours) <= 1.4 * 23.3
 
 
-def test_robots_with_bodies_have_routes_of_their_own() -> None:
+def test_robots_with_bodies_share_loops_that_keep_apart_and_no_other_routes() -> None:
     bodies = replace(FIELD, fleet=replace(FIELD.fleet, body_radius_m=0.2))
     alone = set_up_problem(bodies)
     (ground,) = sweep_grounds(alone, ((0,),))
-    tours = in_districts(alone, ground, 0.0, None)
-    assert tours is not None
-    assert {tour.robots for tour in tours} == {1}
+    boxes = in_boxes(alone, ground, 0.0, None)
+    assert boxes is not None
+    assert {tour.robots for tour in boxes} == {1}
+    assert (
+        in_rows(alone, ground, promising_rows(alone, ground, 200.0), 0.0, None) is None
+    )  # past the hole they would meet
+    alone = set_up_problem(replace(bodies, area=MultiPolygon([box(0, 0, 400, 120)])))
+    (ground,) = sweep_grounds(alone, ((0,),))
+    rows = in_rows(alone, ground, promising_rows(alone, ground, 200.0), 0.0, None)
+    assert rows is not None
+    assert max(tour.robots for tour in rows) > 1
+    lines = np.array([LinearRing(tour.vertices_m) for tour in rows])
+    apart_m = shapely.distance(lines[:, None], lines[None])[np.triu_indices(len(lines), 1)]
+    assert apart_m.min() >= 2 * 0.2
 
 
 def test_ways_are_looked_for_nearby_only_where_the_district_hangs_together() -> None:

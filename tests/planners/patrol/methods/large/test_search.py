@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -11,12 +10,21 @@ from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import search_on
 
 import rota
+from rota.engines.processes import LocalProcesses
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
-from rota.planners.patrol.methods.large.search import asked_m2, by_districts, fewest_on_large, is_large
+from rota.planners.patrol.methods.large.search import (
+    asked_m2,
+    by_districts,
+    fewest_on_large,
+    is_large,
+    joined,
+    repaired_together,
+)
+from rota.planners.patrol.methods.sweeping.search import sweep_sequentially
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 
@@ -63,28 +71,51 @@ def test_ground_is_large_by_its_area_in_squares_of_the_reach(width_m: float, lar
     # a sensor that reaches 5 m: 40 squares are 1,000 m2
     field = replace(FIELD, obstacles=(), area=MultiPolygon([box(0, 0, width_m, 10)]))
     context = search_on(field)
-    settings = replace(context.settings.districts, large_from=40.0)
-    assert is_large(context.problem, settings) is large
-    assert not is_large(context.problem, context.settings.districts)
+    assert not is_large(context)
+    districts = replace(context.settings.districts, large_from=40.0)
+    assert is_large(replace(context, settings=replace(context.settings, districts=districts))) is large
 
 
-def test_districts_searched_by_themselves_give_one_plan_and_always_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("period_s", "large"), [(48, True), (50, False)])
+def test_ground_is_large_for_many_robots(period_s: float, large: bool) -> None:
+    # 100 m x 100 m, of which a robot sees 10 * 10 * 48 m2 and its footprint, 78.5 m2, in 48 s: 2.05 robots
+    field = replace(FIELD, obstacles=(), area=MultiPolygon([box(0, 0, 100, 100)]), period_s=period_s)
+    context = search_on(field)
+    districts = replace(context.settings.districts, many_robots=3)
+    assert is_large(replace(context, settings=replace(context.settings, districts=districts))) is large
+
+
+def test_districts_searched_by_themselves_give_one_plan() -> None:
     context = search_on(STREETS)
     # 604 m2 to be seen point by point are 38 squares of 4 m
     missions = missions_of(STREETS, boxes_for(asked_m2(context.problem), 25 * 4**2), 16.0)
     assert len(missions) == 2
-    found = by_districts(context, fewest_robots, missions)
-    assert met(found.plan)
-    monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    again = by_districts(context, fewest_robots, missions)
-    assert len(found.tours) == len(again.tours)
-    for a, b in zip(found.plan, again.plan, strict=True):
-        assert np.array_equal(a.positions_m, b.positions_m)
-        assert np.array_equal(a.times_s, b.times_s)
+    assert met(repaired_together(context, by_districts(context, fewest_robots, missions)).plan)
 
 
-def test_districts_are_searched_where_lanes_do_not_do() -> None:
-    # no lanes meet 25 s
+def test_other_processes_find_the_same_tours_of_districts() -> None:
+    context = search_on(STREETS)
+    missions = missions_of(STREETS, 2, 16.0)
+    found = by_districts(context, sweep_sequentially, missions)
+    with LocalProcesses(1) as processes:
+        again = by_districts(replace(context, executor=processes), sweep_sequentially, missions)
+    assert [len(tours) for tours in found] == [len(tours) for tours in again]
+    for a, b in zip(joined(found), joined(again), strict=True):
+        assert np.array_equal(a.vertices_m, b.vertices_m)
+        assert a.robots == b.robots
+
+
+def test_districts_end_at_once_when_the_search_is_to_end() -> None:
+    context = replace(search_on(STREETS), should_stop=lambda: True)
+    missions = missions_of(STREETS, 2, 16.0)
+
+    def search(_district: Context) -> Repaired:
+        raise AssertionError("nothing more is to be searched")
+
+    assert by_districts(context, search, missions) == [[], []]
+
+
+def test_districts_are_searched_where_lanes_do_not_do(monkeypatch: pytest.MonkeyPatch) -> None:
     context = search_on(replace(STREETS, period_s=25))
     districts = DistrictSettings(enough=0.0, most_area=25.0)
     context = replace(context, settings=replace(context.settings, districts=districts))
@@ -94,7 +125,9 @@ def test_districts_are_searched_where_lanes_do_not_do() -> None:
         asked.append(district.problem.mission)
         return fewest_robots(replace(district, should_stop=lambda: True))
 
-    fewest_on_large(context, search)
+    with monkeypatch.context() as patch:
+        patch.setattr("rota.planners.patrol.methods.large.search.in_lanes", lambda _context: None)
+        fewest_on_large(context, search)
     assert len(asked) == 2
     asked.clear()
     # two robots in lanes meet 50 s, and each of two districts would take a robot

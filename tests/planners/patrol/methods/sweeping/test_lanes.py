@@ -10,7 +10,8 @@ import shapely
 from shapely import LineString, MultiPolygon, Point, Polygon, affinity, box
 
 from rota.mission import DiscSensor, SquareSensor
-from rota.planners.patrol.methods.sweeping.lanes import Swath, cells, events, lane_ends, lanes_in
+from rota.planners.patrol.methods.sweeping.boustrophedon import cells, events
+from rota.planners.patrol.methods.sweeping.lanes import Swath, lane_ends, lanes_in
 
 DISC = DiscSensor(radius_m=5)
 

@@ -10,7 +10,7 @@ import shapely
 from shapely import LineString, MultiPolygon, box
 
 import rota
-from rota.compare import distinct_loops
+from rota.distinct_loops import distinct_loops
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sweeping.methods import cut_in_two, divided_area, widest

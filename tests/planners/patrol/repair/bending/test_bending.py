@@ -82,6 +82,17 @@ def test_round_the_corners_of_a_square(field: Problem) -> None:
     assert tour_length_m(found) == pytest.approx(4 * (30 - math.sqrt(2) * sight_m(field)), rel=2e-3)
 
 
+def test_within_its_budget_a_tour_is_shortened_where_metres_cost(field: Problem) -> None:
+    corners = [[15, 15], [45, 15], [45, 45], [15, 45]]
+    samples = samples_at(field, corners)[1]
+    begun = tour(field, corners, period_s=1000.0)
+    for weight, least_m in ((0.0, 120.0), (1.0, 4 * (30 - math.sqrt(2) * sight_m(field)))):
+        settings = replace(BENDING, length_weight=weight, range_weight=20.0, least_gain=1e-6)
+        search = Bending(field, [begun], samples, settings)  # type: ignore[arg-type]
+        search.run(300, should_stop=lambda: False)
+        assert tour_length_m(search.tours[0]) == pytest.approx(least_m, rel=2e-3)
+
+
 def test_a_square_sensor_on_the_corners_of_a_square() -> None:
     problem = problem_of(square=True)
     corners = [[15, 15], [45, 15], [45, 45], [15, 45]]

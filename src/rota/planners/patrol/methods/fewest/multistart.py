@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import itertools
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from rota.planners.patrol.annealing.schedule import anneal_shape
-from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.tours.tour import Tour
 
 
-def annealed_in_full(context: Context, begun: list[list[Tour]], *, seed: int) -> list[Annealing]:
+def annealed_in_full(context: Context, begun: list[list[Tour]], *, seed: int) -> list[Annealed]:
     """The annealings with the least shortfall, in the order in which they were begun.
 
     begun: tours to begin with, the most promising first. Round after round begins with each of the first of them and
@@ -28,12 +27,12 @@ def annealed_in_full(context: Context, begun: list[list[Tour]], *, seed: int) ->
     weights = settings.coverage_weights
     kind = [turn // few % len(weights) for turn in turns]
 
-    def search(turn: int) -> Annealing:
+    def search(turn: int) -> Annealed:
         weight = weights[kind[turn]] * context.coverage_weight
         own = replace(context, coverage_weight=weight)
-        return anneal_shape(own, begun[turn % few], seed=seed + 100 * turn)
+        return own.run(anneal_shape, begun[turn % few], seed=seed + 100 * turn)
 
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+    with ThreadPoolExecutor(max_workers=context.threads) as pool:
         searches = list(pool.map(search, turns))
     best = least_of_each([each.shortfall_m for each in searches], kind, settings.kept)
     return [searches[turn] for turn in sorted(best)]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
-from rota.planners.patrol.annealing.search import Annealing
+from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair
 from rota.planners.patrol.repair.repair import Repaired
@@ -19,20 +19,24 @@ Result = TypeVar("Result")
 Runner = Callable[[Callable[[], bool]], Iterator[Result | None]]
 
 
-def first_to_pass(context: Context, searches: list[Annealing], *, seed: int) -> Repaired | None:
+def first_to_pass(context: Context, searches: list[Annealed], *, seed: int) -> Repaired | None:
     """The plan of the search that passes after the fewest repairs, the first of several; None when none passes."""
 
     def repairs(turn: int, should_stop: Callable[[], bool]) -> Iterator[Repaired | None]:
         return anneal_and_repair(replace(context, should_stop=should_stop), searches[turn], seed=seed + 100 * turn)
 
-    return race([partial(repairs, turn) for turn in range(len(searches))], context.should_stop)
+    runners = [partial(repairs, turn) for turn in range(len(searches))]
+    return race(runners, context.should_stop, threads=context.threads)
 
 
-def race(runners: list[Runner[Result]], should_stop: Callable[[], bool]) -> Result | None:
+def race(
+    runners: Sequence[Runner[Result]], should_stop: Callable[[], bool], *, threads: int | None = None
+) -> Result | None:
     """The result of the runner that has one after the fewest tries, the first of several; None when none has one.
 
     A runner is given what tells it to stop, and yields None after every try that failed, or its result at last. It is
-    stopped once another is ahead of it for good, so that the answer is the same on any number of cores.
+    stopped once another is ahead of it for good, so that the answer is the same on any number of threads (None: one for
+    each core).
     """
     passed_after: list[float] = [math.inf] * len(runners)
 
@@ -50,6 +54,6 @@ def race(runners: list[Runner[Result]], should_stop: Callable[[], bool]) -> Resu
             tries += 1
         return None
 
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+    with ThreadPoolExecutor(max_workers=threads or os.cpu_count()) as pool:
         results = list(pool.map(run, range(len(runners))))
     return min(zip(passed_after, results, strict=True), key=lambda pair: pair[0], default=(math.inf, None))[1]

@@ -10,21 +10,24 @@ from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings
+from rota.planners.patrol.methods.fewest.one_fewer import one_fewer
 from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_size
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack, sure_team_size
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 
+SPARED = 2.0  # times the likely team size: lanes that take more robots do not suit the mission, and give up too many
 
-def fewest_robots(context: Context) -> Repaired:
+
+def fewest_robots(context: Context, best: Repaired | None = None) -> Repaired:
     """The plan with the fewest robots found (met unless all repair failed).
 
-    Every effort begins with what the lesser ones found and looks for fewer: more effort never takes more robots.
+    best: a plan that there is already; one with fewer robots is looked for. Every effort begins with what the lesser
+    ones found: more effort never takes more robots.
     """
     asked = context.problem.mission
     names = list(EFFORTS)
     efforts = names[: names.index(PatrolSettings.of(asked).effort) + 1]
-    best = None
     for turn, effort in enumerate(efforts):
         own = context if effort == PatrolSettings.of(asked).effort else with_less_effort(context, effort)
         best = reduce_team(replace(own, progress=share_of_progress(context.progress, turn, len(efforts))), best)
@@ -54,17 +57,32 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     settings = context.settings.team_size
     groupings = period_groupings(context.problem, context.settings.allocation.groupings)
     if context.problem.is_ragged and not settings.searches_ragged:
+        if best is not None and best.met and best.robots <= sure_team_size(groupings):
+            return best
         repaired = repair_first_tours(context, groupings)
         if repaired.met:
-            return repaired
+            return repaired if best is None or not best.met or repaired.robots < best.robots else best
     context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
     likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
     likely = max(context.enough_robots, likely)
+    if best is not None and best.robots <= SPARED * likely:
+        best = without_spare_robots(context, best)
     if best is None or not best.met or best.robots > likely + 1:
         best = search_upwards(context, groupings, likely, best)
         if best.robots > likely:
             return best  # smaller teams were tried on the way up
     return search_downwards(context, groupings, best)
+
+
+def without_spare_robots(context: Context, best: Repaired) -> Repaired:
+    """The last plan that passes when the tours of the best one so far give up one robot after the other."""
+    while best.met and best.robots > context.enough_robots and not context.should_stop():
+        context.progress(0.1, f"trying {best.robots - 1} robots")
+        smaller = one_fewer(context, best)
+        if smaller is None:
+            break
+        best = smaller
+    return best
 
 
 def search_downwards(context: Context, groupings: list[PeriodGrouping], best: Repaired) -> Repaired:

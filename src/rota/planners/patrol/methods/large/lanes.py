@@ -2,12 +2,14 @@
 
 One route over everything would be the shortest, but each of its robots would drive all of it: what a plan holds and
 what there is to check would grow with the square of the area. Robots of one district are few, whatever the area.
+Districts are the columns of rows of lanes (``rows``), which suit open ground; or boxes of ground in about the same
+amounts, where rows take more robots than these could.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -17,9 +19,11 @@ from shapely import MultiPolygon
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import weighed_boxes
-from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turned
-from rota.planners.patrol.methods.sweeping.methods import load, sequential
-from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles
+from rota.planners.patrol.methods.large.rings import ring_over
+from rota.planners.patrol.methods.large.rows import Column, best_rows, columns_of, lane_cells, row_settings
+from rota.planners.patrol.methods.sweeping.lanes import common_part, polygons, turned, turning
+from rota.planners.patrol.methods.sweeping.methods import burden, load, meets_itself, not_more, sequential
+from rota.planners.patrol.methods.sweeping.routes import SweepGround, best_route, promising_angles, robots_for, sensing
 from rota.planners.patrol.methods.sweeping.search import LEAST_LANES
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.polygons import polygons_of
@@ -31,18 +35,134 @@ MOST_SHARING = 12  # robots of one district; with bodies, which would meet on la
 MOST_CORNERS = 600  # of the ground in one district: ways round them, and orders of lanes, take their square
 SHORTEST = 20.0  # reaches that a robot can drive in a period: with less, it hardly moves or is all turns
 MOST_TRIES = 8  # numbers of robots
+EVEN_ENOUGH = 1.05  # multiples of the robots that all lengths together take up to which districts are not evened out
 BALANCING = 6  # rounds in which districts are weighed anew by the lengths of their routes
+ROWS_WORTH = 1.25  # multiples of the robots that perfect lanes take up to which rows are tried before boxes
+ROWS_ENOUGH = 1.1  # up to which boxes are not tried after them: they seldom come below
+LAYING = 3  # times that rows are laid, for lengths that loops came to
+HEADROOM = 2e-3  # share of the budgets that rows laid anew leave besides
+ROUNDING = 1e-6  # share of the budgets that tours leave
+ON_BORDER_M = 1e-7  # rounding of a loop that lies on the border of the space
 AROUND = 4.0  # reaches beyond a district's bounds in which its route may find its way
 
 
 def in_districts(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """Routes over districts of the ground, with as few robots as their lengths allow; None when more than ``most``.
 
-    reserve: share of every budget that is kept for the repair. None also where a period is too short for lanes, or
-    districts of so many robots do not fit their budgets after some numbers tried.
+    reserve: share of every budget that is kept for the repair. Rows of lanes, or boxes where they may do with fewer.
     """
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve, most)
+    budget_m = problem.robot.speed_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
+    least = ground.shape.area / (problem.swath_m * budget_m)
+    rows = promising_rows(problem, ground, budget_m)
+    if most is not None and most < rows.robots <= ROWS_ENOUGH * least:
+        return None
+    tours = in_rows(problem, ground, rows, reserve, most) if rows.robots <= ROWS_WORTH * least else None
+    if tours is not None and burden(tours)[0] <= ROWS_ENOUGH * least:
+        return tours
+    boxes = in_boxes(problem, ground, reserve, most if tours is None else burden(tours)[0] - 1)
+    return boxes or tours or in_rows(problem, ground, rows, reserve, most)
+
+
+def lesser(one: int | None, other: int) -> int:
+    """The lesser of two limits, the first of which may be none."""
+    return other if one is None else min(one, other)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rows:
+    """Rows laid over the ground at one angle: for robots that drive ``budget_m`` in a period, so many of them."""
+
+    budget_m: float
+    angle_rad: float
+    robots: int
+    columns: list[Column]
+
+
+def promising_rows(problem: Problem, ground: SweepGround, budget_m: float) -> Rows:
+    """The rows with the fewest robots, of the directions of lanes tried."""
+    laid = []
+    for angle_rad in promising_angles(problem, ground.shape):
+        settings = row_settings(problem, sensing(problem, angle_rad), budget_m * (1 - ROUNDING))
+        cells = lane_cells(ground.shape, angle_rad, settings.width_m)
+        rows = [(cell, row) for cell in cells for row in best_rows(cell, settings)]
+        laid.append((sum(row.robots for _, row in rows), angle_rad, settings, rows))
+    robots, angle_rad, settings, rows = min(laid, key=lambda entry: entry[0])
+    columns = [column for cell, row in rows for column in columns_of(cell, row, settings)]
+    return Rows(budget_m=budget_m, angle_rad=angle_rad, robots=robots, columns=columns)
+
+
+def in_rows(problem: Problem, ground: SweepGround, rows: Rows, reserve: float, most: int | None) -> list[Tour] | None:
+    """Loops over the columns of rows of lanes; None when more robots than ``most``.
+
+    Where real loops are longer than their columns promised, rows are laid anew for that length.
+    """
+    best: list[Tour] | None = None
+    for _ in range(LAYING):
+        if most is not None and rows.robots > most:
+            break
+        tours = tours_over_columns(problem, ground, rows, reserve)
+        if tours is None:
+            break
+        robots = burden(tours)[0]
+        if best is None or robots < burden(best)[0]:
+            best = not_more(tours, most)
+        if robots <= rows.robots:
+            break
+        longer = sum(tour_length_m(tour) for tour in tours) / rows.robots / rows.budget_m
+        rows = promising_rows(problem, ground, rows.budget_m / max(1.0, longer) * (1 - HEADROOM))
+    return best
+
+
+def tours_over_columns(problem: Problem, ground: SweepGround, rows: Rows, reserve: float) -> list[Tour] | None:
+    """A tour over each column, by way of the stops nearest to it, with as many robots as it needs.
+
+    A loop over the lanes where these are open; else the shortest route that is found. A column near which no robot can
+    be has none. None where robots with bodies would share a route that is no such loop: they would meet.
+    """
+    areas = [MultiPolygon(polygons(turned(shapely.union_all(column.lanes), rows.angle_rad))) for column in rows.columns]
+    nearest = nearest_areas(ground.stops_m, areas)
+    swath, room = sensing(problem, rows.angle_rad), shapely.buffer(problem.space, ON_BORDER_M)
+    shapely.prepare(room)
+    tours = []
+    for k, column in enumerate(rows.columns):
+        stops_m = ground.stops_m[nearest == k]
+        ring_m = ring_over(column, swath) @ turning(rows.angle_rad)
+        tour = None if len(stops_m) else loop_within(problem, ground, room, ring_m)
+        is_ring = tour is not None
+        tour = tour or route_over(problem, replace(ground, shape=areas[k], stops_m=stops_m))
+        if tour is None:
+            continue
+        robots = robots_for(tour, reserve)
+        if robots > 1 and problem.robot.body_radius_m > 0 and not is_ring:
+            return None
+        tours.append(replace(tour, robots=robots))
+    return tours
+
+
+def loop_within(problem: Problem, ground: SweepGround, room: MultiPolygon, ring_m: Floats) -> Tour | None:
+    """The tour along a closed polyline (k, 2); None where it leaves the ground's part of the space."""
+    if not room.covers(shapely.LinearRing(ring_m) if len(ring_m) > 2 else shapely.LineString(ring_m)):
+        return None
+    if (problem.paths.part_of(ring_m[:1]) != ground.component).any():
+        return None
+    return Tour(
+        vertices_m=ring_m,
+        period_class=ground.period_class,
+        period_s=problem.periods_s[ground.period_class],
+        robots=1,
+        robot=problem.robot,
+        component=ground.component,
+    )
+
+
+def in_boxes(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
+    """Routes over boxes of the ground in about the same amounts; see ``in_districts``.
+
+    Each box has as many robots as its route needs. Where that takes many more than all lengths together do, boxes are
+    weighed anew. Robots with bodies share no route.
+    """
     one_m = problem.robot.speed_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     robots = max(1, math.ceil(LEAST_LANES * ground.shape.area / (problem.swath_m * one_m)))
     if one_m < SHORTEST * problem.reach_m:
@@ -53,8 +173,12 @@ def in_districts(problem: Problem, ground: SweepGround, reserve: float, most: in
         tours = over_districts(problem, ground, robots, reserve)
         if all(load(tour) <= 1 - reserve for tour in tours):
             return tours
-        needed = math.ceil(sum(tour_length_m(tour) for tour in tours) / one_m)
-        robots = max(robots + 1, needed)
+        needed = sum(tour_length_m(tour) for tour in tours) / one_m
+        whole = [replace(tour, robots=robots_for(tour, reserve)) for tour in tours]
+        robots = max(robots + 1, math.ceil(needed))
+        shared = all(tour.robots <= MOST_SHARING for tour in whole) and not meets_itself(whole)
+        if shared and burden(whole)[0] <= lesser(most, max(robots, math.floor(EVEN_ENOUGH * needed))):
+            return whole
     return None
 
 
@@ -102,8 +226,7 @@ def routes_over(problem: Problem, ground: SweepGround, areas: list[MultiPolygon]
 
     An area near which no robot can be has none.
     """
-    away_m = shapely.distance(shapely.points(ground.stops_m)[:, None], np.array(areas)[None])
-    nearest = np.argmin(away_m, axis=1) if len(away_m) else np.zeros(0, dtype=np.int64)
+    nearest = nearest_areas(ground.stops_m, areas)
     routes = []
     for k, area in enumerate(areas):
         own = replace(ground, shape=area, stops_m=ground.stops_m[nearest == k])
@@ -111,6 +234,14 @@ def routes_over(problem: Problem, ground: SweepGround, areas: list[MultiPolygon]
         if tour is not None:
             routes.append(replace(tour, robots=int(shares[k])))
     return routes
+
+
+def nearest_areas(places_m: Floats, areas: list[MultiPolygon]) -> Ints:
+    """For each of the places (n, 2) the number of the area nearest to it."""
+    if not len(places_m):
+        return np.zeros(0, dtype=np.int64)
+    away_m = shapely.distance(shapely.points(places_m)[:, None], np.array(areas)[None])
+    return np.asarray(np.argmin(away_m, axis=1))
 
 
 def route_over(problem: Problem, ground: SweepGround) -> Tour | None:

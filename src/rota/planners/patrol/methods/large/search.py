@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
+import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from functools import partial
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
@@ -13,10 +12,9 @@ from rota.mission import Mission
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, silent
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.lanes import in_districts
 from rota.planners.patrol.methods.method import Method
@@ -25,9 +23,22 @@ from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.tours.tour import Tour
 
 
-def is_large(problem: Problem, settings: DistrictSettings) -> bool:
-    """Whether so much ground must be seen, compared with what a robot sees at once, that it is planned in districts."""
-    return asked_m2(problem) > settings.large_from * problem.reach_m**2
+def is_large(context: Context) -> bool:
+    """Whether so much ground must be seen, for what a robot sees at once, or by so many, that districts are planned."""
+    problem, settings = context.problem, context.settings.districts
+    return has_many(context) or asked_m2(problem) > settings.large_from * problem.reach_m**2
+
+
+def has_many(context: Context) -> bool:
+    """Whether the mission takes many robots for sure."""
+    return context.bound.robots >= context.settings.districts.many_robots
+
+
+def perfect_lanes(problem: Problem) -> float:
+    """The robots that lanes would take which lose nothing at their ends or to whole robots."""
+    swept_m2_s = problem.swath_m * problem.robot.speed_m_s
+    points = [region for region in problem.regions if region.demand == "every_point"]
+    return float(sum(region.shape.area / (swept_m2_s * region.period_s) for region in points))
 
 
 def asked_m2(problem: Problem) -> float:
@@ -43,16 +54,22 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
     """
     problem, settings = context.problem, context.settings.districts
     few = settings.enough * context.enough_robots
+    if has_many(context):
+        few = max(few, settings.many_enough * max(context.enough_robots, perfect_lanes(problem)))
     lanes = in_lanes(context)
     if lanes is not None and (context.should_stop() or (lanes.met and lanes.robots <= few)):
         return lanes
     count = boxes_for(asked_m2(problem), settings.most_area * problem.reach_m**2)
+    count = max(count, math.ceil(context.bound.robots / settings.most_robots))
     if count == 1:
         return better(lanes, search(context))
     missions = missions_of(problem.mission, count, settings.margin * problem.robot.sensor.reach_m)
     if lanes is not None and lanes.met and sum(map(least_robots, missions)) >= lanes.robots:
         return lanes  # each district takes whole robots
-    return better(lanes, by_districts(context, search, missions))
+    districts = by_districts(context, search, missions)
+    if lanes is not None and context.should_stop():
+        return lanes
+    return better(lanes, repaired_together(context, districts))
 
 
 def least_robots(mission: Mission) -> int:
@@ -79,49 +96,55 @@ def better(one: Repaired | None, other: Repaired) -> Repaired:
     return other if other.robots < one.robots else one
 
 
-def by_districts(context: Context, search: Method, missions: list[Mission]) -> Repaired:
-    """Tours found for every district's mission by itself, repaired together, robots added if it takes them."""
+def by_districts(context: Context, search: Method, missions: list[Mission]) -> list[list[Tour]]:
+    """The tours found for every district's mission by itself; none for those not begun when the search is to end."""
     districts: list[list[Tour]] = []
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        seeds = range(context.seed, context.seed + len(missions))
-        for tours in pool.map(partial(tours_of, context, search), missions, seeds):
-            districts.append(tours)
-            context.progress(
-                0.3 + 0.6 * len(districts) / len(missions), f"{len(districts)} of {len(missions)} districts planned"
-            )
+    alone = replace(context, problem=None, progress=silent, watch=None)  # type: ignore[arg-type]
+    seeds = range(context.seed, context.seed + len(missions))
+
+    def found(mission: Mission, seed: int) -> list[Tour]:
+        return alone.run(tours_alone, search, mission, seed)
+
+    with ThreadPoolExecutor(max_workers=context.threads) as pool:
+        for tours in pool.map(found, missions, seeds):
+            districts.append([of_whole(context.problem, tour) for tour in tours])
+            share = len(districts) / len(missions)
+            context.progress(0.3 + 0.6 * share, f"{len(districts)} of {len(missions)} districts planned")
+    return districts
+
+
+def repaired_together(context: Context, districts: list[list[Tour]]) -> Repaired:
+    """The tours of all districts repaired together, with more robots if it takes them."""
     exact = replace(context, problem=judged_by_lanes(context.problem))
-    whole = repair_until_feasible(
-        exact, joined(districts), no_points(), may_add=False, rounds=context.settings.repair.rounds
-    )
-    if whole.met and whole.within_budgets:
+    rounds, patient = context.settings.repair.rounds, context.settings.repair.patient_rounds
+    whole = repair_until_feasible(exact, joined(districts), no_points(), may_add=False, rounds=rounds)
+    if (whole.met and whole.within_budgets) or context.should_stop():
         return whole
     context.progress(0.9, "finishing with the robots that the repair asks for")
-    return repair_until_feasible(
-        exact, joined(districts), no_points(), may_add=True, rounds=context.settings.repair.patient_rounds
-    )
+    return repair_until_feasible(exact, joined(districts), no_points(), may_add=True, rounds=patient)
 
 
-def tours_of(context: Context, search: Method, mission: Mission, seed: int) -> list[Tour]:
-    """The tours that the search finds for one district, classes and parts as the whole problem numbers them.
+def tours_alone(context: Context, search: Method, mission: Mission, seed: int) -> list[Tour]:
+    """The tours that the search finds for one district's mission, whatever the context's problem is.
 
-    None where nobody can see enough of it from within: the repair of the whole will lead robots there.
+    None where nobody can see enough of it from within: the repair of the whole will lead robots there. None either
+    once the search is to end.
     """
+    if context.should_stop():
+        return []
     try:
         problem = set_up_problem(mission)
     except NoPlanFound:
         return []
     bound = prove_bound(problem)
-    alone = replace(
-        context, problem=problem, bound=bound, enough_robots=bound.robots, seed=seed,
-        progress=lambda share, what: None, watch=None,
-    )  # fmt: skip
-    whole = context.problem
-    tours = []
-    for tour in search(alone).tours:
-        component = int(whole.paths.part_of(tour.vertices_m[:1])[0])
-        period_class = whole.periods_s.index(problem.periods_s[tour.period_class])
-        tours.append(replace(tour, period_class=period_class, component=max(component, 0)))
-    return tours
+    own = replace(context, problem=problem, bound=bound, enough_robots=bound.robots, seed=seed, executor=None)
+    return search(own).tours
+
+
+def of_whole(problem: Problem, tour: Tour) -> Tour:
+    """The tour of a district with its class and its part of the space as the whole problem numbers them."""
+    component = int(problem.paths.part_of(tour.vertices_m[:1])[0])
+    return replace(tour, period_class=problem.periods_s.index(tour.period_s), component=max(component, 0))
 
 
 def joined(districts: list[list[Tour]]) -> list[Tour]:

@@ -6,8 +6,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from rota.compiled.kernel import kernel
 from rota.geometry.kernels import EdgeGrid, point_in_space, point_sees_point
 from rota.planners.patrol.ground.sight_kernels import compiled
 
@@ -124,7 +124,7 @@ def cells_seen(px: float, py: float, cells: CellTable, ground: Ground, known: An
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def cells_seen_from(places: Any, cells: CellTable, ground: Ground, most: int) -> Any:
     """Starts (n + 1,) and items of the cells seen from each place (n, 2); ``most`` is the most that a place sees."""
     known = np.zeros(1 + cells.corners.shape[0], np.int64)

@@ -12,8 +12,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from rota.compiled.kernel import kernel
 from rota.planners.patrol.ground.sight_kernels import compiled
 
 X, Y, FLAG = 0, 1, 2
@@ -207,7 +207,7 @@ def best_neighbour(i: int, j: int, reach: int, best_fitness: Any) -> int:
     return chosen
 
 
-@njit(cache=True, nogil=True)
+@kernel(nogil=True)
 def near_groups(place: Any, box: Any, seeds: Any, size: int) -> Any:
     """Order (n,) of sensors in which each ``size`` in a row are near each other: a seed and the sensors nearest to it.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -25,6 +24,8 @@ SLIVER_M2 = 1e-6  # strips smaller than this are rounding of the cuts
 GRID_M, FINE_GRID_M = 1e-7, 1e-9
 SHARED_M = 1e-5  # of border: shorter ones are rounding of the cuts
 SHORT_M = 1e-6  # of a lane's end: no further way is laid for it
+FEW_CORNERS = 100  # of a shape: with more it is halved before it is cut into slabs, each of which costs all corners
+BAND_MARGIN_M = 1e-3  # by which a band of the space is higher than its strip
 NUDGE_M = 1e-7  # off the border of the strip, so that rounding does not put a lane outside
 
 
@@ -111,84 +112,40 @@ def slab(shape: BaseGeometry, low_m: float, high_m: float) -> list[Polygon]:
     return sorted(parts, key=lambda part: part.bounds)
 
 
-def strips(shape: BaseGeometry, width_m: float) -> Iterator[tuple[Polygon, float]]:
-    """Parts of equal strips no wider than ``width_m`` along x, each with the height of its strip's middle, upwards."""
+def slabs(shape: BaseGeometry, heights_m: list[float]) -> list[list[Polygon]]:
+    """The ``slab`` between each of the heights, which rise, and the next: one fewer than heights."""
+    if len(heights_m) == 2 or shapely.get_num_coordinates(shape) <= FEW_CORNERS:
+        return [slab(shape, low, high) for low, high in pairwise(heights_m)]
+    middle = len(heights_m) // 2
+    below = MultiPolygon(slab(shape, heights_m[0], heights_m[middle]))
+    above = MultiPolygon(slab(shape, heights_m[middle], heights_m[-1]))
+    return slabs(below, heights_m[: middle + 1]) + slabs(above, heights_m[middle:])
+
+
+def bands(space: BaseGeometry, heights_m: list[float]) -> list[BaseGeometry]:
+    """For each of the heights and the next a part of the space that holds all of it between them, with few corners."""
+    if len(heights_m) == 2 or shapely.get_num_coordinates(space) <= FEW_CORNERS:
+        return [space] * (len(heights_m) - 1)
+    middle = len(heights_m) // 2
+    left, _, right, _ = space.bounds
+    found: list[BaseGeometry] = []
+    for part in (heights_m[: middle + 1], heights_m[middle:]):
+        box = shapely.box(left - 1, part[0] - BAND_MARGIN_M, right + 1, part[-1] + BAND_MARGIN_M)
+        found += bands(common_part(space, box), part)
+    return found
+
+
+def strips(shape: BaseGeometry, width_m: float) -> tuple[list[float], list[float]]:
+    """Heights that part a shape into equal strips no wider than ``width_m``, and those of the strips' middles."""
     _, low, _, high = shape.bounds
     count = max(1, math.ceil((high - low) / width_m - 1e-9))
     step = (high - low) / count
-    for k in range(count):
-        for part in slab(shape, low + k * step, low + (k + 1) * step):
-            yield part, low + (k + 0.5) * step
-
-
-def cells(shape: Polygon) -> list[Polygon]:
-    """Boustrophedon cells: every line along x meets each in one stretch, and neighbours that could be one are one.
-
-    Cut where a line moving upwards is split or joined: at the reflex corners that are lowest or highest around.
-    Source: Choset, Coverage of known spaces: the boustrophedon cellular decomposition, Autonomous Robots 9, 2000.
-    """
-    _, low, _, high = shape.bounds
-    cuts = [low, *sorted({y for y in events(shape) if low + 1e-9 < y < high - 1e-9}), high]
-    layers = [slab(shape, a, b) for a, b in pairwise(cuts)]
-    grown: list[list[Polygon]] = []
-    open_below: list[tuple[Polygon, list[Polygon]]] = []
-    for layer in layers:
-        below = [part for part, _ in open_below]
-        touches = np.array([[shared_m(part, other) > SHARED_M for other in below] for part in layer], dtype=bool)
-        touches = touches.reshape(len(layer), len(below))
-        now: list[tuple[Polygon, list[Polygon]]] = []
-        for i, part in enumerate(layer):
-            beneath = np.flatnonzero(touches[i])
-            if len(beneath) == 1 and touches[:, beneath[0]].sum() == 1:
-                cell = open_below[beneath[0]][1]
-                cell.append(part)
-            else:
-                cell = [part]
-                grown.append(cell)
-            now.append((part, cell))
-        open_below = now
-    return [part for cell in grown for part in polygons(shapely.union_all(cell, grid_size=GRID_M))]
+    return [low + k * step for k in range(count + 1)], [low + (k + 0.5) * step for k in range(count)]
 
 
 def shared_m(one: Polygon, other: Polygon) -> float:
     """Length of the border that two parts of neighbouring slabs share."""
     return float(shapely.intersection(one, other, grid_size=GRID_M).length)
-
-
-def events(shape: Polygon) -> list[float]:
-    """Heights at which a line along x, moving upwards, is split by an obstacle or joined behind one."""
-    heights: list[float] = []
-    for number, ring in enumerate([shape.exterior, *shape.interiors]):
-        points = shapely.get_coordinates(ring)[:-1]
-        if ring.is_ccw != (number == 0):
-            points = points[::-1]
-        heights += ring_events(points)
-    return heights
-
-
-def ring_events(points_m: Floats) -> list[float]:
-    """Heights of the reflex corners of a ring (n, 2), shape on the left, that are its lowest or highest around."""
-    y = points_m[:, 1]
-    level = np.abs(np.roll(y, -1) - y) < 1e-9  # the edge after each corner is along x
-    heights = []
-    for i in range(len(y)):
-        if level[i - 1]:
-            continue  # a level stretch counts at its first corner
-        j, run = i, 0
-        while level[j] and run < len(y):
-            j, run = (j + 1) % len(y), run + 1
-        before, after = y[i - 1] - y[i], y[(j + 1) % len(y)] - y[i]
-        if before * after <= 0:
-            continue
-        if run:
-            # with the shape on the left, a lowest stretch has it above when it leads to the right
-            outside = (points_m[j, 0] < points_m[i, 0]) == (before > 0)
-        else:
-            come, go = points_m[i] - points_m[i - 1], points_m[(i + 1) % len(y)] - points_m[i]
-            outside = bool(come[0] * go[1] - come[1] * go[0] < 0)
-        if outside:
-            heights.append(float(y[i]))
-    return heights
 
 
 def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Floats]:
@@ -204,11 +161,13 @@ def lanes_in(shape: BaseGeometry, space: MultiPolygon, swath: Swath) -> list[Flo
     left, low, right, high = ground.bounds
     reach_m = 2 * swath.sensor.reach_m
     near = common_part(room, shapely.box(left - reach_m, low - reach_m, right + reach_m, high + reach_m))
-    shapely.prepare(near)
     back = turning(swath.angle_rad)
+    heights_m, middles_m = strips(ground, 2 * swath.half_m)
     lanes = []
-    for part, middle_m in strips(ground, 2 * swath.half_m):
-        lanes += [lane @ back for lane in lanes_of_strip(part, middle_m, near, swath)]
+    for parts, middle_m, band in zip(slabs(ground, heights_m), middles_m, bands(near, heights_m), strict=True):
+        shapely.prepare(band)
+        for part in parts:
+            lanes += [lane @ back for lane in lanes_of_strip(part, middle_m, band, swath)]
     return lanes
 
 
@@ -244,7 +203,7 @@ def within(value: float, low: float, high: float) -> float:
     return min(max(value, low + nudge), high - nudge)
 
 
-def lane_ends(part: Polygon, height_m: float, swath: Swath) -> tuple[float, float]:
+def lane_ends(part: BaseGeometry, height_m: float, swath: Swath) -> tuple[float, float]:
     """Where a straight lane at this height must begin and end to see all of the part; the same where one place does.
 
     Exact: along an edge of the part the place from which its point is just seen is a concave (convex) function, since

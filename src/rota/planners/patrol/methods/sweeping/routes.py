@@ -17,7 +17,15 @@ from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import distances
 from rota.planners.patrol.initial.visiting_order import short_order
-from rota.planners.patrol.methods.sweeping.lanes import GRID_M, Swath, cells, ground_turned, lanes_in, polygons, turned
+from rota.planners.patrol.methods.sweeping.boustrophedon import cells
+from rota.planners.patrol.methods.sweeping.lanes import (
+    GRID_M,
+    Swath,
+    ground_turned,
+    lanes_in,
+    polygons,
+    turned,
+)
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 

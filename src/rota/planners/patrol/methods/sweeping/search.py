@@ -19,7 +19,7 @@ from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 LEAST_LANES = 0.95  # of area / swath: what a robot holds in view at either end of its lanes makes them shorter
-PATIENCE_S = 10.0  # for a plan of lanes where the search has none yet
+PATIENCE_S = 10.0  # for a plan of lanes where the search was stopped and has none yet
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,16 +91,16 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
 
 
 def swept(context: Context, settings: SearchSettings) -> Repaired | None:
-    """A plan of lanes, judged, for a search that has no plan yet; None if it does not pass or takes ``PATIENCE_S``.
+    """A plan of lanes, judged, for a search that has no plan yet; None if it does not pass.
 
-    Few missions take more than seconds for it. It has seldom fewer robots than the search finds. A search that was
-    stopped already is asked no more whether to stop.
+    Few missions take more than seconds for it. It has seldom fewer robots than the search finds. Where the search was
+    stopped already, it may take ``PATIENCE_S``.
     """
     asked, end_s, stopped = context.problem.mission, time.monotonic() + PATIENCE_S, context.should_stop()
     context.progress(0.0, "sweeping in lanes")
     hasty = replace(
         context, problem=replace(context.problem, mission=asked.with_effort("quick")), settings=settings,
-        should_stop=lambda: time.monotonic() > end_s or (not stopped and context.should_stop()),
+        should_stop=lambda: time.monotonic() > end_s if stopped else context.should_stop(),
         progress=lambda _share, _doing: None,
     )  # fmt: skip
     try:

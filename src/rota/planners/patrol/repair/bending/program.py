@@ -54,8 +54,11 @@ def best_step(
     used, nearer, closer = budgets @ moved, csr_array(ranges.along @ moved), clearances.along @ moved
     # a variable is the difference of two numbers that are not negative, so that its size has a price
     hard = [[used, -used, -eye_array(b)], *([[closer, -closer, None]] if closer.shape[0] else [])]
+    longer = settings.length_weight * (by_tour @ moved).sum(axis=0)
     program = GrowingProgram(
-        np.concatenate([np.full(4 * n, settings.move_weight), np.full(b, settings.budget_penalty)]),
+        np.concatenate(
+            [settings.move_weight + longer, settings.move_weight - longer, np.full(b, settings.budget_penalty)]
+        ),
         np.concatenate([most_m, most_m, np.full(b, np.inf)]),
         csr_array(block_array(hard)),
         np.concatenate([left_m, clearances.most_m]),
@@ -72,7 +75,7 @@ def best_step(
         variables = values[: 2 * n] - values[2 * n : 4 * n]
         beyond_m = nearer @ variables - ranges.most_m
         if not (beyond_m[~taken] > AIM_M).any():
-            return Step((moved @ variables).reshape(n, 2), cost)
+            return Step((moved @ variables).reshape(n, 2), cost + settings.length_weight * float(lengths_m.sum()))
         new = ~taken & (beyond_m > -settings.first_rows * trust_m)
         taken = taken | new
 

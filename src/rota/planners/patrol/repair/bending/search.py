@@ -141,7 +141,8 @@ class Bending:
         lengths_m = layout.lengths_m(places_m)
         over_m = np.maximum(0.0, layout.counts @ lengths_m - layout.budget_m * (1 - self._reserve)).sum()
         deficit_m = np.clip(sightings.range_deficit_m, 0.0, settings.deficit_limit * self._reach_m).sum()
-        return float(settings.budget_penalty * over_m + settings.range_weight * deficit_m)
+        length_m = settings.length_weight * lengths_m.sum()
+        return float(settings.budget_penalty * over_m + settings.range_weight * deficit_m + length_m)
 
     def _kept_free(self, then_m: Floats) -> Floats:
         """The places, with the vertices of legs that would leave the space back where they were."""

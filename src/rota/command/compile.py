@@ -1,0 +1,66 @@
+"""``rota compile``: all kernels before anybody waits for them, for images, clusters and installations."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import Annotated
+
+import typer
+
+from rota.command.terminal import Bar, progress_bar, say
+
+LOOK_EVERY_S = 0.5
+
+
+def compile_kernels(
+    planners: Annotated[
+        list[str] | None, typer.Argument(metavar="PLANNER...", help="Only for these; default patrol, swarm and bounce.")
+    ] = None,
+) -> None:
+    """Compile ahead what a first plan waits for."""
+    from rota.compiled.code_cache import cache_folder, is_writable
+    from rota.errors import NoPlanFound, RotaError
+    from rota.make_plan import search_plan
+    from rota.planner import planner_named
+    from rota.planner_registry import PLANNERS
+
+    doors = {name: planner_named(name) for name in planners or PLANNERS}
+    folder = cache_folder()
+    if not is_writable(folder):
+        raise RotaError(f"{folder} cannot be written; choose another folder by NUMBA_CACHE_DIR")
+    began_s = time.monotonic()
+    with progress_bar() as bar, _shown(bar) as compiled:
+        for door in doors.values():
+            small = door.small_mission()
+            if small is not None:
+                with door.compiling(to_the_end=True), suppress(NoPlanFound):
+                    search_plan(small)
+    say(f"{len(compiled())} functions compiled in {time.monotonic() - began_s:.0f} s, kept in {folder}")
+
+
+@contextmanager
+def _shown(bar: Bar) -> Iterator[Callable[[], set[str]]]:
+    """Show the newest function on the bar; gives what tells all that were compiled meanwhile, by any process."""
+    from rota.compiled.code_cache import kept_names
+
+    before, done = kept_names(), threading.Event()
+
+    def compiled() -> set[str]:
+        """What is kept now and was not before."""
+        return kept_names() - before
+
+    def show() -> None:
+        """Tell how many there are until the work is done."""
+        while not done.wait(LOOK_EVERY_S):
+            bar.show(0.0, f"compiling, {len(compiled())} functions so far")
+
+    shower = threading.Thread(target=show, daemon=True)
+    shower.start()
+    try:
+        yield compiled
+    finally:
+        done.set()
+        shower.join()

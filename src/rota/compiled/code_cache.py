@@ -1,0 +1,152 @@
+"""Compiled code in files that are named by what they hold: any number of processes and checkouts share them.
+
+A name tells the kernel, its sources, its argument types and whatever else changes its code. So a file is never stale,
+never written twice with different contents, and read without an index. `NUMBA_CACHE_DIR` chooses the folder.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import BinaryIO
+from uuid import uuid4
+
+from rota.compiled.source_stamp import source_stamp
+
+SUFFIX = ".code"
+STAMP_DIGITS = 12
+MOST_BYTES = 512_000_000
+UNUSED_DAYS = 60
+DAY_S = 86_400.0
+
+
+def cache_folder() -> Path:
+    """Where compiled code is kept: below NUMBA_CACHE_DIR, or else in the user's folder for caches."""
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        return Path(chosen) / "rota"
+    if sys.platform == "win32":
+        root = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        root = Path.home() / "Library" / "Caches"
+    else:
+        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return root / "rota" / "compiled"
+
+
+def code_prefix(module: str, function: str, file: Path) -> str:
+    """How the names of a function's compiled forms begin: its name, and a part of the hash of its sources."""
+    return f"{module}.{function}-{source_stamp(file)[:STAMP_DIGITS]}-"
+
+
+def read_code(name: str) -> bytes | None:
+    """The file of this name; None where there is none. Files in use look new to ``clean``."""
+    file = cache_folder() / (name + SUFFIX)
+    try:
+        data = file.read_bytes()
+        if time.time() - file.stat().st_mtime > DAY_S:
+            os.utime(file)
+    except PermissionError:  # of utime: a folder that is read only
+        pass
+    except OSError:
+        return None
+    return data
+
+
+def kept_names() -> set[str]:
+    """The names of all files."""
+    folder = cache_folder()
+    return {file.name for file in folder.glob(f"*{SUFFIX}")} if folder.is_dir() else set()
+
+
+def is_writable(folder: Path) -> bool:
+    """Whether compiled code can be kept there; makes the folder."""
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder.is_dir() and os.access(folder, os.W_OK)
+
+
+def write_code(name: str, data: bytes) -> bool:
+    """Keep the file, whole or not at all; False where the folder cannot be written."""
+    folder = cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        beside = folder / f"{uuid4().hex}.tmp"
+        try:
+            beside.write_bytes(data)
+            beside.replace(folder / (name + SUFFIX))
+        except BaseException:
+            with suppress(OSError):
+                beside.unlink()
+            raise
+    except OSError:
+        return False
+    _clean_once(folder)
+    return True
+
+
+@contextmanager
+def held(number: int) -> Iterator[None]:
+    """Hold what has this number (63 bits) while it is compiled; other processes wait. Without locks nobody waits."""
+    file = _lock_file(cache_folder())
+    if file is None:
+        yield
+        return
+    import fcntl
+
+    try:
+        fcntl.lockf(file, fcntl.LOCK_EX, 1, number)
+    except OSError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        fcntl.lockf(file, fcntl.LOCK_UN, 1, number)
+
+
+@cache
+def _lock_file(folder: Path) -> BinaryIO | None:
+    # one file for all: locks hold bytes of it, and end with the process that holds them
+    if sys.platform == "win32":
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return open(folder / "lock", "ab")
+    except OSError:
+        return None
+
+
+@cache
+def _clean_once(folder: Path) -> None:
+    with suppress(OSError):
+        clean(folder)
+
+
+def clean(folder: Path, most_bytes: int = MOST_BYTES, now_s: float | None = None) -> None:
+    """Delete what nobody has read for UNUSED_DAYS, and beyond ``most_bytes`` what was not read for longest."""
+    now_s = time.time() if now_s is None else now_s
+    kept = []
+    for entry in os.scandir(folder):
+        if not entry.name.endswith((SUFFIX, ".tmp")):
+            continue
+        facts = entry.stat()
+        old_days = (now_s - facts.st_mtime) / DAY_S
+        if old_days > (UNUSED_DAYS if entry.name.endswith(SUFFIX) else 1):
+            _delete(entry.path)
+        else:
+            kept.append((facts.st_mtime, facts.st_size, entry.path))
+    total = 0
+    for _, size, path in sorted(kept, reverse=True):
+        total += size
+        if total > most_bytes:
+            _delete(path)
+
+
+def _delete(path: str) -> None:
+    with suppress(OSError):
+        os.unlink(path)

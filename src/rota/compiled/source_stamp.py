@@ -1,0 +1,32 @@
+"""Which sources a kernel is compiled of: its file, and every file of rota that this one imports, at whatever depth."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from functools import cache
+from pathlib import Path
+
+SOURCE = Path(__file__).parents[2]
+_IMPORT = re.compile(r"^ *(?:from|import) (rota[\w.]*)(?: import ([\w, ]+|\([^)]*\)))?", re.MULTILINE)
+
+
+@cache
+def imports_of(file: Path, source: Path = SOURCE) -> frozenset[Path]:
+    """The files of rota that a file imports."""
+    named: set[str] = set()
+    for module, names in _IMPORT.findall(file.read_text(encoding="utf-8")):
+        named |= {module, *(f"{module}.{name}" for name in re.findall(r"\w+", names))}
+    paths = {source.joinpath(*name.split(".")).with_suffix(".py") for name in named}
+    return frozenset(path for path in paths if path.is_file())
+
+
+@cache
+def source_stamp(file: Path, source: Path = SOURCE) -> str:
+    """A hash of the contents of these files, wherever they lie and whenever they were written."""
+    files, new = set[Path](), {file}
+    while new:
+        files |= new
+        new = {other for one in new for other in imports_of(one, source)} - files
+    contents = sorted(hashlib.sha256(other.read_bytes()).hexdigest() for other in files)
+    return hashlib.sha256("".join(contents).encode()).hexdigest()

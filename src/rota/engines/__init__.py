@@ -1,0 +1,1 @@
+"""Where work runs that can be done side by side: ``concurrent.futures.Executor`` for processes and for clusters."""

@@ -1,0 +1,206 @@
+"""Compiled loops for the walls near a point that hide something from it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rota.compiled.kernel import kernel
+from rota.planners.patrol.ground.sight_kernels import TOUCH_M
+
+MANY_WALLS = 40  # round a point: from this number on they are sorted by direction
+MOST_SECTORS = 256  # into which they are sorted
+
+
+class WallCells(NamedTuple):
+    """Walls (w, 4) in square cells: those in column i and row j are items[start[j * nx + i] : start[j * nx + i + 1]].
+
+    x0, y0: the lower left corner of the first cell.
+    """
+
+    walls: Any
+    x0: float
+    y0: float
+    cell_m: float
+    nx: int
+    ny: int
+    start: Any
+    items: Any
+
+
+@kernel(nogil=True)
+def walls_that_hide(xy: Any, reach: float, cells: WallCells) -> Any:
+    """The walls within reach of each point (n, 2) that hide anything from it: starts (n + 1,), and their numbers."""
+    n = xy.shape[0]
+    start = np.zeros(n + 1, dtype=np.int64)
+    found = np.empty(1024, dtype=np.int64)
+    asked = np.full(cells.walls.shape[0], -1, dtype=np.int64)
+    for i in range(n):
+        near = walls_near(xy[i, 0], xy[i, 1], reach, cells, asked, i)
+        needed = nearest_walls(xy[i, 0], xy[i, 1], near, cells.walls)
+        at = start[i]
+        for j in range(near.shape[0]):
+            if needed[j]:
+                if at == found.shape[0]:
+                    found = np.concatenate((found, np.empty_like(found)))
+                found[at] = near[j]
+                at += 1
+        start[i + 1] = at
+    return start, found[: start[n]].copy()
+
+
+@kernel(nogil=True)
+def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, turn: int) -> Any:
+    """The numbers of the walls within reach of a point, ascending; asked (w,): the last turn that asked for each."""
+    left = max(math.floor((x - reach - cells.x0) / cells.cell_m), 0)
+    right = min(math.floor((x + reach - cells.x0) / cells.cell_m), cells.nx - 1)
+    low = max(math.floor((y - reach - cells.y0) / cells.cell_m), 0)
+    high = min(math.floor((y + reach - cells.y0) / cells.cell_m), cells.ny - 1)
+    most = 0
+    for j in range(low, high + 1):
+        if left <= right:
+            most += cells.start[j * cells.nx + right + 1] - cells.start[j * cells.nx + left]
+    near = np.empty(most, dtype=np.int64)
+    count = 0
+    for j in range(low, high + 1):
+        for i in range(left, right + 1):
+            for k in range(cells.start[j * cells.nx + i], cells.start[j * cells.nx + i + 1]):
+                w = cells.items[k]
+                if asked[w] == turn:
+                    continue
+                asked[w] = turn
+                if away_from(x, y, cells.walls[w]) <= reach:
+                    near[count] = w
+                    count += 1
+    return np.sort(near[:count])
+
+
+@kernel(nogil=True)
+def away_from(x: float, y: float, wall: Any) -> float:
+    """Distance of a point from a wall."""
+    ux, uy, wx, wy = x - wall[0], y - wall[1], wall[2] - wall[0], wall[3] - wall[1]
+    square = wx * wx + wy * wy
+    along = 0.0 if square == 0.0 else min(1.0, max(0.0, (ux * wx + uy * wy) / square))
+    return math.hypot(ux - along * wx, uy - along * wy)
+
+
+@kernel(nogil=True)
+def nearest_walls(x: float, y: float, items: Any, walls: Any) -> Any:
+    """Which of the walls with the numbers items are the nearest in some direction: the others hide nothing more.
+
+    Walls may meet but not cross: between two neighbouring directions of wall ends the nearest wall is the same one, so
+    one ray there tells it. A wall that the point lies on always counts: it hides what is behind it.
+    """
+    count = items.shape[0]
+    needed = np.zeros(count, dtype=np.bool_)
+    if count == 0:
+        return needed
+    angles = np.empty(2 * count + 1)
+    for j in range(count):
+        w = walls[items[j]]
+        angles[2 * j] = math.atan2(w[1] - y, w[0] - x)
+        angles[2 * j + 1] = math.atan2(w[3] - y, w[2] - x)
+        needed[j] = lies_on(w, x, y)
+    angles[-1] = np.min(angles[:-1]) + 2 * math.pi
+    if count > MANY_WALLS:
+        mark_nearest(x, y, items, walls, angles, needed)
+        return needed
+    angles.sort()
+    for a in range(angles.shape[0] - 1):
+        middle = (angles[a] + angles[a + 1]) / 2
+        dx, dy = math.cos(middle), math.sin(middle)
+        near, first = math.inf, -1
+        for j in range(count):
+            far = ray_hits(dx, dy, walls[items[j]], x, y)
+            if far < near:
+                near, first = far, j
+        if first >= 0:
+            needed[first] = True
+    return needed
+
+
+@kernel(nogil=True)
+def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed: Any) -> None:
+    """Mark the walls that are the nearest in the middle between two neighbouring directions, of very many walls.
+
+    angles (2 k + 1,): the directions of their ends, and the first of these once more. Walls are sorted into sectors,
+    the nearest first, so that a ray is tried on those alone that lie its way and could be nearer than what it has hit.
+    """
+    count = items.shape[0]
+    away, sectors = np.empty(count), min(count, MOST_SECTORS)
+    first, last = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    start = np.zeros(sectors + 1, dtype=np.int64)
+    for j in range(count):
+        away[j], first[j], last[j] = sectors_of(x, y, walls[items[j]], angles[2 * j], angles[2 * j + 1], sectors)
+        for k in range(first[j], last[j] + 1):
+            start[k % sectors + 1] += 1
+    for k in range(sectors):
+        start[k + 1] += start[k]
+    inside, place = np.empty(start[sectors], dtype=np.int64), start.copy()
+    for j in np.argsort(away):
+        for k in range(first[j], last[j] + 1):
+            inside[place[k % sectors]] = j
+            place[k % sectors] += 1
+    angles.sort()
+    for a in range(angles.shape[0] - 1):
+        middle = (angles[a] + angles[a + 1]) / 2
+        dx, dy = math.cos(middle), math.sin(middle)
+        near, hit = math.inf, -1
+        sector = math.floor((middle + math.pi) / (2 * math.pi) * sectors) % sectors
+        for n in range(start[sector], start[sector + 1]):
+            j = inside[n]
+            if away[j] > near * (1 + 1e-9) + TOUCH_M:
+                break
+            far = ray_hits(dx, dy, walls[items[j]], x, y)
+            if far < near or (far == near and j < hit):
+                near, hit = far, j
+        if hit >= 0:
+            needed[hit] = True
+
+
+@kernel(nogil=True)
+def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: float, sectors: int) -> Any:
+    """How far a wall is from (x, y), and the first and last of the sectors that it lies in, both ends at angles.
+
+    The last may be beyond the number of sectors, which begin at -pi, and both are a little wide. Where rounding leaves
+    the side unclear on which the point passes the wall, it lies in all of them.
+    """
+    ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
+    wx, wy = vx - ux, vy - uy
+    along = 0.0 if wx == 0.0 and wy == 0.0 else min(1.0, max(0.0, -(ux * wx + uy * wy) / (wx * wx + wy * wy)))
+    away = math.hypot(ux + along * wx, uy + along * wy)
+    if away < 1e-4:
+        return away, 0, sectors - 1
+    turn = (last_angle - first_angle) % (2 * math.pi)
+    begin = first_angle if turn <= math.pi else last_angle
+    turn = min(turn, 2 * math.pi - turn)
+    first = math.floor((begin - 1e-9 + math.pi) / (2 * math.pi) * sectors)
+    last = math.floor((begin + turn + 1e-9 + math.pi) / (2 * math.pi) * sectors)
+    return away, first, min(last, first + sectors - 1)
+
+
+@kernel(nogil=True)
+def lies_on(wall: Any, x: float, y: float) -> Any:
+    """Whether a point lies on a wall, its ends not included."""
+    ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
+    wx, wy = vx - ux, vy - uy
+    turn = ux * vy - uy * vx
+    return turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy) and ux * vx + uy * vy < 0
+
+
+@kernel(nogil=True)
+def ray_hits(dx: float, dy: float, wall: Any, x: float, y: float) -> float:
+    """Distance along a ray from (x, y) along d to the wall, inf when it misses or starts on the wall's line."""
+    ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
+    wx, wy = vx - ux, vy - uy
+    turn = ux * vy - uy * vx
+    if turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy):
+        return math.inf
+    across = dx * wy - dy * wx
+    if across == 0.0:
+        return math.inf
+    along = (dy * ux - dx * uy) / across
+    far = (ux * wy - uy * wx) / across
+    return far if far > 0 and 0 <= along <= 1 else math.inf

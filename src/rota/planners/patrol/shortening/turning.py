@@ -1,0 +1,32 @@
+"""Tours made to turn less: while they are annealed, turning takes time that their robots do not really need."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rota.planners.patrol.tours.tour import Tour, turns_rad
+
+KEPT = 0.8  # share of the turning that is likely to stay, for which the longer period makes up
+
+
+def as_if_turning_cost(tours: Sequence[Tour], metres: float) -> list[Tour]:
+    """The tours with robots that take as long to turn by one radian as to drive so many metres.
+
+    Periods are longer by what the turns that are likely to stay take. The tours of nests, whose rounds share their
+    budgets, stay as they are.
+    """
+    return [tour if tour.nest >= 0 else _turning(tour, metres) for tour in tours]
+
+
+def _turning(tour: Tour, metres: float) -> Tour:
+    """One tour with a robot that takes time to turn."""
+    speed_m_s = tour.robot.speed_m_s
+    more_s = KEPT * metres * float(turns_rad(tour.vertices_m).sum()) / (speed_m_s * tour.robots)
+    robot = replace(tour.robot, turn_rate_rad_s=speed_m_s / metres)
+    return replace(tour, robot=robot, period_s=tour.period_s + more_s)
+
+
+def as_they_were(tried: Sequence[Tour], tours: Sequence[Tour]) -> list[Tour]:
+    """The tours (k,) with the places of those that were tried (k,)."""
+    return [replace(tour, vertices_m=other.vertices_m) for tour, other in zip(tours, tried, strict=True)]

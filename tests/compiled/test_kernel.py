@@ -1,0 +1,124 @@
+"""Kernels: compiled once for all processes, for the types they are called with, and called rather than taken in."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rota.compiled.kernel import kernel
+from rota.geometry.kernels import cells_of_edges
+
+SOURCE = """
+import math
+from rota.compiled.kernel import kernel
+
+@kernel
+def root(number):
+    return math.sqrt(number)
+
+@kernel(noinline=True)
+def doubled(number):
+    if number < 0:
+        raise ValueError("less than nothing")
+    return 2 * root(number)
+
+@kernel
+def more(number):
+    return doubled(number) + 1
+
+@kernel(nogil=True)
+def total(numbers):
+    whole = 0.0
+    for number in numbers:
+        whole += more(number)
+    return whole
+"""
+PROGRAM = """
+import sys
+import numpy as np
+from numba.core import event
+compiled = []
+class Heard(event.Listener):
+    def on_start(self, told): compiled.append(told.data["dispatcher"].__name__)
+    def on_end(self, told): pass
+event.register("numba:compile", Heard())
+import small_kernels as kernels
+print(kernels.total(np.array([4.0, 9.0], dtype=sys.argv[1])))
+try:
+    kernels.doubled(-1.0)
+except ValueError as error:
+    print(error)
+print(*sorted(compiled))
+"""
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    (tmp_path / "small_kernels.py").write_text(SOURCE)
+    return tmp_path
+
+
+def started(folder: Path, kind: str = "float64", **more: str) -> subprocess.Popen[str]:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(folder), **more}
+    return subprocess.Popen([sys.executable, "-c", PROGRAM, kind], env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def lines_of(process: subprocess.Popen[str]) -> list[str]:
+    """What it printed: the sum, what was wrong, and which kernels it compiled."""
+    text, _ = process.communicate(timeout=120)
+    assert process.returncode == 0
+    return text.splitlines()
+
+
+def test_processes_side_by_side_compile_each_kernel_once(written: Path) -> None:
+    told = [lines_of(process) for process in [started(written) for _ in range(3)]]
+    assert [lines[:2] for lines in told] == [["12.0", "less than nothing"]] * 3
+    compiled = sorted(name for lines in told for name in lines[2].split())
+    # doubled twice: for kernels, which find it by its name, and with the entry for Python
+    assert compiled == ["doubled", "doubled", "more", "root", "total"]
+
+
+def test_a_second_process_finds_all_and_other_types_and_settings_are_other_code(written: Path) -> None:
+    everything = "doubled doubled more root total"
+    assert lines_of(started(written))[2] == everything
+    assert lines_of(started(written)) == ["12.0", "less than nothing", ""]
+    assert lines_of(started(written, "float32"))[2] == "doubled more root total"  # -1.0 is a float64 as before
+    assert lines_of(started(written, NUMBA_BOUNDSCHECK="1"))[2] == everything
+    assert lines_of(started(written, NUMBA_OPT="1"))[2] == everything
+
+
+def test_a_cache_that_is_read_only_is_used(written: Path) -> None:
+    lines_of(started(written))
+    cache = written / "cache" / "rota"
+    cache.chmod(0o555)
+    (cache / "lock").chmod(0o444)
+    try:
+        assert lines_of(started(written))[2] == ""
+    finally:
+        cache.chmod(0o755)
+
+
+def test_a_kernel_is_compiled_alike_for_whoever_calls_it() -> None:
+    # numba hands options of the caller on; here the callee allocates although its caller may not
+    @kernel
+    def pair(number):  # type: ignore[no-untyped-def]
+        return np.full(2, number)
+
+    @kernel(_nrt=False, error_model="numpy")
+    def divided(number):  # type: ignore[no-untyped-def]
+        return 1.0 / number
+
+    assert pair(3).tolist() == [3, 3]
+    assert divided(0.0) == np.inf
+    with pytest.raises(ZeroDivisionError):
+        kernel(divided.py_func)(0.0)
+
+
+def test_a_kernel_is_pickled_by_its_name() -> None:
+    assert pickle.loads(pickle.dumps(cells_of_edges)) is cells_of_edges

@@ -1,0 +1,46 @@
+"""Which changes of the sources let a kernel be compiled anew."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from rota.compiled.source_stamp import imports_of, source_stamp
+
+TEXTS = {
+    "a_kernels": "from rota.b_kernels import (\n    b,\n)\n",
+    "b_kernels": "from rota import c_kernels, other\n",
+    "c_kernels": "C = 1\n",
+    "unrelated_kernels": "",
+}
+
+
+def written(folder: Path) -> dict[str, Path]:
+    """A small package by the name of rota."""
+    files = {name: folder / "rota" / f"{name}.py" for name in TEXTS}
+    (folder / "rota").mkdir(parents=True)
+    for name, text in TEXTS.items():
+        files[name].write_text(text)
+    return files
+
+
+def stamp(file: Path, folder: Path) -> str:
+    source_stamp.cache_clear()
+    imports_of.cache_clear()
+    return source_stamp(file, folder)
+
+
+def test_a_change_far_down_counts_and_one_elsewhere_does_not(tmp_path: Path) -> None:
+    files = written(tmp_path)
+    before = stamp(files["a_kernels"], tmp_path)
+    files["unrelated_kernels"].write_text("D = 1\n")
+    assert stamp(files["a_kernels"], tmp_path) == before
+    files["c_kernels"].write_text("C = 2\n")
+    assert stamp(files["a_kernels"], tmp_path) != before
+
+
+def test_a_copy_elsewhere_has_the_same_stamp(tmp_path: Path) -> None:
+    files = written(tmp_path / "one")
+    shutil.copytree(tmp_path / "one", tmp_path / "two", copy_function=shutil.copyfile)
+    other = tmp_path / "two" / "rota" / "a_kernels.py"
+    assert stamp(files["a_kernels"], tmp_path / "one") == stamp(other, tmp_path / "two")

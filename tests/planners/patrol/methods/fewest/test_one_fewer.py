@@ -1,0 +1,39 @@
+"""One robot fewer than the best plan so far, begun with its tours."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from tests.planners.patrol.searching import YARD, search_on
+
+from rota.planners.patrol.efforts import EARLY
+from rota.planners.patrol.methods.fewest.one_fewer import one_fewer, with_one_fewer
+from rota.planners.patrol.methods.sweeping.search import swept
+from rota.planners.patrol.repair.repair import Repaired
+
+
+@pytest.fixture(scope="module")
+def lanes() -> Repaired:
+    """A plan of lanes."""
+    plan = swept(search_on(YARD), EARLY)
+    assert plan is not None
+    return plan
+
+
+def test_every_shared_tour_may_give_up_a_robot(lanes: Repaired) -> None:
+    (tour,) = lanes.tours
+    team = [replace(tour, robots=robots) for robots in (3, 1, 2)]
+    assert [[t.robots for t in tours] for tours in with_one_fewer(team)] == [[2, 1, 2], [3, 1, 1]]
+
+
+def test_tours_of_lanes_become_those_of_one_robot_less(lanes: Repaired) -> None:
+    more = replace(lanes, tours=[replace(lanes.tours[0], robots=lanes.robots + 1)])
+    found = one_fewer(search_on(YARD), more)
+    assert found is not None
+    assert (found.robots, found.met) == (lanes.robots, True)
+
+
+def test_tours_that_cannot_become_so_short_are_given_up(lanes: Repaired) -> None:
+    hurried = replace(YARD, period_s=YARD.period_s / 4)
+    assert one_fewer(search_on(hurried), lanes) is None

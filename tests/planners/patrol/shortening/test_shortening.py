@@ -1,0 +1,152 @@
+"""Better loops at the same number of robots: shorter or smoother, met, within budgets; never a worse plan."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely import MultiPolygon, box
+from tests.planners.patrol.searching import search_on
+
+from rota.check import check_plan
+from rota.mission import DiscSensor, Fleet, Mission
+from rota.plan import Plan
+from rota.planners.patrol.context import Context
+from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.repair.repair import Repaired, plan_of
+from rota.planners.patrol.settings import ShorteningStage
+from rota.planners.patrol.shortening import search
+from rota.planners.patrol.shortening.measures import is_better, loops_m, rounds_of, turning_rad
+from rota.planners.patrol.shortening.search import with_better_loops
+from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
+
+FIELD = Mission(
+    name="field", area=MultiPolygon([box(0, 0, 24, 18)]), period_s=120,
+    fleet=Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=2.5)), planning=PatrolSettings(effort="quick"),
+)  # fmt: skip
+IDEAL_M = 24 * 18 / 5
+
+
+def up_and_down(apart_m: float) -> np.ndarray:
+    """Lanes from wall to wall, and back along the lower wall."""
+    lanes = []
+    for i, x in enumerate(np.arange(1.5, 23.0, apart_m)):
+        lanes += [(x, 4.0), (x, 17.0)] if i % 2 == 0 else [(x, 17.0), (x, 4.0)]
+    return np.array([*lanes, (22.5, 1.5), (1.5, 1.5)])
+
+
+@pytest.fixture(scope="module")
+def context() -> Context:
+    return search_on(FIELD)
+
+
+@pytest.fixture(scope="module")
+def found(context: Context) -> Repaired:
+    """A plan of narrow lanes, which meets the demand by far too long a loop."""
+    tours = [Tour(vertices_m=up_and_down(3.0), period_class=0, period_s=120.0, robots=1, robot=context.problem.robot)]
+    plan = plan_of(context.problem, tours, seed=0)
+    repaired = Repaired(tours=tours, plan=plan, verdict=check_plan(plan), extra=no_points())
+    assert repaired.met
+    assert repaired.within_budgets
+    return repaired
+
+
+@pytest.fixture(scope="module")
+def shorter(context: Context, found: Repaired) -> Repaired:
+    return with_better_loops(context, found)
+
+
+def test_loops_become_much_shorter_and_still_pass(found: Repaired, shorter: Repaired) -> None:
+    assert check_plan(shorter.plan).verdict == "met"
+    assert shorter.robots == found.robots
+    assert shorter.within_budgets
+    assert loops_m(found.tours) > 1.5 * IDEAL_M
+    assert loops_m(shorter.tours) < 1.3 * IDEAL_M  # corners of so small a field take more than a large one's
+
+
+def test_the_same_seed_gives_the_same_loops(context: Context, found: Repaired, shorter: Repaired) -> None:
+    again = with_better_loops(context, found)
+    np.testing.assert_array_equal(again.tours[0].vertices_m, shorter.tours[0].vertices_m)
+
+
+def test_loops_that_turn_least(context: Context, found: Repaired) -> None:
+    mission = replace(FIELD, planning=PatrolSettings(effort="quick", prefer="fewest_turns"))
+    smoother = with_better_loops(replace(context, problem=replace(context.problem, mission=mission)), found)
+    assert smoother is not found
+    assert smoother.tours[0].robot == found.tours[0].robot
+    assert smoother.tours[0].period_s == found.tours[0].period_s
+    assert turning_rad(smoother.tours) < turning_rad(found.tours)
+    assert loops_m(smoother.tours) <= loops_m(found.tours)
+    assert check_plan(smoother.plan).verdict == "met"
+
+
+def test_what_is_told_to_stop_keeps_the_plan_found(context: Context, found: Repaired) -> None:
+    assert with_better_loops(replace(context, should_stop=lambda: True), found) is found
+
+
+def test_loops_without_room_for_gain_stay(context: Context, shorter: Repaired) -> None:
+    lukewarm = ((ShorteningStage(1, 1e-6, 1e-7, 1000.0),),)
+    settings = replace(context.settings.shortening, attempts=lukewarm, rounds=1, bending_steps=0)
+    own = replace(context, settings=replace(context.settings, shortening=settings))
+    assert loops_m(with_better_loops(own, shorter).tours) <= loops_m(shorter.tours)
+
+
+def test_a_later_attempt_is_a_plan_of_the_same_seed(
+    context: Context, found: Repaired, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    verdicts = iter((False, True))
+    monkeypatch.setattr(search, "is_better", lambda *_, **__: next(verdicts))
+    later = with_better_loops(context, found)
+    assert later is not found
+    assert later.plan.seed == context.seed
+    assert next(verdicts, None) is None  # both attempts were made
+
+
+def test_robots_that_take_time_to_turn_keep_their_loops(found: Repaired) -> None:
+    turning = search_on(replace(FIELD, fleet=replace(FIELD.fleet, turn_rate_rad_s=1.0)))
+    assert with_better_loops(turning, found) is found
+
+
+def test_only_plans_that_are_met_with_no_more_robots_are_better(found: Repaired, shorter: Repaired) -> None:
+    assert is_better(shorter, found, fewest_turns=False)
+    assert not is_better(found, shorter, fewest_turns=False)
+    assert not is_better(found, found, fewest_turns=False)
+    two = replace(shorter, tours=[replace(shorter.tours[0], robots=2)])
+    assert not is_better(two, found, fewest_turns=False)
+    assert not is_better(replace(shorter, verdict=check_plan(late(found))), found, fewest_turns=False)
+    hurried = replace(shorter, tours=[replace(shorter.tours[0], period_s=1.0)])
+    assert not is_better(hurried, found, fewest_turns=False)
+
+
+def late(found: Repaired) -> Plan:
+    """The plan for a mission that asks for twice the pace."""
+    return replace(found.plan, mission=replace(FIELD, period_s=20.0))
+
+
+def test_a_hub_counts_as_often_as_it_is_driven(context: Context) -> None:
+    def ring(*corners: tuple[float, float]) -> Tour:
+        return Tour(
+            vertices_m=np.array(corners), period_class=0, period_s=60.0, robots=1, robot=context.problem.robot, nest=0
+        )
+
+    hub = ring((2, 2), (6, 2), (6, 6), (2, 6))
+    petals = [ring((2, 2), (2, 12)), ring((2, 2), (12, 2)), ring((2, 2))]
+    assert rounds_of([hub, *petals]) == [2, 1, 1, 1]
+    assert loops_m([hub, *petals]) == pytest.approx(2 * 16 + 20 + 20)
+    assert rounds_of([hub, petals[2]]) == [1, 1]
+
+
+def test_turning_costs_only_while_tours_are_tried(found: Repaired) -> None:
+    tour = found.tours[0]
+    (tried,) = as_if_turning_cost([tour], 2.0)
+    assert tour_length_m(tried) == pytest.approx(tour_length_m(tour) + 2 * turning_rad([tour]))
+    assert tried.budget_m - tour.budget_m == pytest.approx(0.8 * 2 * turning_rad([tour]), rel=1e-5)
+    nested = replace(tour, nest=0)
+    assert as_if_turning_cost([nested], 2.0) == [nested]
+    moved = replace(tried, vertices_m=tried.vertices_m + 1.0)
+    (back,) = as_they_were([moved], [tour])
+    assert (back.robot, back.period_s) == (tour.robot, tour.period_s)
+    np.testing.assert_array_equal(back.vertices_m, moved.vertices_m)
