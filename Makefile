@@ -20,7 +20,7 @@ setup: .venv/ready
 
 demo: setup
 	@mkdir -p out
-	$(BIN)/rota plan examples/harbour.yaml -o out/harbour.rota.json
+	$(BIN)/rota plan examples/harbour.yaml --effort quick -o out/harbour.rota.json
 	$(BIN)/rota check out/harbour.rota.json
 	$(BIN)/rota draw out/harbour.rota.json -o out/harbour.png
 	@echo "The plan: out/harbour.rota.json   its picture: out/harbour.png"

@@ -5,13 +5,16 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from subprocess import Popen
 
 import pytest
 
+from rota import first_run
 from rota.compiled.code_cache import code_prefix, write_code
 from rota.compiled.source_stamp import source_stamp
 from rota.compiled_cache import PACKAGE, is_compiled
-from rota.planners.patrol.compiled_by_two import OTHER_HALF, compiled_by_two
+from rota.first_run import compiled_by_two
+from rota.planner import planner_named
 
 
 def kept(module: str, *, stamp: str | None = None) -> None:
@@ -45,10 +48,31 @@ def test_the_packages_that_the_program_asks_for_have_main_kernels() -> None:
         assert (PACKAGE / package / "kernels.py").exists()
 
 
-@pytest.mark.slow  # compiles all of the check anew
-def test_the_check_is_compiled_in_another_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # with the usual cache, compiled by now, it is over soon; what counts is that it runs through without a fault
-    done = subprocess.run([sys.executable, "-c", OTHER_HALF], capture_output=True, check=False)
+def test_a_first_run_compiles_by_two_processes_and_says_what(monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[str] = []
+    ran: list[list[str]] = []
+
+    def part() -> None:
+        done.append("here")
+
+    planner = planner_named("patrol")
+    monkeypatch.setattr(type(planner), "parts_to_compile", lambda self: (part,))
+    monkeypatch.setattr(first_run, "PARTS", ())
+    monkeypatch.setattr(
+        first_run, "Popen", lambda command, **_: ran.append(command) or Popen([sys.executable, "-c", ""])
+    )
+    told: list[tuple[float, str]] = []
+    with compiled_by_two(planner, tell=lambda share, doing: told.append((share, doing)), to_the_end=True):
+        assert done == ["here"]
+    assert told == [(0.0, "compiling part")]
+    assert ran == [[sys.executable, "-m", "rota.first_run", "patrol"]]
+
+
+def test_planners_that_compile_in_a_moment_take_no_other_process() -> None:
+    assert first_run.parts_of(planner_named("bounce")) == ()
+
+
+@pytest.mark.slow  # loads all of the check, and compiles what is not kept
+def test_the_other_process_runs_through() -> None:
+    done = subprocess.run([sys.executable, "-m", "rota.first_run", "patrol"], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
-    with compiled_by_two():
-        assert is_compiled()

@@ -22,7 +22,7 @@ PATROL_STAGES = [
     ["repair"],
     ["shortening"],
     ["methods"],
-    ["planner", "compiled_by_two"],
+    ["planner", "compile_ahead"],
 ]
 METHOD_STAGES = [
     ["method"],

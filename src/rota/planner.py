@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from rota.planner_registry import door_of, planner_names
 if TYPE_CHECKING:
     from rota.check.report import Report as Report
     from rota.checkpoint import Checkpoint
+    from rota.compiled.parts import Part
     from rota.mission import Mission
     from rota.plan import Plan
     from rota.planner_settings import PlannerSettings
@@ -89,12 +89,9 @@ class Planner(ABC):
         """Folders below the package rota whose ``kernels.py`` planning the mission runs; compiling them takes long."""
         return ()
 
-    def compiling(self, *, to_the_end: bool = False) -> AbstractContextManager[object]:
-        """Held while the planner works: what compiles ahead, when that is worth it.
-
-        to_the_end: what compiles beside the planner is not stopped when the planner is done.
-        """
-        return nullcontext()
+    def parts_to_compile(self) -> tuple[Part, ...]:
+        """What a first plan compiles, in parts that processes share out; none: it takes a moment."""
+        return ()
 
     def small_mission(self, methods: Sequence[str] = ()) -> Mission | None:
         """A mission planned in a moment that runs the loops of the methods, so that no time measured holds loading."""

@@ -27,7 +27,7 @@ def _lone_gap(times, m, period_s):
     return max(worst, 0.0), when
 
 
-@kernel
+@kernel(noinline=True)
 def _shared_gap(times, members, parts, unit_s, common):
     """Worst gap of several robots over their common period of ``common`` units, and the time at which it begins."""
     starts, ends, bounds, robots = times
@@ -125,7 +125,7 @@ def _class_gap(times, members, parts, unit_s, limit_s):
     return best, math.nan, 1.0, False
 
 
-@kernel
+@kernel(noinline=True)
 def team_gap(times, n, loops, limit_s):
     """Worst gap in seconds of the n robots in ``times``, the time at which it begins, and whether it is exact.
 

@@ -132,7 +132,7 @@ def _shadow(piece, wall, slack_m, shadow):
     return 1
 
 
-@kernel
+@kernel(noinline=True)
 def shadows_of(piece, walls, cell, slack_m, reach_m):
     """The ``Shadows`` of the walls near a cell that may hide part of the piece (c, 2) within reach_m, nearest first."""
     x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
@@ -199,7 +199,7 @@ def _cut_out(parts, n, a, b):
     return kept
 
 
-@kernel
+@kernel(noinline=True)
 def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
     """Number of parts of a leg (4,) from which the whole piece (c, 2) is seen; ``parts`` takes them, ascending.
 

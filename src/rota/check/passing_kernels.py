@@ -162,6 +162,12 @@ def _seen_round(stretch, piece, middle, walls, shadows, slack_m):
 
 
 @kernel
+def _same_leg(one, other):
+    """Whether two legs (4,) are the same: not ``(one == other).all()``, which compiles messages about shapes."""
+    return one[0] == other[0] and one[1] == other[1] and one[2] == other[2] and one[3] == other[3]
+
+
+@kernel
 def _gap_of_followers(first, passing, legs, team, limit_s):
     """Worst gap between looks at one point by all robots that drive the same leg as the first, one after the other.
 
@@ -175,7 +181,7 @@ def _gap_of_followers(first, passing, legs, team, limit_s):
     n = np.int64(0)
     for m in passing:
         robot = legs.robots[m]
-        same = (legs.near.segments_m[m] == legs.near.segments_m[first]).all()
+        same = _same_leg(legs.near.segments_m[m], legs.near.segments_m[first])
         same = same and abs(legs.times_s[m, 1] - legs.times_s[m, 0] - lasts_s) <= SAME_TIME
         same = same and team.reaches_m[robot] == team.reaches_m[leader] and team.squares[robot] == team.squares[leader]
         # a robot that drives the leg twice in its loop counts once

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 import traceback
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -22,7 +21,7 @@ from rota.command.arguments import (
     require_target,
 )
 from rota.command.compare import compare
-from rota.command.compile import compile_kernels
+from rota.command.compile import compile_kernels, compiled_first
 from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
 from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, write_export
 from rota.command.fly import fly
@@ -124,7 +123,6 @@ def plan(
     cluster: ClusterAddress = None,
 ) -> None:
     """Plan a mission, check the plan, and write it."""
-    from rota.compiled_cache import is_compiled
     from rota.files.atomic_write import require_suffix
     from rota.files.checkpoint_file import read_checkpoint
     from rota.files.mission_file import read_mission
@@ -147,10 +145,9 @@ def plan(
     for long in planner.long_work(asked):
         say(f"this takes long: {long}")
     packages = (*planner.compiled_packages(asked), *compiled_for_check(asked))
-    mention_compiling(*packages)
     checkpoint = None if resume is None else read_checkpoint(resume)
     seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
-    with nullcontext() if is_compiled(*packages) else planner.compiling(), cluster_or_none(cluster) as executor:
+    with compiled_first(planner, packages), cluster_or_none(cluster) as executor:
         code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics, executor)
     raise typer.Exit(code)
 

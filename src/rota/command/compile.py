@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from typing import Annotated
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rota.command.terminal import Bar, progress_bar, say
+from rota.command.terminal import Bar, mention_compiling, progress_bar, say
+
+if TYPE_CHECKING:
+    from rota.planner import Planner
 
 LOOK_EVERY_S = 0.5
 
@@ -23,6 +26,7 @@ def compile_kernels(
     """Compile ahead what a first plan waits for."""
     from rota.compiled.code_cache import cache_folder, is_writable
     from rota.errors import NoPlanFound, RotaError
+    from rota.first_run import compiled_by_two
     from rota.make_plan import search_plan
     from rota.planner import planner_named
     from rota.planner_registry import PLANNERS
@@ -36,9 +40,23 @@ def compile_kernels(
         for door in doors.values():
             small = door.small_mission()
             if small is not None:
-                with door.compiling(to_the_end=True), suppress(NoPlanFound):
+                with compiled_by_two(door, to_the_end=True), suppress(NoPlanFound):
                     search_plan(small)
     say(f"{len(compiled())} functions compiled in {time.monotonic() - began_s:.0f} s, kept in {folder}")
+
+
+@contextmanager
+def compiled_first(planner: Planner, packages: Sequence[str]) -> Iterator[None]:
+    """Before the planner works, compile what it takes unless these packages are compiled, and show what is compiled."""
+    from rota.compiled_cache import is_compiled
+    from rota.first_run import compiled_by_two
+
+    mention_compiling(*packages)
+    with ExitStack() as held:
+        if not is_compiled(*packages):
+            with progress_bar() as bar:
+                held.enter_context(compiled_by_two(planner, tell=bar.show))
+        yield
 
 
 @contextmanager

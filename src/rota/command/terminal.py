@@ -72,7 +72,7 @@ def mention_compiling(*packages: str) -> None:
     from rota.compiled_cache import is_compiled
 
     if not is_compiled(*packages):
-        say("compiling, once: about a minute")
+        say("compiling, once: half a minute to a minute")
 
 
 READING_S_PER_MB, LONG_READING_S = 7.0, 15.0  # measured with files of 50,000 corners

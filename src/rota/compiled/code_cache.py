@@ -109,6 +109,29 @@ def held(number: int) -> Iterator[None]:
         fcntl.lockf(file, fcntl.LOCK_UN, 1, number)
 
 
+@contextmanager
+def claimed(number: int) -> Iterator[bool]:
+    """Hold what has this number unless another process does, and give whether; without locks it is always given."""
+    file = _lock_file(cache_folder())
+    if file is None:
+        yield True
+        return
+    import fcntl
+
+    try:
+        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, number)
+    except BlockingIOError:
+        yield False
+        return
+    except OSError:
+        yield True
+        return
+    try:
+        yield True
+    finally:
+        fcntl.lockf(file, fcntl.LOCK_UN, 1, number)
+
+
 @cache
 def _lock_file(folder: Path) -> BinaryIO | None:
     # one file for all: locks hold bytes of it, and end with the process that holds them

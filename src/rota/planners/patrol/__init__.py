@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING
 
 from rota.planner import Answer, Planner, Request
@@ -11,6 +10,7 @@ from rota.planners.patrol.method_table import METHODS
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 if TYPE_CHECKING:
+    from rota.compiled.parts import Part
     from rota.mission import Mission
     from rota.planner import Report
 
@@ -53,11 +53,11 @@ class PatrolPlanner(Planner):
         """The annealing, and the geometry that it stands on."""
         return "planners/patrol/annealing", "geometry"
 
-    def compiling(self, *, to_the_end: bool = False) -> AbstractContextManager[object]:
-        """The annealing compiled here, all else by a second process."""
-        from rota.planners.patrol.compiled_by_two import compiled_by_two
+    def parts_to_compile(self) -> tuple[Part, ...]:
+        """The annealing, the ground it stands on, and the bending of its loops."""
+        from rota.planners.patrol.compile_ahead import PARTS
 
-        return compiled_by_two(to_the_end=to_the_end)
+        return PARTS
 
     def small_mission(self, methods: Sequence[str] = ()) -> Mission:
         """A small yard; by sun2019 where it is among the methods, for most of its loops are its own."""

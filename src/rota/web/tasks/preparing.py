@@ -5,6 +5,7 @@ from __future__ import annotations
 import shapely
 
 from rota.compiled_cache import is_compiled
+from rota.first_run import compiled_by_two
 from rota.make_plan import search_plan
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, PlannerSettings, Zone
 from rota.planner import planner_named, planner_of
@@ -16,7 +17,7 @@ from rota.web.tasks.context import Context
 def load_planning() -> None:
     """Plan a yard, so that what planning and checking run is loaded, and compiled where it was not yet."""
     mission = _yard()
-    with planner_of(mission).compiling():
+    with compiled_by_two(planner_of(mission)):
         search_plan(mission)
 
 

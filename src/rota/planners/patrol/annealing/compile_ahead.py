@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rota.geometry.kernels import EdgeGrid
-from rota.planners.patrol.annealing import kernels, move_kernels
+from rota.planners.patrol.annealing import kernels, move_kernels, state_kernels
 from rota.planners.patrol.annealing.state_kernels import Tours
 from rota.planners.patrol.ground.sample_kernels import Samples
 
@@ -24,20 +24,22 @@ SHORT = {"column_start", "seen", "times_seen", "bucket_of_sample"}  # 32 bits
 SINGLE = {"depth2"}  # of three dimensions, and 32 bits a number
 
 
-def compile_moves() -> None:
+def moves() -> None:
     """Compile the whole annealing, but for what is in the cache already."""
-    space, samples, tours = _states()
+    space, samples, tours = types_of_states()
+    state_kernels.over_budget_cost.compile_entry(INT, tours)
+    kernels.see_more.compile_entry(INT, FLOAT, space, samples, tours)
     kernels.anneal.compile_entry(INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0)), FLOAT, FLOAT, space, samples, tours)
 
 
-def compile_exchanges() -> None:
-    """Compile the two longest moves alone; ``compile_moves`` in another process finds them in the cache."""
-    space, samples, tours = _states()
+def longest_moves() -> None:
+    """Compile the two longest moves alone; ``moves`` in another process finds them in the cache."""
+    space, samples, tours = types_of_states()
     move_kernels.try_two_opt.compile((INT, INT, FLOAT, space, samples, tours))
     move_kernels.try_or_opt.compile((INT, INT, INT, FLOAT, FLOAT, space, samples, tours))
 
 
-def _states() -> tuple[Any, Any, Any]:
+def types_of_states() -> tuple[Any, Any, Any]:
     """The types of a standing space, of samples and of tours."""
     grid = EdgeGrid(0.0, 0.0, 1.0, 1, 1, *(_array(name) for name in EdgeGrid._fields[5:]))
     return (

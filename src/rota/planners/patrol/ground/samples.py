@@ -327,7 +327,7 @@ def walls_in_reach(points: SamplePoints, walls: Floats, reach_m: float) -> tuple
     cells = wall_cells(walls, reach_m / 2)
     some = np.array_split(np.ascontiguousarray(points.xy_m[wanted]), 1 + len(wanted) // POINTS_TOGETHER)
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        found = list(pool.map(lambda xy_m: walls_that_hide(xy_m, reach_m, cells), some))
+        found = list(pool.map(lambda xy_m: walls_that_hide(xy_m, float(reach_m), cells), some))
     sizes = np.zeros(n, dtype=np.int64)
     sizes[wanted] = np.concatenate([np.diff(start) for start, _ in found])
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.concatenate([items for _, items in found])
