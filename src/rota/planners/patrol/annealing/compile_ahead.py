@@ -27,7 +27,7 @@ SINGLE = {"depth2"}  # of three dimensions, and 32 bits a number
 def moves() -> None:
     """Compile the whole annealing, but for what is in the cache already."""
     space, samples, tours = types_of_states()
-    state_kernels.over_budget_cost.compile_entry(INT, tours)
+    state_kernels.over_budget_costs.compile_entry(typeof(np.zeros(0, np.int64)), tours)
     kernels.see_more.compile_entry(INT, FLOAT, space, samples, tours)
     kernels.anneal.compile_entry(INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0)), FLOAT, FLOAT, space, samples, tours)
 

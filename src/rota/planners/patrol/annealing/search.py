@@ -18,7 +18,7 @@ from rota.planners.patrol.annealing.state_kernels import (
     SLOTS_LEFT,
     UNSEEN,
     Tours,
-    over_budget_cost,
+    over_budget_costs,
     set_up,
 )
 from rota.planners.patrol.ground.sample_kernels import Samples
@@ -203,8 +203,7 @@ class Annealing:
     def shortfall_m(self) -> float:
         """How far from done: what is unseen, as the metres it is worth, and metres over budget at their price."""
         state = self._state
-        over = sum(over_budget_cost(h, state) for h in np.unique(state.hub))
-        return float(state.unseen[0] + over)
+        return float(state.unseen[0] + over_budget_costs(np.unique(state.hub), state))
 
     @property
     def annealed(self) -> Annealed:

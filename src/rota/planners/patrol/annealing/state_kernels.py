@@ -162,6 +162,15 @@ def over_budget_cost(h: int, t: Tours) -> float:
 
 
 @compiled
+def over_budget_costs(hubs: Ints, t: Tours) -> float:
+    """The same of all these tours and hubs (n,): what Python calls, so that it needs no form of its own."""
+    total = 0.0
+    for h in hubs:
+        total += over_budget_cost(h, t)
+    return total
+
+
+@compiled
 def length_cost(k: int, change_m: float, t: Tours) -> float:
     """What it costs if tour k becomes longer by so much: every metre a little, metres over budget a lot."""
     h = t.hub[k]
