@@ -198,7 +198,9 @@ def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: floa
     square = not isinstance(area.sensor, DiscSensor)
     half = area.sensor.radius_m if isinstance(area.sensor, DiscSensor) else area.sensor.side_m / 2
     if len(left):
-        lines = shapely.shortest_line(points[left], area.shape)
+        sides = _sides(area)
+        nearest = sides.query_nearest(points[left], all_matches=False)[1]
+        lines = shapely.shortest_line(points[left], sides.geometries[nearest])
         ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
         away = np.abs(ends[:, 1] - ends[:, 0])
         far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
@@ -211,6 +213,12 @@ def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: floa
     if len(left):
         sight[left] = _ray_test(area.shape, hidden, points_m[left], half + spread_m, square)
     return sight
+
+
+@functools.lru_cache(maxsize=4096)
+def _sides(area: StandingArea) -> shapely.STRtree:
+    """The sides of an area, as lines, so that the nearest is found without a look at all."""
+    return shapely.STRtree(lines_of(segments_of(area.shape)))
 
 
 def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:
