@@ -11,6 +11,8 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.check.revisits import worst_gaps_s
 from rota.check.seeable import seeable, standing, standing_areas
+from rota.geometry.free_space import sight_walls
+from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
 from rota.plan import Plan, Trajectory
 
@@ -168,3 +170,19 @@ def test_where_bodies_stand_is_the_same_in_tiles(monkeypatch: pytest.MonkeyPatch
     assert shapely.symmetric_difference(whole, tiled).area < 1e-12
     assert shapely.hausdorff_distance(whole.boundary, tiled.boundary) < 1e-9
     assert whole.area > 50
+
+
+def test_among_very_many_walls_a_place_is_seen_exactly_where_its_view_meets_standing_ground() -> None:
+    rng = np.random.default_rng(5)
+    low = np.vstack([rng.uniform(0, 12, (60, 2)), rng.uniform(4, 8, (400, 2))])
+    blocks = shapely.union_all(shapely.box(*low.T, *(low + rng.uniform(0.05, 0.5, (460, 2))).T))
+    m = mission(box(0, 0, 12, 12), obstacle(blocks), body=0.25, sensor=DiscSensor(radius_m=4.0))
+    ground = standing(m.area, m.obstacles, 0.25)
+    points = rng.uniform(3.8, 8.2, (700, 2))
+    points = points[~shapely.intersects_xy(shapely.buffer(blocks, 1e-3), *points.T)]
+    walls = sight_walls(m)
+    views = [visibility_polygon(point, walls, 4.0).intersection(shapely.Point(point).buffer(4.0)) for point in points]
+    common_m2 = np.array([view.intersection(ground).area for view in views])
+    clear = (common_m2 == 0) | (common_m2 > 1e-3)  # a hair of a view is up to rounding
+    assert 30 < (common_m2[clear] == 0).sum() < clear.sum() - 30
+    np.testing.assert_array_equal(np.array(seen(m, *points))[clear], common_m2[clear] > 0)

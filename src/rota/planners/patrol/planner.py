@@ -98,7 +98,8 @@ def plan_tours(
     if mission.fleet.robots is not None:
         return [plan_fixed_team(context, asked, method)]
     best = method(context)
-    if not best.met and should_stop() and context.anneals:
+    # over ragged ground lanes take minutes to lay, and who has asked to stop waits
+    if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
         best = swept(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)

@@ -74,3 +74,13 @@ def test_fewer_robots_on_ragged_ground_are_looked_for_where_the_settings_say_so(
     searches = replace(QUICK, team_size=replace(QUICK.team_size, searches_ragged=True))
     reduce_team(replace(ragged, settings=searches, should_stop=lambda: any("trying" in what for what in told)), None)
     assert any("trying" in what for what in told)
+
+
+def test_a_stop_on_ragged_ground_ends_the_search_after_the_first_tours(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(problem_module, "MOST_DENSE", 0)
+    told: list[str] = []
+    context = hasty(replace(search_on(YARD), progress=lambda _share, what: told.append(what)))
+    stopped = replace(context, should_stop=lambda: any("surely suffice" in what for what in told))
+    found = reduce_team(stopped, None)
+    assert not found.met
+    assert not any("trying" in what for what in told)

@@ -60,8 +60,10 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
         if best is not None and best.met and best.robots <= sure_team_size(groupings):
             return best
         repaired = repair_first_tours(context, groupings)
-        if repaired.met:
-            return repaired if best is None or not best.met or repaired.robots < best.robots else best
+        if repaired.met or context.should_stop():
+            if best is None or not best.met or (repaired.met and repaired.robots < best.robots):
+                return repaired
+            return best
     context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
     likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
     likely = max(context.enough_robots, likely)
