@@ -1,7 +1,8 @@
-"""Sums of the loops' lengths beside ground over swath, and their turning, before and after loops are made shorter."""
+"""Sums of the loops' lengths beside ground over swath, turning and spikes, before and after loops are made shorter."""
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -21,6 +22,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.measures import loops_m, turning_rad
 from rota.planners.patrol.shortening.search import with_better_loops
+from rota.planners.patrol.shortening.spikes import spikes
 from rota.planners.patrol.tours.tour import Tour
 
 ASKED_RATIO = 1.12
@@ -28,16 +30,17 @@ FURTHER = ("sun2019-fig16", "harbour", "parcel", "building")
 
 
 class Loops(NamedTuple):
-    """Loops of one plan: metres in all, these over ground / swath, and radians of turning in each metre."""
+    """Loops of one plan: metres in all, these over ground / swath, degrees of turning in each metre, and spikes."""
 
     robots: int
     length_m: float
     ratio: float
-    turning_rad_m: float
+    turning_deg_m: float
+    spikes: int
 
     def text(self) -> str:
-        """The three figures of the loops."""
-        return f"{self.length_m:.0f} m, ratio {self.ratio:.3f}, {self.turning_rad_m:.3f} rad/m"
+        """The figures of the loops."""
+        return f"{self.length_m:.0f} m, ratio {self.ratio:.3f}, {self.turning_deg_m:.1f} deg/m, {self.spikes} spikes"
 
 
 def loop_lengths(options: Options) -> Iterator[Row]:
@@ -66,9 +69,9 @@ def loops_row(mission: Mission, asked_ratio: float | None) -> Row:
         better.append(best)
         parts.append(f"{prefer} {loops_of(context.problem, best).text()}, CPU {cpu_s:.1f} s")
     sound = all(best.met and best.robots <= found.robots for best in better)
-    ratio = loops_of(context.problem, better[0]).ratio
-    asked = "met, no robot more" + (f", ratio <= {asked_ratio}" if asked_ratio is not None else "")
-    reached = sound and (asked_ratio is None or ratio <= asked_ratio)
+    shortest = loops_of(context.problem, better[0])
+    asked = "met, no robot more, no spikes" + (f", ratio <= {asked_ratio}" if asked_ratio is not None else "")
+    reached = sound and not shortest.spikes and (asked_ratio is None or shortest.ratio <= asked_ratio)
     name = f"loops of {mission.name}, {PatrolSettings.of(mission).effort}"
     return Row(name, asked, f"{found.robots} robots: " + "; ".join(parts), reached)
 
@@ -77,4 +80,7 @@ def loops_of(problem: Problem, plan: Repaired) -> Loops:
     """The figures of a plan's loops."""
     tours: Sequence[Tour] = plan.tours
     length_m, ground_m2 = loops_m(tours), sum(region.shape.area for region in problem.regions)
-    return Loops(plan.robots, length_m, length_m * problem.swath_m / ground_m2, turning_rad(tours) / length_m)
+    turning_deg_m = math.degrees(turning_rad(tours)) / length_m
+    return Loops(
+        plan.robots, length_m, length_m * problem.swath_m / ground_m2, turning_deg_m, len(spikes(problem, tours))
+    )

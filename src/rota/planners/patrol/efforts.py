@@ -35,10 +35,14 @@ ESTIMATES = (
 )
 
 
-def shortening_attempts(moves: int, last_moves: int) -> tuple[tuple[ShorteningStage, ...], ...]:
+def shortening_attempts(moves: int) -> tuple[tuple[ShorteningStage, ...], ...]:
     """Attempts at shorter loops: with much heat, which gives the tours other shapes; then with little."""
-    last = ShorteningStage(last_moves, 1 / 16, 1 / 1000, 8.0)
-    return (ShorteningStage(moves, 1.0, 1 / 100, 1.5), last), (last,)
+    first = (
+        ShorteningStage(moves, 0.7, 1 / 10, 1.5, coarse=True),
+        ShorteningStage(3 * moves // 16, 1 / 10, 1 / 100, 2.0),
+        ShorteningStage(3 * moves // 32, 1 / 32, 1 / 500, 8.0),
+    )
+    return first, (ShorteningStage(moves // 4, 1 / 16, 1 / 1000, 8.0),)
 
 
 QUICK = SearchSettings(
@@ -63,7 +67,7 @@ QUICK = SearchSettings(
     fixed_team=FixedTeamSettings(tries=4, nearness=1.025, new_allocations=False),
     sweeping=SweepingSettings(tries=2, angles=3),
     districts=DistrictSettings(enough=1.1),
-    shortening=ShorteningSettings(attempts=shortening_attempts(1200, 400), rounds=10),
+    shortening=ShorteningSettings(attempts=shortening_attempts(1600), rounds=14),
 )
 
 NORMAL = SearchSettings(
@@ -88,7 +92,7 @@ NORMAL = SearchSettings(
     fixed_team=FixedTeamSettings(tries=6, nearness=1.015, new_allocations=True),
     sweeping=SweepingSettings(tries=2, angles=6),
     districts=DistrictSettings(enough=1.05),
-    shortening=ShorteningSettings(attempts=shortening_attempts(4000, 1200), rounds=12),
+    shortening=ShorteningSettings(attempts=shortening_attempts(6000), rounds=16),
 )
 
 HIGH = SearchSettings(
@@ -113,7 +117,7 @@ HIGH = SearchSettings(
     fixed_team=FixedTeamSettings(tries=9, nearness=1.01, new_allocations=True),
     sweeping=SweepingSettings(tries=8, angles=12),
     districts=DistrictSettings(enough=1.0),
-    shortening=ShorteningSettings(attempts=shortening_attempts(12000, 4000), rounds=12),
+    shortening=ShorteningSettings(attempts=shortening_attempts(18000), rounds=16),
 )
 
 # the plan with which every search begins: lanes, from the two groupings that promise the fewest robots

@@ -1,7 +1,6 @@
 """The settings of the search, one type for each of its stages; ``efforts`` holds their values.
 
-A share is of the whole: of the ground, of a budget, of the reach. A weight is a cost in the metres that it is worth.
-"""
+A share is of the whole: ground, a budget, the reach. A weight is a cost in the metres that it is worth."""
 
 from __future__ import annotations
 
@@ -295,12 +294,14 @@ class ShorteningStage(NamedTuple):
     moves: for each reach of ideal loop, the ground over the swath.
     hot, cold: heat at the beginning and at the end, as shares of the reach.
     coverage_weight: multiple of the usual weight of seeing.
+    coarse: whether the samples are few, which is enough while tours find their shape.
     """
 
     moves: int
     hot: float
     cold: float
     coverage_weight: float
+    coarse: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -308,6 +309,7 @@ class ShorteningSettings:
     """Shorter loops for the plan with the fewest robots found.
 
     attempts: each begins with the tours found and makes its stages; the first that gives shorter loops is the last.
+    coarse, fine: the samples of annealing; with range that is taken much shorter robots would weave.
     reserve: share of the budgets that annealing leaves to the repair.
     budget_penalty: of a metre over a budget.
     rounds: of repair and judgement.
@@ -319,12 +321,14 @@ class ShorteningSettings:
 
     attempts: tuple[tuple[ShorteningStage, ...], ...]
     rounds: int
-    reserve: float = 0.005
+    coarse: SamplingSettings = SamplingSettings(per_reach=4, shrink=0.1, most_samples=150_000)
+    fine: SamplingSettings = SamplingSettings(per_reach=12, shrink=0.35, most_samples=150_000)
+    reserve: float = 0.02
     budget_penalty: float = 6.0
     largest: float = 2_000.0
     turn_reaches: float = 1.0
-    bending_steps: int = 10
-    bending: BendingSettings = BendingSettings(length_weight=1.0, range_weight=20.0, least_gain=1e-4)
+    bending_steps: int = 4
+    bending: BendingSettings = BendingSettings(length_weight=1.0, move_weight=0.02, range_weight=20.0, least_gain=1e-4)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, known_walls, laid_out, points_of, thinned
+
+Floats = NDArray[np.float64]
 
 UNSEEN_WEIGHT = 3.0  # what a sample is worth, as a multiple of the metres that its ground costs to sweep
 
@@ -23,9 +26,15 @@ def prepared_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False
     """
     points = thinned(problem.points) if coarse else problem.points
     points = joined([points, extra]) if len(extra) else points
+    known = None if coarse else known_walls(problem.samples)
+    points, samples, _ = laid_out(
+        points, problem.walls, problem.robot, weight=metres_worth(problem, points), known=known
+    )
+    return points, samples
+
+
+def metres_worth(problem: Problem, points: SamplePoints) -> Floats:
+    """The metres (n,) that it is worth to see each of the points."""
     # no way is too long for a visit, however small the zone
     longest_m = np.array(problem.periods_s)[points.period] * problem.robot.speed_m_s
-    weight = np.where(points.visit_m > 0, longest_m, UNSEEN_WEIGHT * points.area_m2 / problem.swath_m)
-    known = None if coarse else known_walls(problem.samples)
-    points, samples, _ = laid_out(points, problem.walls, problem.robot, weight=weight, known=known)
-    return points, samples
+    return np.where(points.visit_m > 0, longest_m, UNSEEN_WEIGHT * points.area_m2 / problem.swath_m)

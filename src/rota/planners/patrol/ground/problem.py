@@ -26,6 +26,7 @@ from rota.planners.patrol.ground.viewpoints import (
     what_places_see,
 )
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.settings import SamplingSettings
 
 Floats = NDArray[np.float64]
 
@@ -94,7 +95,8 @@ def set_up_problem(mission: Mission) -> Problem:
     regions = demanded_regions(mission)
     space, at_limit = space_for(mission, regions, robot, margin_m)
     walls = sight_walls(mission)
-    points, spacing_m = points_of_regions(mission, regions, space, robot)
+    sampling = EFFORTS[PatrolSettings.of(mission).effort].sampling
+    points, spacing_m = points_of_regions(regions, space, robot, sampling)
     border_places_m = np.zeros((0, 2))
     if at_limit:
         classes = [periods_of(regions).index(region.period_s) for region in regions]
@@ -157,10 +159,10 @@ def range_margin(reach_m: float) -> float:
 
 
 def points_of_regions(
-    mission: Mission, regions: tuple[DemandedRegion, ...], space: MultiPolygon, robot: Robot
+    regions: tuple[DemandedRegion, ...], space: MultiPolygon, robot: Robot, settings: SamplingSettings
 ) -> tuple[SamplePoints, float]:
-    """The points that stand for all regions, and the spacing of their lattices in metres: finer for more effort."""
-    settings, reach_m = EFFORTS[PatrolSettings.of(mission).effort].sampling, inner_reach_m(robot.sensor)
+    """The points that stand for all regions, and the spacing of their lattices in metres."""
+    reach_m = inner_reach_m(robot.sensor)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
     spacing_m = min(float(np.sqrt(asked_m2 / settings.most_samples)), settings.widest_spacing * reach_m)
     spacing_m = max(reach_m / settings.per_reach, spacing_m)

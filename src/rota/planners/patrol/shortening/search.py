@@ -1,7 +1,8 @@
 """Shorter loops at the same number of robots: annealed once more for length, then bent and repaired until they pass.
 
 The search for fewest robots ends as soon as the tours keep within their budgets. What is left of the budgets is spent
-here: every metre costs a metre, an unseen sample several times what it takes to see it.
+here: every metre costs a metre, an unseen sample several times what it takes to see it. Tours find their shape while
+they are hot, where few samples are enough; then finer ones take over.
 """
 
 from __future__ import annotations
@@ -10,15 +11,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from rota.planners.patrol.annealing.search import Annealing, budget_penalties
+from rota.planners.patrol.annealing.search import LONGEST_LEG, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
-from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.extra_points import metres_worth, no_points
+from rota.planners.patrol.ground.problem import Problem, points_of_regions
+from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.samples import known_walls, laid_out
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.repair.bending import layout
 from rota.planners.patrol.repair.bending.search import can_bend
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
-from rota.planners.patrol.settings import ShorteningStage
+from rota.planners.patrol.settings import SamplingSettings, ShorteningStage
 from rota.planners.patrol.shortening.measures import is_better, rounds_of
+from rota.planners.patrol.shortening.spikes import spikes, without
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour
 
@@ -42,8 +47,17 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
             context, found.tours, stages, fewest_turns=fewest_turns, seed=context.seed + 10 * turn
         )
         if is_better(shorter, found, fewest_turns=fewest_turns):
-            return shorter
-    return found
+            return without_spikes(context, shorter, fewest_turns=fewest_turns)
+    return without_spikes(context, found, fewest_turns=fewest_turns)
+
+
+def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> Repaired:
+    """The plan with its tours straight on past their spikes, repaired; the plan given where that is no better."""
+    found = spikes(context.problem, plan.tours)
+    if not found or context.should_stop():
+        return plan
+    straight = repaired_for_length(context, without(plan.tours, found))
+    return straight if is_better(straight, plan, fewest_turns=fewest_turns) else plan
 
 
 def annealed_and_repaired(
@@ -52,19 +66,28 @@ def annealed_and_repaired(
     """The tours annealed in stages, then repaired by linear programs that keep them short; met or not."""
     settings = context.settings.shortening
     tried = as_if_turning_cost(tours, settings.turn_reaches * context.problem.reach_m) if fewest_turns else tours
+    samples: dict[bool, Samples] = {}
     for turn, stage in enumerate(stages):
-        tried = annealed_for_length(context, tried, stage, seed=seed + turn)
+        if stage.coarse not in samples:
+            sampling = settings.coarse if stage.coarse else settings.fine
+            samples[stage.coarse] = sampled_anew(context.problem, tours, sampling)
+        tried = annealed_for_length(context, tried, samples[stage.coarse], stage, seed=seed + turn)
+    return repaired_for_length(context, as_they_were(tried, tours))
+
+
+def repaired_for_length(context: Context, tours: list[Tour]) -> Repaired:
+    """The tours after repairs by linear programs for which every metre counts; met or not."""
+    settings = context.settings.shortening
     repair = replace(context.settings.repair, bending_steps=settings.bending_steps)
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
-    return repair_until_feasible(
-        own, as_they_were(tried, tours), no_points(), may_add=False, rounds=settings.rounds, annealed=True
-    )
+    return repair_until_feasible(own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True)
 
 
-def annealed_for_length(context: Context, tours: list[Tour], stage: ShorteningStage, *, seed: int) -> list[Tour]:
+def annealed_for_length(
+    context: Context, tours: list[Tour], samples: Samples, stage: ShorteningStage, *, seed: int
+) -> list[Tour]:
     """The tours after one annealing in which every metre that is driven costs a metre."""
     problem, settings = context.problem, context.settings.shortening
-    _, samples = prepared_with(problem, no_points())
     search = Annealing(
         tours, samples._replace(weight=stage.coverage_weight * samples.weight), problem.paths.grid,
         length_weight=np.array(rounds_of(tours), dtype=np.float64),
@@ -76,6 +99,22 @@ def annealed_for_length(context: Context, tours: list[Tour], stage: ShorteningSt
         should_stop=context.should_stop,
     )  # fmt: skip
     return search.tours
+
+
+def sampled_anew(problem: Problem, tours: list[Tour], sampling: SamplingSettings) -> Samples:
+    """The problem's ground as other samples, but for what these tours do not see at full reach: nobody can see that."""
+    points, _ = points_of_regions(problem.regions, problem.space, problem.robot, sampling)
+    points, samples, _ = laid_out(points, problem.walls, problem.robot, weight=metres_worth(problem, points))
+    legs, places_m = layout.laid_out(tours, LONGEST_LEG * problem.reach_m)
+    further_m = float(samples.shrink_m.max(initial=0.0))
+    sightings = layout.sightings(legs, places_m, samples, range_margin_m=0.0, further_m=further_m)
+    seen = sightings.range_deficit_m <= samples.shrink_m
+    if seen.all():
+        return samples
+    known = known_walls(samples, np.flatnonzero(seen))
+    return laid_out(
+        points[seen], problem.walls, problem.robot, weight=metres_worth(problem, points[seen]), known=known
+    )[1]
 
 
 def reaches(problem: Problem) -> float:
