@@ -66,7 +66,7 @@ QUICK = SearchSettings(
     ),
     fixed_team=FixedTeamSettings(tries=4, nearness=1.025, new_allocations=False),
     sweeping=SweepingSettings(tries=2, angles=3),
-    districts=DistrictSettings(enough=1.1),
+    districts=DistrictSettings(enough=1.1, piece_moves=300),
     shortening=ShorteningSettings(attempts=shortening_attempts(1600), rounds=14),
 )
 
@@ -91,7 +91,7 @@ NORMAL = SearchSettings(
     ),
     fixed_team=FixedTeamSettings(tries=6, nearness=1.015, new_allocations=True),
     sweeping=SweepingSettings(tries=2, angles=6),
-    districts=DistrictSettings(enough=1.05),
+    districts=DistrictSettings(enough=1.05, piece_moves=1_200),
     shortening=ShorteningSettings(attempts=shortening_attempts(6000), rounds=16),
 )
 
@@ -116,7 +116,7 @@ HIGH = SearchSettings(
     ),
     fixed_team=FixedTeamSettings(tries=9, nearness=1.01, new_allocations=True),
     sweeping=SweepingSettings(tries=8, angles=12),
-    districts=DistrictSettings(enough=1.0),
+    districts=DistrictSettings(enough=1.0, piece_moves=4_800, searches_built_up=True),
     shortening=ShorteningSettings(attempts=shortening_attempts(18000), rounds=16),
 )
 

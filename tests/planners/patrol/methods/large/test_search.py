@@ -16,12 +16,11 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
+from rota.planners.patrol.methods.large.districts import by_districts, joined
 from rota.planners.patrol.methods.large.search import (
     asked_m2,
-    by_districts,
     fewest_on_large,
     is_large,
-    joined,
     repaired_together,
 )
 from rota.planners.patrol.methods.sweeping.search import sweep_sequentially
@@ -117,7 +116,7 @@ def test_districts_end_at_once_when_the_search_is_to_end() -> None:
 
 def test_districts_are_searched_where_lanes_do_not_do(monkeypatch: pytest.MonkeyPatch) -> None:
     context = search_on(replace(STREETS, period_s=25))
-    districts = DistrictSettings(enough=0.0, most_area=25.0)
+    districts = DistrictSettings(enough=0.0, piece_moves=10, most_area=25.0, built_up_corner=0.0)
     context = replace(context, settings=replace(context.settings, districts=districts))
     asked: list[Mission] = []
 

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import demanded_regions
 from rota.mission import Mission
 from rota.planners.patrol.bounds.area_bound import area_rate_bound
-from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
-from rota.planners.patrol.context import Context, silent
+from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
-from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
+from rota.planners.patrol.methods.large.districts import by_districts, joined
 from rota.planners.patrol.methods.large.lanes import in_districts
+from rota.planners.patrol.methods.large.pieces import asked_m2, in_pieces, is_built_up
 from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.methods.sweeping.search import judged_by_lanes, sweep_with_fewest_robots
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
@@ -41,22 +41,24 @@ def perfect_lanes(problem: Problem) -> float:
     return float(sum(region.shape.area / (swept_m2_s * region.period_s) for region in points))
 
 
-def asked_m2(problem: Problem) -> float:
-    """Area of the ground that must be seen point by point."""
-    return float(sum(region.shape.area for region in problem.regions if region.demand == "every_point"))
-
-
 def fewest_on_large(context: Context, search: Method) -> Repaired:
     """The best plan for large ground (met unless all repair failed).
 
-    Lanes first, which open ground needs no more robots than. Where they take many more than the bound, every district
-    is searched by itself as small ground is (``search``), at once, and the tours of all are repaired together.
+    Lanes first, which open ground needs no more robots than; among buildings tours over pieces. Where they take many
+    more than the bound, every district is searched by itself as small ground is (``search``), at once, and the tours of
+    all are repaired together.
     """
     problem, settings = context.problem, context.settings.districts
     few = settings.enough * context.enough_robots
     if has_many(context):
         few = max(few, settings.many_enough * max(context.enough_robots, perfect_lanes(problem)))
-    lanes = in_lanes(context)
+    lanes: Repaired | None
+    if is_built_up(context):
+        lanes = in_pieces(context)
+        if lanes.met and not settings.searches_built_up:
+            return lanes
+    else:
+        lanes = in_lanes(context)
     if lanes is not None and (context.should_stop() or (lanes.met and lanes.robots <= few)):
         return lanes
     count = boxes_for(asked_m2(problem), settings.most_area * problem.reach_m**2)
@@ -96,23 +98,6 @@ def better(one: Repaired | None, other: Repaired) -> Repaired:
     return other if other.robots < one.robots else one
 
 
-def by_districts(context: Context, search: Method, missions: list[Mission]) -> list[list[Tour]]:
-    """The tours found for every district's mission by itself; none for those not begun when the search is to end."""
-    districts: list[list[Tour]] = []
-    alone = replace(context, problem=None, progress=silent, watch=None)  # type: ignore[arg-type]
-    seeds = range(context.seed, context.seed + len(missions))
-
-    def found(mission: Mission, seed: int) -> list[Tour]:
-        return alone.run(tours_alone, search, mission, seed)
-
-    with ThreadPoolExecutor(max_workers=context.threads) as pool:
-        for tours in pool.map(found, missions, seeds):
-            districts.append([of_whole(context.problem, tour) for tour in tours])
-            share = len(districts) / len(missions)
-            context.progress(0.3 + 0.6 * share, f"{len(districts)} of {len(missions)} districts planned")
-    return districts
-
-
 def repaired_together(context: Context, districts: list[list[Tour]]) -> Repaired:
     """The tours of all districts repaired together, with more robots if it takes them."""
     exact = replace(context, problem=judged_by_lanes(context.problem))
@@ -122,35 +107,3 @@ def repaired_together(context: Context, districts: list[list[Tour]]) -> Repaired
         return whole
     context.progress(0.9, "finishing with the robots that the repair asks for")
     return repair_until_feasible(exact, joined(districts), no_points(), may_add=True, rounds=patient)
-
-
-def tours_alone(context: Context, search: Method, mission: Mission, seed: int) -> list[Tour]:
-    """The tours that the search finds for one district's mission, whatever the context's problem is.
-
-    None where nobody can see enough of it from within: the repair of the whole will lead robots there. None either
-    once the search is to end.
-    """
-    if context.should_stop():
-        return []
-    try:
-        problem = set_up_problem(mission)
-    except NoPlanFound:
-        return []
-    bound = prove_bound(problem)
-    own = replace(context, problem=problem, bound=bound, enough_robots=bound.robots, seed=seed, executor=None)
-    return search(own).tours
-
-
-def of_whole(problem: Problem, tour: Tour) -> Tour:
-    """The tour of a district with its class and its part of the space as the whole problem numbers them."""
-    component = int(problem.paths.part_of(tour.vertices_m[:1])[0])
-    return replace(tour, period_class=problem.periods_s.index(tour.period_s), component=max(component, 0))
-
-
-def joined(districts: list[list[Tour]]) -> list[Tour]:
-    """The tours of all districts, those that robots drive in turn numbered anew."""
-    together: list[Tour] = []
-    for tours in districts:
-        first = 1 + max((tour.nest for tour in together), default=-1)
-        together += [replace(tour, nest=tour.nest + first if tour.nest >= 0 else -1) for tour in tours]
-    return together
