@@ -10,14 +10,18 @@ from dataclasses import replace
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.patrol.context import begin_search
+from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.efforts import QUICK
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
+from rota.planners.patrol.methods.fewest.one_fewer import thinned
+from rota.planners.patrol.methods.fewest.search import without_spare_robots
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
+from rota.planners.patrol.methods.large.search import is_large
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.search import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
@@ -103,8 +107,25 @@ def plan_tours(
         best = swept(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
-    better = with_better_loops(context, best) if context.anneals else best
+    best, better = with_loops_improved(context, best) if context.anneals else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
+
+
+def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Repaired]:
+    """The plan with the fewest robots found, and the same with the loops that the mission prefers.
+
+    Shorter loops may do with fewer robots, and the last plan of a search was not begun from its tours yet. So robots
+    are spared once more, and then again as long as that gains anything. Ground that is searched in districts or hardly
+    at all is left as it is.
+    """
+    better = with_better_loops(context, best)
+    near_the_end = replace(context, progress=lambda _, what: context.progress(0.95, what))
+    while not (is_large(context) or context.problem.is_ragged or context.should_stop()):
+        fewer = without_spare_robots(near_the_end, thinned(near_the_end, better))
+        if fewer.robots >= better.robots:
+            break
+        best, better = fewer, with_better_loops(near_the_end, fewer)
+    return best, better
 
 
 def first_led(plans: list[Plan], mission: Mission, judge: Judge) -> Plan:

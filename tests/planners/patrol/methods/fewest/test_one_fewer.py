@@ -8,9 +8,10 @@ import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.efforts import EARLY
-from rota.planners.patrol.methods.fewest.one_fewer import one_fewer, with_one_fewer
+from rota.planners.patrol.methods.fewest.one_fewer import one_fewer, thinned, with_few_robots, with_one_fewer
 from rota.planners.patrol.methods.sweeping.search import swept
 from rota.planners.patrol.repair.repair import Repaired
+from rota.planners.patrol.tours.tour import tour_length_m
 
 
 @pytest.fixture(scope="module")
@@ -37,3 +38,21 @@ def test_tours_of_lanes_become_those_of_one_robot_less(lanes: Repaired) -> None:
 def test_tours_that_cannot_become_so_short_are_given_up(lanes: Repaired) -> None:
     hurried = replace(YARD, period_s=YARD.period_s / 4)
     assert one_fewer(search_on(hurried), lanes) is None
+
+
+def test_loops_keep_as_few_robots_as_go_round_them_in_time(lanes: Repaired) -> None:
+    (tour,) = lanes.tours
+    fewest = with_few_robots(replace(tour, robots=100)).robots
+    assert tour_length_m(tour) <= replace(tour, robots=fewest).budget_m
+    assert tour_length_m(tour) > replace(tour, robots=fewest - 1).budget_m
+    assert with_few_robots(replace(tour, robots=1)).robots == 1  # late as it may be
+    assert with_few_robots(replace(tour, robots=100, nest=3)).robots == 100
+
+
+def test_a_plan_is_thinned_and_passes(lanes: Repaired) -> None:
+    (tour,) = lanes.tours
+    context = search_on(YARD)
+    many = replace(lanes, tours=[replace(tour, robots=lanes.robots + 3)])
+    found = thinned(context, many)
+    assert (found.robots, found.met) == (with_few_robots(tour).robots, True)
+    assert thinned(context, found) is found

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 from rota.planners.patrol.annealing.schedule import anneal_all
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.methods.fewest.racing import first_to_pass
-from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.tours.tour import Tour
+from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 UNSEEN_LIMIT = 0.01  # share of the ground: tours that leave more unseen hardly ever pass after repairs
 
@@ -26,6 +28,24 @@ def one_fewer(context: Context, best: Repaired) -> Repaired | None:
     tried = anneal_all(context, begun, moves=moves, seed=seed, coarse=False)
     nearest = sorted(tried, key=lambda search: search.shortfall_m)[:1]
     return first_to_pass(context, [s for s in nearest if s.unseen_share <= UNSEEN_LIMIT], seed=seed)
+
+
+def thinned(context: Context, found: Repaired) -> Repaired:
+    """The plan with as few robots on each loop as keep its period, if the judge passes it; else the plan found."""
+    tours = [with_few_robots(tour) for tour in found.tours]
+    if sum(tour.robots for tour in tours) >= sum(tour.robots for tour in found.tours):
+        return found
+    rounds = context.settings.shortening.rounds
+    fewer = repair_until_feasible(context, tours, no_points(), may_add=False, rounds=rounds, annealed=True)
+    return fewer if fewer.met and fewer.robots < found.robots else found
+
+
+def with_few_robots(tour: Tour) -> Tour:
+    """The tour with the fewest robots that go round it in time; loops within loops are left as they are."""
+    if tour.nest >= 0:
+        return tour
+    alone = replace(tour, robots=1)
+    return replace(tour, robots=min(tour.robots, max(1, math.ceil(tour_length_m(alone) / alone.budget_m))))
 
 
 def with_one_fewer(tours: list[Tour]) -> Iterator[list[Tour]]:
