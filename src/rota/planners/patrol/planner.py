@@ -15,9 +15,7 @@ from rota.planners.patrol.efforts import QUICK
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
-from rota.planners.patrol.methods.fewest.search import without_spare_robots
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
-from rota.planners.patrol.methods.large.search import is_large
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.search import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -114,17 +112,12 @@ def plan_tours(
 def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Repaired]:
     """The plan with the fewest robots found, and the same with the loops that the mission prefers.
 
-    Shorter loops may do with fewer robots, and the last plan of a search was not begun from its tours yet. So robots
-    are spared once more, and then again as long as that gains anything. Ground that is searched in districts or hardly
-    at all is left as it is.
+    Shorter loops may do with fewer robots; these then get loops that are better still.
     """
     better = with_better_loops(context, best)
-    near_the_end = replace(context, progress=lambda _, what: context.progress(0.95, what))
-    while not (is_large(context) or context.problem.is_ragged or context.should_stop()):
-        fewer = without_spare_robots(near_the_end, thinned(near_the_end, better))
-        if fewer.robots >= better.robots:
-            break
-        best, better = fewer, with_better_loops(near_the_end, fewer)
+    fewer = thinned(context, better)
+    if fewer is not better and not context.should_stop():
+        best, better = fewer, with_better_loops(context, fewer)
     return best, better
 
 
