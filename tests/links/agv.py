@@ -20,6 +20,8 @@ from typing import Any
 from aiomqtt import Client, MqttError, Will
 from vda5050.validation.schema_validator import SchemaValidator
 
+from rota.links.vda5050 import ended
+
 Json = dict[str, Any]
 SCHEMAS = SchemaValidator()
 TELLS_S = 0.2  # between states of one that really drives
@@ -266,9 +268,7 @@ async def driving(port: int, *agvs: Agv) -> AsyncIterator[None]:
         try:
             yield
         finally:
-            for task in tasks:
-                task.cancel()
-            outcomes = await asyncio.gather(*tasks, return_exceptions=True)
+            outcomes = await asyncio.gather(*map(ended, tasks), return_exceptions=True)
             for outcome in outcomes:
                 if isinstance(outcome, Exception) and not isinstance(outcome, MqttError):
                     raise outcome

@@ -19,6 +19,7 @@ from tests.links.fleets import dropped, loop_of, plan_of, routes_of, staying
 from rota.errors import LinkError, PlanError, RotaError
 from rota.links.link_settings import make_link
 from rota.links.sending import routes_for, send_all, start_all
+from rota.links.vda5050 import ended
 from rota.plan import Plan
 
 LOOP = [(60.0, 0.0), (60.0, 20.0), (0.0, 20.0), (0.0, 0.0)]
@@ -327,6 +328,26 @@ def test_a_broker_that_goes_away_and_comes_back_is_found_again(tmp_path: Path, m
             await link.close()
 
     asyncio.run(run())
+
+
+def test_a_task_that_swallows_cancellations_is_ended() -> None:
+    async def run() -> int:
+        swallowed = 0
+
+        async def stubborn() -> None:
+            nonlocal swallowed
+            while swallowed < 2:
+                try:
+                    await asyncio.sleep(60)
+                except asyncio.CancelledError:
+                    swallowed += 1
+
+        task = asyncio.create_task(stubborn())
+        await asyncio.sleep(0)
+        await asyncio.wait_for(ended(task), 10)
+        return swallowed
+
+    assert asyncio.run(run()) == 2
 
 
 @pytest.mark.parametrize(

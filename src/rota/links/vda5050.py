@@ -24,8 +24,22 @@ from rota.plan import Plan
 from rota.route import Route, route_of
 
 MOST_OTHERS = 10  # vehicles at the broker that are not the plan's, for error messages
+END_AGAIN_S = 0.1  # until a task that goes on is cancelled again
 
 SETTINGS = Vda5050Settings
+
+
+async def ended(task: asyncio.Task[None]) -> None:
+    """Cancel a task until it has ended; what it raised is raised here.
+
+    Once may not do. aiomqtt waits with ``asyncio.wait_for``, and before Python 3.12 that swallows a cancellation that
+    comes just when its wait ends.
+    """
+    while not task.done():
+        task.cancel()
+        await asyncio.wait([task], timeout=END_AGAIN_S)
+    with suppress(asyncio.CancelledError):
+        await task
 
 
 def link_to(plan: Plan, settings: Vda5050Settings) -> Vda5050Link:
@@ -149,9 +163,7 @@ class Vda5050Link(RealTimeLink):
         """Vehicles drive to the end of what has been released to them, and wait there."""
         self._inbox.close()
         if self._reader is not None:
-            self._reader.cancel()
-            with suppress(asyncio.CancelledError):
-                await self._reader
+            await ended(self._reader)
         await self._broker.close()
 
     # ------------------------------------------------------------ orders
