@@ -50,6 +50,10 @@ def test_a_job_plans_tells_its_progress_and_leaves_a_plan_that_the_check_passes(
     assert check_plan(plan).verdict == "met"
     assert (plan.seed, len(plan.trajectories)) == (3, 1)
     assert [entry["id"] for entry in client.get("/api/plans").json()] == [ended["plan"]]  # none of those on the way
+    step = better[-1]["plan"]
+    assert client.get(f"/api/plans/{step}/playback").status_code == 200  # a page may still be loading it
+    job_when(client, started(client, SQUARE, seed=4), "done")
+    assert client.get(f"/api/plans/{step}").status_code == 404
 
 
 @pytest.mark.slow  # searches until a plan is there to stop at

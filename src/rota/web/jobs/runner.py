@@ -11,7 +11,7 @@ from rota.web.limits import Limits
 from rota.web.refusal import Json
 from rota.web.store.database import Database, now
 from rota.web.store.jobs import set_job
-from rota.web.store.plans import finish_plan, forget_steps
+from rota.web.store.plans import finish_plan
 from rota.web.workers.process import WorkerGone, WorkerProcess
 
 log = logging.getLogger(__name__)
@@ -113,7 +113,6 @@ class JobRunner:
             values = {"best_robots": ended["robots"], "best_met": ended["met"], "best_plan": plan}
         if live.killed_because is not None:
             message = f"{message}; {'this is the best plan until then' if plan else 'there was no plan yet'}"
-        forget_steps(self._database, live.job, but=0)
         elapsed_s = round(live.elapsed_s, 3)
         values |= {"state": state, "message": message, "plan": plan, "ended_at": now(), "elapsed_s": elapsed_s}
         set_job(self._database, live.job, **values)

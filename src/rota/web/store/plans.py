@@ -78,6 +78,12 @@ def forget_steps(database: Database, job: str, *, but: int) -> None:
         )
 
 
+def forget_old_steps(database: Database) -> None:
+    """Delete the plans that jobs which have ended found on their way: until now a page may have been loading one."""
+    with database.transaction() as cursor:
+        cursor.execute("DELETE FROM plans WHERE is_better AND job NOT IN (SELECT id FROM jobs WHERE ended_at IS NULL)")
+
+
 def forget_lost_steps(database: Database) -> None:
     """Delete plans found on the way that no job names any more, and list those that an interrupted job ended with."""
     with database.transaction() as cursor:

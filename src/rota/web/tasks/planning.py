@@ -11,7 +11,7 @@ from rota.errors import NoPlanFound, RotaError
 from rota.make_plan import PlanSearch, search_plan
 from rota.web.refusal import Json, Refusal
 from rota.web.store.jobs import job_source
-from rota.web.store.plans import NewPlan, finish_plan, forget_steps, keep_plan
+from rota.web.store.plans import NewPlan, finish_plan, forget_old_steps, forget_steps, keep_plan
 from rota.web.tasks.context import Context, laid_out
 from rota.web.tasks.validate import faults_json, judged_document
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rota.mission import Mission
     from rota.plan import Plan
 
-KEPT_STEPS = 2  # plans on the way that stay until the job ends: one may be on its way to a page
+KEPT_STEPS = 2  # plans on the way that stay until another job begins: one may be on its way to a page
 PROGRESS_EVERY_S = 0.1
 
 Tell = Callable[[Json], None]
@@ -38,6 +38,7 @@ class PlanningJob:
 
     def run(self) -> Json:
         """Plan; returns what became of it: {outcome: done | no_plan | stopped | failed, message, plan}."""
+        forget_old_steps(self._context.database)
         try:
             mission, asked = self._mission()
         except RotaError as error:
@@ -91,7 +92,6 @@ class PlanningJob:
     def _found(self, search: PlanSearch) -> Json:
         """The plan that the check passed."""
         plan = self._keep(search.plan, search.report, search.facts, is_better=False)
-        self._forget_steps()
         stopped = self._stop.is_set()
         message = "stopped: this is the best plan so far" if stopped else None
         if message is None and search.stopped_early:
@@ -110,11 +110,7 @@ class PlanningJob:
         elif self._best is not None:
             plan, robots = self._best
             finish_plan(self._context.database, plan)
-        self._forget_steps()
         return self._outcome("stopped" if self._stop.is_set() else "no_plan", str(failure), plan, robots, False)
-
-    def _forget_steps(self) -> None:
-        forget_steps(self._context.database, self._job, but=0)
 
     def _outcome(
         self, outcome: str, message: str | None, plan: str | None = None, robots: int | None = None, met: bool = False

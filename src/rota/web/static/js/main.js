@@ -56,6 +56,7 @@ class Page {
     jobs.addEventListener("watch", (event) => this.watch(event.detail));
     plans.addEventListener("watch", (event) => this.watch(event.detail));
     plans.addEventListener("listed", () => this.better === null && this.downloads.show(plans.find(this.plan)));
+    plans.addEventListener("deleting", (event) => event.detail === this.plan && this.watching.stopLoading());
     plans.addEventListener("deleted", (event) => event.detail === this.plan && this.choosePlan(null));
     this.tabs.addEventListener("change", () => this.tabShown());
     window.addEventListener("hashchange", () => this.readAddress());

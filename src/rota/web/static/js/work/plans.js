@@ -96,6 +96,8 @@ export class Plans extends EventTarget {
     if (!(await confirmed(`Delete the plan with ${plan.robots} robots? It cannot be brought back; planning with seed and effort as before gives it again.`, "Delete"))) {
       return;
     }
+    // what is being loaded of it would come to nothing
+    this.dispatchEvent(new CustomEvent("deleting", { detail: plan.id }));
     try {
       await api.deletePlan(plan.id);
       this.dispatchEvent(new CustomEvent("deleted", { detail: plan.id }));

@@ -89,10 +89,14 @@ export class Watching {
     return (x, y) => own.metresToMap(x, y, origin);
   }
 
-  /** Takes the plan off the map. */
-  clear() {
+  stopLoading() {
     this.running?.abort();
     this.running = null;
+  }
+
+  /** Takes the plan off the map. */
+  clear() {
+    this.stopLoading();
     this.player?.destroy();
     this.player = null;
     this.shown = null;
