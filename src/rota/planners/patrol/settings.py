@@ -70,7 +70,7 @@ class TeamSizeSettings:
     coarse_step: later sizes on the way up grow by this share of themselves.
     open_detour: where first tours are at most this multiple of the ideal lengths, ground counts as open.
     most_coverage_weight: beyond open ground the weight of seeing grows with the detours, up to this multiple.
-    searches_ragged: whether fewer robots are looked for on ground with very many corners, whose tries take minutes.
+    searches_ragged: whether fewer robots and better loops are looked for, for minutes, where corners are very many.
     """
 
     single_steps: int
@@ -310,24 +310,24 @@ class ShorteningSettings:
 
     attempts: each begins with the tours found and makes its stages; the first that gives shorter loops is the last.
     coarse, fine: the samples of annealing; with range that is taken much shorter robots would weave.
-    reserve: share of the budgets that annealing leaves to the repair.
-    budget_penalty: of a metre over a budget.
+    reserve, budget_penalty: the annealing leaves this share of the budgets to the repair; of a metre over a budget.
     rounds: of repair and judgement.
     largest: ground of more reaches of ideal loop than this is left as it is.
     turn_reaches: reaches of the sensor that a turn by one radian costs where fewest turns are preferred.
-    bending: linear programs of the repair, for which every metre counts.
-    bending_steps: of them in one round.
+    bending, bending_steps: linear programs of the repair, for which every metre counts; how many in one round.
+    bend: tours are bent this much farther than to what they miss, as a share of the reach.
     """
 
     attempts: tuple[tuple[ShorteningStage, ...], ...]
     rounds: int
     coarse: SamplingSettings = SamplingSettings(per_reach=4, shrink=0.1, most_samples=150_000)
-    fine: SamplingSettings = SamplingSettings(per_reach=12, shrink=0.35, most_samples=150_000)
+    fine: SamplingSettings = SamplingSettings(per_reach=12, shrink=0.5, most_samples=150_000)
     reserve: float = 0.02
     budget_penalty: float = 6.0
     largest: float = 2_000.0
     turn_reaches: float = 1.0
     bending_steps: int = 4
+    bend: float = 0.01
     bending: BendingSettings = BendingSettings(length_weight=1.0, move_weight=0.02, range_weight=20.0, least_gain=1e-4)
 
 

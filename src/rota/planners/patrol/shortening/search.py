@@ -78,7 +78,10 @@ def annealed_and_repaired(
 def repaired_for_length(context: Context, tours: list[Tour]) -> Repaired:
     """The tours after repairs by linear programs for which every metre counts; met or not."""
     settings = context.settings.shortening
-    repair = replace(context.settings.repair, bending_steps=settings.bending_steps)
+    repair = replace(
+        context.settings.repair,
+        bending_steps=settings.bending_steps, tight_bend=settings.bend, roomy_bend=settings.bend,
+    )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
     return repair_until_feasible(own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True)
 
