@@ -395,3 +395,19 @@ def test_ground_that_nobody_can_see_is_not_held_against_a_zone_beside_it() -> No
     low = dataclasses.replace(asked, zones=(zones[0], Zone(name="c", shape=box(55, 0.1, 56, 0.19), period_s=1)))
     report = check_plan(Plan(mission=low, trajectories=(stands,)))
     assert report.demands[1].excluded_area_m2 == pytest.approx(0.09)
+
+
+@pytest.mark.parametrize(("wide_m", "verdict"), [(2e-5, "met"), (0.5, "not proven")])
+def test_a_spot_on_the_edge_of_two_views_is_met_where_its_middles_are(wide_m: float, verdict: str) -> None:
+    # one robot sees all to the right of x = 5, the other all to the left: no piece across that line is seen by one
+    walls = (box(4, 2, 5, 2.2), box(5, 7.8, 6, 8))
+    zone = Zone(name="spot", shape=MultiPolygon([box(5 - wide_m / 3, 5, 5 + wide_m / 2, 5 + wide_m)]), period_s=1.0)
+    mission = field(
+        area=MultiPolygon([box(0, 0, 10, 10)]),
+        obstacles=tuple(Obstacle(shape=MultiPolygon([wall]), blocks="sight") for wall in walls),
+        fleet=Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=9.0)),
+        zones=(zone,),
+        period_s=None,
+    )
+    stay = [Trajectory(robot=n, times_s=[0.0], positions_m=[p]) for n, p in [("a", (5.0, 0.5)), ("b", (5.0, 9.5))]]
+    assert check_plan(Plan(mission=mission, trajectories=tuple(stay))).verdict == verdict

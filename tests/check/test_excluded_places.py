@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from rota.check.refine import Findings
+from rota.check.findings import Findings
 
 
 @pytest.mark.parametrize("seed", range(5))

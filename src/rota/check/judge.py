@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from rota.check.bouncing import bounce_violations
 from rota.check.clocks import clock_margin_s, clock_violations
 from rota.check.demands import DemandedGround, demands_of, visits
+from rota.check.findings import Findings
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.pieces import Pieces, convex_pieces, joined
 from rota.check.presence import presence_violations
-from rota.check.refine import Findings, refine
+from rota.check.refine import refine
 from rota.check.report import DemandVerdict, Outcome, Report, Violation, violation
 from rota.check.revisits import Sights, loop_gap, sights_of
 from rota.check.seeable import has_many_sides, seeable, standing_areas

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.check.findings import Findings, together
 from rota.check.pieces import Pieces, quartered
 from rota.check.revisits import Sights, passing_gaps, piece_gaps, point_pieces, swath_cuts
-from rota.check.tolerances import INSIDE, ROUNDING
+from rota.check.tolerances import INSIDE, ROUNDING, SPOT_M
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -22,74 +21,8 @@ IsSeeable = Callable[[Floats, float, Ints], Flags]
 
 MOST_PIECES = 600_000
 MOST_TOGETHER = 250_000  # pieces that are refined together; more are refined in parts of this many
-MOST_PLACES = 8
 SAMPLED_MET = 200
-FINER, MOST_FINER = 8, 2_000  # where no sample is unmet, up to 2,000 pieces are cut up to 8 times smaller than finest_m
-
-
-@dataclass
-class Findings:
-    """What refining shows of one demand: gaps in seconds, areas in square metres (see DemandVerdict).
-
-    worst_place_m None: no gap is shown too long. excluded: (k, 4) rows x, y, area and size of pieces nobody can see.
-    """
-
-    upper_s: float = 0.0
-    lower_s: float = 0.0
-    first_s: float = 0.0
-    worst_s: float = 0.0
-    worst_begin_s: float = math.nan
-    worst_place_m: tuple[float, float] | None = None
-    unseen_area_m2: float = 0.0
-    excluded_area_m2: float = 0.0
-    undecided_cells: int = 0
-    excluded: list[Floats] = field(default_factory=list)
-    unmet: list[Floats] = field(default_factory=list)
-    shown: list[Floats] = field(default_factory=list)
-
-    def unmet_points_m(self) -> Floats:
-        """(n, 2) corners and middles of all pieces not shown met, and the worst place (its piece may be excluded)."""
-        worst = [] if self.worst_place_m is None else [np.array([self.worst_place_m])]
-        points = np.vstack([np.empty((0, 2)), *self.unmet, *worst])
-        return np.unique(points, axis=0)
-
-    def shown_unmet_m(self) -> Floats:
-        """(n, 2) places that were looked at by themselves and are unmet: many of the others may yet be met."""
-        return np.unique(np.vstack([np.empty((0, 2)), *self.shown]), axis=0)
-
-    def excluded_places(self) -> list[tuple[float, float, float]]:
-        """(x, y, area) of the largest connected parts that nobody can see; the place is in the part."""
-        rows = np.vstack([np.empty((0, 4)), *self.excluded])
-        if not len(rows):
-            return []
-        low = rows[:, :2].min(axis=0)
-        size = max(float(rows[:, 3].max()), float((rows[:, :2].max(axis=0) - low).max()) / 1000)
-        bins = ((rows[:, :2] - low) / size).astype(np.int64)
-        label = _connected_bins(bins)
-        places = []
-        for k in range(label.max() + 1):
-            part = rows[label == k]
-            x, y = part[np.argmax(part[:, 2]), :2]
-            places.append((float(x), float(y), float(part[:, 2].sum())))
-        return sorted(places, key=lambda place: -place[2])[:MOST_PLACES]
-
-
-def _connected_bins(bins: Ints) -> Ints:
-    """(n,) number of the part of each bin (n, 2); bins that share a side or a corner are in one part."""
-    # a good part of the time that starting takes, and few plans leave out any ground
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    kinds, kind_of = np.unique(bins, axis=0, return_inverse=True)
-    index = np.full(kinds.max(axis=0) + 3, -1)
-    index[kinds[:, 0] + 1, kinds[:, 1] + 1] = np.arange(len(kinds))
-    x, y = kinds.T + 1
-    near = [np.column_stack([index[x, y], index[x + i, y + j]]) for i, j in ((1, 0), (0, 1), (1, 1), (1, -1))]
-    links = np.vstack(near)
-    links = links[links[:, 1] >= 0]
-    graph = coo_array((np.ones(len(links)), links.T), shape=(len(kinds), len(kinds)))
-    labels: Ints = connected_components(graph, directed=False)[1].astype(np.int64)
-    return labels[kind_of.ravel()]
+MOST_FINER = 2_000  # where no sample is unmet, so many pieces are cut smaller than finest_m, down to SPOT_M
 
 
 def refine(
@@ -105,7 +38,8 @@ def refine(
 ) -> list[Findings]:
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
-    owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: no smaller piece is cut.
+    owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: smaller pieces are cut
+    only where all that was looked at is met.
     is_seeable(points (k, 2), spread_m, demands (k,)): whether a body can stand where it sees a point within the spread,
     or that demand asks nothing of the point, so that other ground is not held against a piece; several threads ask it.
 
@@ -121,29 +55,7 @@ def refine(
     if len(pieces) <= MOST_TOGETHER:
         return part(0)
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        return [_together(parts) for parts in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
-
-
-def _together(parts: Iterable[Findings]) -> Findings:
-    """What was found out about one demand in all the parts."""
-    whole = Findings()
-    for part in parts:
-        whole.upper_s = max(whole.upper_s, part.upper_s)
-        whole.lower_s = max(whole.lower_s, part.lower_s)
-        whole.first_s = max(whole.first_s, part.first_s)
-        if part.worst_place_m is not None and (whole.worst_place_m is None or part.worst_s > whole.worst_s):
-            whole.worst_s, whole.worst_begin_s, whole.worst_place_m = (
-                part.worst_s,
-                part.worst_begin_s,
-                part.worst_place_m,
-            )
-        whole.unseen_area_m2 += part.unseen_area_m2
-        whole.excluded_area_m2 += part.excluded_area_m2
-        whole.undecided_cells += part.undecided_cells
-        whole.excluded += part.excluded
-        whole.unmet += part.unmet
-        whole.shown += part.shown
-    return whole
+        return [together(parts) for parts in zip(*pool.map(part, range(0, len(pieces), MOST_TOGETHER)), strict=True)]
 
 
 def _refined(
@@ -201,7 +113,7 @@ class _Level:
         self.areas_m2 = pieces.areas_m2()
         self.sizes_m = pieces.sizes_m()
         samples = piece_gaps(sights, point_pieces(self.middles), self.limits_s)
-        self.gaps_s, self.begins_s = samples.gaps_s, samples.begins_s
+        self.gaps_s, self.begins_s, self.middle_firsts_s = samples.gaps_s, samples.begins_s, samples.firsts_s
         self.bad = samples.exact & (self.gaps_s > self.limits_s)
         self.unseen = np.isinf(self.gaps_s)
         self.hidden = np.zeros(len(pieces), bool)
@@ -237,13 +149,16 @@ class _Level:
         out[self.hidden] = self._wholly_hidden(np.flatnonzero(self.hidden), is_seeable)
         passed = self._passed(findings, np.flatnonzero(finest & ~out & ~self.bad))
         in_doubt = np.flatnonzero(finest & ~out & ~passed)
-        out[in_doubt] = self.hidden[in_doubt] | self._partly_hidden(in_doubt, is_seeable)
+        out[in_doubt] = self.hidden[in_doubt]
+        asked = in_doubt[~out[in_doubt]]
+        out[asked] = self._partly_hidden(asked, is_seeable)
         self._note_corners(findings, np.flatnonzero(finest & ~out & ~passed & ~self.bad))
         coarse = violated & (self.sizes_m <= coarse_m) & ~self.hidden & ~out & ~finest
         done = ~out & (finest | (coarse & (np.count_nonzero(coarse) > few)))
         # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
-        parts = np.flatnonzero(done & ~passed & ~self.bad & ~violated & (self.sizes_m > finest_m / FINER))
+        parts = np.flatnonzero(done & ~passed & ~self.bad & ~violated & (self.sizes_m > SPOT_M))
         done[parts[:MOST_FINER]] = False
+        passed |= self._spots(findings, np.flatnonzero(done & ~passed & ~self.hidden & (self.sizes_m <= SPOT_M)))
         ask = np.flatnonzero(self.bad & ~self.hidden & ~out & ~done)
         done[ask] = self._corners_bad(ask)
         still = np.flatnonzero(~out & ~done)
@@ -282,20 +197,36 @@ class _Level:
         )  # fmt: skip
         return passed
 
+    def _spots(self, findings: list[Findings], index: Ints) -> Flags:
+        """Which of all pieces are too small to be cut, and met since their middles are: of those in ``index``."""
+        met = index[self.gaps_s[index] <= self.limits_s[index]]
+        passed = np.zeros(len(self.pieces), bool)
+        passed[met] = True
+        for k in np.unique(self.owners[met]):
+            own = met[self.owners[met] == k]
+            findings[k].upper_s = max(findings[k].upper_s, float(self.gaps_s[own].max()))
+            findings[k].first_s = max(findings[k].first_s, float(self.middle_firsts_s[own].max()))
+        return passed
+
     def _partly_hidden(self, index: Ints, is_seeable: IsSeeable) -> Flags:
-        """Which pieces, or ground beside them, have a corner that nobody can see: (k,) flags for ``index``, (k,)."""
+        """Which pieces, or ground beside them, have a corner that nobody can see: (k,) flags for ``index``, (k,).
+
+        One corner of each piece is asked at a time, since the first of them decides most pieces of a ragged floor.
+        """
         hidden = np.zeros(len(index), bool)
-        if len(index):
-            corners, owner = self._inner_corners(index)
-            # and as far again outside, in the same demand: what of it is seen only from the very edge of the standing
-            # ground, beside what is never seen, is no fair demand
-            beyond = corners + (corners - self.middles[index][owner])
-            corners, owner = np.vstack([corners, beyond]), np.tile(owner, 2)
-            never = np.flatnonzero(
-                np.isinf(piece_gaps(self.sights, point_pieces(corners), np.zeros(len(corners))).gaps_s)
-            )
-            demands = self.owners[index[owner[never]]]
-            np.logical_or.at(hidden, owner[never], ~is_seeable(corners[never], 0.0, demands))
+        if not len(index):
+            return hidden
+        corners, owner = self._inner_corners(index)
+        # and as far again outside, in the same demand: what of it is seen only from the very edge of the standing
+        # ground, beside what is never seen, is no fair demand
+        beyond = corners + (corners - self.middles[index][owner])
+        number = np.arange(len(owner)) - np.searchsorted(owner, owner)  # of a corner in its piece
+        for points in (beyond, corners):
+            for k in range(number.max() + 1):
+                asked = np.flatnonzero((number == k) & ~hidden[owner])
+                gaps_s = piece_gaps(self.sights, point_pieces(points[asked]), np.zeros(len(asked))).gaps_s
+                never = asked[np.isinf(gaps_s)]
+                hidden[owner[never]] = ~is_seeable(points[never], 0.0, self.owners[index[owner[never]]])
         return hidden
 
     def _note_corners(self, findings: list[Findings], index: Ints) -> None:

@@ -20,10 +20,12 @@ from rota.geometry.kernels import TOUCH_M, segment_is_free
 def _can_bend(px, py, corner):
     """Whether a shortest path straight from the point may bend at the corner (6,): its line is a tangent there."""
     dx, dy = corner[0] - px, corner[1] - py
-    slack = TOUCH_M * hypot(dx, dy)
     before = dx * (corner[3] - corner[1]) - dy * (corner[2] - corner[0])
     after = dx * (corner[5] - corner[1]) - dy * (corner[4] - corner[0])
-    return not ((before > slack and after < -slack) or (before < -slack and after > slack))
+    if before * after >= 0:
+        return True
+    slack2 = TOUCH_M * TOUCH_M * (dx * dx + dy * dy)
+    return before * before <= slack2 or after * after <= slack2
 
 
 @kernel
@@ -125,28 +127,89 @@ def path_lengths(a, b, corners, between, grid, symmetric):
     return path_m
 
 
-@kernel(nogil=True)
-def lengths_by_way_of(points, part, reached, b, corners, grid, symmetric, first):
-    """(n, m) lengths of shortest paths from points (n, 2) in parts (n,) to ends b, as ``path_lengths`` gives them.
+class Goals(NamedTuple):
+    """Points (n, 2), which of them (n,) are wanted, and those that see corner k: ends[begin[k] : begin[k + 1]]."""
 
-    reached: (n, c) the lengths from the points to the corners. symmetric: the points are those of b from the number
-    ``first`` on, and only paths to later ones are measured.
+    points: Any
+    wanted: Any
+    begin: Any
+    ends: Any
+
+
+@kernel(nogil=True)
+def searched_lengths(first, last, a, b, corners, links, grid, symmetric):
+    """Rows first to last of the lengths of shortest paths from ends a to ends b, as ``path_lengths`` gives them.
+
+    links: the corners linked to each, as starts (c + 1,), items, and lengths in metres. From each point they are
+    searched (Dijkstra 1959) until no way on can be shorter than those found.
     """
-    path_m = np.full((len(points), len(b.points)), inf)
-    for k in range(len(points)):
-        ax, ay = points[k]
-        for m in range(first + k if symmetric else 0, len(b.points)):
-            if part[k] < 0 or part[k] != b.part[m]:
+    path_m = np.full((last - first, len(b.points)), inf)
+    order = np.argsort(b.items, kind="mergesort")
+    corner_of = b.items[order]
+    end_of = np.empty(len(order), np.int64)
+    for m in range(len(b.points)):
+        end_of[b.start[m] : b.start[m + 1]] = m
+    end_of = end_of[order]
+    begin = np.searchsorted(corner_of, np.arange(len(corners) + 1))
+    wanted = np.zeros(len(b.points), np.bool_)
+    lengths = np.empty(len(corners))
+    for k in range(first, last):
+        ax, ay = a.points[k]
+        found = path_m[k - first]
+        some = False
+        for m in range(k if symmetric else 0, len(b.points)):
+            wanted[m] = False
+            if a.part[k] < 0 or a.part[k] != b.part[m]:
                 continue
             bx, by = b.points[m]
-            best = inf
             if segment_is_free(ax, ay, bx, by, grid):
-                best = hypot(bx - ax, by - ay)
+                found[m] = hypot(bx - ax, by - ay)
             else:
-                for n in b.items[b.start[m] : b.start[m + 1]]:
-                    best = min(best, reached[k, n] + hypot(corners[n, 0] - bx, corners[n, 1] - by))
-            path_m[k, m] = best
+                wanted[m] = some = True
+        if some:
+            from_a = a.items[a.start[k] : a.start[k + 1]]
+            _search(a.points[k], from_a, Goals(b.points, wanted, begin, end_of), corners, links, lengths, found)
+        wanted[:] = False
     return path_m
+
+
+@kernel
+def _search(a, from_a, goals, corners, links, lengths, found):
+    """Fill in the lengths found (n,) from point a (2,), which sees corners from_a, to the goals that are wanted.
+
+    lengths: room for those to the corners (c,).
+    """
+    ax, ay = a
+    start, items, metres = links
+    lengths[:] = inf
+    heap = [(inf, np.int64(-1))]
+    for n in from_a:
+        lengths[n] = hypot(corners[n, 0] - ax, corners[n, 1] - ay)
+        heappush(heap, (lengths[n], np.int64(n)))
+    longest = inf  # of the ways to all that are wanted
+    due = 0  # pops until the longest is known anew: to know it takes a look at them all
+    while True:
+        length, n = heappop(heap)
+        if n < 0 or length >= longest:
+            return
+        if length > lengths[n]:
+            continue
+        for m in goals.ends[goals.begin[n] : goals.begin[n + 1]]:
+            if goals.wanted[m]:
+                last = hypot(corners[n, 0] - goals.points[m, 0], corners[n, 1] - goals.points[m, 1])
+                found[m] = min(found[m], length + last)
+        due -= 1
+        if due < 0:
+            longest = 0.0
+            for m in range(len(found)):
+                if goals.wanted[m]:
+                    longest = max(longest, found[m])
+            due = len(found) // 8
+        for at in range(start[n], start[n + 1]):
+            on, way = items[at], length + metres[at]
+            if way < lengths[on]:
+                lengths[on] = way
+                heappush(heap, (way, np.int64(on)))
 
 
 @kernel(nogil=True)

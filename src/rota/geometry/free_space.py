@@ -140,6 +140,24 @@ def border_corners(shape: MultiPolygon, *, bend_m: float = 1e-12) -> tuple[Float
     return np.vstack(corner), np.vstack(before), np.vstack(after)
 
 
+def nooks(shape: MultiPolygon, inset_m: float, *, least_turn_rad: float = 0.1) -> Floats:
+    """Points (n, 2) beside the border of a shape, in metres: at the middle of each side and in each inner corner.
+
+    They lie ``inset_m`` off the sides. Corners that turn by less than ``least_turn_rad`` count as straight.
+    """
+    found = [np.zeros((0, 2))]
+    for ring in _oriented_rings(shape):
+        side = np.diff(ring, axis=0)
+        normal = np.column_stack([-side[:, 1], side[:, 0]]) / np.hypot(side[:, 0], side[:, 1])[:, None]
+        before = np.roll(normal, 1, axis=0)
+        cosine = (before * normal).sum(axis=1)
+        turn = np.arctan2(before[:, 0] * normal[:, 1] - before[:, 1] * normal[:, 0], cosine)
+        inner = (turn > least_turn_rad) & (turn < math.pi - least_turn_rad)
+        off_both = (before + normal)[inner] / (1 + cosine[inner])[:, None]
+        found += [ring[:-1] + side / 2 + inset_m * normal, ring[:-1][inner] + inset_m * off_both]
+    return np.vstack(found)
+
+
 def standing_parts(space: MultiPolygon) -> tuple[Polygon, ...]:
     """The parts of a space between which nobody can travel, largest first; parts that only touch are two."""
     return tuple(sorted(space.geoms, key=lambda part: -part.area))

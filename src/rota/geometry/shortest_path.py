@@ -24,9 +24,10 @@ Ints = NDArray[np.int64]
 
 
 MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of them take some 100 MB
-ROWS_TOGETHER, SOURCES_TOGETHER = 200, 100
+ROWS_TOGETHER, SOURCES_TOGETHER = 200, 50
 FEW_CORNERS = 300  # with more, what corners points see is remembered
 MOST_REMEMBERED = 100_000  # points
+MOST_MEASURED = 8  # sets of points between which all lengths are kept
 
 
 class ShortestPaths:
@@ -56,15 +57,14 @@ class ShortestPaths:
         )
         self.corners_m: Floats = np.ascontiguousarray(self._corners[:, :2])
         self._dense = len(self.corners_m) <= most_dense
-        # the points between which all lengths were asked for last: some of them are often asked for again
-        self._measured: dict[tuple[float, ...], int] = {}
-        self._measured_m = np.zeros((0, 0))
+        # points between which all lengths were asked for, with these: some of them are often asked for again
+        self._measured: tuple[tuple[dict[tuple[float, ...], int], Floats], ...] = ()
         # the corners that points see along tangents, where that takes a look at very many: tours ask again and again
         self._seen_corners: dict[tuple[float, ...], Ints] = {}
 
     def __getstate__(self) -> dict[str, object]:
         """What is sent to another process: all but what was asked for before, which other threads may change."""
-        return {**self.__dict__, "_measured": {}, "_measured_m": np.zeros((0, 0)), "_seen_corners": {}}
+        return {**self.__dict__, "_measured": (), "_seen_corners": {}}
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
@@ -148,13 +148,16 @@ class ShortestPaths:
             ends = self._ends(points_m)
             return self._lengths(ends, ends, symmetric=True)
         points = _points(points_m)
-        rows = [self._measured.get(point, -1) for point in map(tuple, points.tolist())]
-        if -1 in rows:
-            ends = self._ends(points)
-            self._measured_m = self._lengths(ends, ends, symmetric=True)
-            rows = list(range(len(points)))
-            self._measured = dict(zip(map(tuple, points.tolist()), rows, strict=True))
-        return np.ascontiguousarray(self._measured_m[np.ix_(rows, rows)])
+        keys = list(map(tuple, points.tolist()))
+        for row_of, lengths_m in self._measured:
+            if all(key in row_of for key in keys):
+                rows = [row_of[key] for key in keys]
+                return np.ascontiguousarray(lengths_m[np.ix_(rows, rows)])
+        ends = self._ends(points)
+        lengths_m = self._lengths(ends, ends, symmetric=True)
+        latest = (dict(zip(keys, range(len(keys)), strict=True)), lengths_m)
+        self._measured = (latest, *self._measured[: MOST_MEASURED - 1])
+        return lengths_m.copy()
 
     def path(self, a_m: Floats | tuple[float, float], b_m: Floats | tuple[float, float]) -> Floats:
         """The shortest path (k, 2) in metres from point a (2,) to point b (2,), both included; k is at least 2.
@@ -212,35 +215,25 @@ class ShortestPaths:
 
     def _searched_lengths(self, a: Ends, b: Ends, *, symmetric: bool) -> Floats:
         """The same along the links, some points a at a time."""
-        path_m = np.zeros((len(a.points), len(b.points)))
-        for first in range(0, len(a.points), SOURCES_TOGETHER):
-            rows = slice(first, min(first + SOURCES_TOGETHER, len(a.points)))
-            reached = self._lengths_to_corners(a, rows)
-            path_m[rows] = corner_kernels.lengths_by_way_of(
-                a.points[rows], a.part[rows], reached, b, self._corners, self.grid, symmetric, first
+        links = self._links.indptr, self._links.indices, self._links.data
+
+        def rows(first: int) -> Floats:
+            last = min(first + SOURCES_TOGETHER, len(a.points))
+            found: Floats = corner_kernels.searched_lengths(
+                first, last, a, b, self._corners, links, self.grid, symmetric
             )
+            return found
+
+        firsts = range(0, len(a.points), SOURCES_TOGETHER)
+        if len(firsts) <= 1:  # to start a thread takes longer than a search among neighbours
+            path_m = rows(0)
+        else:
+            with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+                path_m = np.vstack(list(pool.map(rows, firsts)))
         if symmetric:
             path_m = np.triu(path_m)
             path_m += np.triu(path_m, 1).T
         return path_m
-
-    def _lengths_to_corners(self, a: Ends, rows: slice) -> Floats:
-        """Lengths (n, c) of the shortest paths from some points to all corners."""
-        links, count = self._links, len(self.corners_m)
-        start = a.start[rows.start : rows.stop + 1]
-        items = a.items[start[0] : start[-1]]
-        step = self.corners_m[items] - np.repeat(a.points[rows], np.diff(start), axis=0)
-        size = count + len(start) - 1
-        graph = csr_array(
-            (
-                np.concatenate([links.data, np.hypot(step[:, 0], step[:, 1])]),
-                np.concatenate([links.indices, items]),
-                np.concatenate([links.indptr, links.indptr[-1] + start[1:] - start[0]]),
-            ),
-            shape=(size, size),
-        )
-        lengths = dijkstra(graph, indices=np.arange(count, size))
-        return np.ascontiguousarray(lengths[:, :count])
 
     def _polyline(self, points: Floats) -> Floats:
         part = self.part_of(points)

@@ -105,7 +105,8 @@ def plan_tours(
         best = swept(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
-    best, better = with_loops_improved(context, best) if context.anneals else (best, best)
+    goes_on = context.settings.team_size.searches_ragged or not context.problem.is_ragged
+    best, better = with_loops_improved(context, best) if context.anneals and goes_on else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
 
 

@@ -16,6 +16,7 @@ from rota.planners.patrol.ground.samples import MANY_CORNERS
 
 ARC_CORNERS = 16  # corners of a whole turn round a grown corner
 COARSE_ARC_CORNERS = 8  # the same in a mission with more than MANY_CORNERS corners
+GRAZE_M = 9e-7  # by so much bodies may touch the walls of a scanned floor; a plan may have them touch by 1e-6 m
 FINE_ARC_M = 0.0005  # at the limit of sight a corner may keep a robot at most this much farther off than its body does
 
 
@@ -24,12 +25,18 @@ def space_for(
 ) -> tuple[MultiPolygon, bool]:
     """Where the robot's centre may be, and whether the regions reach to the limit of what it sees from there.
 
+    The walls of a scanned floor follow its pixels, as the border of where robots can stand then does. Much is seen only
+    from the very line of another wall, that is only if bodies may touch walls a little.
+
     Corners are rounded finely where they do, or where a zone to visit can be entered only so. Raises NoPlanFound where
     the robot can stand nowhere at all, or nowhere in a zone to visit.
     """
     body_m = robot.body_radius_m
     corners = shapely.get_num_coordinates([mission.area, *(obstacle.shape for obstacle in mission.obstacles)]).sum()
-    space = standing_space(mission, body_m, arc_corners=ARC_CORNERS if corners <= MANY_CORNERS else COARSE_ARC_CORNERS)
+    if corners <= MANY_CORNERS:
+        space = standing_space(mission, body_m, arc_corners=ARC_CORNERS)
+    else:
+        space = standing_space(mission, max(0.0, body_m - GRAZE_M), arc_corners=COARSE_ARC_CORNERS)
     visits = [region for region in regions if region.demand == "visit"]
     at_limit = limit_is_asked_for(regions, space, robot, range_margin_m)
     if at_limit or any(shapely.disjoint(region.shape, space) for region in visits):

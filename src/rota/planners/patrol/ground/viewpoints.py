@@ -28,6 +28,7 @@ Ints = NDArray[np.int64]
 MOST_CANDIDATES = 60_000
 CANDIDATE_SPACING = 0.5  # of the inner reach: between candidate places
 COARSEST_SPACING = 0.9  # of the inner reach: between them where more than MOST_CANDIDATES would be needed
+SLIVER_M = 1e-6  # a view no wider than twice this is a sliver
 HAIR_M = 1e-6  # a range shorter than the reach by less than this counts as the whole reach
 
 
@@ -89,7 +90,10 @@ def choose_viewpoints(
 def place_that_sees(
     point_m: Floats, visit_m: float, space: MultiPolygon, walls: Floats, robot: Robot, range_margin_m: float
 ) -> Floats | None:
-    """A place (2,) to stand that sees the point, or None when there is none: its view, cut by where one can stand."""
+    """A place (2,) to stand that sees the point: in the middle of its view, cut by where one can stand.
+
+    None where there is none, or where the view is a sliver: what it sees beside the point is seen from its rim only.
+    """
     reach, square = sensor_arguments(robot, range_margin_m)
     if visit_m > 0 and space.distance(shapely.Point(point_m)) <= ON_THE_SPOT_M:
         return np.asarray(point_m, dtype=np.float64)
@@ -110,6 +114,8 @@ def place_that_sees(
     if not parts:
         return np.asarray(shapely.get_coordinates(places)[0])
     largest = max(parts, key=lambda part: float(part.area))
+    if largest.area < SLIVER_M * largest.length:
+        return None
     return np.asarray(shapely.get_coordinates(largest.point_on_surface())[0])
 
 

@@ -6,8 +6,11 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from shapely import MultiPolygon
+from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
@@ -23,28 +26,34 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ON_ROUTE_M = 1e-7  # a place so near a route is on it
+ONE_PLACE_M = 1e-5  # places nearer to each other than this are one
+ON_BORDER_M = 1e-9  # a place so near a border is on it
 HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
 MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
 
 
 def visit_places(
-    problem: Problem, tours: list[Tour], points: SamplePoints, samples: Samples, unseen: Ints
+    problem: Problem, tours: list[Tour], points: SamplePoints, samples: Samples, unseen: Ints, *, further: bool
 ) -> list[Tour] | None:
-    """Tours led along shortest paths past places that see the unseen samples; None when nobody can see any of them."""
+    """Tours led along shortest paths past places that see the unseen samples; None where there are none.
+
+    further: also past places other than the candidates, of which each sees the one sample that it was looked for.
+    """
     wanted = np.zeros(len(points), dtype=bool)
     wanted[unseen] = True
     places_m = near_places(problem, points.xy_m[unseen])
     start, items = what_places_see(places_m, problem.robot, problem.range_margin_m, samples)
     chosen, hidden = choose_viewpoints(start, items, wanted, points.area_m2)
     stops = [(places_m[i], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen]
-    for i in np.flatnonzero(hidden):
+    for i in np.flatnonzero(hidden) if further else ():
         place = last_place(problem, points, int(i))
         if place is not None:
             stops.append((place, int(points.period[i])))
     if not stops:
         return None
     for place_m, period in stops:
-        tours = led_past(problem, tours, place_m, int(period))
+        if not any((np.hypot(*(tour.vertices_m - place_m).T) < ONE_PLACE_M).any() for tour in tours):
+            tours = led_past(problem, tours, place_m, int(period))
     return tours
 
 
@@ -74,21 +83,34 @@ def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -
 def border_place(problem: Problem, point_m: Floats) -> Floats | None:
     """The place that sees the point from least far, on the border of where robots can stand; None out of reach.
 
-    On ragged ground it is a hair inside of what the point sees: from the very edge of a view rounding decides.
+    On ragged ground it is a hair inside of what the point sees: from the very edge of a view rounding decides. Of a
+    view narrower than any hair it is where the space ends: what is nearer to a wall than the point is seen from there.
     """
     if not problem.is_ragged:
         nearest_m, ranges_m = nearest_places(point_m, problem.space, problem.walls, problem.robot)
         return nearest_m[0] if ranges_m[0] <= problem.reach_m else None
-    reach_m, square = sensor_arguments(problem.robot, 0.0)
-    view = visibility_polygon(point_m, problem.walls, reach_m * (np.sqrt(2) if square else 1.0))
-    places = view.intersection(problem.space)
+    _, square = sensor_arguments(problem.robot, 0.0)
+    places = places_in_view(problem, point_m)
     for hair_m in HAIRS_M:
-        inside = segments_of(places.buffer(-hair_m) if hair_m > 0 else places)
+        inside = segments_of(places.buffer(-hair_m)) if hair_m > 0 else ends_of(places, problem.space)
         if len(inside):
             place_m, range_m = nearest_on_segments(point_m[None], inside, square)
             if range_m[0] <= problem.reach_m:
                 return np.asarray(place_m[0])
     return None
+
+
+def places_in_view(problem: Problem, point_m: Floats) -> BaseGeometry:
+    """Where a robot may stand in sight of the point, as far off as the corner of a square sensor."""
+    view = visibility_polygon(point_m, problem.walls, problem.robot.sensor.reach_m)
+    return view.intersection(problem.space)
+
+
+def ends_of(places: BaseGeometry, space: MultiPolygon) -> Floats:
+    """The sides (k, 4) of the places where the space ends too; all their sides where there are none."""
+    sides = segments_of(places)
+    on_border = shapely.dwithin(space.boundary, shapely.points(sides.reshape(-1, 2, 2)), ON_BORDER_M).all(axis=1)
+    return sides[on_border] if on_border.any() else sides
 
 
 def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
@@ -121,7 +143,10 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
     vertices = tours[k].vertices_m
     after = vertices[(i + 1) % len(vertices)]
     detour = problem.paths.paths_along(np.vstack([vertices[i], place_m, after]))[1:-1]
-    longer = np.vstack([vertices[: i + 1], detour, vertices[i + 1 :]])
+    # a timetable keeps but one of places so near each other; slivers of views lie beside each other on ragged ground
+    away_m = np.hypot(*(vertices - place_m).T)
+    replaced = (away_m > 0) & (away_m < ONE_PLACE_M) & problem.is_ragged & (tours[k].nest < 0)
+    longer = np.vstack([vertices[: i + 1][~replaced[: i + 1]], detour, vertices[i + 1 :][~replaced[i + 1 :]]])
     return [*tours[:k], replace(tours[k], vertices_m=longer), *tours[k + 1 :]]
 
 

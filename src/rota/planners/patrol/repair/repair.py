@@ -18,11 +18,14 @@ from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
 from rota.planners.patrol.ground.limits_of_sight import drawn_to_border, with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
+from rota.planners.patrol.ground.nooks import nooks_of
 from rota.planners.patrol.ground.problem import Problem, stretched
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
+from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out, points_of
+from rota.planners.patrol.ground.viewpoints import what_places_see
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
-from rota.planners.patrol.repair.detours import ON_ROUTE_M, led_past, nearby_place, visit_places
+from rota.planners.patrol.repair.detours import ON_ROUTE_M, last_place, visit_places
+from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
 from rota.planners.patrol.tours.curves import curved
 from rota.planners.patrol.tours.timetable import as_trajectories
 from rota.planners.patrol.tours.tour import Tour, driven, over_budget_share, tour_length_m
@@ -93,6 +96,8 @@ def repair_until_feasible(
     settings = context.settings.repair
     bends = annealed and can_bend(context.problem)
     stuck, reroutes, unmet_before = 0, 0, -1
+    if may_add and context.problem.is_ragged:
+        extra = joined([extra, missed_nooks(context, tours)])
     for turn in range(1, rounds + 1):
         tours = seeing_all(context, tours, extra, may_add=may_add, bends=bends, seed=context.seed + turn - 1)
         excess = over_budget_share(tours)
@@ -109,9 +114,9 @@ def repair_until_feasible(
         if not may_add and excess > 0 and not goes_on_over_budget:
             break
         if len(new):
+            again = new if stuck else asked_again(context.problem, extra, new)
             extra = repaired.extra
-            if stuck:
-                tours = visiting_stubborn(context, tours, new, stuck)
+            tours = visiting_stubborn(context, tours, again, max(stuck, 1))
             continue
         # all is seen, but bodies touch
         apart = led_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < settings.reroutes else None
@@ -156,16 +161,19 @@ def judged(
     return Repaired(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, new]))
 
 
-def visiting_stubborn(context: Context, tours: list[Tour], points: SamplePoints, stuck: int) -> list[Tour]:
-    """The tours led to where points can be seen from nearby, nearer by each round in which they are ``stuck``.
-
-    Every such point is seen, but no single view takes in a whole piece round it.
-    """
-    for i in range(min(len(points), context.settings.repair.visits)):
-        place = nearby_place(context.problem, points.xy_m[i], float(points.visit_m[i]), stuck)
-        if place is not None:
-            tours = led_past(context.problem, tours, place, int(points.period[i]))
-    return tours
+def missed_nooks(context: Context, tours: list[Tour]) -> SamplePoints:
+    """The nooks of ragged ground that the tours do not see, but may."""
+    problem = context.problem
+    points = nooks_of(problem)
+    if len(points):
+        points, samples, _ = laid_out(points, problem.walls, problem.robot)
+        points = points[annealing_of(context, tours, samples, length_weight=1.0, seed=context.seed).unseen_samples]
+    if not len(points):
+        return points
+    points, samples, _ = laid_out(points, problem.walls, problem.robot)
+    _, seen = what_places_see(problem.viewpoints.xy_m, problem.robot, problem.range_margin_m, samples)
+    further = [i for i in np.setdiff1d(np.arange(len(points)), seen) if last_place(problem, points, int(i)) is not None]
+    return points[np.concatenate([np.unique(seen), further]).astype(np.int64)]
 
 
 def bent(context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int) -> list[Tour]:
@@ -303,12 +311,14 @@ def see_the_rest(
     search.see_more(500 + 40 * search.unseen)
     tours = search.tours
     before = np.zeros(0, dtype=np.int64)
-    for _ in range(5):
+    for turn in range(5):
         unseen = search.unseen_samples
         if np.array_equal(unseen, before):
             break  # none is left, or what is left is seen only by a hair
         before = unseen
-        longer = visit_places(context.problem, tours, points, samples, unseen)
+        longer = visit_places(
+            context.problem, tours, points, samples, unseen, further=turn == 0 or not context.problem.is_ragged
+        )
         if longer is None:
             break
         tours = longer

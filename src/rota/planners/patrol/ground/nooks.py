@@ -1,0 +1,23 @@
+"""Points beside all sides of ragged ground: samples lie too far apart for these, and the check finds them in rounds."""
+
+from __future__ import annotations
+
+import shapely
+
+from rota.geometry.free_space import nooks
+from rota.planners.patrol.ground.extra_points import no_points
+from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.ground.samples import SamplePoints, joined, points_of
+
+INSET_M = 1e-8  # off the walls: on them, give or take rounding
+
+
+def nooks_of(problem: Problem) -> SamplePoints:
+    """A point beside the middle of every side of a region that must be seen, and one in every inner corner."""
+    found = [no_points()]
+    for i, region in enumerate(problem.regions):
+        if region.demand == "every_point":
+            xy_m = nooks(region.shape, INSET_M)
+            inside = shapely.contains_xy(region.shape, xy_m)
+            found.append(points_of(xy_m[inside], problem.spacing_m**2, problem.region_class[i], i))
+    return joined(found)
