@@ -22,7 +22,7 @@ IsSeeable = Callable[[Floats, float, Ints], Flags]
 MOST_PIECES = 600_000
 MOST_TOGETHER = 250_000  # pieces that are refined together; more are refined in parts of this many
 SAMPLED_MET = 200
-MOST_FINER = 2_000  # where no sample is unmet, so many pieces are cut smaller than finest_m, down to SPOT_M
+MOST_FINER = 2_000  # where no sample is unmet, at most so many pieces are cut smaller than finest_m, down to SPOT_M
 
 
 def refine(
@@ -157,7 +157,9 @@ class _Level:
         done = ~out & (finest | (coarse & (np.count_nonzero(coarse) > few)))
         # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
         parts = np.flatnonzero(done & ~passed & ~self.bad & ~violated & (self.sizes_m > SPOT_M))
-        done[parts[:MOST_FINER]] = False
+        # a strip that no view takes in across has twice as many parts with every cut, and stays in doubt
+        if len(parts) <= MOST_FINER:
+            done[parts] = False
         passed |= self._spots(findings, np.flatnonzero(done & ~passed & ~self.hidden & (self.sizes_m <= SPOT_M)))
         ask = np.flatnonzero(self.bad & ~self.hidden & ~out & ~done)
         done[ask] = self._corners_bad(ask)
