@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from benchmarks.known_plans import bound_of, known_plan
+from benchmarks.known_plans import bound_of, known_plan, known_turning_plan
 
 from rota.check import check_plan
 
@@ -20,6 +20,12 @@ def test_no_bound_is_above_a_plan_that_meets_the_mission() -> None:
     # bounds of 1 for everything would pass, too
     assert highest >= 3
     assert met >= 5
+
+
+def test_no_bound_is_above_a_plan_of_robots_that_stop_to_turn() -> None:
+    plans = [plan for seed in SEEDS if (plan := known_turning_plan(seed)) is not None]
+    assert len(plans) >= 20
+    assert all(1 <= bound_of(plan) <= len(plan.trajectories) for plan in plans)
 
 
 def test_the_check_passes_the_known_plans() -> None:

@@ -45,7 +45,11 @@ def area_rate(areas_m2: Sequence[float], periods_s: Sequence[float], robot: Robo
     return best
 
 
-def rate_proof(robots: float, asked_m2_s: float) -> ProvedBound:
-    """The proof from a real number of robots that are asked to see ``asked_m2_s`` of ground per second."""
-    each = f", a robot sweeps {asked_m2_s / robots:.4g} at most" if robots > 0 else ""
+def rate_proof(robots: float, asked_m2_s: float, *, turns: bool = False) -> ProvedBound:
+    """The proof from a real number of robots that are asked to see ``asked_m2_s`` of ground per second.
+
+    turns: robots stop to turn, which is counted.
+    """
+    who = "a robot that stops to turn" if turns else "a robot"
+    each = f", {who} sweeps {asked_m2_s / robots:.4g} at most" if robots > 0 else ""
     return ProvedBound(robots=math.ceil(robots - ROBOTS_ROUNDING), reason=f"{asked_m2_s:.4g} m2/s are asked for{each}")

@@ -18,6 +18,7 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound, max_of
 from rota.planners.patrol.bounds.rate_bound import swept_robots
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
 from rota.planners.patrol.bounds.strongest_robot import strongest_robot
+from rota.planners.patrol.bounds.turning_bound import circle_radius_m, turning_robots
 from rota.planners.patrol.bounds.witness_points import Witnesses, witnesses_of
 from rota.planners.patrol.ground.problem import Problem
 
@@ -37,7 +38,7 @@ def prove_bound(problem: Problem) -> ProvedBound:
     pieces = ground_pieces(regions, seeable_m2)
     proofs = [
         ProvedBound(robots=1, reason="something is asked, and it can be seen"),
-        *_by_rates(regions, seeable_m2, robot),
+        *_by_rates(regions, seeable_m2, robot, circle_radius_m(problem.mission)),
         groups_bound(pieces, robot),
         straight_chain_bound(problem, robot),
     ]
@@ -47,13 +48,17 @@ def prove_bound(problem: Problem) -> ProvedBound:
     return max_of([best, *_by_witnesses(witnesses, robot, best.robots)])
 
 
-def _by_rates(regions: Sequence[DemandedRegion], seeable_m2: Sequence[float], robot: Robot) -> Iterator[ProvedBound]:
-    """The proofs that count ground per second."""
+def _by_rates(
+    regions: Sequence[DemandedRegion], seeable_m2: Sequence[float], robot: Robot, radius_m: float
+) -> Iterator[ProvedBound]:
+    """The proofs that count ground per second; radius_m: of a circle that no robot leaves."""
     swept = [k for k, region in enumerate(regions) if region.demand == "every_point"]
     shapes, periods_s = [regions[k].shape for k in swept], [regions[k].period_s for k in swept]
-    yield rate_proof(*area_rate([seeable_m2[k] for k in swept], periods_s, robot))
+    asked_m2 = [seeable_m2[k] for k in swept]
+    yield rate_proof(*area_rate(asked_m2, periods_s, robot))
     lost_m2 = [regions[k].shape.area - seeable_m2[k] for k in swept]
     yield rate_proof(*swept_robots(shapes, lost_m2, periods_s, robot))
+    yield rate_proof(*turning_robots(shapes, asked_m2, periods_s, robot, radius_m), turns=True)
 
 
 def _by_witnesses(witnesses: Witnesses, robot: Robot, least: int) -> Iterator[ProvedBound]:

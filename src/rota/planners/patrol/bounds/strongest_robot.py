@@ -16,7 +16,9 @@ def strongest_robot(fleet: Fleet) -> Robot:
         sensor = max((robot.sensor for robot in robots), key=lambda sensor: sensor.reach_m)
     else:
         sensor = DiscSensor(radius_m=max(robot.sensor.reach_m for robot in robots))
-    return Robot(name="strongest", speed_m_s=speed_m_s, sensor=sensor)
+    rates = [robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]
+    turns = len(rates) == len(robots)  # one that turns in no time makes the strongest do so
+    return Robot(name="strongest", speed_m_s=speed_m_s, sensor=sensor, turn_rate_rad_s=max(rates) if turns else None)
 
 
 def sweep_m2_s(robot: Robot) -> float:
