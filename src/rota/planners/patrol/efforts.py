@@ -73,7 +73,7 @@ QUICK = SearchSettings(
 NORMAL = SearchSettings(
     sampling=SamplingSettings(per_reach=12, shrink=0.2),
     allocation=AllocationSettings(groupings=8, least_slack=1.1, separate_anchors=True, estimates=ESTIMATES[:4]),
-    team_size=TeamSizeSettings(single_steps=2, searches_ragged=True),
+    team_size=TeamSizeSettings(single_steps=2, searches_ragged=False),
     screening=ScreeningSettings(allocations=8, nested_allocations=24, moves=50_000),
     multistart=MultistartSettings(allocations=2, seeds=2, kept=2),
     annealing=AnnealingSettings(moves=600_000, most_moves=10_000_000),
