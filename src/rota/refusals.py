@@ -62,11 +62,11 @@ def refusal(kind: str, value: Any, given: Mapping[str, Any], otherwise: str = ""
 
 
 def _reads_as_number(text: str) -> bool:
+    """Whether the text is a number without its quotes; YAML takes nan and inf for text, quotes or none."""
     try:
-        float(text)
+        return math.isfinite(float(text))
     except ValueError:
         return False
-    return True
 
 
 def shown(value: Any) -> str:
