@@ -10,7 +10,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from rota.engines.placing import answer_of, submitted_with
 from rota.mission import Mission
-from rota.planners.patrol.bounds.best_bound import prove_bound
+from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -30,8 +30,10 @@ POLL_S = 0.1  # between two looks at the stop flag while others work
 class Context:
     """One search: the problem, the seed and the caller's wishes.
 
+    asked: the mission with its starts and without a reserve.
     settings: of every stage of the search.
-    bound: what is proved of the mission as it is asked.
+    bound: what is proved of the mission as it is asked; ``counts_areas_only``: by areas and periods, and no other proof
+    was tried yet (``with_best_bound``).
     enough_robots: fewer are not looked for; the bound, or the number of a fixed team.
     coverage_weight: multiple of the weight of seeing on open ground.
     watch: told of the states of the search, from several threads; it changes nothing of the result.
@@ -39,6 +41,7 @@ class Context:
     """
 
     problem: Problem
+    asked: Mission
     settings: SearchSettings
     bound: ProvedBound
     enough_robots: int
@@ -49,6 +52,7 @@ class Context:
     coverage_weight: float = 1.0
     watch: Watch | None = None
     executor: Executor | None = None
+    counts_areas_only: bool = False
 
     @property
     def threads(self) -> int | None:
@@ -111,18 +115,35 @@ def begin_search(
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
     executor: Executor | None = None,
+    counts_areas_only: bool = False,
 ) -> Context:
     """A search with the settings of the mission's effort and the bound of the mission as it is asked.
 
-    asked: the mission with its starts and without a reserve.
+    asked: the mission with its starts and without a reserve. counts_areas_only: no other bound is proved yet.
     """
-    bound = prove_bound(problem)
+    bound, enough_robots = what_is_proved(problem, asked, prove_by_area if counts_areas_only else prove_bound)
     return Context(
-        problem=problem, settings=EFFORTS[PatrolSettings.of(problem.mission).effort],
-        bound=bound if asks_alike(asked, problem.mission) else prove_bound(set_up_problem(asked)),
-        enough_robots=robots_enough(problem, asked, bound), seed=seed, judge=judge, progress=progress,
-        should_stop=should_stop, watch=watch, executor=executor,
+        problem=problem, asked=asked, settings=EFFORTS[PatrolSettings.of(problem.mission).effort], bound=bound,
+        enough_robots=enough_robots, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
+        executor=executor, counts_areas_only=counts_areas_only,
     )  # fmt: skip
+
+
+def with_best_bound(context: Context) -> Context:
+    """The search with the highest of all bounds."""
+    if not context.counts_areas_only:
+        return context
+    bound, enough_robots = what_is_proved(context.problem, context.asked, prove_bound)
+    return replace(context, bound=bound, enough_robots=enough_robots, counts_areas_only=False)
+
+
+def what_is_proved(
+    problem: Problem, asked: Mission, prove: Callable[[Problem], ProvedBound]
+) -> tuple[ProvedBound, int]:
+    """The bound of the mission as it is asked, and the number of robots at which the search ends."""
+    bound = prove(problem)
+    as_asked = bound if asks_alike(asked, problem.mission) else prove(set_up_problem(asked))
+    return as_asked, robots_enough(problem, asked, bound)
 
 
 def asks_alike(one: Mission, other: Mission) -> bool:

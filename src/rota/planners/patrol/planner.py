@@ -10,9 +10,10 @@ from dataclasses import replace
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, begin_search
-from rota.planners.patrol.efforts import QUICK
-from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.efforts import EFFORTS, QUICK
+from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
@@ -92,14 +93,17 @@ def plan_tours(
     when the demand is not met.
     """
     progress(0.0, "looking at the mission")
+    problem = set_up_problem(mission)
     context = begin_search(
-        set_up_problem(mission), asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop,
-        watch=watch, executor=executor,
+        problem, asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
+        executor=executor, counts_areas_only=begins_with_lanes(problem),
     )  # fmt: skip
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return [plan_fixed_team(context, asked, method)]
     best = method(context)
+    if context.counts_areas_only:
+        context = replace(context, bound=bound_of(best.plan), counts_areas_only=False)  # proved on its way
     # over ragged ground lanes take minutes to lay, and who has asked to stop waits
     if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
         best = swept(context, QUICK) or best
@@ -108,6 +112,19 @@ def plan_tours(
     goes_on = context.settings.team_size.searches_ragged or not context.problem.is_ragged
     best, better = with_loops_improved(context, best) if context.anneals and goes_on else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
+
+
+def begins_with_lanes(problem: Problem) -> bool:
+    """Whether the search begins with lanes over all of the ground, which need no bound but that of the area."""
+    settings = PatrolSettings.of(problem.mission)
+    largest_m2 = EFFORTS[settings.effort].districts.large_from * problem.reach_m**2
+    is_small = problem.asked_m2 <= largest_m2 and not problem.is_ragged
+    return settings.method == "tours" and problem.mission.fleet.robots is None and is_small
+
+
+def bound_of(plan: Plan) -> ProvedBound:
+    """What a plan claims is proved."""
+    return ProvedBound(robots=plan.lower_bound_robots or 0, reason=plan.lower_bound_reason or "")
 
 
 def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Repaired]:

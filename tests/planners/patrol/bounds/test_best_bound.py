@@ -12,7 +12,7 @@ from shapely import MultiPolygon, box, union_all
 
 from rota.files.mission_file import read_mission
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.planners.patrol.bounds.best_bound import prove_bound
+from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.ground.problem import set_up_problem
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
@@ -204,3 +204,13 @@ def test_nothing_that_can_be_seen_takes_nobody() -> None:
     hidden = Zone(name="shed", shape=box(4.5, 4.5, 5.5, 5.5), period_s=5)
     yard = Mission(name="yard", area=box(0, 0, 10, 10), zones=(hidden,), obstacles=(shed,), fleet=fleet(2, 1))
     assert bound(replace(yard, period_s=1000)) == 1
+
+
+def test_areas_and_periods_alone_prove_no_more_than_all_proofs() -> None:
+    # a long corridor: far ends take robots that its area does not
+    corridor = Mission(name="corridor", area=box(0, 0, 200, 2), period_s=30, fleet=fleet(2, 2))
+    problem = set_up_problem(corridor)
+    quick, best = prove_by_area(problem), prove_bound(problem)
+    assert 1 <= quick.robots <= best.robots
+    open_field = set_up_problem(replace(corridor, area=box(0, 0, 60, 60), period_s=60))
+    assert prove_by_area(open_field).robots == prove_bound(open_field).robots > 1

@@ -73,6 +73,11 @@ class Problem:
         """Radius of the sensor's disc, or half the side of its square."""
         return inner_reach_m(self.robot.sensor)
 
+    @cached_property
+    def asked_m2(self) -> float:
+        """Area of all ground of which every point must be seen."""
+        return float(sum(region.shape.area for region in self.regions if region.demand == "every_point"))
+
     @property
     def is_ragged(self) -> bool:
         """Whether the space has very many corners, as that of a scanned floor has."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from rota.planners.patrol.context import Context
+from dataclasses import replace
+
+from rota.planners.patrol.bounds.proved_bound import ProvedBound
+from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.methods.fewest.search import fewest_robots
@@ -15,13 +18,28 @@ def fewest_robots_anywhere(context: Context) -> Repaired:
     """The plan with the fewest robots found, whatever the size of the ground (met unless all repair failed).
 
     Ragged ground falls into thousands of cells, over which lanes take minutes to lay and are worth little. Robots that
-    hardly move drive no lanes.
+    hardly move drive no lanes. The highest bound is proved once there are lanes, for it takes as long as these do.
     """
     problem = context.problem
     if is_large(context):
-        return fewest_on_large(context, fewest_robots)
+        return fewest_on_large(with_best_bound(context), fewest_robots)
     without = problem.is_ragged or any(robots_stand(problem, period_s) for period_s in problem.periods_s)
     lanes = None if without else swept(context, EARLY)
     if lanes is not None and lanes.robots <= context.enough_robots:
         return lanes
+    context = with_best_bound(context)
+    if lanes is not None:
+        lanes = claiming(lanes, context.bound)
+        if lanes.robots <= context.enough_robots:
+            return lanes
+    if is_large(context):  # by other proofs than areas and periods
+        return fewest_on_large(context, fewest_robots)
     return fewest_robots(context, lanes)
+
+
+def claiming(found: Repaired, bound: ProvedBound) -> Repaired:
+    """The same plan with this bound; the very same where it claims that already."""
+    if (found.plan.lower_bound_robots, found.plan.lower_bound_reason) == (bound.robots, bound.reason):
+        return found
+    plan = replace(found.plan, lower_bound_robots=bound.robots, lower_bound_reason=bound.reason)
+    return replace(found, plan=plan)

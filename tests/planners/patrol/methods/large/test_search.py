@@ -18,7 +18,6 @@ from rota.planners.patrol.methods.fewest.search import fewest_robots
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.districts import by_districts, joined
 from rota.planners.patrol.methods.large.search import (
-    asked_m2,
     fewest_on_large,
     is_large,
     repaired_together,
@@ -87,7 +86,7 @@ def test_ground_is_large_for_many_robots(period_s: float, large: bool) -> None:
 def test_districts_searched_by_themselves_give_one_plan() -> None:
     context = search_on(STREETS)
     # 604 m2 to be seen point by point are 38 squares of 4 m
-    missions = missions_of(STREETS, boxes_for(asked_m2(context.problem), 25 * 4**2), 16.0)
+    missions = missions_of(STREETS, boxes_for(context.problem.asked_m2, 25 * 4**2), 16.0)
     assert len(missions) == 2
     assert met(repaired_together(context, by_districts(context, fewest_robots, missions)).plan)
 

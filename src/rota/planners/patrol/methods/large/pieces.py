@@ -21,7 +21,6 @@ from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
-from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.initial.visiting_order import short_order
@@ -51,12 +50,7 @@ def is_built_up(context: Context) -> bool:
     if problem.robot.body_radius_m > 0 or any(robots_stand(problem, period_s) for period_s in problem.periods_s):
         return False
     corner_m2 = context.settings.districts.built_up_corner * problem.reach_m**2
-    return asked_m2(problem) < corner_m2 * len(problem.paths.corners_m)
-
-
-def asked_m2(problem: Problem) -> float:
-    """Area of the ground that must be seen point by point."""
-    return float(sum(region.shape.area for region in problem.regions if region.demand == "every_point"))
+    return problem.asked_m2 < corner_m2 * len(problem.paths.corners_m)
 
 
 def in_pieces(context: Context) -> Repaired:
@@ -66,7 +60,7 @@ def in_pieces(context: Context) -> Repaired:
     NoPlanFound when the search is to end before every piece has its tour.
     """
     problem, settings = context.problem, context.settings
-    count = boxes_for(asked_m2(problem), settings.districts.piece_area * problem.reach_m**2)
+    count = boxes_for(problem.asked_m2, settings.districts.piece_area * problem.reach_m**2)
     missions = missions_of(problem.mission, count, settings.districts.margin * problem.robot.sensor.reach_m)
     pieces = by_districts(context, short_tours, missions)
     if context.should_stop():
@@ -100,7 +94,7 @@ def short_tours(context: Context) -> Annealed:
         range_margin_m=problem.range_margin_m,
     )
     search.run(
-        int(settings.piece_moves * asked_m2(problem) / problem.swath_m / problem.reach_m),
+        int(settings.piece_moves * problem.asked_m2 / problem.swath_m / problem.reach_m),
         hot_m=settings.piece_hot * problem.reach_m,
         cold_m=settings.piece_cold * problem.reach_m,
         should_stop=context.should_stop,

@@ -16,7 +16,7 @@ from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.districts import by_districts, joined
 from rota.planners.patrol.methods.large.lanes import in_districts
-from rota.planners.patrol.methods.large.pieces import asked_m2, in_pieces, is_built_up
+from rota.planners.patrol.methods.large.pieces import in_pieces, is_built_up
 from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.methods.sweeping.search import judged_by_lanes, sweep_with_fewest_robots
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
@@ -26,7 +26,7 @@ from rota.planners.patrol.tours.tour import Tour
 def is_large(context: Context) -> bool:
     """Whether so much ground must be seen, for what a robot sees at once, or by so many, that districts are planned."""
     problem, settings = context.problem, context.settings.districts
-    return has_many(context) or asked_m2(problem) > settings.large_from * problem.reach_m**2
+    return has_many(context) or problem.asked_m2 > settings.large_from * problem.reach_m**2
 
 
 def has_many(context: Context) -> bool:
@@ -61,7 +61,7 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
         lanes = in_lanes(context)
     if lanes is not None and (context.should_stop() or (lanes.met and lanes.robots <= few)):
         return lanes
-    count = boxes_for(asked_m2(problem), settings.most_area * problem.reach_m**2)
+    count = boxes_for(problem.asked_m2, settings.most_area * problem.reach_m**2)
     count = max(count, math.ceil(context.bound.robots / settings.most_robots))
     if count == 1:
         return better(lanes, search(context))
