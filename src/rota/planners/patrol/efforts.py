@@ -120,9 +120,13 @@ HIGH = SearchSettings(
     shortening=ShorteningSettings(attempts=shortening_attempts(18000), rounds=16),
 )
 
-# the plan with which every search begins: lanes, from the two groupings that promise the fewest robots
+# the plan with which every search begins: lanes, from the two groupings that promise the fewest robots, bent farther in
+# every round, since there are metres to spare and a round takes time
 EARLY = replace(
-    QUICK, sweeping=SweepingSettings(tries=1, angles=3, groupings=2), repair=replace(QUICK.repair, rounds=4)
+    QUICK,
+    sweeping=SweepingSettings(tries=2, angles=3, groupings=2),
+    repair=replace(QUICK.repair, roomy_bend_growth=1.0),
 )
+TIGHT = replace(QUICK.repair, rounds=4)  # of the same lanes, if these took another robot
 
 EFFORTS: dict[Effort, SearchSettings] = {"quick": QUICK, "normal": NORMAL, "high": HIGH}

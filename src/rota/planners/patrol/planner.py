@@ -18,7 +18,7 @@ from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.method import load_method
-from rota.planners.patrol.methods.sweeping.search import swept
+from rota.planners.patrol.methods.sweeping.first_plan import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops

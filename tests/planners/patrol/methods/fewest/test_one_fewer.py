@@ -9,7 +9,7 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.methods.fewest.one_fewer import one_fewer, thinned, with_few_robots, with_one_fewer
-from rota.planners.patrol.methods.sweeping.search import swept
+from rota.planners.patrol.methods.sweeping.first_plan import swept
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.tours.tour import tour_length_m
 

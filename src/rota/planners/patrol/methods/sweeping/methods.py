@@ -41,10 +41,26 @@ MOST_FEWER = 6  # robots fewer than strips need that a decomposition looks for
 
 def sequential(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
     """One route over everything, with robots evenly spaced on it (Figure 3b), as many as its length needs."""
-    tour = best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape))
-    if tour is None:
-        return []
-    return not_more([replace(tour, robots=robots_for(tour, reserve))], most)
+    return shared(best_route(problem, ground, ground.shape, promising_angles(problem, ground.shape)), reserve, most)
+
+
+def sequential_once(most_angles: int) -> Sweeping:
+    """The method ``sequential`` for one problem, with so many directions of lanes; no ground gets lanes twice."""
+    routes: dict[tuple[bytes, bytes, int, int], Tour | None] = {}
+
+    def sweeping(problem: Problem, ground: SweepGround, reserve: float, most: int | None) -> list[Tour] | None:
+        key = (ground.shape.wkb, ground.stops_m.tobytes(), ground.period_class, ground.component)
+        if key not in routes:
+            tried = promising_angles(problem, ground.shape, most_angles)
+            routes[key] = best_route(problem, ground, ground.shape, tried)
+        return shared(routes[key], reserve, most)
+
+    return sweeping
+
+
+def shared(tour: Tour | None, reserve: float, most: int | None) -> list[Tour] | None:
+    """The route with as many robots as its length needs; none where there is no route."""
+    return [] if tour is None else not_more([replace(tour, robots=robots_for(tour, reserve))], most)
 
 
 def not_more(tours: list[Tour], most: int | None) -> list[Tour] | None:

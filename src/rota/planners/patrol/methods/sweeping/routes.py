@@ -129,12 +129,12 @@ def shortest_guess_m(problem: Problem, shape: MultiPolygon) -> float:
     return min(guess_m(shape, sensing(problem, angle)) for angle in angles(problem, shape))
 
 
-def promising_angles(problem: Problem, shape: MultiPolygon) -> list[float]:
-    """The directions that promise the shortest routes, as many as the effort allows."""
+def promising_angles(problem: Problem, shape: MultiPolygon, most: int | None = None) -> list[float]:
+    """The directions that promise the shortest routes, at most so many, or (None) as many as the effort allows."""
     if shape.is_empty:
         return []
     tried = sorted(angles(problem, shape), key=lambda angle: guess_m(shape, sensing(problem, angle)))
-    return tried[: EFFORTS[PatrolSettings.of(problem.mission).effort].sweeping.angles]
+    return tried[: most or EFFORTS[PatrolSettings.of(problem.mission).effort].sweeping.angles]
 
 
 def lane_cost_m(lanes: list[Floats], swath: Swath) -> float:
@@ -212,7 +212,10 @@ def best_route(
         tour = closed_route(problem, [*lanes, *(stop[None] for stop in ground.stops_m)], ground)
         if tour is None:
             continue
-        cost_m = tour_length_m(tour) + MISSED_WEIGHT * missed_m2(problem, tour, shape) / problem.swath_m
+        length_m = tour_length_m(tour)
+        if best is not None and length_m >= best[0]:
+            continue  # what it misses takes longer to find than the route
+        cost_m = length_m + MISSED_WEIGHT * missed_m2(problem, tour, shape) / problem.swath_m
         if best is None or cost_m < best[0]:
             best = (cost_m, tour)
     return best[1] if best is not None else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -15,11 +14,9 @@ from rota.planners.patrol.initial.first_tours import class_groups
 from rota.planners.patrol.methods.sweeping.methods import Sweeping, decomposition, parallel, sequential
 from rota.planners.patrol.methods.sweeping.routes import SweepGround, sweep_grounds
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
-from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 LEAST_LANES = 0.95  # of area / swath: what a robot holds in view at either end of its lanes makes them shorter
-PATIENCE_S = 10.0  # for a plan of lanes where the search was stopped and has none yet
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,26 +85,6 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
         rounds = settings.repair.patient_rounds
         best = repair_until_feasible(exact, last_resort.tours, no_points(), may_add=True, rounds=rounds)
     return best
-
-
-def swept(context: Context, settings: SearchSettings) -> Repaired | None:
-    """A plan of lanes, judged, for a search that has no plan yet; None if it does not pass.
-
-    Few missions take more than seconds for it. It has seldom fewer robots than the search finds. Where the search was
-    stopped already, it may take ``PATIENCE_S``.
-    """
-    asked, end_s, stopped = context.problem.mission, time.monotonic() + PATIENCE_S, context.should_stop()
-    context.progress(0.0, "sweeping in lanes")
-    hasty = replace(
-        context, problem=replace(context.problem, mission=asked.with_effort("quick")), settings=settings,
-        should_stop=lambda: time.monotonic() > end_s if stopped else context.should_stop(),
-        progress=lambda _share, _doing: None,
-    )  # fmt: skip
-    try:
-        lanes = sweep_sequentially(hasty)
-    except NoPlanFound:
-        return None
-    return replace(lanes, plan=replace(lanes.plan, mission=asked)) if lanes.met else None
 
 
 def judged_by_lanes(problem: Problem) -> Problem:
