@@ -67,7 +67,8 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
     likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
     likely = max(context.enough_robots, likely)
-    if best is not None and best.robots <= SPARED * likely:
+    turns_on_spot = context.problem.robot.turn_radius_m == 0  # annealing and repairing curves again takes long
+    if best is not None and best.robots <= SPARED * likely and turns_on_spot:
         best = without_spare_robots(context, best)
     if best is None or not best.met or best.robots > likely + 1:
         best = search_upwards(context, groupings, likely, best)
