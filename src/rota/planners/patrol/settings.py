@@ -133,8 +133,7 @@ class AnnealingSettings:
     reserve: share of the budgets that is left to the repair.
     halfway_unseen_limit: a full annealing ends if half of its moves leave a larger share of the ground unseen.
     coarse_spacing: a quarter of the samples is taken if their spacing then is at most this share of the reach.
-    hot: heat at the beginning, as a share of the reach.
-    cold: the reach is this many times the heat at the end.
+    hot, cold: the heat begins at this share of the reach; the reach is so many times the heat at the end.
     """
 
     moves: int
@@ -213,8 +212,7 @@ class RepairSettings:
     over_budget_limit: tours over a budget by at most this share of it are repaired further.
     tight_reserve: tours that leave less of a budget than this share are tight.
     tight_range_margin: share of the range margin that is kept while tight tours are bent.
-    tight_bend: tight tours are bent this much farther than to what they miss, as a share of the reach.
-    roomy_bend: the same of other tours.
+    tight_bend, roomy_bend: tight tours, and others, are bent this much farther than to what they miss, in reaches.
     tight_bend_growth: by which that grows in every round, as a share of the range margin.
     roomy_bend_growth: the same of other tours, and of all where linear programs are not used.
     bending_steps: linear programs of one round.
@@ -260,8 +258,7 @@ class BendingSettings:
 
     longest_leg: legs are cut to at most this share of the reach, so that they can bend wherever it helps.
     deficit_limit: samples that lack a larger share of the reach are not drawn to.
-    first_trust: share of the reach that vertices may move in the first step.
-    most_trust: the same of any step.
+    first_trust, most_trust: share of the reach that vertices may move in the first step, and in any.
     least_trust: the bending ends when the steps become smaller than this share of the reach.
     least_gain: a step must promise at least this share of the cost.
     handover_deficit: what tight tours see is handed to others that lack at most this share of the reach for it.
@@ -291,10 +288,11 @@ class BendingSettings:
 class ShorteningStage(NamedTuple):
     """One annealing for length.
 
-    moves: for each reach of ideal loop, the ground over the swath.
+    moves: for each reach of ideal loop, which is the ground over the swath.
     hot, cold: heat at the beginning and at the end, as shares of the reach.
     coverage_weight: multiple of the usual weight of seeing.
     coarse: whether the samples are few, which is enough while tours find their shape.
+    vertex_price: what a vertex more costs, as a multiple of the heat.
     """
 
     moves: int
@@ -302,6 +300,7 @@ class ShorteningStage(NamedTuple):
     cold: float
     coverage_weight: float
     coarse: bool = False
+    vertex_price: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -311,7 +310,7 @@ class ShorteningSettings:
     attempts: each begins with the tours found and makes its stages; the first that gives shorter loops is the last.
     coarse, fine: the samples of annealing; with range that is taken much shorter robots would weave.
     reserve, budget_penalty: the annealing leaves this share of the budgets to the repair; of a metre over a budget.
-    rounds: of repair and judgement.
+    rounds, over_budget_limit: of the repair, as ``RepairSettings`` has them.
     largest: ground of more reaches of ideal loop than this is left as it is.
     turn_reaches: reaches of the sensor that a turn by one radian costs where fewest turns are preferred.
     bending, bending_steps: linear programs of the repair, for which every metre counts; how many in one round.
@@ -322,8 +321,9 @@ class ShorteningSettings:
     rounds: int
     coarse: SamplingSettings = SamplingSettings(per_reach=4, shrink=0.1, most_samples=150_000)
     fine: SamplingSettings = SamplingSettings(per_reach=12, shrink=0.5, most_samples=150_000)
-    reserve: float = 0.02
+    reserve: float = 0.03
     budget_penalty: float = 6.0
+    over_budget_limit: float = 0.002
     largest: float = 2_000.0
     turn_reaches: float = 1.0
     bending_steps: int = 4

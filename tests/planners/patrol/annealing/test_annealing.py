@@ -22,6 +22,7 @@ from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.state_kernels import (
     ACCEPTED,
     SLOTS_LEFT,
+    VERTEX,
     VERTICES,
     VERTICES_LEFT,
     Tours,
@@ -380,6 +381,18 @@ def test_the_same_seed_gives_the_same_tours() -> None:
         runs.append([one.vertices_m.tolist() for one in search.tours])
     assert runs[0] == runs[1]
     assert runs[0] != runs[2]
+
+
+def test_a_price_on_vertices_leaves_fewer_of_them_while_tours_are_hot() -> None:
+    given = problem(ROBOT.sensor)
+    vertices = []
+    for price in (0.0, 2.0):
+        search = started(given)
+        search.run(20_000, hot_m=2.0, cold_m=1.0, should_stop=lambda: False, vertex_price=price)
+        assert_books_are_true(search)
+        assert search._state.most[VERTEX] == 0  # what bends legs later on pays nothing
+        vertices.append(int(search._state.ints[VERTICES]))
+    assert vertices[1] < 0.8 * vertices[0]
 
 
 def test_the_run_may_be_cut_into_chunks_or_stopped() -> None:

@@ -29,7 +29,9 @@ def moves() -> None:
     space, samples, tours = types_of_states()
     state_kernels.over_budget_costs.compile_entry(typeof(np.zeros(0, np.int64)), tours)
     kernels.see_more.compile_entry(INT, FLOAT, space, samples, tours)
-    kernels.anneal.compile_entry(INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0)), FLOAT, FLOAT, space, samples, tours)
+    kernels.anneal.compile_entry(
+        INT, INT, typeof(kernels.Schedule(0, 0.0, 0.0, 0.0)), FLOAT, FLOAT, space, samples, tours
+    )
 
 
 def longest_moves() -> None:

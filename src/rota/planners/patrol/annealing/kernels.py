@@ -15,7 +15,7 @@ from rota.planners.patrol.annealing.anchor_kernels import move_together, pinned
 from rota.planners.patrol.annealing.meeting_kernels import try_meeting_near
 from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.annealing.state_kernels import FULL, UNSEEN, VERTICES, Tours, apart, tour_length
+from rota.planners.patrol.annealing.state_kernels import FULL, UNSEEN, VERTEX, VERTICES, Tours, apart, tour_length
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
 
@@ -24,11 +24,15 @@ MOST_RINGS = 8  # rings of buckets round a place that are searched for a leg
 
 
 class Schedule(NamedTuple):
-    """Heat in metres, falling geometrically from ``hot_m`` to ``cold_m`` over so many moves."""
+    """Heat in metres, falling geometrically from ``hot_m`` to ``cold_m`` over so many moves.
+
+    vertex_price: what a vertex more costs, as a multiple of the heat: long legs move more of a lane at a time.
+    """
 
     moves: int
     hot_m: float
     cold_m: float
+    vertex_price: float
 
 
 @compiled
@@ -260,5 +264,7 @@ def anneal(
             return move - first
         heat = schedule.hot_m * (schedule.cold_m / schedule.hot_m) ** (move / schedule.moves)
         limit = -heat * math.log(1.0 - uniform(t.rng))
+        t.most[VERTEX] = schedule.vertex_price * heat
         one_move(limit, step_m, most_m, space, s, t)
+    t.most[VERTEX] = 0.0
     return count

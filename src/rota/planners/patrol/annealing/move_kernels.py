@@ -33,6 +33,7 @@ from rota.planners.patrol.annealing.estimate_kernels import (
 )
 from rota.planners.patrol.annealing.state_kernels import (
     FULL,
+    VERTEX,
     VERTICES_LEFT,
     Tours,
     apart,
@@ -55,9 +56,12 @@ def change_legs(
 ) -> bool:  # fmt: skip
     """Replace the ``removed`` vertices after vertex p by ``added`` new places, if that costs at most ``limit``.
 
+    What vertices cost is counted here alone, since other moves keep their number.
+
     The only vertex of a tour is replaced by ``move_only``.
     """
     k = t.tour[p]
+    limit -= t.most[VERTEX] * (added - removed)
     if t.ints[VERTICES_LEFT] < added:
         t.ints[FULL] = 1
         return False

@@ -126,7 +126,7 @@ class Annealing:
             seen=np.zeros((slots, self._room), dtype=np.int32), seen_n=numbers(slots), free_slots=numbers(slots),
             times_seen=np.zeros(count, dtype=np.int32), unseen_item=numbers(count), unseen_place=numbers(count),
             bucket_of_sample=buckets_of(self._samples, grid, grid_n), unseen_in=numbers(int(grid_n.prod())),
-            most=np.array([heaviest_m, max(reach_m.max(), self._samples.visit_m.max(initial=0.0))]),
+            most=np.array([heaviest_m, max(reach_m.max(), self._samples.visit_m.max(initial=0.0)), 0.0]),
             ints=numbers(NUMBERS), unseen=np.zeros(1),
             new_legs=np.zeros((8, 5)), tried_new=numbers(MOST_TRIED), tried_old=numbers(MOST_TRIED),
             rng=rng, new_x=np.zeros(8), new_y=np.zeros(8), scratch=np.zeros((2, 8)),
@@ -148,9 +148,13 @@ class Annealing:
         cold_m: float,
         should_stop: Callable[[], bool],
         done: Callable[[int], None] = lambda moves: None,
+        vertex_price: float = 0.0,
     ) -> bool:
-        """Anneal; True when all moves were made, False when ``should_stop`` ended it early."""
-        first, schedule = 0, annealing_kernels.Schedule(moves, hot_m, cold_m)
+        """Anneal; True when all moves were made, False when ``should_stop`` ended it early.
+
+        vertex_price: what a vertex more costs, as a multiple of the heat.
+        """
+        first, schedule = 0, annealing_kernels.Schedule(moves, hot_m, cold_m, vertex_price)
         while first < moves:
             if should_stop():
                 return False

@@ -25,8 +25,9 @@ Ints = NDArray[np.int64]
 
 MOST_TRIED = 64  # legs that one trial makes or takes away at most
 SURE_M = 1e-9  # rounding
-# places in Tours.most: the greatest weight of a sample, and the farthest that any is seen from, in x or in y
-WEIGHT, RANGE = range(2)
+# places in Tours.most: the greatest weight of a sample, the farthest that any is seen from, in x or in y, and what a
+# vertex more costs now
+WEIGHT, RANGE, VERTEX = range(3)
 # places in Tours.ints
 SLOTS_LEFT, UNSEEN, ACCEPTED, VERTICES_LEFT, VERTICES, TRIED_NEW, TRIED_OLD, FULL = range(8)
 NUMBERS = 8

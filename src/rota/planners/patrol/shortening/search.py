@@ -81,6 +81,7 @@ def repaired_for_length(context: Context, tours: list[Tour]) -> Repaired:
     repair = replace(
         context.settings.repair,
         bending_steps=settings.bending_steps, tight_bend=settings.bend, roomy_bend=settings.bend,
+        over_budget_limit=settings.over_budget_limit,
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
     return repair_until_feasible(own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True)
@@ -99,7 +100,7 @@ def annealed_for_length(
     )  # fmt: skip
     search.run(
         int(stage.moves * reaches(problem)), hot_m=stage.hot * problem.reach_m, cold_m=stage.cold * problem.reach_m,
-        should_stop=context.should_stop,
+        should_stop=context.should_stop, vertex_price=stage.vertex_price,
     )  # fmt: skip
     return search.tours
 
