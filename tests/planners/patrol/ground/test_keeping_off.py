@@ -35,14 +35,14 @@ def tour_of(problem: Problem, component: int, *places: tuple[float, float]) -> T
 
 def test_others_keep_two_bodies_off_and_lose_no_part(hall: Problem) -> None:
     assert len(hall.paths.parts) == 2
-    place_m = np.array([[0.5, 4.5]])
-    clear = keeping_off(hall, place_m, [1])
+    place = shapely.Point(0.5, 4.5)
+    clear = keeping_off(hall, [place], [1])
     assert len(clear.paths.parts) == 2
-    assert clear.paths.parts[0].distance(shapely.Point(place_m[0])) >= 0.8
-    assert clear.paths.parts[0].distance(shapely.Point(place_m[0])) < 1.1
+    assert clear.paths.parts[0].distance(place) >= 0.8
+    assert clear.paths.parts[0].distance(place) < 1.1
     assert clear.paths.parts[1] is hall.paths.parts[1]
     assert np.array_equal(clear.paths.part_of(clear.viewpoints.xy_m), clear.viewpoints.component)
-    assert keeping_off(hall, np.array([[8.0, 8.0]]), [0]) is hall  # nobody else is near
+    assert keeping_off(hall, [shapely.Point(8.0, 8.0)], [0]) is hall  # nobody else is near
 
 
 def test_tours_are_led_round_who_stays(hall: Problem) -> None:

@@ -8,30 +8,28 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import rows_in_order
-
-Floats = NDArray[np.float64]
 
 SPARE = 1.01  # of two bodies: centres are kept apart by that
 QUARTER_CORNERS = 4  # of a quarter turn round a robot that stays
 MOST_LOST = 1e-3  # of a part: where more is cut off, the robot that stays is in everybody's way
 
 
-def keeping_off(problem: Problem, places_m: Floats, components: Sequence[int]) -> Problem:
-    """The problem with the space of all others cut back from robots that stay at places (n, 2), each in its component.
+def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Sequence[int]) -> Problem:
+    """The problem with the space of all others cut back from robots that keep to spots (n), each in its component.
 
     Who stays in a pocket that is cut off by the corner of a wall cannot give way. No part of the space is lost or
     moves to another place in their order. A robot that would cut off much of a part is not kept clear of.
     """
     radius_m = SPARE * 2 * problem.robot.body_radius_m / math.cos(math.pi / (4 * QUARTER_CORNERS))
     parts = list(problem.paths.parts)
-    for place_m, own in zip(places_m, components, strict=True):
-        disc = shapely.Point(place_m).buffer(radius_m, quad_segs=QUARTER_CORNERS)
+    for spot, own in zip(spots, components, strict=True):
+        disc = shapely.convex_hull(spot).buffer(radius_m, quad_segs=QUARTER_CORNERS)
         for k in (int(k) for k in shapely.STRtree(parts).query(disc, predicate="intersects")):
             if k != own:
                 parts[k] = cut_back(parts, k, disc)

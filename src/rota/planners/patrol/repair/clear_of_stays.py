@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+import shapely
 from shapely import MultiPolygon
 
 from rota.planners.patrol.ground.keeping_off import keeping_off
@@ -12,11 +12,17 @@ from rota.planners.patrol.traffic.bodies.lanes import led_along
 
 
 def clear_of_who_stays(problem: Problem, tours: list[Tour]) -> tuple[Problem, list[Tour]]:
-    """The problem with room for robots that stay in parts of the space of their own, and the tours led round them."""
-    stay = [tour for tour in tours if len(tour.vertices_m) == 1]
-    if not stay or problem.robot.body_radius_m == 0:
+    """The problem with room for robots that stay in parts of the space of their own, and the tours led round them.
+
+    All of a part no wider than a body counts as the place where its robot stays: it may be led to and fro there.
+    """
+    body_m, parts = problem.robot.body_radius_m, problem.paths.parts
+    narrow = [shapely.minimum_bounding_radius(part) <= body_m / 2 for part in parts]
+    stay = [tour for tour in tours if len(tour.vertices_m) == 1 or narrow[tour.component]]
+    if not stay or body_m == 0:
         return problem, tours
-    clear = keeping_off(problem, np.vstack([tour.vertices_m for tour in stay]), [tour.component for tour in stay])
+    spots = [parts[t.component] if narrow[t.component] else shapely.Point(t.vertices_m[0]) for t in stay]
+    clear = keeping_off(problem, spots, [tour.component for tour in stay])
     if clear is problem:
         return problem, tours
     parts, paths = clear.paths.parts, clear.paths
