@@ -27,6 +27,7 @@ MANY_SIDES, RAGGED_SIDES = 10_000, 5_000
 TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 MOST_GRID_CELLS = 250_000
 MOST_SPREAD = 0.4  # of the reach: spreads for which what blocks sight is kept on ragged ground
+LINE_SIDES = 16  # of a border in one line of the tree that finds the nearest
 MOST_ALONE = 64  # points that one thread looks from by itself
 
 
@@ -214,7 +215,7 @@ def _scene_of(
             continue
         half, square = _half_m(area.sensor) + spread_m, not isinstance(area.sensor, DiscSensor)
         margin = half * (math.sqrt(2) if square else 1.0) + GRID_MARGIN_M
-        fine = 4 if len(walls) <= RAGGED_SIDES else 2  # cells to a reach: each keeps all walls in reach of it
+        fine = 4 if len(walls) <= RAGGED_SIDES else 1  # cells to a reach: each keeps all sides in reach of it
         size = max(margin / fine, math.sqrt(width * height / MOST_GRID_CELLS), max(width, height) / MOST_GRID_CELLS)
         grid = Grid(low[0], low[1], size, int(width / size) + 1, int(height / size) + 1)
         border = shapely.boundary(area.shape)
@@ -276,8 +277,17 @@ def _seen_from(scene: _Scene, points_m: Floats, spread_m: float) -> Flags:
 
 @functools.lru_cache(maxsize=4)
 def _sides(area: StandingArea) -> shapely.STRtree:
-    """The sides of an area, as lines, so that the nearest is found without a look at all."""
-    return shapely.STRtree(lines_of(segments_of(area.shape)))
+    """The border of an area in short lines, so that the nearest is found without a look at all.
+
+    A line for each side would take hundreds of megabytes for the round corners of a scanned floor.
+    """
+    lines = []
+    for ring in shapely.get_rings(shapely.get_parts(area.shape)):
+        xy = shapely.get_coordinates(ring)
+        xy = xy[np.append(True, (xy[1:] != xy[:-1]).any(axis=1))]
+        lines += [xy[k : k + LINE_SIDES + 1] for k in range(0, len(xy) - 1, LINE_SIDES)]
+    numbers = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+    return shapely.STRtree(shapely.linestrings(np.vstack(lines), indices=numbers))
 
 
 def _ray_test(scene: _Scene, points_m: Floats, square: bool) -> Flags:
