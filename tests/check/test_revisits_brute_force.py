@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Point, Polygon, box
 
-from rota.check import check_plan
+from rota.check import check_plan, revisits
 from rota.check.pieces import convex_pieces
 from rota.check.revisits import piece_gaps, sights_of, worst_gaps_s
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
@@ -151,3 +151,19 @@ def test_verdict_agrees_with_many_points(seed: int) -> None:
             assert away.max() < 1.6
         if ok:
             assert d.outcome == "met" or d.undecided_cells < 50
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_robots_that_share_ways_are_judged_as_if_no_leg_were_shared(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(200 + seed)
+    plan = random_plan(rng, robots=2, obstacles=3)
+    loops = [dataclasses.replace(each, robot=f"{each.robot}-{k}") for each in plan for k in range(3)]
+    robots = [dataclasses.replace(plan.mission.fleet.robot(each.robot[:-2]), name=each.robot) for each in loops]
+    fleet = dataclasses.replace(plan.mission.fleet, robots=tuple(robots))
+    crowd = Plan(mission=dataclasses.replace(plan.mission, fleet=fleet), trajectories=tuple(loops))
+    shared = check_plan(crowd)
+    monkeypatch.setattr(revisits, "_ways_of", lambda legs, robots, sensors: (np.arange(len(legs)),) * 2)
+    alone = check_plan(crowd)
+    assert shared.demands == alone.demands
+    assert shared.violations == alone.violations
+    assert np.array_equal(shared.unmet_points_m, alone.unmet_points_m)

@@ -186,3 +186,16 @@ def test_searching_along_the_links_gives_the_lengths_and_ways_of_the_whole_table
         else:
             with pytest.raises(PlanError, match="no path leads"):
                 searched.path(points[k], points[k + 1])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_ways_from_point_to_point_are_shortest_up_to_a_step_and_never_shorter(seed, random_space, points_in):
+    space = random_space(seed)
+    points = points_in(space, 40, seed)
+    exact = ShortestPaths(space).all_pairs(points)
+    near = 0.3 * exact[np.isfinite(exact)].max()
+    found = ShortestPaths(space, most_dense=0).lengths_from_point_to_point(points, near)
+    np.testing.assert_allclose(found[exact <= near], exact[exact <= near], rtol=0, atol=1e-9)
+    assert (found >= exact - 1e-9).all()
+    assert (np.isfinite(found) == np.isfinite(exact)).all()
+    assert (found == found.T).all()

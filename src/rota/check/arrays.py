@@ -36,17 +36,31 @@ class Binned(NamedTuple):
     items: Ints
 
 
+class Ways(NamedTuple):
+    """The w ways that robots go: legs of the same two ends, in the same direction, with the same sensor are one way.
+
+    reaches_m: (w,) radii, or half sides where squares (w,) is set. Robots that share a tour go the same ways, and see
+    the same from there.
+    """
+
+    near: Binned
+    reaches_m: Floats
+    squares: Flags
+
+
 class Legs(NamedTuple):
     """The legs (m,) of all robots, robot by robot and in the order of time; see ``Routes``.
 
     times_s: (m, 2) when a leg begins and ends. robots: (m,) index of the robot. kinds: (m,) before the loop, in its
-    first turn, or a robot that stays for ever.
+    first turn, or a robot that stays for ever. way_of: (m,) which of the ways each goes.
     """
 
     near: Binned
     times_s: Floats
     robots: Ints
     kinds: Ints
+    ways: Ways
+    way_of: Ints
 
 
 class Loops(NamedTuple):
@@ -90,15 +104,31 @@ class Parts(NamedTuple):
     ends: Floats
 
 
+class Views(NamedTuple):
+    """From which parts of its ways one piece is seen: room that serves one piece after the other.
+
+    Way w sees the piece of turn seen_in[w] from shares.starts[p] to shares.ends[p] for the counts[w] numbers p from
+    firsts[w] on; what it saw of others says nothing. one: room for the parts of a single way.
+    """
+
+    seen_in: Ints
+    firsts: Ints
+    counts: Ints
+    shares: Parts
+    one: Parts
+
+
 class Shadows(NamedTuple):
     """What walls hide of one convex piece: the positions from which a wall cuts it, one row for each wall.
 
-    sides: (n, 9) three half-planes nx, ny, c (n.p > c) whose intersection is the shadow. boxes: (n, 4) x0, y0, x1, y1
-    round the wall. walls: (n,) its index. Rows from ``number`` on say nothing. number -1: a wall cuts the piece itself,
-    so that it is never seen whole.
+    sides: (n, 9) three half-planes nx, ny, c (n.p > c) whose intersection is the shadow; only where ``hides`` has said
+    so. boxes: (n, 4) x0, y0, x1, y1 round the wall. ends: (n, 4) its ends. walls: (n,) its index. known: (n,) what is
+    known of it. number: of the walls; -1: a wall cuts the piece itself, so that it is never seen whole.
     """
 
     sides: Floats
     boxes: Floats
+    ends: Floats
     walls: Ints
+    known: Ints
     number: int

@@ -11,10 +11,11 @@ import math
 
 import numpy as np
 
-from rota.check.arrays import Parts, SeenTimes, Shadows
+from rota.check.arrays import Parts, SeenTimes, Views
 from rota.check.gap_kernels import team_gap
+from rota.check.shadow_kernels import blocked_part, hides, shadows_of
 from rota.check.tiling_kernels import cell_of, half_width, in_cell
-from rota.check.tolerances import CONE_M, NO_LENGTH
+from rota.check.tolerances import NO_LENGTH
 from rota.compiled.kernel import kernel
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
@@ -73,111 +74,6 @@ def part_in_range(piece, leg, reach_m, square):
 
 
 @kernel
-def _shadow(piece, wall, slack_m, shadow):
-    """Fill ``shadow`` with the half-planes in whose intersection ``wall`` cuts the piece from every position.
-
-    shadow: (9,) three times nx, ny, c: n.p > c. piece Q: (c, 2) metres. wall W: (4,). The positions p whose hull with Q
-    meets W are W + cone(W - Q), which is convex. Two of its sides run along the extreme directions of the cone; the
-    third is the wall's line where Q lies on one side of it. Returns 0 when the wall hides nothing, 1 when ``shadow``
-    was filled, 2 when the wall cuts the piece itself, which is then never seen whole.
-    """
-    ax, ay = wall[0], wall[1]
-    wx, wy = wall[2] - ax, wall[3] - ay
-    length = math.hypot(wx, wy)
-    if length == 0:
-        return 0  # which rounding has made of a side that was short
-    wx, wy = wx / length, wy / length
-    low, high = math.inf, -math.inf
-    for i in range(len(piece)):
-        side = wx * (piece[i, 1] - ay) - wy * (piece[i, 0] - ax)
-        low, high = min(low, side), max(high, side)
-    if len(piece) == 1 and abs(low) <= slack_m:
-        return 0
-    facing = 0.0
-    if low >= -slack_m:
-        facing = -1.0
-    elif high <= slack_m:
-        facing = 1.0
-    nx, ny = -wy * facing, wx * facing
-    e1x, e1y, e2x, e2y = 0.0, 0.0, 0.0, 0.0
-    for i in range(len(piece)):
-        for end in range(2):
-            vx, vy = wall[2 * end] - piece[i, 0], wall[2 * end + 1] - piece[i, 1]
-            if facing != 0:
-                # a piece that touches the wall's line must not turn the cone into more than a half-plane
-                away = vx * nx + vy * ny
-                if away < CONE_M:
-                    vx, vy = vx + (CONE_M - away) * nx, vy + (CONE_M - away) * ny
-            if i == 0 and end == 0:
-                e1x, e1y, e2x, e2y = vx, vy, vx, vy
-            if e1x * vy - e1y * vx < 0:
-                e1x, e1y = vx, vy
-            if e2x * vy - e2y * vx > 0:
-                e2x, e2y = vx, vy
-    if facing == 0:
-        for i in range(len(piece)):
-            for end in range(2):
-                vx, vy = wall[2 * end] - piece[i, 0], wall[2 * end + 1] - piece[i, 1]
-                if e1x * vy - e1y * vx < 0 or e2x * vy - e2y * vx > 0:
-                    return 2
-        if e1x * e2y - e1y * e2x <= 0:
-            return 2
-    l1, l2 = math.hypot(e1x, e1y), math.hypot(e2x, e2y)
-    shadow[0], shadow[1] = -e1y / l1, e1x / l1
-    shadow[2] = slack_m + min(shadow[0] * ax + shadow[1] * ay, shadow[0] * wall[2] + shadow[1] * wall[3])
-    shadow[3], shadow[4] = e2y / l2, -e2x / l2
-    shadow[5] = slack_m + min(shadow[3] * ax + shadow[4] * ay, shadow[3] * wall[2] + shadow[4] * wall[3])
-    shadow[6], shadow[7] = nx, ny
-    shadow[8] = slack_m + nx * ax + ny * ay if facing != 0 else -math.inf
-    return 1
-
-
-@kernel(noinline=True)
-def shadows_of(piece, walls, cell, slack_m, reach_m):
-    """The ``Shadows`` of the walls near a cell that may hide part of the piece (c, 2) within reach_m, nearest first."""
-    x0, x1, y0, y1 = piece[:, 0].min(), piece[:, 0].max(), piece[:, 1].min(), piece[:, 1].max()
-    near = in_cell(walls, cell)
-    sides, boxes, distances = np.empty((len(near), 9)), np.empty((len(near), 4)), np.empty(len(near))
-    index = np.empty(len(near), np.int64)
-    n = 0
-    for k in near:
-        wall = walls.segments_m[k]
-        wx0, wx1 = min(wall[0], wall[2]), max(wall[0], wall[2])
-        wy0, wy1 = min(wall[1], wall[3]), max(wall[1], wall[3])
-        gap = max(max(wx0 - x1, x0 - wx1), max(wy0 - y1, y0 - wy1))
-        if gap > reach_m:
-            continue
-        outcome = _shadow(piece, wall, slack_m, sides[n])
-        if outcome == 2:
-            return Shadows(sides, boxes, index, -1)
-        if outcome == 1:
-            boxes[n, 0], boxes[n, 1], boxes[n, 2], boxes[n, 3] = wx0, wy0, wx1, wy1
-            distances[n] = gap
-            index[n] = k
-            n += 1
-    if n > 4:
-        order = np.argsort(distances[:n])
-        sides, boxes, index = sides[order], boxes[order], index[order]
-    return Shadows(sides, boxes, index, n)
-
-
-@kernel
-def blocked_part(shadow, leg, lo, hi):
-    """The open part from, to of lo..hi of a leg (4,) inside a shadow (9,); empty when from is not below to."""
-    dx, dy = leg[2] - leg[0], leg[3] - leg[1]
-    for k in range(0, 9, 3):
-        inside = shadow[k] * leg[0] + shadow[k + 1] * leg[1] - shadow[k + 2]
-        slope = shadow[k] * dx + shadow[k + 1] * dy
-        if slope > 0:
-            lo = max(lo, -inside / slope)
-        elif slope < 0:
-            hi = min(hi, -inside / slope)
-        elif not inside > 0:
-            return 1.0, 0.0
-    return lo, hi
-
-
-@kernel
 def _cut_out(parts, n, a, b):
     """Take the open part a..b out of the n parts of a leg; returns how many parts there are then."""
     kept = 0
@@ -219,6 +115,8 @@ def leg_sights(piece, leg, lo, hi, shadows, slack_m, parts):
     for w in range(shadows.number):
         if boxes[w, 0] > x1 or boxes[w, 2] < x0 or boxes[w, 1] > y1 or boxes[w, 3] < y0:
             continue
+        if not hides(shadows, w, piece, slack_m):
+            continue
         a, b = blocked_part(shadows.sides[w], leg, lo, hi)
         if a <= b and (still or lo == hi):
             return 0
@@ -250,26 +148,63 @@ def room_for_parts(parts, shadows):
 
 
 @kernel
-def times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
-    """When robots see the whole piece (c, 2) from the legs near a cell.
+def first_views(n_ways):
+    """Room for what each of so many ways sees, which grows where it is too small."""
+    seen_in, firsts, counts = np.full(n_ways, -1, np.int64), np.empty(n_ways, np.int64), np.empty(n_ways, np.int64)
+    shares, one = np.empty((2, FIRST_ROOM)), np.empty((2, FIRST_ROOM))
+    return Views(seen_in, firsts, counts, Parts(shares[0], shares[1]), Parts(one[0], one[1]))
+
+
+@kernel(noinline=True)
+def views_of(turn, piece, cell, ways, walls, slack_m, views):
+    """From where on the ways near a cell the whole piece (c, 2) is seen, as that of the turn; ``views`` or larger ones.
+
+    Walls are asked for once some way has the piece in range.
+    """
+    farther_m = slack_m if len(piece) == 1 else 0.0
+    seen_in, firsts, counts, shares, one = views
+    widest = ways.reaches_m.max() if len(ways.reaches_m) else 0.0
+    asked, n = False, 0
+    for w in in_cell(ways.near, cell):
+        way = ways.near.segments_m[w]
+        lo, hi = part_in_range(piece, way, ways.reaches_m[w] + farther_m, ways.squares[w])
+        if lo > hi:
+            continue
+        if not asked:
+            asked, shadows = True, shadows_of(piece, walls, cell, slack_m, widest)
+            if shadows.number < 0:
+                break
+            one = room_for_parts(one, shadows)
+        kept = leg_sights(piece, way, lo, hi, shadows, slack_m, one)
+        if kept == 0:
+            continue
+        if n + kept > len(shares.starts):
+            more = np.empty(n + kept)
+            shares = Parts(np.append(shares.starts, more), np.append(shares.ends, more))
+        seen_in[w], firsts[w], counts[w] = turn, n, kept
+        for p in range(kept):
+            shares.starts[n], shares.ends[n] = one.starts[p], one.ends[p]
+            n += 1
+    return Views(seen_in, firsts, counts, shares, one)
+
+
+@kernel
+def times_of_sights(turn, cell, legs, views, times):
+    """When robots see the piece of that turn from the legs near a cell, as ``views`` tell.
 
     Returns the ``SeenTimes``, which are ``times`` or larger ones; the number of robots in them; the time in seconds of
     the first sight (inf: none); and whether a robot that stays for ever sees the piece.
     """
     starts, ends, bounds, robots = times
-    farther_m = slack_m if len(piece) == 1 else 0.0
+    parts = views.shares
     n_robots, n, always, first_s = 0, 0, False, np.inf
     for m in in_cell(legs.near, cell):
-        robot = legs.robots[m]
-        leg = legs.near.segments_m[m]
-        lo, hi = part_in_range(piece, leg, team.reaches_m[robot] + farther_m, team.squares[robot])
-        if lo > hi:
+        way = legs.way_of[m]
+        if views.seen_in[way] != turn:
             continue
-        kept = leg_sights(piece, leg, lo, hi, shadows, slack_m, parts)
-        if kept == 0:
-            continue
+        robot, first, kept = legs.robots[m], views.firsts[way], views.counts[way]
         t0, t1 = legs.times_s[m, 0], legs.times_s[m, 1]
-        first_s = min(first_s, t0 + parts.starts[0] * (t1 - t0))
+        first_s = min(first_s, t0 + parts.starts[first] * (t1 - t0))
         if legs.kinds[m] == TRANSIENT:
             continue
         if legs.kinds[m] == HOLD:
@@ -281,7 +216,7 @@ def times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times):
             n_robots += 1
         if n + kept > len(starts):
             starts, ends = np.append(starts, np.empty(n + kept)), np.append(ends, np.empty(n + kept))
-        for p in range(kept):
+        for p in range(first, first + kept):
             start = t0 if parts.starts[p] == 0 else t0 + parts.starts[p] * (t1 - t0)
             end = t1 if parts.ends[p] == 1 else t0 + parts.ends[p] * (t1 - t0)
             if n > bounds[n_robots - 1] and start <= ends[n - 1]:
@@ -302,10 +237,9 @@ def nothing_seen(n_pieces):
 
 @kernel
 def first_room(n_team):
-    """Room for the times of sights of one piece, which grows where it is too small, and for those between shadows."""
+    """Room for the times of sights of one piece, which grows where it is too small."""
     bounds, robots = np.zeros(n_team + 1, np.int64), np.empty(n_team, np.int64)
-    times = SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
-    return times, Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
+    return SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
 
 
 @kernel(nogil=True)
@@ -317,18 +251,14 @@ def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     at which the gap begins (nan: not known), firsts_s, the time of the first sight (inf: never), and whether gaps are
     exact.
     """
-    n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
+    n_pieces = len(offsets) - 1
     gaps, begins, firsts, exact = nothing_seen(n_pieces)
-    times, parts = first_room(n_team)
-    widest = team.reaches_m.max() if n_team else 0.0
+    times, views = first_room(len(team.reaches_m)), first_views(len(legs.ways.reaches_m))
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
         cell = cell_of(piece[:, 0].mean(), piece[:, 1].mean(), grid)
-        shadows = shadows_of(piece, walls, cell, slack_m, widest)
-        if shadows.number < 0:
-            continue
-        parts = room_for_parts(parts, shadows)
-        times, n, firsts[k], always = times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times)
+        views = views_of(np.int64(k), piece, cell, legs.ways, walls, slack_m, views)
+        times, n, firsts[k], always = times_of_sights(np.int64(k), cell, legs, views, times)
         if always:
             gaps[k], begins[k] = 0.0, team.loops.from_s
         elif n:

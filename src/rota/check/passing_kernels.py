@@ -24,13 +24,12 @@ from rota.check.gap_kernels import team_gap
 from rota.check.kernels import (
     FIRST_ROOM,
     LOOP,
-    blocked_part,
     leg_sights,
     part_in_range,
     room_for_parts,
-    shadows_of,
     shrunk,
 )
+from rota.check.shadow_kernels import CUTS, blocked_part, hides, shadows_of
 from rota.check.tiling_kernels import cell_of, in_cell
 from rota.check.tolerances import SAME_CORNER_M, SAME_TIME
 from rota.compiled.kernel import kernel
@@ -141,6 +140,10 @@ def _seen_round(stretch, piece, middle, walls, shadows, slack_m):
     before, behind = np.empty((shadows.number + 1, 2)), np.empty((shadows.number + 1, 2))
     n_before, n_behind = 1, 1
     for w in range(shadows.number):
+        if not hides(shadows, w, piece, slack_m):
+            continue
+        if shadows.known[w] == CUTS:
+            return False
         start, stop = blocked_part(shadows.sides[w], leg, lo, hi)
         if not start < stop:
             continue
@@ -204,6 +207,7 @@ def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     gaps, firsts = np.full(n_pieces, np.inf), np.full(n_pieces, np.inf)
     parts = Parts(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM))
     widest = team.reaches_m.max() if len(team.reaches_m) else 0.0
+    ways, passed_in = legs.ways, np.full(len(legs.ways.reaches_m), -1, np.int64)
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
         middle = np.empty((1, 2))
@@ -214,26 +218,22 @@ def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
         if of_piece.number < 0 or of_middle.number < 0:
             continue
         parts = room_for_parts(parts, of_middle)
-        near_legs = in_cell(legs.near, cell)
-        passed = np.zeros(len(near_legs), np.bool_)
-        for i in range(len(near_legs)):
-            m = near_legs[i]
-            if legs.kinds[m] != LOOP:
-                continue
-            leg, reach_m, square = legs.near.segments_m[m], team.reaches_m[legs.robots[m]], team.squares[legs.robots[m]]
-            lo, hi = part_in_range(piece, leg, reach_m, square)
+        for w in in_cell(ways.near, cell):
+            way, reach_m, square = ways.near.segments_m[w], ways.reaches_m[w], ways.squares[w]
+            lo, hi = part_in_range(piece, way, reach_m, square)
             if not lo < hi:
                 continue
-            from_lo, to_hi = part_in_range(middle, leg, reach_m, square)
-            kept = 0 if from_lo > to_hi else leg_sights(middle, leg, from_lo, to_hi, of_middle, slack_m, parts)
+            from_lo, to_hi = part_in_range(middle, way, reach_m, square)
+            kept = 0 if from_lo > to_hi else leg_sights(middle, way, from_lo, to_hi, of_middle, slack_m, parts)
             for p in range(kept):
                 place = 0.5 * (max(lo, parts.starts[p]) + min(hi, parts.ends[p]))
                 if lo <= place <= hi and _seen_round(
-                    Stretch(leg, lo, hi, place), piece, middle[0], walls, of_piece, slack_m
+                    Stretch(way, lo, hi, place), piece, middle[0], walls, of_piece, slack_m
                 ):
-                    passed[i] = True
+                    passed_in[w] = k
                     break
-        passing = near_legs[passed]
+        near_legs = in_cell(legs.near, cell)
+        passing = near_legs[(legs.kinds[near_legs] == LOOP) & (passed_in[legs.way_of[near_legs]] == k)]
         for m in passing:
             gaps[k] = min(gaps[k], _gap_of_followers(m, passing, legs, team, limits_s[k]))
             firsts[k] = min(firsts[k], legs.times_s[m, 1])

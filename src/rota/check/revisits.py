@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from shapely import contains_xy, prepare, union_all
 
 from rota.check import gap_kernels, kernels, passing_kernels, tiling_kernels, window_kernels
-from rota.check.arrays import Binned, Floats, Grid, Legs, Loops, SeenTimes, Team
+from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, SeenTimes, Team, Ways
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
@@ -82,18 +82,38 @@ def sights_along(
     blocking = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
     walls = np.ascontiguousarray(segments_of(blocking) - four)
     reach_m = reach * (1 + ROUNDING) + GRID_MARGIN_M
+    near = tiling_kernels.rasterise(legs, reach_m, grid)
+    first, way_of = _ways_of(legs, routes.robots, sensors)
+    own = routes.robots[first]
+    ways = Ways(tiling_kernels.rasterise(legs[first], reach_m, grid), reaches[own], squares[own])
     return Sights(
         routes=routes,
         origin_m=origin,
         slack_m=slack_of(mission),
         grid=grid,
-        legs=Legs(tiling_kernels.rasterise(legs, reach_m, grid), routes.times_s, routes.robots, routes.kinds),
+        legs=Legs(near, routes.times_s, routes.robots, routes.kinds, ways, way_of),
         team=Team(reaches, squares, Loops(routes.classes, routes.parts, routes.units_s, routes.from_s)),
         # whatever hides part of a piece from a place in reach of all of it is not farther than twice the reach
         walls=tiling_kernels.rasterise(walls, 2 * reach + GRID_MARGIN_M, grid),
         hidden=blocking,
         window_s=window_s,
     )
+
+
+def _ways_of(legs_m: Floats, robots: Ints, sensors: tuple[Floats, NDArray[np.bool_]]) -> tuple[Ints, Ints]:
+    """The first leg of each way, (w,) ascending, and the way (m,) that each leg (m, 4) goes; see ``Ways``."""
+    if not len(legs_m):
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    reaches, squares = sensors
+    keys = (*legs_m.T, reaches[robots], squares[robots])
+    order = np.lexsort(keys)
+    other = np.concatenate([[True], np.any([key[order][1:] != key[order][:-1] for key in keys], axis=0)])
+    starts = np.flatnonzero(other)
+    firsts = np.minimum.reduceat(order, starts)
+    rank = np.argsort(np.argsort(firsts))
+    way_of = np.empty(len(legs_m), np.int64)
+    way_of[order] = rank[np.cumsum(other) - 1]
+    return np.sort(firsts), way_of
 
 
 def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
@@ -149,7 +169,7 @@ def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
     """
     corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
     lines: Floats = tiling_kernels.swath_cuts(
-        pieces.offsets, corners, sights.grid, sights.legs, sights.team, 100 * sights.slack_m
+        pieces.offsets, corners, sights.grid, sights.legs.ways, 100 * sights.slack_m
     )
     lines[:, 2] += lines[:, :2] @ sights.origin_m
     return lines

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -159,12 +159,7 @@ def segments_of(shape: Any) -> Floats:
 
     So are those so short that the square of their length is 0.
     """
-    return np.vstack([np.empty((0, 4)), *_ring_sides(shape)])
-
-
-def _ring_sides(shape: Any) -> Iterator[Floats]:
-    """The sides (s, 4) of each ring of a geometry."""
-    for ring in get_rings(get_parts(shape)):
-        xy = get_coordinates(ring)
-        sides = np.hstack([xy[:-1], xy[1:]])
-        yield sides[((xy[1:] - xy[:-1]) ** 2).sum(axis=1) > 0]
+    xy, ring = get_coordinates(get_rings(get_parts(shape)), return_index=True)
+    sides = np.hstack([xy[:-1], xy[1:]])
+    long = ((xy[1:] - xy[:-1]) ** 2).sum(axis=1) > 0
+    return np.ascontiguousarray(sides[(ring[1:] == ring[:-1]) & long])

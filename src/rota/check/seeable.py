@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.check import sight_kernels, tiling_kernels
-from rota.check.arrays import Flags, Floats, Grid
+from rota.check.arrays import Binned, Flags, Floats, Grid
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import GRID_MARGIN_M, SLACK_M, TOUCH_M, slack_of
 from rota.mission import DiscSensor, Mission, Obstacle, Sensor
@@ -27,7 +26,9 @@ ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of i
 MANY_SIDES, RAGGED_SIDES = 10_000, 5_000
 TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 MOST_GRID_CELLS = 250_000
-BOX, NEAR, MOST_SPREAD = 2.0, 2.0, 0.4  # of the reach: boxes of points, what is near them, and spreads that allows for
+MOST_SPREAD = 0.4  # of the reach: spreads for which what blocks sight is kept on ragged ground
+LINE_SIDES = 16  # of a border in one line of the tree that finds the nearest
+MOST_ALONE = 64  # points that one thread looks from by itself
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,16 +126,10 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
     known = _known(mission.obstacles, areas, spread_m)
     keys = list(map(tuple, points_m.tolist()))
     new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
-    boxes, box_of = np.unique(np.floor(points_m[new] / (BOX * reach_m)).astype(np.int64), axis=0, return_inverse=True)
-
-    def in_box(k: int) -> tuple[NDArray[np.int64], Flags]:
-        members = new[box_of.ravel() == k]
-        near = _near_box(mission.obstacles, areas, reach_m, *boxes[k].tolist())
-        return members, _seen_from_any(*near, points_m[members], spread_m, slack_m)
-
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        for points_of_box, sight in pool.map(in_box, range(len(boxes))):
-            known.update((keys[at], seen) for at, seen in zip(points_of_box, sight.tolist(), strict=True))
+    if len(new):
+        scene = _ragged_scene(mission.obstacles, areas, spread_m, slack_m)
+        sight = _seen_in(scene, points_m[new], spread_m)
+        known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
     return np.array([known[key] for key in keys], dtype=np.bool_)
 
 
@@ -152,18 +147,18 @@ def _hidden(obstacles: tuple[Obstacle, ...]) -> Any:
     return shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_sight])
 
 
-@functools.lru_cache(maxsize=4096)
-def _near_box(
-    obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], reach_m: float, i: int, j: int
-) -> tuple[tuple[StandingArea, ...], Any]:
-    """The parts of the areas, and of what blocks sight, that can matter to points in one box of a lattice.
-
-    They are cut off out of reach of these points, even when what hides is made thinner by the largest spread.
-    """
-    low, wide = BOX * reach_m, NEAR * reach_m
-    frame = shapely.box(i * low - wide, j * low - wide, (i + 1) * low + wide, (j + 1) * low + wide)
-    near = tuple(StandingArea(shape=_cut_to(frame, area.shape), sensor=area.sensor) for area in areas)
-    return near, _cut_to(frame, _hidden(obstacles))
+@functools.lru_cache(maxsize=2)
+def _ragged_scene(
+    obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], spread_m: float, slack_m: float
+) -> tuple[_Scene, ...]:
+    """Ragged ground as looks from anywhere on it ask for it; what each spread leaves of it is kept for a while."""
+    hidden = _thinner(_hidden(obstacles), spread_m)
+    boxes = np.array([area.shape.bounds for area in areas if not area.shape.is_empty]).reshape(-1, 4)
+    if not len(boxes):
+        return ()
+    reach_m = max(area.sensor.reach_m for area in areas) + spread_m
+    low, high = boxes[:, :2].min(axis=0) - reach_m, boxes[:, 2:].max(axis=0) + reach_m
+    return _scene_of(areas, hidden, (low, high), spread_m, slack_m)
 
 
 def _cut_to(frame: Any, shape: Any) -> Any:
@@ -176,27 +171,94 @@ def _seen_from_any(
     areas: tuple[StandingArea, ...], hidden: Any, points_m: Floats, spread_m: float, slack_m: float
 ) -> Flags:
     """Whether each point (n, 2) is seen from any of the areas, within the spread: (n,) flags."""
-    sight = np.zeros(len(points_m), np.bool_)
-    thin = shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
+    if not len(points_m):
+        return np.zeros(0, np.bool_)
+    box = points_m.min(axis=0), points_m.max(axis=0)
+    return _seen_in(_scene_of(areas, _thinner(hidden, spread_m), box, spread_m, slack_m), points_m, spread_m)
+
+
+def _thinner(hidden: Any, spread_m: float) -> Any:
+    """What blocks sight, thinner by a spread."""
+    return shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Scene:
+    """One standing area and what hides it, made ready for looks from places in a box.
+
+    half_m: what the sensor reaches, the spread included. core: what no line of sight may meet. walls, sides,
+    crossings: see ``sight_kernels.sees_ground``, in ``grid``. They are not shifted: looks ask how far walls are from a
+    point, which float64 tells to the last digit of what it is given, and a shift would round twice.
+    """
+
+    area: StandingArea
+    half_m: float
+    core: Any
+    grid: Grid
+    walls: Binned
+    sides: Binned
+    crossings: Binned
+
+
+def _scene_of(
+    areas: tuple[StandingArea, ...], hidden: Any, box_m: tuple[Floats, Floats], spread_m: float, slack_m: float
+) -> tuple[_Scene, ...]:
+    """A scene for each area that is not empty; box_m: the lower left and the upper right corner."""
+    low, high = box_m
+    width, height = np.maximum(high - low, GRID_MARGIN_M)
+    core = shapely.buffer(hidden, -slack_m, join_style="mitre")
+    shapely.prepare(core)
+    wall, walls = shapely.boundary(hidden), segments_of(hidden)
+    scenes = []
     for area in areas:
-        left = np.flatnonzero(~sight)
-        if not len(left) or area.shape.is_empty:
+        if area.shape.is_empty:
             continue
-        sight[left] = _seen_from(area, thin, points_m[left], spread_m, slack_m)
+        half, square = _half_m(area.sensor) + spread_m, not isinstance(area.sensor, DiscSensor)
+        margin = half * (math.sqrt(2) if square else 1.0) + GRID_MARGIN_M
+        fine = 4 if len(walls) <= RAGGED_SIDES else 1  # cells to a reach: each keeps all sides in reach of it
+        size = max(margin / fine, math.sqrt(width * height / MOST_GRID_CELLS), max(width, height) / MOST_GRID_CELLS)
+        grid = Grid(low[0], low[1], size, int(width / size) + 1, int(height / size) + 1)
+        border = shapely.boundary(area.shape)
+        shapely.prepare(border)
+        crossed = np.empty((0, 2))
+        if shapely.intersects(border, wall):  # bodies keep off most walls
+            crossed = shapely.get_coordinates(shapely.intersection(border, wall))
+        layers = [
+            tiling_kernels.rasterise(segments, margin, grid)
+            for segments in (walls, segments_of(area.shape), np.hstack([crossed, crossed]))
+        ]
+        shapely.prepare(area.shape)
+        scenes.append(_Scene(
+            area=area, half_m=half, core=core, grid=grid,
+            walls=layers[0], sides=layers[1], crossings=layers[2],
+        ))  # fmt: skip
+    return tuple(scenes)
+
+
+def _half_m(sensor: Sensor) -> float:
+    """The radius of a disc, or half the side of a square."""
+    return sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2
+
+
+def _seen_in(scenes: tuple[_Scene, ...], points_m: Floats, spread_m: float) -> Flags:
+    """Whether each point (n, 2) is seen from the area of any scene, within the spread: (n,) flags."""
+    sight = np.zeros(len(points_m), np.bool_)
+    for scene in scenes:
+        left = np.flatnonzero(~sight)
+        if len(left):
+            sight[left] = _seen_from(scene, points_m[left], spread_m)
     return sight
 
 
-def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: float, slack_m: float) -> Flags:
-    """Whether each point (n, 2) is seen from one area, within the spread: (n,) flags.
+def _seen_from(scene: _Scene, points_m: Floats, spread_m: float) -> Flags:
+    """Whether each point (n, 2) is seen from the area of the scene, within the spread: (n,) flags.
 
     The nearest place to stand decides most; rays decide the rest.
     """
-    points = shapely.points(points_m)
-    shapely.prepare(area.shape)
+    points, area, half = shapely.points(points_m), scene.area, scene.half_m
     sight: Flags = shapely.dwithin(area.shape, points, spread_m + SLACK_M)
     left = np.flatnonzero(~sight)
     square = not isinstance(area.sensor, DiscSensor)
-    half = area.sensor.radius_m if isinstance(area.sensor, DiscSensor) else area.sensor.side_m / 2
     if len(left):
         sides = _sides(area)
         nearest = sides.query_nearest(points[left], all_matches=False)[1]
@@ -204,42 +266,42 @@ def _seen_from(area: StandingArea, hidden: Any, points_m: Floats, spread_m: floa
         ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
         away = np.abs(ends[:, 1] - ends[:, 0])
         far = away.max(axis=1) if square else np.hypot(away[:, 0], away[:, 1])
-        core = shapely.buffer(hidden, -slack_m, join_style="mitre")
-        shapely.prepare(core)
-        sight[left] = (far <= half + spread_m) & ~shapely.intersects(core, lines)
+        sight[left] = (far <= half) & ~shapely.intersects(scene.core, lines)
         # where the nearest place to stand is out of range, all are (a square's corner is the farthest it reaches)
         corner = half * math.sqrt(2) if square else half
-        left = left[~sight[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + spread_m * math.sqrt(2) + SLACK_M)]
+        left = left[~sight[left] & (np.hypot(away[:, 0], away[:, 1]) <= corner + SLACK_M)]
     if len(left):
-        sight[left] = _ray_test(area.shape, hidden, points_m[left], half + spread_m, square)
+        sight[left] = _ray_test(scene, points_m[left], square)
     return sight
 
 
-@functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=4)
 def _sides(area: StandingArea) -> shapely.STRtree:
-    """The sides of an area, as lines, so that the nearest is found without a look at all."""
-    return shapely.STRtree(lines_of(segments_of(area.shape)))
+    """The border of an area in short lines, so that the nearest is found without a look at all.
+
+    A line for each side would take hundreds of megabytes for the round corners of a scanned floor.
+    """
+    lines = []
+    for ring in shapely.get_rings(shapely.get_parts(area.shape)):
+        xy = shapely.get_coordinates(ring)
+        xy = xy[np.append(True, (xy[1:] != xy[:-1]).any(axis=1))]
+        lines += [xy[k : k + LINE_SIDES + 1] for k in range(0, len(xy) - 1, LINE_SIDES)]
+    numbers = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+    return shapely.STRtree(shapely.linestrings(np.vstack(lines), indices=numbers))
 
 
-def _ray_test(ground: Any, hidden: Any, points_m: Floats, reach_m: float, square: bool) -> Flags:
+def _ray_test(scene: _Scene, points_m: Floats, square: bool) -> Flags:
     """Whether each point (n, 2) sees ground within the reach, by rays between all walls: (n,) flags."""
-    low, high = points_m.min(axis=0), points_m.max(axis=0)
-    origin = (low + high) / 2
-    margin = reach_m * (math.sqrt(2) if square else 1.0) + GRID_MARGIN_M
-    width, height = np.maximum(high - low, GRID_MARGIN_M)
-    size = max(margin / 4, math.sqrt(width * height / MOST_GRID_CELLS), max(width, height) / MOST_GRID_CELLS)
-    grid = Grid(low[0] - origin[0], low[1] - origin[1], size, int(width / size) + 1, int(height / size) + 1)
-    sides, walls = segments_of(ground), segments_of(hidden)
-    border, wall = shapely.boundary(ground), shapely.boundary(hidden)
-    shapely.prepare(border)
-    crossed = np.empty((0, 2))
-    if shapely.intersects(border, wall):  # bodies keep off most walls
-        crossed = shapely.get_coordinates(shapely.intersection(border, wall))
-    crossed = np.hstack([crossed, crossed])
-    layers = [
-        tiling_kernels.rasterise(np.ascontiguousarray(segments - np.tile(origin, 2)), margin, grid)
-        for segments in (walls, sides, crossed)
-    ]
-    points = np.ascontiguousarray(points_m - origin)
-    seen: Flags = sight_kernels.sees_ground(points, reach_m, square, grid, *layers)
-    return seen
+    points = np.ascontiguousarray(points_m)
+
+    def some(part: Floats) -> Flags:
+        seen: Flags = sight_kernels.sees_ground(
+            part, scene.half_m, square, scene.grid, scene.walls, scene.sides, scene.crossings
+        )
+        return seen
+
+    if len(points) <= MOST_ALONE:
+        return some(points)
+    threads = os.cpu_count() or 1
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        return np.concatenate(list(pool.map(some, np.array_split(points, 4 * threads))))

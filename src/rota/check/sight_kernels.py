@@ -311,7 +311,10 @@ def sees_ground(points, reach_m, square, grid, walls, ground, crossings):
         all_ground = Nearby(ground.segments_m, in_cell(ground, cell))
         if len(all_ground.items) == 0:
             continue
-        all_walls = Nearby(walls.segments_m, in_cell(walls, cell))
+        # what is out of reach decides nothing, and must not: rays at its ends would only try how rounding falls out
+        far_m = reach_m * (math.sqrt(2.0) if square else 1.0) + GRID_MARGIN_M
+        all_ground = _within(all_ground, x, y, far_m)
+        all_walls = _within(Nearby(walls.segments_m, in_cell(walls, cell)), x, y, far_m)
         all_crossings = Nearby(crossings.segments_m, in_cell(crossings, cell))
         answer = -1
         if len(all_walls.items) + len(all_ground.items) > MANY_AROUND:

@@ -84,8 +84,8 @@ def rasterise(segments, margin_m, grid):
 
 
 @kernel(nogil=True)
-def swath_cuts(offsets, corners, grid, legs, team, margin_m):
-    """For each piece a line (n, 3) nx, ny, c: n.p = c, along the edge of what a leg sees; nan where there is none.
+def swath_cuts(offsets, corners, grid, ways, margin_m):
+    """For each piece a line (n, 3) nx, ny, c: n.p = c, along the edge of what a way sees; nan where there is none.
 
     offsets (n + 1,), corners (c, 2): the pieces. Of several edges the nearest to the piece's middle counts. At least
     ``margin_m`` of the piece must lie on either side.
@@ -95,15 +95,14 @@ def swath_cuts(offsets, corners, grid, legs, team, margin_m):
         piece = corners[offsets[k] : offsets[k + 1]]
         mx, my = piece[:, 0].mean(), piece[:, 1].mean()
         best = math.inf
-        for m in in_cell(legs.near, cell_of(mx, my, grid)):
-            leg = legs.near.segments_m[m]
+        for w in in_cell(ways.near, cell_of(mx, my, grid)):
+            leg = ways.near.segments_m[w]
             dx, dy = leg[2] - leg[0], leg[3] - leg[1]
             length = math.hypot(dx, dy)
             if length < STILL_M:
                 continue
             nx, ny = -dy / length, dx / length
-            robot = legs.robots[m]
-            reach = team.reaches_m[robot] * (abs(nx) + abs(ny) if team.squares[robot] else 1.0)
+            reach = ways.reaches_m[w] * (abs(nx) + abs(ny) if ways.squares[w] else 1.0)
             along = ((mx - leg[0]) * dx + (my - leg[1]) * dy) / length
             if along < -reach or along > length + reach:
                 continue
@@ -116,7 +115,7 @@ def swath_cuts(offsets, corners, grid, legs, team, margin_m):
                 low, high = min(low, nx * px + ny * py), max(high, nx * px + ny * py)
                 front, back = min(front, ny * px - nx * py), max(back, ny * px - nx * py)
             # at its very edge a disc sees one point at a time: cut where its chord is twice as long as the piece
-            edge = reach if team.squares[robot] else math.sqrt(max(0.0, reach**2 - (back - front) ** 2))
+            edge = reach if ways.squares[w] else math.sqrt(max(0.0, reach**2 - (back - front) ** 2))
             edge = edge if side > 0 else -edge
             if abs(side - edge) >= best:
                 continue

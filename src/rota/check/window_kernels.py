@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rota.check.kernels import first_room, nothing_seen, room_for_parts, shadows_of, shrunk, times_of_sights
+from rota.check.kernels import first_room, first_views, nothing_seen, shrunk, times_of_sights, views_of
 from rota.check.tiling_kernels import cell_of
 from rota.compiled.kernel import kernel
 
@@ -40,18 +40,14 @@ def gaps_within(offsets, corners, slack_m, grid, legs, team, walls, window_s):
     All other arguments, and what is returned, are those of ``worst_gaps``. Legs are taken as driven once, when they are
     timed.
     """
-    n_pieces, n_team = len(offsets) - 1, len(team.reaches_m)
+    n_pieces = len(offsets) - 1
     gaps, begins, firsts, exact = nothing_seen(n_pieces)
-    times, parts = first_room(n_team)
-    widest = team.reaches_m.max() if n_team else 0.0
+    times, views = first_room(len(team.reaches_m)), first_views(len(legs.ways.reaches_m))
     for k in range(n_pieces):
         piece = shrunk(corners, offsets[k], offsets[k + 1], slack_m)
         cell = cell_of(piece[:, 0].mean(), piece[:, 1].mean(), grid)
-        shadows = shadows_of(piece, walls, cell, slack_m, widest)
-        if shadows.number < 0:
-            continue
-        parts = room_for_parts(parts, shadows)
-        times, n, firsts[k], _always = times_of_sights(piece, cell, legs, team, shadows, slack_m, parts, times)
+        views = views_of(np.int64(k), piece, cell, legs.ways, walls, slack_m, views)
+        times, n, firsts[k], _always = times_of_sights(np.int64(k), cell, legs, views, times)
         if n:
             gaps[k], begins[k] = gap_within(times, np.int64(n), window_s[0], window_s[1])
     return gaps, begins, firsts, exact

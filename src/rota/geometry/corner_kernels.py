@@ -137,12 +137,14 @@ class Goals(NamedTuple):
 
 
 @kernel(nogil=True)
-def searched_lengths(first, last, a, b, corners, links, grid, symmetric):
-    """Rows first to last of the lengths of shortest paths from ends a to ends b, as ``path_lengths`` gives them.
+def searched_lengths(rows, a, b, corners, links, grid, symmetric, most_m):
+    """Some rows (first, last) of the lengths of shortest paths from ends a to ends b, as ``path_lengths`` gives them.
 
     links: the corners linked to each, as starts (c + 1,), items, and lengths in metres. From each point they are
-    searched (Dijkstra 1959) until no way on can be shorter than those found.
+    searched (Dijkstra 1959) until no way on can be shorter than those found, or than ``most_m``: what is longer is inf,
+    or the length of some way.
     """
+    first, last = rows
     path_m = np.full((last - first, len(b.points)), inf)
     order = np.argsort(b.items, kind="mergesort")
     corner_of = b.items[order]
@@ -162,22 +164,24 @@ def searched_lengths(first, last, a, b, corners, links, grid, symmetric):
             if a.part[k] < 0 or a.part[k] != b.part[m]:
                 continue
             bx, by = b.points[m]
+            if hypot(bx - ax, by - ay) > most_m:
+                continue
             if segment_is_free(ax, ay, bx, by, grid):
                 found[m] = hypot(bx - ax, by - ay)
             else:
                 wanted[m] = some = True
         if some:
             from_a = a.items[a.start[k] : a.start[k + 1]]
-            _search(a.points[k], from_a, Goals(b.points, wanted, begin, end_of), corners, links, lengths, found)
+            _search(a.points[k], from_a, Goals(b.points, wanted, begin, end_of), corners, links, lengths, found, most_m)
         wanted[:] = False
     return path_m
 
 
 @kernel
-def _search(a, from_a, goals, corners, links, lengths, found):
+def _search(a, from_a, goals, corners, links, lengths, found, most_m):
     """Fill in the lengths found (n,) from point a (2,), which sees corners from_a, to the goals that are wanted.
 
-    lengths: room for those to the corners (c,).
+    lengths: room for those to the corners (c,). most_m: longer ways are not looked for.
     """
     ax, ay = a
     start, items, metres = links
@@ -186,7 +190,7 @@ def _search(a, from_a, goals, corners, links, lengths, found):
     for n in from_a:
         lengths[n] = hypot(corners[n, 0] - ax, corners[n, 1] - ay)
         heappush(heap, (lengths[n], np.int64(n)))
-    longest = inf  # of the ways to all that are wanted
+    longest = most_m  # of the ways to all that are wanted
     due = 0  # pops until the longest is known anew: to know it takes a look at them all
     while True:
         length, n = heappop(heap)
@@ -204,6 +208,7 @@ def _search(a, from_a, goals, corners, links, lengths, found):
             for m in range(len(found)):
                 if goals.wanted[m]:
                     longest = max(longest, found[m])
+            longest = min(longest, most_m)
             due = len(found) // 8
         for at in range(start[n], start[n + 1]):
             on, way = items[at], length + metres[at]

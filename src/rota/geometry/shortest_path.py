@@ -159,6 +159,28 @@ class ShortestPaths:
         self._measured = (latest, *self._measured[: MOST_MEASURED - 1])
         return lengths_m.copy()
 
+    def lengths_from_point_to_point(self, points_m: Floats, step_m: float) -> Floats:
+        """Lengths (n, n) in metres of ways between all points (n, 2) that lead past others of them, symmetric.
+
+        They are shortest paths where these are no longer than ``step_m``. Longer ones are made of such paths, from one
+        point to the next; twice as long steps are tried until all points of a part are reached. So they are hardly too
+        long where points lie closer than that, and on ground with very many corners found much sooner. inf between
+        different parts.
+        """
+        if self._dense:
+            return self.all_pairs(points_m)
+        ends = self._ends(points_m)
+        together = (ends.part[:, None] == ends.part[None]) & (ends.part[:, None] >= 0)
+        while True:
+            near_m = self._searched_lengths(ends, ends, symmetric=True, most_m=step_m)
+            one, other = np.nonzero(np.isfinite(near_m) & (near_m > 0))
+            graph = csr_array((near_m[one, other], (one, other)), shape=near_m.shape)
+            lengths_m = np.asarray(dijkstra(graph, directed=False))
+            lengths_m[near_m == 0] = 0.0
+            if np.isfinite(lengths_m[together]).all():
+                return np.asarray(np.minimum(lengths_m, lengths_m.T))
+            step_m *= 2
+
     def path(self, a_m: Floats | tuple[float, float], b_m: Floats | tuple[float, float]) -> Floats:
         """The shortest path (k, 2) in metres from point a (2,) to point b (2,), both included; k is at least 2.
 
@@ -213,14 +235,14 @@ class ShortestPaths:
         lengths = self.corner_lengths_m if len(a.items) else np.zeros((0, 0))
         return np.asarray(corner_kernels.path_lengths(a, b, self._corners, lengths, self.grid, symmetric))
 
-    def _searched_lengths(self, a: Ends, b: Ends, *, symmetric: bool) -> Floats:
-        """The same along the links, some points a at a time."""
+    def _searched_lengths(self, a: Ends, b: Ends, *, symmetric: bool, most_m: float = np.inf) -> Floats:
+        """The same along the links, some points a at a time; ways longer than ``most_m`` need not be found."""
         links = self._links.indptr, self._links.indices, self._links.data
 
         def rows(first: int) -> Floats:
             last = min(first + SOURCES_TOGETHER, len(a.points))
             found: Floats = corner_kernels.searched_lengths(
-                first, last, a, b, self._corners, links, self.grid, symmetric
+                (first, last), a, b, self._corners, links, self.grid, symmetric, most_m
             )
             return found
 

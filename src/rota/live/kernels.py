@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from rota.by_reference import by_reference
 from rota.check.arrays import Parts
-from rota.check.kernels import FIRST_ROOM, leg_sights, part_in_range, room_for_parts, shadows_of
+from rota.check.kernels import FIRST_ROOM, leg_sights, part_in_range, room_for_parts
 from rota.check.routes import HOLD, LOOP
+from rota.check.shadow_kernels import shadows_of
 from rota.check.tiling_kernels import cell_of, in_cell
 from rota.compiled.kernel import kernel
 

@@ -14,7 +14,7 @@ from rota.geometry.line_of_sight import visibility_polygon
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.ground import problem as problem_module
-from rota.planners.patrol.ground.finer_space import with_room_to_see
+from rota.planners.patrol.ground.finer_space import with_patches, with_room_to_see
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.repair.detours import border_place
@@ -90,3 +90,12 @@ def test_on_ragged_ground_the_border_place_lies_inside_of_the_view(
         assert shapely.contains_xy(places, *place_m)
         nearest_m = shapely.distance(places, shapely.Point(point_m))
         assert nearest_m <= np.hypot(*(place_m - point_m)) < nearest_m + 0.01
+
+
+def test_patches_join_no_parts_and_change_no_order() -> None:
+    parts = [box(0, 0, 10, 10), box(12, 0, 14, 2), box(20, 0, 21, 1.9)]
+    at_one, joining, too_large = box(10, 4, 11, 5), box(9, 0, 13, 1), box(21, 0, 24, 1.9)
+    wider = with_patches(parts, [at_one, joining, too_large, box(50, 0, 51, 1)])
+    assert wider[0].area == pytest.approx(103, abs=1e-4)  # of the patch between two parts all but a seam
+    assert wider[0].distance(wider[1]) == pytest.approx(1e-6)
+    assert wider[1:] == parts[1:]

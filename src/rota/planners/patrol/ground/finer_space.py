@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon
 
 from rota.geometry.free_space import standing_space_in
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem
-from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
 
 FINE_ARC_CORNERS = 128  # of a whole turn: 3e-4 of the body's radius too far from a corner at most
+SEAM_M = 1e-6  # between parts of the space that finer corners would join
 PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
 
 
@@ -37,11 +39,33 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
         if range_m[0] > problem.reach_m:
             continue
         patch = fine.intersection(shapely.Point(place_m[0]).buffer(PATCH_RADIUS * body_m))
-        patches += [part for part in shapely.get_parts(patch) if shapely.intersection(part, space).area > 0]
+        patches += [part for part in shapely.get_parts(patch) if part.geom_type == "Polygon"]
     if not patches:
         return problem
-    wider = polygons_of(shapely.union_all([space, *patches]))
+    parts = with_patches(problem.paths.parts, patches)
+    if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
+        return problem
+    wider = MultiPolygon(parts)
     paths = ShortestPaths(wider)
     if not np.array_equal(paths.part_of(problem.viewpoints.xy_m), problem.viewpoints.component):
         return problem  # parts have been joined or stand in another order: tours know theirs by number
     return replace(problem, space=wider, paths=paths)
+
+
+def with_patches(parts: Sequence[Polygon], patches: Sequence[Polygon]) -> list[Polygon]:
+    """The parts of the space, largest first, with the patches that lie at one of them; they stay apart and in order.
+
+    Of a patch at several parts the largest gets what leaves a seam to the others. A patch that would make a part larger
+    than the one before it is left out.
+    """
+    tree, wider = shapely.STRtree(parts), list(parts)
+    for patch in patches:
+        at = sorted(int(k) for k in tree.query(patch, predicate="intersects"))
+        if not at:
+            continue
+        k, others = at[0], [wider[i].buffer(SEAM_M) for i in at[1:]]
+        grown = shapely.union(wider[k], shapely.difference(patch, shapely.union_all(others)))
+        grown = max(shapely.get_parts(grown), key=lambda part: float(part.area))
+        if grown.geom_type == "Polygon" and (k == 0 or grown.area < wider[k - 1].area):
+            wider[k] = grown
+    return wider

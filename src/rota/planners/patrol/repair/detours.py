@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
-from rota.geometry.line_of_sight import visibility_polygon
+from rota.geometry.line_of_sight import points_inside, segments_free, visibility_polygon
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
 from rota.planners.patrol.ground.problem import Problem
@@ -28,7 +28,11 @@ Ints = NDArray[np.int64]
 ON_ROUTE_M = 1e-7  # a place so near a route is on it
 ONE_PLACE_M = 1e-5  # places nearer to each other than this are one
 ON_BORDER_M = 1e-9  # a place so near a border is on it
+OFF_BORDER_M = 1e-8  # a place so far inside is surely inside
 HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
+ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
+HALVINGS, BISECTIONS = 6, 32  # of that way, where something stands in it
+DEPTHS = 16  # places along the line of sight that are tried, up to the reach
 MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
 
 
@@ -44,17 +48,71 @@ def visit_places(
     places_m = near_places(problem, points.xy_m[unseen])
     start, items = what_places_see(places_m, problem.robot, problem.range_margin_m, samples)
     chosen, hidden = choose_viewpoints(start, items, wanted, points.area_m2)
-    stops = [(places_m[i], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen]
+    stops = [
+        (places_m[i][None], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen
+    ]
     for i in np.flatnonzero(hidden) if further else ():
         place = last_place(problem, points, int(i))
         if place is not None:
-            stops.append((place, int(points.period[i])))
+            stops.append((way_across(problem, points.xy_m[i], place), int(points.period[i])))
     if not stops:
         return None
-    for place_m, period in stops:
-        if not any((np.hypot(*(tour.vertices_m - place_m).T) < ONE_PLACE_M).any() for tour in tours):
-            tours = led_past(problem, tours, place_m, int(period))
+    for way_m, period in stops:
+        middle_m = way_m[len(way_m) // 2]
+        if not any((np.hypot(*(tour.vertices_m - middle_m).T) < ONE_PLACE_M).any() for tour in tours):
+            tours = led_past(problem, tours, way_m, int(period))
     return tours
+
+
+def way_across(problem: Problem, point_m: Floats, place_m: Floats) -> Floats:
+    """A short straight way (k, 2) across a line of sight, near the place that sees the point; k is 1 to 3.
+
+    Between the walls of a scanned floor much is seen through slits only: the nearer to a wall a point lies, the nearer
+    to that wall's line is all that sees it. No place sees all points beside the wall, but who crosses the line does,
+    one after the other. Where robots can stand begins at that line, too often: so the way is the first, from the place
+    onwards, that has room on both sides, and where none has, it ends at the very border. Elsewhere than on ragged
+    ground it is the place alone.
+    """
+    away_m = float(np.hypot(*(place_m - point_m)))
+    if not problem.is_ragged or away_m == 0:
+        return place_m[None]
+    along = (place_m - point_m) / away_m
+    across = ACROSS * problem.reach_m * np.array([-along[1], along[0]])
+    furthest_m = max(0.0, (1 - 2 * ACROSS) * problem.reach_m - away_m)
+    middles = place_m + np.linspace(0.0, furthest_m, DEPTHS)[:, None] * along
+    shares = 0.5 ** np.arange(HALVINGS + 1)
+    ends = middles[:, None, None] + np.array([-1.0, 1.0])[:, None, None] * (shares[:, None] * across)
+    free = reached_straight(problem, np.broadcast_to(middles[:, None, None], ends.shape), ends)
+    room = np.where(free, shares, 0.0).max(axis=2)  # (depths, sides) of the way to either side
+    room[~reached_straight(problem, np.broadcast_to(place_m, middles.shape), middles)] = -1.0
+    k = int(np.argmax(room.min(axis=1) + room.max(axis=1) / 2**HALVINGS))
+    if room[k].max() == 0:  # in a corridor as narrow as the body a timetable could not tell the ends of the way apart
+        return place_m[None]
+    left, right = (border_along(problem, middles[k], side * across, room[k, i]) for i, side in enumerate((-1.0, 1.0)))
+    return np.array([place for place in (left, middles[k], right) if place is not None])
+
+
+def reached_straight(problem: Problem, begins_m: Floats, ends_m: Floats) -> NDArray[np.bool_]:
+    """Whether robots get straight from places in the space to others, (..., 2) each: (...) flags."""
+    grid = problem.paths.grid
+    begins, ends = begins_m.reshape(-1, 2), ends_m.reshape(-1, 2)
+    return np.asarray(points_inside(ends, grid) & segments_free(begins, ends, grid)).reshape(ends_m.shape[:-1])
+
+
+def border_along(problem: Problem, begin_m: Floats, way_m: Floats, share: float) -> Floats | None:
+    """How far robots get from a place along a straight way, a share of which is known to be free; None: nowhere.
+
+    A hair before the border: what touches it counts as inside, and might be just outside.
+    """
+    low, high = share, min(1.0, 2 * share) if share > 0 else 0.5**HALVINGS
+    for _ in range(BISECTIONS if share < 1 else 0):
+        middle = (low + high) / 2
+        if reached_straight(problem, begin_m[None], (begin_m + middle * way_m)[None])[0]:
+            low = middle
+        else:
+            high = middle
+    low -= OFF_BORDER_M / float(np.hypot(*way_m)) if share < 1 else 0.0
+    return begin_m + low * way_m if low > 0 else None
 
 
 def last_place(problem: Problem, points: SamplePoints, i: int) -> Floats | None:
@@ -113,11 +171,13 @@ def ends_of(places: BaseGeometry, space: MultiPolygon) -> Floats:
     return sides[on_border] if on_border.any() else sides
 
 
-def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) -> list[Tour]:
-    """The tours, the one that has the least detour led past the place; a new tour when none may or can go there.
+def led_past(problem: Problem, tours: list[Tour], way_m: Floats, period: int) -> list[Tour]:
+    """The tours, the one that has the least detour led along a short straight way (k, 2), or past a place (1, 2).
 
-    A robot of its own is posted there also where the detour would take more than one robot travels in a period.
+    A new tour when none may or can go there. A robot of its own is posted there also where the detour would take more
+    than one robot travels in a period.
     """
+    place_m = way_m[len(way_m) // 2]
     component = int(problem.paths.part_of(place_m[None])[0])
     able = [k for k, tour in enumerate(tours) if tour.period_class <= period and tour.component == component]
     straight_m = {k: float(straight_detours(tours[k].vertices_m, place_m).min()) for k in able}
@@ -135,19 +195,26 @@ def led_past(problem: Problem, tours: list[Tour], place_m: Floats, period: int) 
             best = (cost, k, i)
     if best is None:
         alone = Tour(
-            vertices_m=place_m[None], period_class=period, period_s=problem.periods_s[period], robots=1,
+            vertices_m=way_m, period_class=period, period_s=problem.periods_s[period], robots=1,
             robot=problem.robot, component=component,
         )  # fmt: skip
         return [*tours, alone]
     _, k, i = best
-    vertices = tours[k].vertices_m
-    after = vertices[(i + 1) % len(vertices)]
-    detour = problem.paths.paths_along(np.vstack([vertices[i], place_m, after]))[1:-1]
+    return [*tours[:k], with_detour(problem, tours[k], i, way_m), *tours[k + 1 :]]
+
+
+def with_detour(problem: Problem, tour: Tour, i: int, way_m: Floats) -> Tour:
+    """The tour led along a way (k, 2), in the direction that is shorter, between its i-th place and the next."""
+    vertices = tour.vertices_m
+    before, after = vertices[i], vertices[(i + 1) % len(vertices)]
+    ways = (way_m, way_m[::-1])
+    way_m = min(ways, key=lambda way: float(np.hypot(*(way[0] - before)) + np.hypot(*(way[-1] - after))))
+    detour = problem.paths.paths_along(np.vstack([before, way_m, after]))[1:-1]
     # a timetable keeps but one of places so near each other; slivers of views lie beside each other on ragged ground
-    away_m = np.hypot(*(vertices - place_m).T)
-    replaced = (away_m > 0) & (away_m < ONE_PLACE_M) & problem.is_ragged & (tours[k].nest < 0)
+    away_m = np.hypot(*(vertices - way_m[len(way_m) // 2]).T)
+    replaced = (len(way_m) == 1) & (away_m > 0) & (away_m < ONE_PLACE_M) & problem.is_ragged & (tour.nest < 0)
     longer = np.vstack([vertices[: i + 1][~replaced[: i + 1]], detour, vertices[i + 1 :][~replaced[i + 1 :]]])
-    return [*tours[:k], replace(tours[k], vertices_m=longer), *tours[k + 1 :]]
+    return replace(tour, vertices_m=longer)
 
 
 def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple[int, float]:

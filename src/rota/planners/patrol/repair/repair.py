@@ -23,7 +23,9 @@ from rota.planners.patrol.ground.problem import Problem, stretched
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out, points_of
 from rota.planners.patrol.ground.viewpoints import what_places_see
+from rota.planners.patrol.initial.cut_tours import cut_where_bodies_touch
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
+from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays
 from rota.planners.patrol.repair.detours import ON_ROUTE_M, last_place, visit_places
 from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
 from rota.planners.patrol.tours.curves import curved
@@ -97,7 +99,11 @@ def repair_until_feasible(
     bends = annealed and can_bend(context.problem)
     stuck, reroutes, unmet_before = 0, 0, -1
     if may_add and context.problem.is_ragged:
+        problem, tours = clear_of_who_stays(context.problem, tours)
+        context = replace(context, problem=problem)
         extra = joined([extra, missed_nooks(context, tours)])
+        tours = seeing_all(context, tours, extra, may_add=True, bends=False, seed=context.seed)
+        tours = cut_where_bodies_touch(context.problem, tours)
     for turn in range(1, rounds + 1):
         tours = seeing_all(context, tours, extra, may_add=may_add, bends=bends, seed=context.seed + turn - 1)
         excess = over_budget_share(tours)
@@ -208,6 +214,10 @@ def led_apart(problem: Problem, tours: list[Tour], verdict: Verdict, may_add: bo
     """The tours led another way, so that bodies can be kept apart; None when no bodies touch, or no way was found."""
     if not any(fault.kind == "bodies touch" for fault in verdict.violations):
         return None
+    if problem.is_ragged and may_add:
+        cut = cut_where_bodies_touch(problem, tours)
+        if len(cut) > len(tours):
+            return cut
     return rerouted(driven(tours), problem.robot.body_radius_m, problem.space, problem.paths, may_add=may_add)
 
 

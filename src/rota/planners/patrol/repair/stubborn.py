@@ -9,7 +9,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.repair.detours import led_past, nearby_place, places_in_view
+from rota.planners.patrol.repair.detours import led_past, nearby_place, places_in_view, way_across
 from rota.planners.patrol.tours.tour import Tour
 
 BESIDE, CROWD = 0.005, 0.05  # of the reach: as near is the same place, and as near are those that one visit may do for
@@ -44,5 +44,6 @@ def visiting_stubborn(context: Context, tours: list[Tour], points: SamplePoints,
     for i in range(min(len(points), context.settings.repair.visits)):
         place = nearby_place(context.problem, points.xy_m[i], float(points.visit_m[i]), stuck)
         if place is not None:
-            tours = led_past(context.problem, tours, place, int(points.period[i]))
+            way_m = way_across(context.problem, points.xy_m[i], place)
+            tours = led_past(context.problem, tours, way_m, int(points.period[i]))
     return tours

@@ -55,15 +55,14 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     none does, no further than the proved bound.
     """
     settings = context.settings.team_size
+    keeps_first = context.problem.is_ragged and not settings.searches_ragged
+    if keeps_first and best is not None and best.met:
+        return best  # finer samples give first tours that are as long, and repair of them takes minutes
     groupings = period_groupings(context.problem, context.settings.allocation.groupings)
-    if context.problem.is_ragged and not settings.searches_ragged:
-        if best is not None and best.met and best.robots <= sure_team_size(groupings):
-            return best
+    if keeps_first:
         repaired = repair_first_tours(context, groupings)
         if repaired.met or context.should_stop():
-            if best is None or not best.met or (repaired.met and repaired.robots < best.robots):
-                return repaired
-            return best
+            return repaired
     context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
     likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
     likely = max(context.enough_robots, likely)
