@@ -38,8 +38,8 @@ ESTIMATES = (
 def shortening_attempts(moves: int) -> tuple[tuple[ShorteningStage, ...], ...]:
     """Attempts at shorter loops: with much heat, which gives the tours other shapes; then with little."""
     first = (
-        ShorteningStage(moves, 0.7, 1 / 10, 1.5, coarse=True, vertex_price=1.0),
-        ShorteningStage(3 * moves // 16, 1 / 10, 1 / 100, 2.0, vertex_price=0.25),
+        ShorteningStage(moves, 0.7, 1 / 10, 1.5, coarse=True, vertex_price=0.5),
+        ShorteningStage(3 * moves // 16, 1 / 10, 1 / 100, 2.0, vertex_price=0.125),
         ShorteningStage(3 * moves // 32, 1 / 32, 1 / 500, 8.0),
     )
     return first, (ShorteningStage(moves // 4, 1 / 16, 1 / 1000, 8.0),)
