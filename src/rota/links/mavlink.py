@@ -6,6 +6,7 @@ ArduPilot and PX4 are told apart by their heartbeats. Needs the extra ``mavlink`
 from __future__ import annotations
 
 import asyncio
+import functools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -96,9 +97,8 @@ class MavlinkLink(RealTimeLink):
 
     async def _connect(self, robot: str) -> None:
         from mavsdk import ComponentType, Configuration, Mavsdk
-        from mavsdk.logging import log_subscribe
 
-        log_subscribe(lambda *_: True)  # what it would print; errors are told by their callers
+        _silence_mavsdk()
         address, wait_s = self._addresses[robot], self._settings.wait_s
         mavsdk = Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION))
         self._instances.append(mavsdk)
@@ -247,3 +247,14 @@ def _fence_data(polygons: list[WirePolygon]) -> Any:
 
     kinds = {True: FenceType.INCLUSION, False: FenceType.EXCLUSION}
     return GeofenceData([Polygon(points(polygon), kinds[polygon.keeps_in]) for polygon in polygons], [])
+
+
+@functools.cache
+def _silence_mavsdk() -> None:
+    """Keep MAVSDK from printing, since its errors are told by their callers.
+
+    Once in a process: a second subscription frees the callback that threads of other connections may be in.
+    """
+    from mavsdk.logging import log_subscribe
+
+    log_subscribe(lambda *_: True)
