@@ -164,7 +164,9 @@ class MavlinkLink(RealTimeLink):
         """Vehicles go on with what they do."""
         self._inbox.close()
         instances, self._instances = self._instances, []
-        self._vehicles = {}
+        vehicles, self._vehicles = self._vehicles, {}
+        for vehicle in vehicles.values():
+            await asyncio.to_thread(vehicle.end_plugins)
         for mavsdk in instances:
             await asyncio.to_thread(mavsdk.destroy)
 

@@ -37,6 +37,11 @@ class MavlinkVehicle:
             self._plugins[module] = getattr(import_module(f"mavsdk.plugins.{module}"), name)(self.system)
         return self._plugins[module]
 
+    def end_plugins(self) -> None:
+        """Let go of all plugins before MAVSDK ends: the garbage collector might do so meanwhile, in another thread."""
+        for plugin in self._plugins.values():
+            plugin.destroy()
+
     async def ask(self, what: str, call: Callable[..., Any], *given: Any) -> tuple[Any, ...]:
         """Call what answers by a callback from another thread; returns what it answers beside success.
 
