@@ -25,8 +25,8 @@ from rota.planners.patrol.ground.viewpoints import (
     places_that_see_all,
     what_places_see,
 )
+from rota.planners.patrol.loop_settings import SamplingSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.settings import SamplingSettings
 
 Floats = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from rota.geometry.kernels import free_segments
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import SamplePoints, points_of, prepare
+from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import Layout, laid_out, sightings
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
-from rota.planners.patrol.settings import BendingSettings
 from rota.planners.patrol.tours.tour import Tour, excesses, over_budget_share, tour_length_m
 
 Floats = NDArray[np.float64]

@@ -9,6 +9,7 @@ from scipy.optimize import linprog
 from scipy.sparse import csr_array
 
 from rota.mission import DiscSensor, Robot
+from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import laid_out
 from rota.planners.patrol.repair.bending.program import (
     Rows,
@@ -16,7 +17,6 @@ from rota.planners.patrol.repair.bending.program import (
     length_rows,
     rows_along,
 )
-from rota.planners.patrol.settings import BendingSettings
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array, hstack, kron
 
 from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.layout import Layout
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
 from rota.planners.patrol.repair.bending.solver import GrowingProgram
-from rota.planners.patrol.settings import BendingSettings
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -19,11 +19,11 @@ from rota.mission import DiscSensor
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.initial.standing import robots_stand
+from rota.planners.patrol.loop_settings import BendingSettings
 from rota.planners.patrol.repair.bending.clearance import Border
 from rota.planners.patrol.repair.bending.layout import laid_out, sightings
 from rota.planners.patrol.repair.bending.program import best_step, range_rows
 from rota.planners.patrol.repair.bending.sighting_kernels import Sightings
-from rota.planners.patrol.settings import BendingSettings
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
