@@ -39,7 +39,7 @@ def refine(
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
     owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: smaller pieces are cut
-    only where all of them that was looked at is met.
+    only where all of each that was looked at is met.
     is_seeable(points (k, 2), spread_m, demands (k,)): whether a body can stand where it sees a point within the spread,
     or that demand asks nothing of the point, so that other ground is not held against a piece; several threads ask it.
 

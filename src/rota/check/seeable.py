@@ -28,7 +28,6 @@ TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 MOST_GRID_CELLS = 250_000
 MOST_SPREAD = 0.4  # of the reach: spreads for which what blocks sight is kept on ragged ground
 LINE_SIDES = 16  # of a border in one line of the tree that finds the nearest
-SPREADS = 2  # for which ragged ground is kept as looks ask for it
 MOST_ALONE = 64  # points that one thread looks from by itself
 
 
@@ -136,7 +135,8 @@ def _ground(obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], sl
 class SeeableGround:
     """What can be seen from standing areas past what blocks sight, ``hidden``.
 
-    On ragged ground all answers are kept, and the ground as looks with the last few spreads ask for it.
+    On ragged ground all answers are kept, and the ground as looks without a spread ask for it. With one it has very
+    many corners, takes 60 MB, and is seldom asked for twice.
     """
 
     def __init__(self, hidden: Any, areas: tuple[StandingArea, ...], slack_m: float) -> None:
@@ -145,7 +145,6 @@ class SeeableGround:
         corners = shapely.get_num_coordinates([hidden, *(area.shape for area in areas)]).sum()
         self._is_ragged = int(corners) > MANY_SIDES
         self._known: dict[float, dict[tuple[float, float], bool]] = {}
-        self._scene_of = functools.lru_cache(maxsize=SPREADS)(self._ragged_scene)
 
     def seen(self, points_m: Floats, spread_m: float = 0.0) -> Flags:
         """Whether each of the points (n, 2) can be seen within the spread: (n,) flags; see ``seeable``."""
@@ -155,9 +154,15 @@ class SeeableGround:
         keys = list(map(tuple, points_m.tolist()))
         new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
         if len(new):
-            sight = _seen_in(self._scene_of(spread_m), points_m[new], spread_m)
+            scene = self._scene if spread_m == 0 else self._ragged_scene(spread_m)
+            sight = _seen_in(scene, points_m[new], spread_m)
             known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
         return np.array([known[key] for key in keys], dtype=np.bool_)
+
+    @functools.cached_property
+    def _scene(self) -> tuple[_Scene, ...]:
+        """The ground as looks without a spread ask for it."""
+        return self._ragged_scene(0.0)
 
     def _ragged_scene(self, spread_m: float) -> tuple[_Scene, ...]:
         """The ground as looks from anywhere on it ask for it."""

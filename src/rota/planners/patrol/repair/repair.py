@@ -162,6 +162,8 @@ def seeing_missed(context: Context, tours: list[Tour], missed: SamplePoints, *, 
     for a few slivers in each round.
     """
     problem = context.problem
+    if not len(missed):
+        return tours
     points, samples, _ = laid_out(missed, problem.walls, problem.robot, weight=metres_worth(problem, missed))
     return [with_robots(tour) for tour in led_to_the_rest(context, tours, points, samples, seed=seed)]
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints
+from rota.planners.patrol.ground.samples import SamplePoints, known_walls, laid_out
 from rota.planners.patrol.repair.detours import visit_places
 from rota.planners.patrol.tours.tour import Tour
 
@@ -34,19 +34,27 @@ def led_to_the_rest(
     seed: int,
     unseen: Ints | None = None,
 ) -> list[Tour]:
-    """The tours led by detours to the samples that they do not see. unseen: these, where they are known."""
-    before = np.zeros(0, dtype=np.int64)
+    """The tours led by detours to the samples that they do not see. unseen: these, where they are known.
+
+    Detours take nothing out of sight. On ragged ground, which has very many samples, only what was unseen is therefore
+    looked at again.
+    """
+    problem, left = context.problem, 0
     for turn in range(5):
         if unseen is None:
             unseen = annealing_of(context, tours, samples, length_weight=1.0, seed=seed).unseen_samples
-        if np.array_equal(unseen, before):
+        if len(unseen) in (0, left):
             break  # none is left, or what is left is seen only by a hair
-        longer = visit_places(
-            context.problem, tours, points, samples, unseen, further=turn == 0 or not context.problem.is_ragged
-        )
+        left = len(unseen)
+        if problem.is_ragged:
+            known, weight = known_walls(samples, unseen), samples.weight[unseen]
+            points, samples, _ = laid_out(points[unseen], problem.walls, problem.robot, weight=weight, known=known)
+            unseen = np.arange(left)
+        further = turn == 0 or not problem.is_ragged
+        longer = visit_places(problem, tours, points, samples, unseen, further=further)
         if longer is None:
             break
-        tours, before, unseen = longer, unseen, None
+        tours, unseen = longer, None
     return tours
 
 
