@@ -77,7 +77,7 @@ def test_a_robot_that_trembles_is_not_compared_with_itself(monkeypatch: pytest.M
     query = near._met
 
     def counted(*args: object) -> object:
-        asked.append(sum(len(a) for a, _ in query(*args)))  # type: ignore[arg-type]
+        asked.append(sum(len(a) for a, _, _ in query(*args)))  # type: ignore[arg-type]
         return query(*args)  # type: ignore[arg-type]
 
     monkeypatch.setattr(near, "_met", counted)

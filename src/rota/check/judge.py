@@ -23,7 +23,7 @@ from rota.check.presence import presence_violations
 from rota.check.refine import refine
 from rota.check.report import DemandVerdict, Outcome, Report, Violation, violation
 from rota.check.revisits import Sights, loop_gap, sights_of
-from rota.check.seeable import has_many_sides, seeable, standing_areas
+from rota.check.seeable import has_many_sides, seeable_ground, standing_areas
 from rota.check.separation import separation_violations
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, SLIVER_SHARE, TOUCH_M, slack_of
 from rota.mission import Mission, StartBox, StartPoints
@@ -122,7 +122,7 @@ def tile_and_refine(
     pieces, owners, size = _tiles(mission, size)
     limits = np.array([demand.period_s for demand in demands]) * (1 + PERIOD_TOLERANCE)
 
-    regions = [demand.region for demand in demands]
+    regions, ground = [demand.region for demand in demands], seeable_ground(mission)
     shapely.prepare(regions)
 
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
@@ -133,7 +133,7 @@ def tile_and_refine(
             for k in np.unique(numbers):
                 members = np.flatnonzero(numbers == k)
                 members = members[shapely.contains_xy(regions[k], *points_m[members].T)]
-                can_see[members] = seeable(mission, standing_areas(mission), points_m[members], spread_m)
+                can_see[members] = ground.seen(points_m[members], spread_m)
         return can_see
 
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed

@@ -31,10 +31,11 @@ def motion_violations(plan: Plan) -> list[Violation]:
         shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
     )
     violations: list[Violation] = []
-    for trajectory in plan:
+    out_of_area, into_obstacles = _deepest_of_all(plan, area, False), _deepest_of_all(plan, blocked, True)
+    for k, trajectory in enumerate(plan):
         robot = mission.fleet.robot(trajectory.robot)
-        violations += _place_violations(trajectory, robot, area, "outside area")
-        violations += _place_violations(trajectory, robot, blocked, "obstacle")
+        violations += _place_violations(trajectory, robot, out_of_area[k], "outside area")
+        violations += _place_violations(trajectory, robot, into_obstacles[k], "obstacle")
         violations += speed_violations(trajectory, robot)
         violations += turn_violations(trajectory, robot)
         violations += turn_radius_violations(trajectory, robot)
@@ -90,28 +91,50 @@ def _border_of(shape: Any) -> _Border:
     return _Border(shape, sides, shapely.STRtree(lines_of(sides)))
 
 
-def _place_violations(trajectory: Trajectory, robot: Robot, border: _Border, kind: ViolationKind) -> list[Violation]:
+class _Deepest(NamedTuple):
+    """Depth (m,) in metres to which a body enters the wrong side of a border on each leg, and where, (m,) in 0..1."""
+
+    depth_m: Floats
+    place: Floats
+
+
+def _legs_of(trajectory: Trajectory) -> Floats:
+    """The legs (m, 4) of a trajectory; one of no length for a robot that stays."""
+    xy = trajectory.positions_m[:, :2]
+    return np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy])
+
+
+def _deepest_of_all(plan: Plan, border: _Border, wrong_inside: bool) -> list[_Deepest]:
+    """How deep the bodies go on the legs of each trajectory; a leg that several drive is looked at once."""
+    found: list[_Deepest] = [_Deepest(np.zeros(0), np.zeros(0))] * len(plan.trajectories)
+    if not len(border.sides):
+        return found
+    bodies_m = [plan.mission.fleet.robot(trajectory.robot).body_radius_m for trajectory in plan]
+    at_once = max(1, MOST_PAIRS // len(border.sides))
+    for body_m in dict.fromkeys(bodies_m):
+        own = [k for k, other_m in enumerate(bodies_m) if other_m == body_m]
+        legs = [_legs_of(plan.trajectories[k]) for k in own]
+        rows, which = np.unique(np.vstack(legs), axis=0, return_inverse=True)
+        judged = [_deepest(rows[k : k + at_once], border, wrong_inside, body_m) for k in range(0, len(rows), at_once)]
+        depth, place = (np.concatenate(values)[which.ravel()] for values in zip(*judged, strict=True))
+        ends = np.cumsum([len(some) for some in legs])[:-1]
+        for k, deep, at in zip(own, np.split(depth, ends), np.split(place, ends), strict=True):
+            found[k] = _Deepest(deep, at)
+    return found
+
+
+def _place_violations(trajectory: Trajectory, robot: Robot, deepest: _Deepest, kind: ViolationKind) -> list[Violation]:
     """Legs on which the body reaches more than 1e-6 m out of the area (kind "outside area") or into an obstacle.
 
-    ``border`` is that of the area or of what blocks motion. Each leg has one violation: its deepest place, when and
-    how deep. Where the centre itself is on the wrong side, the deepest of 65 places along the stretch counts, refined
-    three times.
+    Each leg has one violation: its deepest place, when and how deep. Where the centre itself is on the wrong side, the
+    deepest of 65 places along the stretch counts, refined three times.
     """
-    xy = trajectory.positions_m[:, :2]
-    legs = np.hstack([xy[:-1], xy[1:]]) if len(xy) > 1 else np.hstack([xy, xy])
-    if not len(border.sides):
-        return []
-    wrong_inside = kind == "obstacle"
-    at_once = max(1, MOST_PAIRS // len(border.sides))
-    parts = [legs[k : k + at_once] for k in range(0, len(legs), at_once)]
-    judged = [_deepest(part, border, wrong_inside, robot.body_radius_m) for part in parts]
-    depth, place = (np.concatenate(values) for values in zip(*judged, strict=True))
-    violations = []
-    for m in np.flatnonzero(depth > TOUCH_M)[:MOST_PER_ROBOT]:
-        x, y = legs[m, :2] + place[m] * (legs[m, 2:] - legs[m, :2])
-        times = trajectory.times_s
-        time = times[m] + place[m] * (times[min(m + 1, len(times) - 1)] - times[m])
-        violations.append(violation(kind, robot.name, (x, y), time, float(depth[m]), TOUCH_M, "m"))
+    legs, times, violations = _legs_of(trajectory), trajectory.times_s, []
+    for m in np.flatnonzero(deepest.depth_m > TOUCH_M)[:MOST_PER_ROBOT]:
+        at = deepest.place[m]
+        x, y = legs[m, :2] + at * (legs[m, 2:] - legs[m, :2])
+        time = times[m] + at * (times[min(m + 1, len(times) - 1)] - times[m])
+        violations.append(violation(kind, robot.name, (x, y), time, float(deepest.depth_m[m]), TOUCH_M, "m"))
     return violations
 
 

@@ -8,6 +8,7 @@ slices of time, robots that hold as one leg each, and loops robot by robot.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -24,33 +25,49 @@ FEWEST_IN_SLICE = 64
 MOST_AT_ONCE = 2_000_000  # pairs of legs that one question to a tree may give
 
 
+class _Lines(NamedTuple):
+    """The w different lines of n legs: as geometries (w,), as rows (w, 4) in metres, and which (n,) each leg goes.
+
+    They stand in the order in which legs first go them.
+    """
+
+    shapes: NDArray[np.object_]
+    ends_m: Floats
+    of_leg: Ints
+
+
+def _lines(routes: Routes) -> _Lines:
+    """The lines of all legs."""
+    _, first, of_leg = np.unique(routes.legs_m, axis=0, return_index=True, return_inverse=True)
+    ends_m = routes.legs_m[np.sort(first)]
+    return _Lines(lines_of(ends_m), ends_m, np.argsort(np.argsort(first))[of_leg.ravel()])
+
+
 def near_legs(routes: Routes, bodies_m: Floats) -> Iterator[tuple[Ints, Ints]]:
     """Pairs of legs whose lines come nearer than the two bodies allow, less the tolerance; the lower robot's leg first.
 
     bodies_m: (k,) radii. No pair is given twice. Pairs before the loops are only those that meet in time.
     """
     if len(routes.legs_m):
-        lines = lines_of(routes.legs_m)
         reach_m = float(np.sort(bodies_m)[-2:].sum())
-        for a, b in _candidates(routes, lines, reach_m):
+        for a, b, distance in _candidates(routes, _lines(routes), reach_m):
             swap = routes.robots[a] > routes.robots[b]
             a, b = np.where(swap, b, a), np.where(swap, a, b)
-            distance, _ = segment_distances(routes.legs_m[a], routes.legs_m[b])
             close = distance < bodies_m[routes.robots[a]] + bodies_m[routes.robots[b]] - TOUCH_M
             if close.any():
                 yield a[close], b[close]
 
 
-def _candidates(routes: Routes, lines: NDArray[np.object_], reach_m: float) -> Iterator[tuple[Ints, Ints]]:
-    """Pairs of legs of different robots within a distance as lines."""
+def _candidates(routes: Routes, lines: _Lines, reach_m: float) -> Iterator[tuple[Ints, Ints, Floats]]:
+    """Pairs of legs of different robots within a distance as lines, and that distance of each."""
     before, holds, loops = (np.flatnonzero(routes.kinds == kind) for kind in (TRANSIENT, HOLD, LOOP))
     for in_turn, after_s in _slices(routes.times_s[before], len(routes.durations_s)):
-        for a, b in _met(routes, lines, before[in_turn], before[in_turn], reach_m):
+        for a, b, distance in _met(routes, lines, before[in_turn], before[in_turn], reach_m):
             # the slice in which the later of two legs begins has both
             start = np.maximum(routes.times_s[a, 0], routes.times_s[b, 0])
             in_slice = (a < b) & (start > after_s) & (start <= np.minimum(routes.times_s[a, 1], routes.times_s[b, 1]))
-            yield a[in_slice], b[in_slice]
-    yield from ((a[a < b], b[a < b]) for a, b in _met(routes, lines, holds, holds, reach_m))
+            yield a[in_slice], b[in_slice], distance[in_slice]
+    yield from ((a[a < b], b[a < b], far[a < b]) for a, b, far in _met(routes, lines, holds, holds, reach_m))
     yield from _met(routes, lines, before, holds, reach_m)
     for robot in np.unique(routes.robots[loops]):
         own = loops[routes.robots[loops] == robot]
@@ -63,10 +80,11 @@ def near_ways(routes: Routes, reach_m: float) -> Iterator[tuple[Ints, Ints]]:
 
     No pair is given twice.
     """
-    lines = lines_of(routes.legs_m)
+    lines = _lines(routes)
     for robot in np.unique(routes.robots):
         own = np.flatnonzero(routes.robots == robot)
-        yield from _met(routes, lines, own, _beside(routes, own, routes.robots > robot, reach_m), reach_m)
+        beside = _beside(routes, own, routes.robots > robot, reach_m)
+        yield from ((a, b) for a, b, _ in _met(routes, lines, own, beside, reach_m))
 
 
 def _beside(routes: Routes, own: Ints, others: NDArray[np.bool_], reach_m: float) -> Ints:
@@ -97,19 +115,54 @@ def _slices(times_s: Floats, robots: int) -> Iterator[tuple[Ints, float]]:
 
 
 def _met(
-    routes: Routes, lines: NDArray[np.object_], first_legs: Ints, second_legs: Ints, reach_m: float
-) -> Iterator[tuple[Ints, Ints]]:
+    routes: Routes, lines: _Lines, first_legs: Ints, second_legs: Ints, reach_m: float
+) -> Iterator[tuple[Ints, Ints, Floats]]:
     """Pairs of a leg of ``first_legs`` and one of ``second_legs``, of different robots, within a distance as lines.
 
-    lines: (n,) every leg as a line. first_legs, second_legs: numbers of legs. Yields (p,) numbers of legs of each.
+    first_legs, second_legs: numbers of legs. Yields (p,) numbers of legs of each, and their distances in metres.
     """
     if not len(first_legs) or not len(second_legs):
         return
-    tree = shapely.STRtree(lines[first_legs])
-    at_once = max(1, MOST_AT_ONCE // len(first_legs))
-    for k in range(0, len(second_legs), at_once):
-        batch = second_legs[k : k + at_once]
-        b, a = tree.query(lines[batch], predicate="dwithin", distance=reach_m)
-        a, b = first_legs[a], batch[b]
-        different = routes.robots[a] != routes.robots[b]
-        yield a[different], b[different]
+    first, second = _by_line(lines, first_legs), _by_line(lines, second_legs)
+    tree = shapely.STRtree(lines.shapes[first.lines])
+    at_once = max(1, MOST_AT_ONCE // len(first.lines))
+    for k in range(0, len(second.lines), at_once):
+        near, own = tree.query(lines.shapes[second.lines[k : k + at_once]], predicate="dwithin", distance=reach_m)
+        order = np.lexsort((own, near))
+        near, own = near[order] + k, own[order]
+        distance, _ = segment_distances(lines.ends_m[first.lines[own]], lines.ends_m[second.lines[near]])
+        pairs = np.diff(first.begin)[own] * np.diff(second.begin)[near]
+        for some in np.split(np.arange(len(pairs)), _cuts(pairs)):
+            pair, turn = _numbered(pairs[some])
+            pair = some[pair]
+            a_turn, b_turn = np.divmod(turn, np.diff(second.begin)[near[pair]])
+            a = first.legs[first.begin[own[pair]] + a_turn]
+            b = second.legs[second.begin[near[pair]] + b_turn]
+            different = routes.robots[a] != routes.robots[b]
+            yield a[different], b[different], distance[pair[different]]
+
+
+class _ByLine(NamedTuple):
+    """Some legs by their lines: those of lines[k] are legs[begin[k] : begin[k + 1]]."""
+
+    lines: Ints
+    begin: Ints
+    legs: Ints
+
+
+def _by_line(lines: _Lines, legs: Ints) -> _ByLine:
+    """Some legs, numbers (n,), by their lines."""
+    order = np.argsort(lines.of_leg[legs], kind="stable")
+    which, begin = np.unique(lines.of_leg[legs[order]], return_index=True)
+    return _ByLine(which, np.append(begin, len(legs)), legs[order])
+
+
+def _cuts(counts: Ints) -> Ints:
+    """Where to cut a list so that the counts (n,) of each part are not many more than MOST_AT_ONCE."""
+    return np.flatnonzero(np.diff(np.cumsum(counts) // MOST_AT_ONCE)) + 1
+
+
+def _numbered(counts: Ints) -> tuple[Ints, Ints]:
+    """Each index as often as its count (n,) says, and the number of each time, from 0 on."""
+    index = np.repeat(np.arange(len(counts)), counts)
+    return index, np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)

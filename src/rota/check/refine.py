@@ -39,13 +39,14 @@ def refine(
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
     owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: smaller pieces are cut
-    only where all that was looked at is met.
+    only where all of each that was looked at is met.
     is_seeable(points (k, 2), spread_m, demands (k,)): whether a body can stand where it sees a point within the spread,
     or that demand asks nothing of the point, so that other ground is not held against a piece; several threads ask it.
 
-    Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``. When more
-    than 600,000 pieces would be open at once, all are left undecided as they are. Very many pieces are refined in
-    parts, each by itself, so that memory and work for one piece do not grow with their number.
+    Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``; where few
+    is 0, they are not cut below ``finest_m`` either. When more than 600,000 pieces would be open at once, all are left
+    undecided as they are. Very many pieces are refined in parts, each by itself, so that memory and work for one piece
+    do not grow with their number.
     """
 
     def part(first: int) -> list[Findings]:
@@ -156,7 +157,7 @@ class _Level:
         coarse = violated & (self.sizes_m <= coarse_m) & ~self.hidden & ~out & ~finest
         done = ~out & (finest | (coarse & (np.count_nonzero(coarse) > few)))
         # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
-        parts = np.flatnonzero(done & ~passed & ~self.bad & ~violated & (self.sizes_m > SPOT_M))
+        parts = np.flatnonzero(done & finest & ~passed & ~self.bad & (self.sizes_m > SPOT_M) & (~violated | (few > 0)))
         # a strip that no view takes in across has twice as many parts with every cut, and stays in doubt
         if len(parts) <= MOST_FINER:
             done[parts] = False

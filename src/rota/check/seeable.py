@@ -118,47 +118,66 @@ def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats,
     all of the segment from p to a point x near q is within |q - x| of points that are not in an obstacle, so it stays
     out of obstacles made thinner by that much.) Points must not lie inside what blocks sight.
     """
-    reach_m = max((area.sensor.reach_m for area in areas), default=0.0)
-    hidden, slack_m = _hidden(mission.obstacles), slack_of(mission)
-    corners = shapely.get_num_coordinates([hidden, *(area.shape for area in areas)]).sum()
-    if corners <= MANY_SIDES or spread_m > MOST_SPREAD * reach_m:
-        return _seen_from_any(areas, hidden, points_m, spread_m, slack_m)
-    known = _known(mission.obstacles, areas, spread_m)
-    keys = list(map(tuple, points_m.tolist()))
-    new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
-    if len(new):
-        scene = _ragged_scene(mission.obstacles, areas, spread_m, slack_m)
-        sight = _seen_in(scene, points_m[new], spread_m)
-        known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
-    return np.array([known[key] for key in keys], dtype=np.bool_)
+    return _ground(mission.obstacles, areas, slack_of(mission)).seen(points_m, spread_m)
 
 
-@functools.lru_cache(maxsize=16)
-def _known(
-    obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], spread_m: float
-) -> dict[tuple[float, float], bool]:
-    """The answers so far about places on ragged ground; a search has hundreds of plans over one ground checked."""
-    return {}
+def seeable_ground(mission: Mission) -> SeeableGround:
+    """What can be seen of the mission's ground, to be asked again and again; see ``seeable``."""
+    return _ground(mission.obstacles, standing_areas(mission), slack_of(mission))
+
+
+@functools.lru_cache(maxsize=4)
+def _ground(obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], slack_m: float) -> SeeableGround:
+    """The same for missions that differ in their periods only; a search has hundreds of plans for them checked."""
+    return SeeableGround(_hidden(obstacles), areas, slack_m)
+
+
+class SeeableGround:
+    """What can be seen from standing areas past what blocks sight, ``hidden``.
+
+    On ragged ground all answers are kept, and the ground as looks without a spread ask for it. With one it has very
+    many corners, takes 60 MB, and is seldom asked for twice.
+    """
+
+    def __init__(self, hidden: Any, areas: tuple[StandingArea, ...], slack_m: float) -> None:
+        self._hidden, self._areas, self._slack_m = hidden, areas, slack_m
+        self._reach_m = max((area.sensor.reach_m for area in areas), default=0.0)
+        corners = shapely.get_num_coordinates([hidden, *(area.shape for area in areas)]).sum()
+        self._is_ragged = int(corners) > MANY_SIDES
+        self._known: dict[float, dict[tuple[float, float], bool]] = {}
+
+    def seen(self, points_m: Floats, spread_m: float = 0.0) -> Flags:
+        """Whether each of the points (n, 2) can be seen within the spread: (n,) flags; see ``seeable``."""
+        if not self._is_ragged or spread_m > MOST_SPREAD * self._reach_m:
+            return _seen_from_any(self._areas, self._hidden, points_m, spread_m, self._slack_m)
+        known = self._known.setdefault(spread_m, {})
+        keys = list(map(tuple, points_m.tolist()))
+        new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
+        if len(new):
+            scene = self._scene if spread_m == 0 else self._ragged_scene(spread_m)
+            sight = _seen_in(scene, points_m[new], spread_m)
+            known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
+        return np.array([known[key] for key in keys], dtype=np.bool_)
+
+    @functools.cached_property
+    def _scene(self) -> tuple[_Scene, ...]:
+        """The ground as looks without a spread ask for it."""
+        return self._ragged_scene(0.0)
+
+    def _ragged_scene(self, spread_m: float) -> tuple[_Scene, ...]:
+        """The ground as looks from anywhere on it ask for it."""
+        boxes = np.array([area.shape.bounds for area in self._areas if not area.shape.is_empty]).reshape(-1, 4)
+        if not len(boxes):
+            return ()
+        reach_m = self._reach_m + spread_m
+        low, high = boxes[:, :2].min(axis=0) - reach_m, boxes[:, 2:].max(axis=0) + reach_m
+        return _scene_of(self._areas, _thinner(self._hidden, spread_m), (low, high), spread_m, self._slack_m)
 
 
 @functools.lru_cache(maxsize=4)
 def _hidden(obstacles: tuple[Obstacle, ...]) -> Any:
     """All obstacles that block sight as one geometry."""
     return shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_sight])
-
-
-@functools.lru_cache(maxsize=2)
-def _ragged_scene(
-    obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], spread_m: float, slack_m: float
-) -> tuple[_Scene, ...]:
-    """Ragged ground as looks from anywhere on it ask for it; what each spread leaves of it is kept for a while."""
-    hidden = _thinner(_hidden(obstacles), spread_m)
-    boxes = np.array([area.shape.bounds for area in areas if not area.shape.is_empty]).reshape(-1, 4)
-    if not len(boxes):
-        return ()
-    reach_m = max(area.sensor.reach_m for area in areas) + spread_m
-    low, high = boxes[:, :2].min(axis=0) - reach_m, boxes[:, 2:].max(axis=0) + reach_m
-    return _scene_of(areas, hidden, (low, high), spread_m, slack_m)
 
 
 def _cut_to(frame: Any, shape: Any) -> Any:

@@ -44,18 +44,78 @@ def bitangents(corners, corner_part, grid):
     return linked
 
 
+class KnownLinks(NamedTuple):
+    """What is known of links from a space that was the same but for what lies in some boxes.
+
+    is_old: (c,) the corners that were there. Those linked to corner k are items[start[k] : start[k + 1]]. boxes_m:
+    (b, 4) x0, y0, x1, y1 in metres: a line between old corners that meets none of them is free where it was.
+    """
+
+    is_old: Any
+    start: Any
+    items: Any
+    boxes_m: Any
+
+
+@kernel
+def _meets_box(ax, ay, bx, by, boxes):
+    """Whether the line from a to b meets any of the boxes (b, 4), or comes near a corner of one."""
+    low_x, high_x, low_y, high_y = min(ax, bx), max(ax, bx), min(ay, by), max(ay, by)
+    for n in range(len(boxes)):
+        x0, y0, x1, y1 = boxes[n]
+        if high_x < x0 or low_x > x1 or high_y < y0 or low_y > y1:
+            continue
+        dx, dy = bx - ax, by - ay
+        middle = dx * (0.5 * (y0 + y1) - ay) - dy * (0.5 * (x0 + x1) - ax)
+        if abs(middle) <= 0.5 * (abs(dx) * (y1 - y0) + abs(dy) * (x1 - x0)):
+            return True
+    return False
+
+
+@kernel
+def _may_link(k, corners, sides, may):
+    """Fill ``may`` (c,) for all corners after the k-th: whether the line between them is a tangent at both.
+
+    corners: (c, 6). sides: (6, c) x and y of the corners, of the way to the border corner before, and of that to the
+    one after. One step after the other without a branch, so that several are taken at once.
+    """
+    x, y, before_x, before_y, after_x, after_y = sides
+    px, py = corners[k, 0], corners[k, 1]
+    bx, by, ax, ay = before_x[k], before_y[k], after_x[k], after_y[k]
+    for m in range(k + 1, len(corners)):
+        dx, dy = x[m] - px, y[m] - py
+        before, after = dx * before_y[m] - dy * before_x[m], dx * after_y[m] - dy * after_x[m]
+        own_before, own_after = dx * by - dy * bx, dx * ay - dy * ax
+        slack2 = TOUCH_M * TOUCH_M * (dx * dx + dy * dy)
+        there = (before * after >= 0) | (before * before <= slack2) | (after * after <= slack2)
+        here = (own_before * own_after >= 0) | (own_before * own_before <= slack2) | (own_after * own_after <= slack2)
+        may[m] = there & here
+
+
 @kernel(nogil=True)
-def bitangents_of(first, last, corners, corner_part, grid):
+def bitangents_of(first, last, corners, corner_part, grid, known):
     """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
     pairs = np.empty((1024, 2), np.int32)
     count = 0
+    sides = np.ascontiguousarray(corners.T)
+    for axis in range(2):
+        sides[2 + axis] -= sides[axis]
+        sides[4 + axis] -= sides[axis]
+    linked_to, may = np.full(len(corners), -1, np.int64), np.zeros(len(corners), np.bool_)
     for k in range(first, last):
         one = corners[k]
+        for m in known.items[known.start[k] : known.start[k + 1]]:
+            linked_to[m] = k
+        _may_link(k, corners, sides, may)
         for m in range(k + 1, len(corners)):
-            other = corners[m]
-            if corner_part[k] != corner_part[m] or not _can_bend(one[0], one[1], other):
+            if not may[m] or corner_part[k] != corner_part[m]:
                 continue
-            if _can_bend(other[0], other[1], one) and segment_is_free(one[0], one[1], other[0], other[1], grid):
+            ax, ay, bx, by = one[0], one[1], corners[m, 0], corners[m, 1]
+            if known.is_old[k] and known.is_old[m] and not _meets_box(ax, ay, bx, by, known.boxes_m):
+                linked = linked_to[m] == k
+            else:
+                linked = segment_is_free(ax, ay, bx, by, grid)
+            if linked:
                 if count == len(pairs):
                     pairs = np.concatenate((pairs, np.empty_like(pairs)))
                 pairs[count, 0], pairs[count, 1] = k, m

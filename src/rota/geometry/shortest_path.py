@@ -17,6 +17,7 @@ from rota.geometry import corner_kernels, kernels
 from rota.geometry.corner_kernels import Ends
 from rota.geometry.free_space import border_corners, border_segments, standing_parts
 from rota.geometry.kernels import EdgeGrid
+from rota.geometry.known_links import boxes_of_change, known_links, nothing_known
 from rota.geometry.line_of_sight import edge_grid
 
 Floats = NDArray[np.float64]
@@ -40,10 +41,11 @@ class ShortestPaths:
 
     corners_m: (c, 2) metres. ``corner_lengths_m`` and ``corner_before`` hold the paths between corners; they take
     c * c * 12 bytes and are made when a path first needs a corner. With more than ``most_dense`` corners they are not
-    made: the links alone are kept, and every question is searched for along them, with the same answers.
+    made: the links alone are kept, and every question is searched for along them, with the same answers. like: paths in
+    a space that is much the same, whose links are then not looked for again.
     """
 
-    def __init__(self, space: MultiPolygon, *, most_dense: int = MOST_DENSE) -> None:
+    def __init__(self, space: MultiPolygon, *, most_dense: int = MOST_DENSE, like: ShortestPaths | None = None) -> None:
         self.parts = standing_parts(space)
         self.grid = edge_grid(border_segments(space))
         self._part_grids: list[EdgeGrid] = []
@@ -57,6 +59,8 @@ class ShortestPaths:
         )
         self.corners_m: Floats = np.ascontiguousarray(self._corners[:, :2])
         self._dense = len(self.corners_m) <= most_dense
+        knows_links = like is not None and "_links" in like.__dict__ and not self._dense
+        self._like = like if knows_links else None  # until the links are made
         # points between which all lengths were asked for, with these: some of them are often asked for again
         self._measured: tuple[tuple[dict[tuple[float, ...], int], Floats], ...] = ()
         # the corners that points see along tangents, where that takes a look at very many: tours ask again and again
@@ -64,7 +68,7 @@ class ShortestPaths:
 
     def __getstate__(self) -> dict[str, object]:
         """What is sent to another process: all but what was asked for before, which other threads may change."""
-        return {**self.__dict__, "_measured": (), "_seen_corners": {}}
+        return {**self.__dict__, "_measured": (), "_seen_corners": {}, "_like": None}
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
@@ -83,11 +87,16 @@ class ShortestPaths:
         """The lengths (c, c) of the links between corners, for very many of them."""
         count = len(self.corners_m)
         firsts = list(range(0, count, ROWS_TOGETHER))
+        known, like = nothing_known(count), self._like
+        if like is not None:
+            changed_m = boxes_of_change(self.grid.edges, like.grid.edges)
+            known = known_links(self._numbered, like._numbered, like._links, changed_m)
+        self._like = None
 
         def linked(first: int) -> NDArray[np.int32]:
             last = min(first + ROWS_TOGETHER, count)
             found: NDArray[np.int32] = corner_kernels.bitangents_of(
-                first, last, self._corners, self._corner_part, self.grid
+                first, last, self._corners, self._corner_part, self.grid, known
             )
             return found
 
@@ -96,6 +105,11 @@ class ShortestPaths:
         one, other = np.concatenate([pairs, pairs[:, ::-1]]).T
         step = self.corners_m[one] - self.corners_m[other]
         return csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=(count, count))
+
+    @property
+    def _numbered(self) -> Floats:
+        """The corners (c, 7), each with the number of its part."""
+        return np.column_stack([self._corners, self._corner_part])
 
     @property
     def corner_lengths_m(self) -> Floats:

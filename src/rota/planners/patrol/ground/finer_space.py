@@ -46,7 +46,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
         return problem
     wider = MultiPolygon(parts)
-    paths = ShortestPaths(wider)
+    paths = ShortestPaths(wider, like=problem.paths)
     if not np.array_equal(paths.part_of(problem.viewpoints.xy_m), problem.viewpoints.component):
         return problem  # parts have been joined or stand in another order: tours know theirs by number
     return replace(problem, space=wider, paths=paths)

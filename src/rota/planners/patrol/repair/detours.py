@@ -33,7 +33,7 @@ HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far 
 ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
 HALVINGS, BISECTIONS = 6, 32  # of that way, where something stands in it
 DEPTHS = 16  # places along the line of sight that are tried, up to the reach
-MOST_DETOURS = 32  # legs for which ways round obstacles are measured at once
+FIRST_DETOURS, MOST_DETOURS = 2, 32  # legs for which ways round obstacles are measured at once, at first and at most
 
 
 def visit_places(
@@ -227,8 +227,10 @@ def least_detour(problem: Problem, vertices_m: Floats, place_m: Floats) -> tuple
     straight_m = straight_detours(vertices_m, place_m)
     order = np.argsort(straight_m, kind="stable")
     best = (math.inf, 0)
-    for first in range(0, len(order), MOST_DETOURS):
-        some = order[first : first + MOST_DETOURS]
+    first, count = 0, FIRST_DETOURS
+    while first < len(order):
+        some = order[first : first + count]
+        first, count = first + count, min(2 * count, MOST_DETOURS)
         if straight_m[some[0]] > best[0] + ON_ROUTE_M:
             break
         ways_m = problem.paths.distances(np.vstack([vertices_m[some], ends_m[some]]), place_m[None])[:, 0]

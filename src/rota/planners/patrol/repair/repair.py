@@ -11,10 +11,9 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.plan import Plan
-from rota.planners.patrol.annealing.search import Annealing, budget_penalties
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.extra_points import no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
 from rota.planners.patrol.ground.limits_of_sight import drawn_to_border, with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
@@ -26,7 +25,8 @@ from rota.planners.patrol.ground.viewpoints import what_places_see
 from rota.planners.patrol.initial.cut_tours import cut_where_bodies_touch
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays
-from rota.planners.patrol.repair.detours import ON_ROUTE_M, last_place, visit_places
+from rota.planners.patrol.repair.detours import ON_ROUTE_M, last_place
+from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest, see_the_rest
 from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
 from rota.planners.patrol.tours.curves import curved
 from rota.planners.patrol.tours.timetable import as_trajectories
@@ -104,8 +104,12 @@ def repair_until_feasible(
         extra = joined([extra, missed_nooks(context, tours)])
         tours = seeing_all(context, tours, extra, may_add=True, bends=False, seed=context.seed)
         tours = cut_where_bodies_touch(context.problem, tours)
+    asked_before, led_elsewhere = len(extra), True
     for turn in range(1, rounds + 1):
-        tours = seeing_all(context, tours, extra, may_add=may_add, bends=bends, seed=context.seed + turn - 1)
+        if may_add and context.problem.is_ragged and not led_elsewhere:
+            tours = seeing_missed(context, tours, extra[np.arange(asked_before, len(extra))], seed=context.seed)
+        else:
+            tours = seeing_all(context, tours, extra, may_add=may_add, bends=bends, seed=context.seed + turn - 1)
         excess = over_budget_share(tours)
         goes_on_over_budget = bends and excess <= settings.over_budget_limit
         repaired = judged(context, tours, extra, turn, bends=bends, eased_by=2 * excess if goes_on_over_budget else 0.0)
@@ -123,12 +127,13 @@ def repair_until_feasible(
             again = new if stuck else asked_again(context.problem, extra, new)
             extra = repaired.extra
             tours = visiting_stubborn(context, tours, again, max(stuck, 1))
+            led_elsewhere = False
             continue
         # all is seen, but bodies touch
         apart = led_apart(context.problem, tours, repaired.verdict, may_add) if reroutes < settings.reroutes else None
         if apart is None:
             break
-        tours, reroutes, stuck = apart, reroutes + 1, 0
+        tours, reroutes, stuck, led_elsewhere = apart, reroutes + 1, 0, True
     return repaired
 
 
@@ -148,6 +153,19 @@ def seeing_all(
     if not bends and over_budget_share(tours) > 0:
         return tightened(context, tours, samples, seed=seed)
     return tours
+
+
+def seeing_missed(context: Context, tours: list[Tour], missed: SamplePoints, *, seed: int) -> list[Tour]:
+    """The tours led past places that see what the judge has found unmet, with the robots that they need.
+
+    Nothing else of them moves, so that they go on to see what they see. On ragged ground bending them would take long,
+    for a few slivers in each round.
+    """
+    problem = context.problem
+    if not len(missed):
+        return tours
+    points, samples, _ = laid_out(missed, problem.walls, problem.robot, weight=metres_worth(problem, missed))
+    return [with_robots(tour) for tour in led_to_the_rest(context, tours, points, samples, seed=seed)]
 
 
 def judged(
@@ -251,8 +269,11 @@ def new_points(
     most = max(context.settings.repair.new_points, len(problem.points) // 20)
     by_name = {region.name: i for i, region in enumerate(problem.regions)}
     unmet_m, unmet_demand = verdict.unmet_points_m, verdict.unmet_demand
-    if problem.is_ragged and len(verdict.shown_unmet_m):  # most others lie in pieces of ground that walls cut in two
+    if problem.is_ragged and len(verdict.shown_unmet_m):
         unmet_m, unmet_demand = verdict.shown_unmet_m, verdict.shown_unmet_demand
+        if turn > 1:  # at first most others lie in pieces of ground that walls cut in two
+            unmet_m = np.vstack([unmet_m, verdict.unmet_points_m])
+            unmet_demand = np.concatenate([unmet_demand, verdict.unmet_demand])
     grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
     samples = [no_points()]
     for k, demand in enumerate(verdict.demands):
@@ -289,19 +310,6 @@ def hardest_first(problem: Problem, tours: Sequence[Tour], xy_m: Floats) -> tupl
     return order.astype(np.int64), ranges_m[order]
 
 
-def annealing_of(
-    context: Context, tours: list[Tour], samples: Samples, *, length_weight: float, seed: int, reserve: float = 0.0
-) -> Annealing:
-    """The tours as random moves see them, with a high penalty on metres over their budgets less the reserve."""
-    problem = context.problem
-    return Annealing(
-        tours, samples, problem.paths.grid,
-        length_weight=np.full(len(tours), length_weight),
-        budget_penalty=budget_penalties(tours, context.settings.repair.budget_penalty),
-        seed=seed, range_margin_m=problem.range_margin_m, reserve=reserve,
-    )  # fmt: skip
-
-
 def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: int) -> list[Tour]:
     """The tours made shorter by moves too small to lose anything that is seen, at hardly any heat."""
     settings = context.settings.repair
@@ -310,27 +318,3 @@ def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: in
     heat_m = context.problem.reach_m / 1000
     search.run(settings.tightening_moves, hot_m=heat_m, cold_m=heat_m, should_stop=context.should_stop)
     return search.tours
-
-
-def see_the_rest(
-    context: Context, tours: list[Tour], points: SamplePoints, samples: Samples, *, seed: int
-) -> list[Tour]:
-    """Bend the tours a little until they see all samples; lead them by a detour to what is left."""
-    length_weight = context.settings.repair.length_weight
-    search = annealing_of(context, tours, samples, length_weight=length_weight, seed=seed)
-    search.see_more(500 + 40 * search.unseen)
-    tours = search.tours
-    before = np.zeros(0, dtype=np.int64)
-    for turn in range(5):
-        unseen = search.unseen_samples
-        if np.array_equal(unseen, before):
-            break  # none is left, or what is left is seen only by a hair
-        before = unseen
-        longer = visit_places(
-            context.problem, tours, points, samples, unseen, further=turn == 0 or not context.problem.is_ragged
-        )
-        if longer is None:
-            break
-        tours = longer
-        search = annealing_of(context, tours, samples, length_weight=length_weight, seed=seed)
-    return tours
