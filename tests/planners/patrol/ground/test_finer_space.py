@@ -99,3 +99,9 @@ def test_patches_join_no_parts_and_change_no_order() -> None:
     assert wider[0].area == pytest.approx(103, abs=1e-4)  # of the patch between two parts all but a seam
     assert wider[0].distance(wider[1]) == pytest.approx(1e-6)
     assert wider[1:] == parts[1:]
+
+
+def test_patches_give_back_no_ground_that_is_kept_clear() -> None:
+    """Who stays there was given that room by cutting the part back."""
+    (wider,) = with_patches([box(0, 0, 10, 10)], [box(9, 4, 11, 6)], [(0, box(10.5, 0, 12, 12)), (1, box(9, 4, 11, 5))])
+    assert wider.area == pytest.approx(101)
