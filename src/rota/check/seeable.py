@@ -28,7 +28,8 @@ TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 MOST_GRID_CELLS = 250_000
 MOST_SPREAD = 0.4  # of the reach: spreads for which what blocks sight is kept on ragged ground
 LINE_SIDES = 16  # of a border in one line of the tree that finds the nearest
-SPREADS = 2  # for which ragged ground is kept as looks ask for it
+SPREADS = 9  # for so many of them, what blocks sight on ragged ground is kept
+LEAST_SPREAD_M = 0.0071  # on ragged ground spreads are this one, twice, four times it and so on: a finest piece has it
 MOST_ALONE = 64  # points that one thread looks from by itself
 
 
@@ -158,6 +159,21 @@ class SeeableGround:
             sight = _seen_in(self._scene_of(spread_m), points_m[new], spread_m)
             known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
         return np.array([known[key] for key in keys], dtype=np.bool_)
+
+    def seen_within(self, points_m: Floats, spreads_m: Floats) -> Flags:
+        """The same for a spread of each point, (n,) metres; for one that is greater, where that is less work.
+
+        To make the ground ready for a spread takes longer than thousands of looks.
+        """
+        if not self._is_ragged:
+            return self.seen(points_m, float(spreads_m.max(initial=0.0)))
+        steps = np.ceil(np.log2(np.maximum(spreads_m, LEAST_SPREAD_M) / LEAST_SPREAD_M))
+        spreads_m = np.where(spreads_m > 0, LEAST_SPREAD_M * 2.0**steps, 0.0)
+        sight = np.zeros(len(points_m), np.bool_)
+        for spread_m in np.unique(spreads_m):
+            members = np.flatnonzero(spreads_m == spread_m)
+            sight[members] = self.seen(points_m[members], float(spread_m))
+        return sight
 
     def _ragged_scene(self, spread_m: float) -> tuple[_Scene, ...]:
         """The ground as looks from anywhere on it ask for it."""
