@@ -45,15 +45,18 @@ def bitangents(corners, corner_part, grid):
 
 
 @kernel(nogil=True)
-def bitangents_of(first, last, corners, corner_part, grid):
-    """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
+def bitangents_of(some, asked, corners, corner_part, grid):
+    """Pairs (p, 2) that ``bitangents`` links, of corners ``some`` (k,) and others; of two that are asked, once.
+
+    asked: (c,) flags of all corners that are asked for, here or in another call.
+    """
     pairs = np.empty((1024, 2), np.int32)
     count = 0
-    for k in range(first, last):
+    for k in some:
         one = corners[k]
-        for m in range(k + 1, len(corners)):
+        for m in range(len(corners)):
             other = corners[m]
-            if corner_part[k] != corner_part[m] or not _can_bend(one[0], one[1], other):
+            if (asked[m] and m <= k) or corner_part[k] != corner_part[m] or not _can_bend(one[0], one[1], other):
                 continue
             if _can_bend(other[0], other[1], one) and segment_is_free(one[0], one[1], other[0], other[1], grid):
                 if count == len(pairs):

@@ -41,9 +41,12 @@ class ShortestPaths:
     corners_m: (c, 2) metres. ``corner_lengths_m`` and ``corner_before`` hold the paths between corners; they take
     c * c * 12 bytes and are made when a path first needs a corner. With more than ``most_dense`` corners they are not
     made: the links alone are kept, and every question is searched for along them, with the same answers.
+
+    like: the paths in nearly the same space, with very many corners. Links between corners of both are taken from there
+    where they still are free, and none is looked for: a way through ground that is new may be a little too long.
     """
 
-    def __init__(self, space: MultiPolygon, *, most_dense: int = MOST_DENSE) -> None:
+    def __init__(self, space: MultiPolygon, *, most_dense: int = MOST_DENSE, like: ShortestPaths | None = None) -> None:
         self.parts = standing_parts(space)
         self.grid = edge_grid(border_segments(space))
         self._part_grids: list[EdgeGrid] = []
@@ -57,6 +60,11 @@ class ShortestPaths:
         )
         self.corners_m: Floats = np.ascontiguousarray(self._corners[:, :2])
         self._dense = len(self.corners_m) <= most_dense
+        # the corners between which links are to be looked for, and the links (p, 2) that are known
+        self._new: Ints = np.arange(len(self.corners_m))
+        self._known: NDArray[np.int32] = np.zeros((0, 2), dtype=np.int32)
+        if like is not None and not self._dense and not like._dense:
+            self._new, self._known = self._taken_over(like)
         # points between which all lengths were asked for, with these: some of them are often asked for again
         self._measured: tuple[tuple[dict[tuple[float, ...], int], Floats], ...] = ()
         # the corners that points see along tangents, where that takes a look at very many: tours ask again and again
@@ -82,20 +90,33 @@ class ShortestPaths:
     def _links(self) -> csr_array:
         """The lengths (c, c) of the links between corners, for very many of them."""
         count = len(self.corners_m)
-        firsts = list(range(0, count, ROWS_TOGETHER))
+        asked = np.zeros(count, dtype=np.bool_)
+        asked[self._new] = True
 
-        def linked(first: int) -> NDArray[np.int32]:
-            last = min(first + ROWS_TOGETHER, count)
+        def linked(some: Ints) -> NDArray[np.int32]:
             found: NDArray[np.int32] = corner_kernels.bitangents_of(
-                first, last, self._corners, self._corner_part, self.grid
+                some, asked, self._corners, self._corner_part, self.grid
             )
             return found
 
         with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-            pairs = np.vstack([np.zeros((0, 2), dtype=np.int32), *pool.map(linked, firsts)])
+            parts = np.array_split(self._new, 1 + len(self._new) // ROWS_TOGETHER)
+            pairs = np.vstack([self._known, *pool.map(linked, parts)])
         one, other = np.concatenate([pairs, pairs[:, ::-1]]).T
         step = self.corners_m[one] - self.corners_m[other]
         return csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=(count, count))
+
+    def _taken_over(self, like: ShortestPaths) -> tuple[Ints, NDArray[np.int32]]:
+        """The corners (k,) that are not those of the other paths, and the links (p, 2) between the rest."""
+        here = {corner.tobytes(): k for k, corner in enumerate(self._corners)}
+        now = np.array([here.get(corner.tobytes(), -1) for corner in like._corners], dtype=np.int64)
+        one, other = (now[ends] for ends in like._links.nonzero())
+        kept = (one >= 0) & (one < other)
+        pairs = np.column_stack([one[kept], other[kept]])
+        ends_m = self.corners_m[pairs]
+        together = self._corner_part[pairs[:, 0]] == self._corner_part[pairs[:, 1]]
+        free = kernels.free_segments(ends_m[:, 0].copy(), ends_m[:, 1].copy(), self.grid)
+        return np.setdiff1d(np.arange(len(self.corners_m)), now), pairs[together & free].astype(np.int32)
 
     @property
     def corner_lengths_m(self) -> Floats:

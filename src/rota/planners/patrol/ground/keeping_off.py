@@ -38,7 +38,7 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
         return problem
     space = MultiPolygon(parts)
-    paths, seen = ShortestPaths(space), problem.viewpoints
+    paths, seen = ShortestPaths(space, like=problem.paths), problem.viewpoints
     kept = np.flatnonzero(paths.part_of(seen.xy_m) == seen.component)
     viewpoints = type(seen)(seen.xy_m[kept], seen.component[kept], *rows_in_order(seen.start, seen.seen, kept))
     return replace(problem, space=space, paths=paths, viewpoints=viewpoints, kept_off=tuple(kept_off))
