@@ -17,7 +17,7 @@ from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.finer_space import with_patches, with_room_to_see
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.repair.detours import border_place
+from rota.planners.patrol.repair.last_places import border_place
 
 BODY_M = 0.6
 BLOCKS = (box(2.9, 7.1, 3.8, 9.4), box(2.7, 3.2, 4.1, 5.1), box(7.1, 1.2, 9.7, 3.6))

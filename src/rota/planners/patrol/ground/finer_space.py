@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 FINE_ARC_CORNERS = 128  # of a whole turn: 3e-4 of the body's radius too far from a corner at most
 SEAM_M = 1e-6  # between parts of the space that finer corners would join
 PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
+CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
 
 
 def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
@@ -30,8 +31,9 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     """
     space, body_m = problem.space, problem.robot.body_radius_m
     _, ranges_m = nearest_places(points_m, space, problem.walls, problem.robot)
+    hidden_m = points_m[ranges_m > problem.reach_m]
     patches = []
-    for point_m in points_m[ranges_m > problem.reach_m]:
+    for point_m in hidden_m[np.unique(np.floor(hidden_m / (CROWD * problem.reach_m)), axis=0, return_index=True)[1]]:
         near_m = problem.robot.sensor.reach_m + 2 * body_m
         box = (*(point_m - near_m), *(point_m + near_m))
         fine = standing_space_in(problem.mission, body_m, box, arc_corners=FINE_ARC_CORNERS)
@@ -46,7 +48,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
         return problem
     wider = MultiPolygon(parts)
-    paths = ShortestPaths(wider)
+    paths = ShortestPaths(wider, like=problem.paths)
     if not np.array_equal(paths.part_of(problem.viewpoints.xy_m), problem.viewpoints.component):
         return problem  # parts have been joined or stand in another order: tours know theirs by number
     return replace(problem, space=wider, paths=paths)
