@@ -10,7 +10,7 @@ import shapely
 from shapely import MultiPolygon, Polygon, box
 
 from rota.check.revisits import worst_gaps_s
-from rota.check.seeable import seeable, standing, standing_areas
+from rota.check.seeable import LEAST_SPREAD_M, SeeableGround, seeable, standing, standing_areas
 from rota.geometry.free_space import sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
@@ -186,3 +186,26 @@ def test_among_very_many_walls_a_place_is_seen_exactly_where_its_view_meets_stan
     clear = (common_m2 == 0) | (common_m2 > 1e-3)  # a hair of a view is up to rounding
     assert 30 < (common_m2[clear] == 0).sum() < clear.sum() - 30
     np.testing.assert_array_equal(np.array(seen(m, *points))[clear], common_m2[clear] > 0)
+
+
+def test_points_with_spreads_of_their_own_are_asked_about_no_smaller_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is hidden within its spread is hidden within half of it, and alone."""
+    rng = np.random.default_rng(7)
+    places = rng.uniform(0, 16, (70, 2))
+    blocks = shapely.union_all(shapely.box(*places.T, *(places + rng.uniform(0.1, 1.2, (70, 2))).T))
+    m = mission(box(0, 0, 16, 16), obstacle(blocks), body=0.45, sensor=DiscSensor(radius_m=1.0))
+    points = rng.uniform(0, 16, (1500, 2))
+    points = points[~shapely.contains_xy(blocks, points)]
+    spreads_m = rng.choice([0.0, 0.001, 0.004, 0.01], len(points))
+    more_m = np.where(spreads_m > 0, np.maximum(2 * spreads_m, LEAST_SPREAD_M), 0.0)
+    areas = standing_areas(m)
+    exact, more = np.zeros((2, len(points)), dtype=bool)
+    for spread_m in np.unique(spreads_m):
+        own = spreads_m == spread_m
+        exact[own] = seeable(m, areas, points[own], spread_m)
+        more[own] = seeable(m, areas, points[own], more_m[own][0])
+    monkeypatch.setattr("rota.check.seeable.MANY_SIDES", 50)
+    found = SeeableGround(blocks, areas, 1e-9).seen_within(points, spreads_m)
+    assert (found >= exact).all()
+    assert (found <= more).all()
+    assert (~found).any()

@@ -199,3 +199,20 @@ def test_ways_from_point_to_point_are_shortest_up_to_a_step_and_never_shorter(se
     assert (found >= exact - 1e-9).all()
     assert (np.isfinite(found) == np.isfinite(exact)).all()
     assert (found == found.T).all()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_links_that_are_taken_over_give_the_same_lengths_where_ground_is_lost(seed, random_space, points_in):
+    """And ways that are hardly too long where ground is new."""
+    space = random_space(seed)
+    corner = shapely.get_coordinates(space)[3]
+    less = shapely.difference(space, shapely.Point(corner).buffer(0.4, quad_segs=3))
+    less = MultiPolygon([part for part in shapely.get_parts(less) if part.geom_type == "Polygon"])
+    points = points_in(less, 12, seed)
+    whole, cut = ShortestPaths(space, most_dense=0), ShortestPaths(less, most_dense=0)
+    taken = ShortestPaths(less, most_dense=0, like=whole)
+    assert np.allclose(taken.all_pairs(points), cut.all_pairs(points), rtol=0, atol=1e-9)
+    again = ShortestPaths(space, most_dense=0, like=taken)
+    lengths_m, least_m = again.all_pairs(points), whole.all_pairs(points)
+    assert (lengths_m >= least_m - 1e-9).all()
+    assert (lengths_m <= cut.all_pairs(points) + 1e-9).all()

@@ -32,7 +32,7 @@ from rota.plan import Plan
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FEW_PIECES = 2_000  # still open on ragged ground: all that is unmet among them is told
+FEW_PIECES = 50_000  # still open on ragged ground: all that is unmet among them is told
 MOST_CELLS = 4_000_000
 MOST_UNMET_POINTS = 200_000
 
@@ -127,16 +127,17 @@ def tile_and_refine(
 
     one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
 
-    def is_seeable(points_m: Floats, spread_m: float, numbers: Ints) -> NDArray[np.bool_]:
-        can_see = np.ones(len(points_m), np.bool_)
+    def is_seeable(points_m: Floats, spreads_m: Floats | float, numbers: Ints) -> NDArray[np.bool_]:
+        can_see, spreads_m = np.ones(len(points_m), np.bool_), np.broadcast_to(spreads_m, len(points_m))
         with one_at_a_time:
             for k in np.unique(numbers):
                 members = np.flatnonzero(numbers == k)
                 members = members[shapely.contains_xy(regions[k], *points_m[members].T)]
-                can_see[members] = ground.seen(points_m[members], spread_m)
+                can_see[members] = ground.seen_within(points_m[members], spreads_m[members])
         return can_see
 
-    # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed
+    # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed, and a planner that is
+    # told of finer ones only when all coarse ones are met repairs its plan once for each size
     few = FEW_PIECES if has_many_sides(mission) else 0
     coarse_m = max(finest_m, size / 4)
     findings = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)

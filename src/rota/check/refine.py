@@ -17,7 +17,7 @@ from rota.check.tolerances import INSIDE, ROUNDING, SPOT_M
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-IsSeeable = Callable[[Floats, float, Ints], Flags]
+IsSeeable = Callable[[Floats, Floats | float, Ints], Flags]
 
 MOST_PIECES = 600_000
 MOST_TOGETHER = 250_000  # pieces that are refined together; more are refined in parts of this many
@@ -40,13 +40,14 @@ def refine(
 
     owners: (n,) index of each piece's demand into limits_s (demands,), seconds. finest_m: smaller pieces are cut
     only where all of each that was looked at is met.
-    is_seeable(points (k, 2), spread_m, demands (k,)): whether a body can stand where it sees a point within the spread,
-    or that demand asks nothing of the point, so that other ground is not held against a piece; several threads ask it.
+    is_seeable(points (k, 2), spreads (k,), demands (k,)): whether a body can stand where it sees a point within its
+    spread, or that demand asks nothing of the point, so that other ground is not held against a piece; several threads
+    ask it.
 
-    Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``; where few
-    is 0, they are not cut below ``finest_m`` either. When more than 600,000 pieces would be open at once, all are left
-    undecided as they are. Very many pieces are refined in parts, each by itself, so that memory and work for one piece
-    do not grow with their number.
+    Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``; with a
+    ``few`` greater than 0 those in doubt are then cut as if nothing were violated, so that all is told at once. When
+    more than 600,000 pieces would be open at once, all are left undecided as they are. Very many pieces are refined in
+    parts, each by itself, so that memory and work for one piece do not grow with their number.
     """
 
     def part(first: int) -> list[Findings]:
@@ -157,7 +158,8 @@ class _Level:
         coarse = violated & (self.sizes_m <= coarse_m) & ~self.hidden & ~out & ~finest
         done = ~out & (finest | (coarse & (np.count_nonzero(coarse) > few)))
         # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
-        parts = np.flatnonzero(done & finest & ~passed & ~self.bad & (self.sizes_m > SPOT_M) & (~violated | (few > 0)))
+        told = ~violated | (few > 0)
+        parts = np.flatnonzero(done & finest & ~passed & ~self.bad & told & (self.sizes_m > SPOT_M))
         # a strip that no view takes in across has twice as many parts with every cut, and stays in doubt
         if len(parts) <= MOST_FINER:
             done[parts] = False
@@ -186,7 +188,7 @@ class _Level:
         corners, owner = self._inner_corners(index)
         radii = np.zeros(len(index))
         np.maximum.at(radii, owner, np.hypot(*(corners - self.middles[index][owner]).T) / INSIDE)
-        return ~is_seeable(self.middles[index], float(radii.max()) * (1 + ROUNDING), self.owners[index])
+        return ~is_seeable(self.middles[index], radii * (1 + ROUNDING), self.owners[index])
 
     def _passed(self, findings: list[Findings], index: Ints) -> Flags:
         """Which of all pieces are met since robots see each of their points as they pass: of those in ``index``."""

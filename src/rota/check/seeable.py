@@ -28,6 +28,8 @@ TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 MOST_GRID_CELLS = 250_000
 MOST_SPREAD = 0.4  # of the reach: spreads for which what blocks sight is kept on ragged ground
 LINE_SIDES = 16  # of a border in one line of the tree that finds the nearest
+SPREADS = 2  # for so many of them, the ground of ragged missions is kept as looks ask for it
+LEAST_SPREAD_M = 0.0071  # on ragged ground spreads are this one, twice, four times it and so on: a finest piece has it
 MOST_ALONE = 64  # points that one thread looks from by itself
 
 
@@ -135,8 +137,8 @@ def _ground(obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], sl
 class SeeableGround:
     """What can be seen from standing areas past what blocks sight, ``hidden``.
 
-    On ragged ground all answers are kept, and the ground as looks without a spread ask for it. With one it has very
-    many corners, takes 60 MB, and is seldom asked for twice.
+    On ragged ground all answers are kept, and the ground as looks ask for it: without a spread, and with the last few.
+    Of a large floor one takes 60 MB.
     """
 
     def __init__(self, hidden: Any, areas: tuple[StandingArea, ...], slack_m: float) -> None:
@@ -145,6 +147,7 @@ class SeeableGround:
         corners = shapely.get_num_coordinates([hidden, *(area.shape for area in areas)]).sum()
         self._is_ragged = int(corners) > MANY_SIDES
         self._known: dict[float, dict[tuple[float, float], bool]] = {}
+        self._scene_within = functools.lru_cache(maxsize=SPREADS)(self._ragged_scene)
 
     def seen(self, points_m: Floats, spread_m: float = 0.0) -> Flags:
         """Whether each of the points (n, 2) can be seen within the spread: (n,) flags; see ``seeable``."""
@@ -154,7 +157,7 @@ class SeeableGround:
         keys = list(map(tuple, points_m.tolist()))
         new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
         if len(new):
-            scene = self._scene if spread_m == 0 else self._ragged_scene(spread_m)
+            scene = self._scene if spread_m == 0 else self._scene_within(spread_m)
             sight = _seen_in(scene, points_m[new], spread_m)
             known.update((keys[k], seen) for k, seen in zip(new, sight.tolist(), strict=True))
         return np.array([known[key] for key in keys], dtype=np.bool_)
@@ -163,6 +166,21 @@ class SeeableGround:
     def _scene(self) -> tuple[_Scene, ...]:
         """The ground as looks without a spread ask for it."""
         return self._ragged_scene(0.0)
+
+    def seen_within(self, points_m: Floats, spreads_m: Floats) -> Flags:
+        """The same for a spread of each point, (n,) metres; for one that is greater, where that is less work.
+
+        To make the ground ready for a spread takes longer than thousands of looks.
+        """
+        if not self._is_ragged:
+            return self.seen(points_m, float(spreads_m.max(initial=0.0)))
+        steps = np.ceil(np.log2(np.maximum(spreads_m, LEAST_SPREAD_M) / LEAST_SPREAD_M))
+        spreads_m = np.where(spreads_m > 0, LEAST_SPREAD_M * 2.0**steps, 0.0)
+        sight = np.zeros(len(points_m), np.bool_)
+        for spread_m in np.unique(spreads_m):
+            members = np.flatnonzero(spreads_m == spread_m)
+            sight[members] = self.seen(points_m[members], float(spread_m))
+        return sight
 
     def _ragged_scene(self, spread_m: float) -> tuple[_Scene, ...]:
         """The ground as looks from anywhere on it ask for it."""

@@ -17,7 +17,7 @@ from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.finer_space import with_patches, with_room_to_see
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
-from rota.planners.patrol.repair.detours import border_place
+from rota.planners.patrol.repair.last_places import border_place
 
 BODY_M = 0.6
 BLOCKS = (box(2.9, 7.1, 3.8, 9.4), box(2.7, 3.2, 4.1, 5.1), box(7.1, 1.2, 9.7, 3.6))
@@ -99,3 +99,9 @@ def test_patches_join_no_parts_and_change_no_order() -> None:
     assert wider[0].area == pytest.approx(103, abs=1e-4)  # of the patch between two parts all but a seam
     assert wider[0].distance(wider[1]) == pytest.approx(1e-6)
     assert wider[1:] == parts[1:]
+
+
+def test_patches_give_back_no_ground_that_is_kept_clear() -> None:
+    """Who stays there was given that room by cutting the part back."""
+    (wider,) = with_patches([box(0, 0, 10, 10)], [box(9, 4, 11, 6)], [(0, box(10.5, 0, 12, 12)), (1, box(9, 4, 11, 5))])
+    assert wider.area == pytest.approx(101)

@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 FINE_ARC_CORNERS = 128  # of a whole turn: 3e-4 of the body's radius too far from a corner at most
 SEAM_M = 1e-6  # between parts of the space that finer corners would join
 PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
+CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
 
 
 def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
@@ -30,8 +31,9 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     """
     space, body_m = problem.space, problem.robot.body_radius_m
     _, ranges_m = nearest_places(points_m, space, problem.walls, problem.robot)
+    hidden_m = points_m[ranges_m > problem.reach_m]
     patches = []
-    for point_m in points_m[ranges_m > problem.reach_m]:
+    for point_m in hidden_m[np.unique(np.floor(hidden_m / (CROWD * problem.reach_m)), axis=0, return_index=True)[1]]:
         near_m = problem.robot.sensor.reach_m + 2 * body_m
         box = (*(point_m - near_m), *(point_m + near_m))
         fine = standing_space_in(problem.mission, body_m, box, arc_corners=FINE_ARC_CORNERS)
@@ -42,7 +44,7 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
         patches += [part for part in shapely.get_parts(patch) if part.geom_type == "Polygon"]
     if not patches:
         return problem
-    parts = with_patches(problem.paths.parts, patches)
+    parts = with_patches(problem.paths.parts, patches, problem.kept_off)
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
         return problem
     wider = MultiPolygon(parts)
@@ -52,11 +54,13 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     return replace(problem, space=wider, paths=paths)
 
 
-def with_patches(parts: Sequence[Polygon], patches: Sequence[Polygon]) -> list[Polygon]:
+def with_patches(
+    parts: Sequence[Polygon], patches: Sequence[Polygon], kept_off: Sequence[tuple[int, Polygon]] = ()
+) -> list[Polygon]:
     """The parts of the space, largest first, with the patches that lie at one of them; they stay apart and in order.
 
     Of a patch at several parts the largest gets what leaves a seam to the others. A patch that would make a part larger
-    than the one before it is left out.
+    than the one before it is left out. kept_off: parts by number, and ground that patches give none of back to them.
     """
     tree, wider = shapely.STRtree(parts), list(parts)
     for patch in patches:
@@ -64,6 +68,7 @@ def with_patches(parts: Sequence[Polygon], patches: Sequence[Polygon]) -> list[P
         if not at:
             continue
         k, others = at[0], [wider[i].buffer(SEAM_M) for i in at[1:]]
+        others += [ground for part, ground in kept_off if part == k]
         grown = shapely.union(wider[k], shapely.difference(patch, shapely.union_all(others)))
         grown = max(shapely.get_parts(grown), key=lambda part: float(part.area))
         if grown.geom_type == "Polygon" and (k == 0 or grown.area < wider[k - 1].area):

@@ -27,19 +27,21 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
     moves to another place in their order. A robot that would cut off much of a part is not kept clear of.
     """
     radius_m = SPARE * 2 * problem.robot.body_radius_m / math.cos(math.pi / (4 * QUARTER_CORNERS))
-    parts = list(problem.paths.parts)
+    parts, kept_off = list(problem.paths.parts), list(problem.kept_off)
     for spot, own in zip(spots, components, strict=True):
         disc = shapely.convex_hull(spot).buffer(radius_m, quad_segs=QUARTER_CORNERS)
         for k in (int(k) for k in shapely.STRtree(parts).query(disc, predicate="intersects")):
-            if k != own:
-                parts[k] = cut_back(parts, k, disc)
+            part = parts[k] if k == own else cut_back(parts, k, disc)
+            if part is not parts[k]:
+                parts[k] = part
+                kept_off.append((k, disc))
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
         return problem
     space = MultiPolygon(parts)
     paths, seen = ShortestPaths(space, like=problem.paths), problem.viewpoints
     kept = np.flatnonzero(paths.part_of(seen.xy_m) == seen.component)
     viewpoints = type(seen)(seen.xy_m[kept], seen.component[kept], *rows_in_order(seen.start, seen.seen, kept))
-    return replace(problem, space=space, paths=paths, viewpoints=viewpoints)
+    return replace(problem, space=space, paths=paths, viewpoints=viewpoints, kept_off=tuple(kept_off))
 
 
 def cut_back(parts: Sequence[Polygon], k: int, disc: Polygon) -> Polygon:

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import border_segments
-from rota.geometry.line_of_sight import edge_grid, sees, visibility_polygon
+from rota.geometry.line_of_sight import edge_grid, sees
 from rota.mission import Robot
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.sight import sensor_arguments
+from rota.planners.patrol.ground.surroundings import places_in_sight
 
 Floats = NDArray[np.float64]
 
@@ -33,8 +34,8 @@ def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: 
     if not len(walls) or not len(near):
         return places, ranges
     for i in near[~sees(points[near], places[near], edge_grid(walls))]:
-        view = visibility_polygon(points[i], walls, reach_m * (np.sqrt(2) if square else 1.0))
-        place, far = nearest_on_segments(points[i : i + 1], segments_of(view.intersection(space)), square)
+        seen_from = places_in_sight(points[i], space, walls, reach_m * (np.sqrt(2) if square else 1.0))
+        place, far = nearest_on_segments(points[i : i + 1], segments_of(seen_from), square)
         places[i], ranges[i] = place[0], far[0] if far[0] <= reach_m else np.inf
     return places, ranges
 

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import MultiPolygon
+from shapely import MultiPolygon, Polygon
 
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
@@ -42,7 +42,8 @@ class Problem:
     sight. points: what tours are made to see, in the order of ``samples``, which are the same as the kernels take them.
     viewpoints: places from which all of them are seen. border_places_m: (m, 2) on the border of the space, from where
     alone the limit of sight is seen; none where no region reaches that far. range_margin_m: by how much less than its
-    reach the sensor is taken to see. spacing_m: between the points of the lattices.
+    reach the sensor is taken to see. spacing_m: between the points of the lattices. kept_off: parts of the space, by
+    their numbers, that were cut back from ground about a robot that stays in another part, each with that ground.
     """
 
     mission: Mission
@@ -57,6 +58,7 @@ class Problem:
     border_places_m: Floats
     range_margin_m: float
     spacing_m: float
+    kept_off: tuple[tuple[int, Polygon], ...] = ()
 
     @cached_property
     def periods_s(self) -> tuple[float, ...]:

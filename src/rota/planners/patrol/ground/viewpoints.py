@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
-from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import Robot
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import ON_THE_SPOT_M, SamplePoints, known_walls, laid_out, lattice, one_a_cell
 from rota.planners.patrol.ground.sight import Sight, sensor_arguments
+from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
 from rota.polygons import polygons_of
 
@@ -98,15 +98,13 @@ def place_that_sees(
     if visit_m > 0 and space.distance(shapely.Point(point_m)) <= ON_THE_SPOT_M:
         return np.asarray(point_m, dtype=np.float64)
     if visit_m > 0:
-        view: BaseGeometry = shapely.Point(point_m).buffer(visit_m)
+        places: BaseGeometry = shapely.Point(point_m).buffer(visit_m).intersection(space)
     else:
-        view = visibility_polygon(point_m, walls, reach * (np.sqrt(2) if square else 1.0))
         x, y = point_m
         cut = (
             shapely.box(x - reach, y - reach, x + reach, y + reach) if square else shapely.Point(point_m).buffer(reach)
         )
-        view = view.intersection(cut)
-    places = view.intersection(space)
+        places = places_in_sight(point_m, space, walls, reach * (np.sqrt(2) if square else 1.0), cut)
     if places.is_empty:
         return None
     # the part where one stands most freely: a hair's breadth of a view is of no use to a real robot

@@ -6,33 +6,20 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-from shapely import MultiPolygon
-from shapely.geometry.base import BaseGeometry
 
-from rota.geometry.line_of_sight import points_inside, segments_free, visibility_polygon
-from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
-from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.ground.sight import sensor_arguments
-from rota.planners.patrol.ground.viewpoints import choose_viewpoints, place_that_sees, what_places_see
+from rota.planners.patrol.ground.viewpoints import choose_viewpoints, what_places_see
+from rota.planners.patrol.repair.last_places import ONE_PLACE_M, near_to, ways_to_hidden
 from rota.planners.patrol.tours.tour import Tour, room_m
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ON_ROUTE_M = 1e-7  # a place so near a route is on it
-ONE_PLACE_M = 1e-5  # places nearer to each other than this are one
-ON_BORDER_M = 1e-9  # a place so near a border is on it
-OFF_BORDER_M = 1e-8  # a place so far inside is surely inside
-HAIRS_M = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # off the edge of a view, as far as it is wide enough
-ACROSS = 0.02  # of the reach: how far to either side of a line of sight a tour goes across it
-HALVINGS, BISECTIONS = 6, 32  # of that way, where something stands in it
-DEPTHS = 16  # places along the line of sight that are tried, up to the reach
 FIRST_DETOURS, MOST_DETOURS = 2, 32  # legs for which ways round obstacles are measured at once, at first and at most
 
 
@@ -51,77 +38,16 @@ def visit_places(
     stops = [
         (places_m[i][None], min(points.period[s] for s in items[start[i] : start[i + 1]] if wanted[s])) for i in chosen
     ]
-    for i in np.flatnonzero(hidden) if further else ():
-        place = last_place(problem, points, int(i))
-        if place is not None:
-            stops.append((way_across(problem, points.xy_m[i], place), int(points.period[i])))
-    if not stops:
+    ways = ways_to_hidden(problem, tours, points[np.flatnonzero(hidden)]) if further and hidden.any() else []
+    if not stops and not ways:
         return None
-    for way_m, period in stops:
+    for k, (way_m, period) in enumerate([*stops, *ways]):
+        # what is hidden on ragged ground is not seen from a vertex that is a hair beside its place
+        sees_as_much = k < len(stops) or not problem.is_ragged
         middle_m = way_m[len(way_m) // 2]
-        if not any((np.hypot(*(tour.vertices_m - middle_m).T) < ONE_PLACE_M).any() for tour in tours):
+        if not (sees_as_much and any(len(near_to(tour.vertices_m, middle_m)) for tour in tours)):
             tours = led_past(problem, tours, way_m, int(period))
     return tours
-
-
-def way_across(problem: Problem, point_m: Floats, place_m: Floats) -> Floats:
-    """A short straight way (k, 2) across a line of sight, near the place that sees the point; k is 1 to 3.
-
-    Between the walls of a scanned floor much is seen through slits only: the nearer to a wall a point lies, the nearer
-    to that wall's line is all that sees it. No place sees all points beside the wall, but who crosses the line does,
-    one after the other. Where robots can stand begins at that line, too often: so the way is the first, from the place
-    onwards, that has room on both sides, and where none has, it ends at the very border. Elsewhere than on ragged
-    ground it is the place alone.
-    """
-    away_m = float(np.hypot(*(place_m - point_m)))
-    if not problem.is_ragged or away_m == 0:
-        return place_m[None]
-    along = (place_m - point_m) / away_m
-    across = ACROSS * problem.reach_m * np.array([-along[1], along[0]])
-    furthest_m = max(0.0, (1 - 2 * ACROSS) * problem.reach_m - away_m)
-    middles = place_m + np.linspace(0.0, furthest_m, DEPTHS)[:, None] * along
-    shares = 0.5 ** np.arange(HALVINGS + 1)
-    ends = middles[:, None, None] + np.array([-1.0, 1.0])[:, None, None] * (shares[:, None] * across)
-    free = reached_straight(problem, np.broadcast_to(middles[:, None, None], ends.shape), ends)
-    room = np.where(free, shares, 0.0).max(axis=2)  # (depths, sides) of the way to either side
-    room[~reached_straight(problem, np.broadcast_to(place_m, middles.shape), middles)] = -1.0
-    k = int(np.argmax(room.min(axis=1) + room.max(axis=1) / 2**HALVINGS))
-    if room[k].max() == 0:  # in a corridor as narrow as the body a timetable could not tell the ends of the way apart
-        return place_m[None]
-    left, right = (border_along(problem, middles[k], side * across, room[k, i]) for i, side in enumerate((-1.0, 1.0)))
-    return np.array([place for place in (left, middles[k], right) if place is not None])
-
-
-def reached_straight(problem: Problem, begins_m: Floats, ends_m: Floats) -> NDArray[np.bool_]:
-    """Whether robots get straight from places in the space to others, (..., 2) each: (...) flags."""
-    grid = problem.paths.grid
-    begins, ends = begins_m.reshape(-1, 2), ends_m.reshape(-1, 2)
-    return np.asarray(points_inside(ends, grid) & segments_free(begins, ends, grid)).reshape(ends_m.shape[:-1])
-
-
-def border_along(problem: Problem, begin_m: Floats, way_m: Floats, share: float) -> Floats | None:
-    """How far robots get from a place along a straight way, a share of which is known to be free; None: nowhere.
-
-    A hair before the border: what touches it counts as inside, and might be just outside.
-    """
-    low, high = share, min(1.0, 2 * share) if share > 0 else 0.5**HALVINGS
-    for _ in range(BISECTIONS if share < 1 else 0):
-        middle = (low + high) / 2
-        if reached_straight(problem, begin_m[None], (begin_m + middle * way_m)[None])[0]:
-            low = middle
-        else:
-            high = middle
-    low -= OFF_BORDER_M / float(np.hypot(*way_m)) if share < 1 else 0.0
-    return begin_m + low * way_m if low > 0 else None
-
-
-def last_place(problem: Problem, points: SamplePoints, i: int) -> Floats | None:
-    """A place for a sample that no candidate sees: with room all round if there is any, or at the border."""
-    space, walls, robot = problem.space, problem.walls, problem.robot
-    place = None
-    if points.shrink_m[i] >= 0:
-        place = place_that_sees(points.xy_m[i], points.visit_m[i], space, walls, robot, problem.range_margin_m)
-    return border_place(problem, points.xy_m[i]) if place is None and points.visit_m[i] == 0 else place
 
 
 def near_places(problem: Problem, xy_m: Floats) -> Floats:
@@ -129,46 +55,6 @@ def near_places(problem: Problem, xy_m: Floats) -> Floats:
     tree = cKDTree(problem.viewpoints.xy_m)
     near = tree.query_ball_point(xy_m, problem.robot.sensor.reach_m)
     return problem.viewpoints.xy_m[sorted({int(i) for row in near for i in row})].reshape(-1, 2)
-
-
-def nearby_place(problem: Problem, point_m: Floats, visit_m: float, turn: int) -> Floats | None:
-    """A place from where the point is seen well: in the middle of its view, of a view cut shorter every turn."""
-    margin_m = problem.reach_m * (1 - 0.6**turn) + problem.range_margin_m
-    place = place_that_sees(point_m, visit_m, problem.space, problem.walls, problem.robot, margin_m)
-    return border_place(problem, point_m) if place is None and visit_m == 0 else place
-
-
-def border_place(problem: Problem, point_m: Floats) -> Floats | None:
-    """The place that sees the point from least far, on the border of where robots can stand; None out of reach.
-
-    On ragged ground it is a hair inside of what the point sees: from the very edge of a view rounding decides. Of a
-    view narrower than any hair it is where the space ends: what is nearer to a wall than the point is seen from there.
-    """
-    if not problem.is_ragged:
-        nearest_m, ranges_m = nearest_places(point_m, problem.space, problem.walls, problem.robot)
-        return nearest_m[0] if ranges_m[0] <= problem.reach_m else None
-    _, square = sensor_arguments(problem.robot, 0.0)
-    places = places_in_view(problem, point_m)
-    for hair_m in HAIRS_M:
-        inside = segments_of(places.buffer(-hair_m)) if hair_m > 0 else ends_of(places, problem.space)
-        if len(inside):
-            place_m, range_m = nearest_on_segments(point_m[None], inside, square)
-            if range_m[0] <= problem.reach_m:
-                return np.asarray(place_m[0])
-    return None
-
-
-def places_in_view(problem: Problem, point_m: Floats) -> BaseGeometry:
-    """Where a robot may stand in sight of the point, as far off as the corner of a square sensor."""
-    view = visibility_polygon(point_m, problem.walls, problem.robot.sensor.reach_m)
-    return view.intersection(problem.space)
-
-
-def ends_of(places: BaseGeometry, space: MultiPolygon) -> Floats:
-    """The sides (k, 4) of the places where the space ends too; all their sides where there are none."""
-    sides = segments_of(places)
-    on_border = shapely.dwithin(space.boundary, shapely.points(sides.reshape(-1, 2, 2)), ON_BORDER_M).all(axis=1)
-    return sides[on_border] if on_border.any() else sides
 
 
 def led_past(problem: Problem, tours: list[Tour], way_m: Floats, period: int) -> list[Tour]:

@@ -7,25 +7,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from rota.plan import Plan
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepared_with
+from rota.planners.patrol.ground.extra_points import metres_worth, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
-from rota.planners.patrol.ground.limits_of_sight import drawn_to_border, with_reach_for
-from rota.planners.patrol.ground.nearest_places import nearest_places
+from rota.planners.patrol.ground.limits_of_sight import drawn_to_border
 from rota.planners.patrol.ground.nooks import nooks_of
 from rota.planners.patrol.ground.problem import Problem, stretched
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out, points_of
+from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out
 from rota.planners.patrol.ground.viewpoints import what_places_see
 from rota.planners.patrol.initial.cut_tours import cut_where_bodies_touch
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
 from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays
-from rota.planners.patrol.repair.detours import ON_ROUTE_M, last_place
+from rota.planners.patrol.repair.last_places import last_place
+from rota.planners.patrol.repair.new_points import new_points
 from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest, see_the_rest
 from rota.planners.patrol.repair.stubborn import asked_again, visiting_stubborn
 from rota.planners.patrol.tours.curves import curved
@@ -256,58 +255,6 @@ def shorter_m(context: Context, tours: Sequence[Tour], turn: int, *, bends: bool
         return settings.tight_bend * problem.reach_m + settings.tight_bend_growth * turn * problem.range_margin_m
     further_m = settings.roomy_bend * problem.reach_m if bends else 0.0
     return further_m + settings.roomy_bend_growth * turn * problem.range_margin_m
-
-
-def new_points(
-    context: Context, tours: Sequence[Tour], verdict: Verdict, turn: int, *, shorter_m: float
-) -> SamplePoints:
-    """The places that the judge found unmet, as samples; of a crowd of them a few, more and nearer in every round.
-
-    shorter_m: by how much less than they reach sensors are taken to reach for them.
-    """
-    problem = context.problem
-    most = max(context.settings.repair.new_points, len(problem.points) // 20)
-    by_name = {region.name: i for i, region in enumerate(problem.regions)}
-    unmet_m, unmet_demand = verdict.unmet_points_m, verdict.unmet_demand
-    if problem.is_ragged and len(verdict.shown_unmet_m):
-        unmet_m, unmet_demand = verdict.shown_unmet_m, verdict.shown_unmet_demand
-        if turn > 1:  # at first most others lie in pieces of ground that walls cut in two
-            unmet_m = np.vstack([unmet_m, verdict.unmet_points_m])
-            unmet_demand = np.concatenate([unmet_demand, verdict.unmet_demand])
-    grid_m = 0.04 * problem.reach_m * 0.6 ** (turn - 1)
-    samples = [no_points()]
-    for k, demand in enumerate(verdict.demands):
-        xy = unmet_m[unmet_demand == k]
-        if demand.name not in by_name or not len(xy):
-            continue
-        i = by_name[demand.name]
-        if problem.regions[i].demand == "visit":
-            again = problem.points[problem.points.region == i]
-            samples.append(replace(again, area_m2=np.full(len(again), problem.swath_m**2)))
-            continue
-        ranges_m = np.zeros(len(xy))
-        if len(problem.border_places_m):
-            order, ranges_m = hardest_first(problem, tours, xy)
-            xy = xy[order]
-        _, first = np.unique(np.floor(xy / grid_m).astype(np.int64), axis=0, return_index=True)
-        first = np.sort(first)[:: max(1, len(first) // most)]
-        new = points_of(xy[first], problem.spacing_m**2, problem.region_class[i], i, shrink_m=shorter_m)
-        samples.append(with_reach_for(new, ranges_m[first], problem.reach_m, problem.range_margin_m))
-    return joined(samples)
-
-
-def hardest_first(problem: Problem, tours: Sequence[Tour], xy_m: Floats) -> tuple[Ints, Floats]:
-    """An order of the points (n, 2): those at the rim that the tours miss, from the outermost inwards, then the rest.
-
-    With the range (n,) of each, in that order. Ground beyond the rim is nobody's and comes last.
-    """
-    places_m, ranges_m = nearest_places(xy_m, problem.space, problem.walls, problem.robot)
-    at_rim = np.flatnonzero((ranges_m > problem.reach_m - problem.range_margin_m) & (ranges_m <= problem.reach_m))
-    routes = shapely.union_all([shapely.linestrings(np.vstack([t.vertices_m, t.vertices_m[:1]])) for t in tours])
-    missed = np.zeros(len(xy_m), dtype=bool)
-    missed[at_rim] = shapely.distance(routes, shapely.points(places_m[at_rim])) > ON_ROUTE_M
-    order = np.lexsort((np.where(ranges_m <= problem.reach_m, -ranges_m, np.inf), ~missed))
-    return order.astype(np.int64), ranges_m[order]
 
 
 def tightened(context: Context, tours: list[Tour], samples: Samples, *, seed: int) -> list[Tour]:

@@ -9,7 +9,8 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.samples import SamplePoints
-from rota.planners.patrol.repair.detours import led_past, nearby_place, places_in_view, way_across
+from rota.planners.patrol.repair.detours import led_past
+from rota.planners.patrol.repair.last_places import nearby_place, places_in_view, way_across
 from rota.planners.patrol.tours.tour import Tour
 
 BESIDE, CROWD = 0.005, 0.05  # of the reach: as near is the same place, and as near are those that one visit may do for

@@ -1,4 +1,4 @@
-"""Short ways across a line of sight."""
+"""Places that see what no candidate place does, and short ways across a line of sight."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rota.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.ground import problem as ground_problem
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.repair.detours import ACROSS, way_across
+from rota.planners.patrol.repair.last_places import ACROSS, ONE_PLACE_M, off_vertices, way_across
 
 
 @pytest.fixture(scope="module")
@@ -43,3 +43,16 @@ def test_from_the_border_a_way_lies_farther_on_or_ends_there(hall: Problem, monk
     assert ending_m[:, 0].min() == pytest.approx(0.5)
     assert ending_m[:, 0].max() == pytest.approx(0.5 + ACROSS * 4.0)
     assert (hall.paths.part_of(ending_m) == 0).all()
+
+
+def test_a_place_beside_a_vertex_gives_way_to_another_in_the_same_view(
+    hall: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ground_problem, "MOST_DENSE", -1)
+    point_m, place_m = np.array([0.2, 5.0]), np.array([0.5, 5.0])
+    far_m, beside_m = np.array([[5.0, 5.0]]), np.array([[5.0, 5.0], [0.5, 5.0 + 2e-7]])
+    assert np.array_equal(off_vertices(hall, far_m, point_m, place_m), place_m)
+    other_m = off_vertices(hall, beside_m, point_m, place_m)
+    assert np.hypot(*(other_m - beside_m[1])) > ONE_PLACE_M
+    assert np.hypot(*(other_m - point_m)) < 4.0
+    assert hall.paths.part_of(other_m[None])[0] == 0
