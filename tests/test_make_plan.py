@@ -114,25 +114,6 @@ def test_the_plan_judged_last_is_not_judged_again(monkeypatch: pytest.MonkeyPatc
     assert checked == [TOO_FAST, GOOD]
 
 
-def test_a_plan_that_passed_is_not_judged_again_after_others_that_did_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    checked: list[Plan] = []
-
-    def check(plan: Plan) -> Any:
-        checked.append(plan)
-        return SimpleNamespace(verdict="met" if plan is GOOD else "violated")
-
-    monkeypatch.setattr("rota.check.check_plan", check)
-
-    def planner(_mission: Mission, *, judge: Any, **_: Any) -> Plan:
-        for plan in (TOO_FAST, GOOD, replace(TOO_FAST), replace(TOO_FAST)):
-            judge(plan)
-        return GOOD
-
-    use(monkeypatch, planner)
-    assert search_plan(MISSION).report.verdict == "met"
-    assert sum(plan is GOOD for plan in checked) == 1
-
-
 def test_a_plan_that_the_check_does_not_pass_is_no_plan(monkeypatch: pytest.MonkeyPatch) -> None:
     use(monkeypatch, lambda *_, **__: TOO_FAST)
     with pytest.raises(NoPlanFound, match="the check says 'violated'") as caught:

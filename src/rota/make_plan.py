@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 ShouldStop = Callable[[], bool]
 
-REMEMBERED = 4  # plans that passed
-
 
 @dataclass(frozen=True, kw_only=True)
 class PlanSearch:
@@ -131,11 +129,10 @@ def _judged(report: Report) -> str:
 
 
 class _Judge:
-    """The check as a planner sees it; remembers its last reports, since the plan given is mostly one of those."""
+    """The check as a planner sees it; remembers its last report, since the plan judged last is mostly the one given."""
 
     def __init__(self, mission: Mission, watch: Watch | None, on_better: OnBetter | None) -> None:
-        self._last: tuple[tuple[Plan, Report], ...] = ()  # at most one
-        self._passed: tuple[tuple[Plan, Report], ...] = ()  # others are judged after them, perhaps in another thread
+        self._last: tuple[Plan, Report] | None = None
         self._better = None if on_better is None else BetterPlans(mission, on_better)
         self._mission = mission
         self._watch = watch
@@ -147,23 +144,18 @@ class _Judge:
     def __call__(self, plan: Plan) -> Report:
         from rota.check import check_plan
 
-        for known, report in (*self._last, *self._passed):
-            if known is plan:
-                return report
-        # on the way planners try longer periods, of which the bound that the plan claims says nothing
-        claims = plan.mission is self._mission
-        judged = plan if claims else replace(plan, lower_bound_robots=None, lower_bound_reason=None)
-        report = check_plan(judged)
-        if report.verdict == "met":
-            self._passed = (*self._passed, (plan, report))[-REMEMBERED:]
-        else:
-            self._last = ((plan, report),)
-        # plans for parts of the area tell nothing of how far the whole has come
-        if self._watch is not None and plan.mission.area == self._mission.area:
-            self._watch(checked_state(plan, report))
-        if self._better is not None:
-            self._better.judged(plan, report)
-        return report
+        last = self._last  # which another thread may change
+        if last is None or last[0] is not plan:
+            # on the way planners try longer periods, of which the bound that the plan claims says nothing
+            claims = plan.mission is self._mission
+            judged = plan if claims else replace(plan, lower_bound_robots=None, lower_bound_reason=None)
+            self._last = last = (plan, check_plan(judged))
+            # plans for parts of the area tell nothing of how far the whole has come
+            if self._watch is not None and plan.mission.area == self._mission.area:
+                self._watch(checked_state(*last))
+            if self._better is not None:
+                self._better.judged(*last)
+        return last[1]
 
 
 class _StopRule:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, wait
 from dataclasses import dataclass, replace
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Concatenate, ParamSpec, TypeVar
 
 from rota.engines.placing import answer_of, submitted_with
 from rota.mission import Mission
@@ -38,8 +38,6 @@ class Context:
     coverage_weight: multiple of the weight of seeing on open ground.
     watch: told of the states of the search, from several threads; it changes nothing of the result.
     executor: does what can be done side by side, without telling ``watch``; None: threads do.
-    best_so_far: told of a plan that passes (``Repaired``) before one with fewer robots is looked for; it has no say in
-    that.
     """
 
     problem: Problem
@@ -55,7 +53,6 @@ class Context:
     watch: Watch | None = None
     executor: Executor | None = None
     counts_areas_only: bool = False
-    best_so_far: Callable[[Any], None] | None = None
 
     @property
     def threads(self) -> int | None:
@@ -74,7 +71,6 @@ class Context:
             return function(self, *args, **kwargs)
         there = replace(
             self, problem=None, progress=silent, should_stop=_never, watch=None, executor=None,  # type: ignore[arg-type]
-            best_so_far=None,
         )  # fmt: skip
         future: Future[Result] = submitted_with(self.executor, self.problem, _run_there, there, function, args, kwargs)
         while not wait([future], timeout=POLL_S).done:

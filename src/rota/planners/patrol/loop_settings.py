@@ -82,11 +82,10 @@ class ShorteningStage(NamedTuple):
 class ShorteningAttempt(NamedTuple):
     """Annealings one after another, then a repair.
 
-    schedules: of stages; they are made side by side, with seeds of their own, and the shortest loops that pass taken.
     nested: whether it is made where loops are nested; a robot's rounds have no room there for what it leaves unseen.
     """
 
-    schedules: tuple[tuple[ShorteningStage, ...], ...]
+    stages: tuple[ShorteningStage, ...]
     nested: bool = True
 
 

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 
 from rota.errors import NoPlanFound
 from rota.mission import Mission
@@ -22,7 +21,6 @@ from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.first_plan import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.shortening.ahead import LoopsAhead
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
@@ -103,22 +101,17 @@ def plan_tours(
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return [plan_fixed_team(context, asked, method)]
-    improves = context.anneals and (context.settings.team_size.searches_ragged or not problem.is_ragged)
-    with LoopsAhead() as ahead:
-        best = method(replace(context, best_so_far=partial(begin_loops, ahead, context)) if improves else context)
-        context = with_bound_of(context, best)
-        # over ragged ground lanes take minutes to lay, and who has asked to stop waits
-        if not best.met and should_stop() and context.anneals and not problem.is_ragged:
-            best = swept(context, QUICK) or best
-        if not best.met:
-            raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
-        best, better = with_loops_improved(context, best, ahead) if improves else (best, best)
+    best = method(context)
+    if context.counts_areas_only:
+        context = replace(context, bound=bound_of(best.plan), counts_areas_only=False)  # proved on its way
+    # over ragged ground lanes take minutes to lay, and who has asked to stop waits
+    if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
+        best = swept(context, QUICK) or best
+    if not best.met:
+        raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
+    goes_on = context.settings.team_size.searches_ragged or not context.problem.is_ragged
+    best, better = with_loops_improved(context, best) if context.anneals and goes_on else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
-
-
-def begin_loops(ahead: LoopsAhead, context: Context, plan: Repaired) -> None:
-    """Look for better loops of a plan on the way, as they will be looked for if it is the last."""
-    ahead.begin(with_bound_of(context, plan), plan)
 
 
 def begins_with_lanes(problem: Problem) -> bool:
@@ -129,21 +122,17 @@ def begins_with_lanes(problem: Problem) -> bool:
     return settings.method == "tours" and problem.mission.fleet.robots is None and is_small
 
 
-def with_bound_of(context: Context, found: Repaired) -> Context:
-    """The search with the bound that a plan claims, where that was proved on the plan's way."""
-    if not context.counts_areas_only:
-        return context
-    plan = found.plan
-    bound = ProvedBound(robots=plan.lower_bound_robots or 0, reason=plan.lower_bound_reason or "")
-    return replace(context, bound=bound, counts_areas_only=False)
+def bound_of(plan: Plan) -> ProvedBound:
+    """What a plan claims is proved."""
+    return ProvedBound(robots=plan.lower_bound_robots or 0, reason=plan.lower_bound_reason or "")
 
 
-def with_loops_improved(context: Context, best: Repaired, ahead: LoopsAhead) -> tuple[Repaired, Repaired]:
+def with_loops_improved(context: Context, best: Repaired) -> tuple[Repaired, Repaired]:
     """The plan with the fewest robots found, and the same with the loops that the mission prefers.
 
     Shorter loops may do with fewer robots; these then get loops that are better still.
     """
-    better = ahead.of(context, best)
+    better = with_better_loops(context, best)
     fewer = thinned(context, better)
     if fewer is not better and not context.should_stop():
         best, better = fewer, with_better_loops(context, fewer)

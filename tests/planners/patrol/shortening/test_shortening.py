@@ -94,7 +94,7 @@ def test_what_is_told_to_stop_keeps_the_plan_found(context: Context, found: Repa
 
 
 def test_loops_without_room_for_gain_stay(context: Context, shorter: Repaired) -> None:
-    lukewarm = (ShorteningAttempt(((ShorteningStage(1, 1e-6, 1e-7, 1000.0),),)),)
+    lukewarm = (ShorteningAttempt((ShorteningStage(1, 1e-6, 1e-7, 1000.0),)),)
     settings = replace(context.settings.shortening, attempts=lukewarm, rounds=1, bending_steps=0)
     own = replace(context, settings=replace(context.settings, shortening=settings))
     assert loops_m(with_better_loops(own, shorter).tours) <= loops_m(shorter.tours)
@@ -103,44 +103,30 @@ def test_loops_without_room_for_gain_stay(context: Context, shorter: Repaired) -
 def test_a_later_attempt_is_a_plan_of_the_same_seed(
     context: Context, found: Repaired, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    hot, cold = context.settings.shortening.attempts[-2:]
-    attempts = (hot._replace(schedules=hot.schedules[:1]), cold)
     verdicts = iter((False, True))
     monkeypatch.setattr(search, "is_better", lambda *_, **__: next(verdicts))
-    later = with_better_loops(with_attempts(context, attempts), found)
+    later = with_better_loops(with_attempts(context, context.settings.shortening.attempts[-2:]), found)
     assert later is not found
     assert later.plan.seed == context.seed
     assert next(verdicts, None) is None  # both attempts were made
-
-
-def test_of_loops_made_side_by_side_the_shortest_that_pass_are_taken(
-    context: Context, found: Repaired, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def stretched(_context: Context, tours: list[Tour], _stages: object, *, fewest_turns: bool, seed: int) -> Repaired:
-        assert not fewest_turns
-        made = replace(found, tours=[replace(tours[0], vertices_m=tours[0].vertices_m * shrunk[seed])])
-        return made if seed != failing else replace(made, verdict=replace(found.verdict, verdict="violated"))
-
-    seeds = [context.seed + k * search.SEEDS_APART for k in range(4)]
-    shrunk, failing = dict(zip(seeds, (0.9, 0.7, 0.6, 0.8), strict=True)), seeds[2]
-    monkeypatch.setattr(search, "annealed_and_repaired", stretched)
-    monkeypatch.setattr(search, "without_spikes", lambda _context, plan, **_: plan)
-    attempt = ShorteningAttempt(((),) * 4)
-    best = with_better_loops(with_attempts(context, (attempt,)), found)
-    assert loops_m(best.tours) == pytest.approx(0.7 * loops_m(found.tours))
 
 
 def test_attempts_without_room_for_nested_loops_leave_them_out(
     context: Context, found: Repaired, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[object] = []
-    monkeypatch.setattr(search, "side_by_side", lambda _context, _tours, attempt, **_: made.append(attempt) or [])
+
+    def annealed(_context: Context, _tours: object, stages: object, **_: object) -> Repaired:
+        made.append(stages)
+        return found
+
+    monkeypatch.setattr(search, "annealed_and_repaired", annealed)
     monkeypatch.setattr(search, "without_spikes", lambda _context, plan, **_: plan)
     nested = replace(found, tours=[replace(found.tours[0], nest=0)])
     attempts = context.settings.shortening.attempts
     for plan in (found, nested):
         with_better_loops(context, plan)
-    assert made == [*attempts, *(attempt for attempt in attempts if attempt.nested)]
+    assert made == [*(each.stages for each in attempts), *(each.stages for each in attempts if each.nested)]
     assert len(made) < 2 * len(attempts)
 
 

@@ -7,7 +7,6 @@ they are hot, where few samples are enough; then finer ones take over.
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from rota.planners.patrol.ground.extra_points import metres_worth, no_points
 from rota.planners.patrol.ground.problem import Problem, points_of_regions
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import known_walls, laid_out
-from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningAttempt, ShorteningStage
+from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningStage
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.bending import layout
 from rota.planners.patrol.repair.bending.search import can_bend
@@ -27,8 +26,6 @@ from rota.planners.patrol.shortening.measures import is_better, rounds_of
 from rota.planners.patrol.shortening.spikes import spikes, without
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour
-
-SEEDS_APART = 1_000  # schedules side by side take seeds of their own
 
 
 def with_better_loops(context: Context, found: Repaired) -> Repaired:
@@ -47,13 +44,11 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
         if context.should_stop():
             break
         context.progress(0.91 + 0.04 * turn / len(attempts), "looking for shorter loops")
-        best = found
-        for loops in side_by_side(
-            context, found.tours, attempt, fewest_turns=fewest_turns, seed=context.seed + 10 * turn
-        ):
-            best = loops if is_better(loops, best, fewest_turns=fewest_turns) else best
-        if best is not found:
-            return without_spikes(context, best, fewest_turns=fewest_turns)
+        shorter = annealed_and_repaired(
+            context, found.tours, attempt.stages, fewest_turns=fewest_turns, seed=context.seed + 10 * turn
+        )
+        if is_better(shorter, found, fewest_turns=fewest_turns):
+            return without_spikes(context, shorter, fewest_turns=fewest_turns)
     return without_spikes(context, found, fewest_turns=fewest_turns)
 
 
@@ -69,21 +64,6 @@ def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> R
 def has_nests(tours: list[Tour]) -> bool:
     """Whether some loops are nested in others."""
     return any(tour.nest >= 0 for tour in tours)
-
-
-def side_by_side(
-    context: Context, tours: list[Tour], attempt: ShorteningAttempt, *, fewest_turns: bool, seed: int
-) -> list[Repaired]:
-    """What each of the attempt's schedules comes to, on any number of threads."""
-    with ThreadPoolExecutor(max_workers=context.threads) as pool:
-        jobs = [
-            pool.submit(
-                context.run, annealed_and_repaired, tours, stages,
-                fewest_turns=fewest_turns, seed=seed + SEEDS_APART * k,
-            )
-            for k, stages in enumerate(attempt.schedules)
-        ]  # fmt: skip
-        return [job.result() for job in jobs]
 
 
 def annealed_and_repaired(

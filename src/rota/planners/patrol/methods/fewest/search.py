@@ -93,8 +93,6 @@ def search_downwards(context: Context, groupings: list[PeriodGrouping], best: Re
     enough = context.enough_robots
     while best.met and robots > enough and not context.should_stop():
         robots -= 1
-        if context.best_so_far is not None:
-            context.best_so_far(best)
         context.progress(0.4 + 0.5 * (first - robots) / (first - enough), f"trying {robots} robots")
         least_slack = context.settings.allocation.least_slack
         smaller = plan_with_team_size(context, groupings, robots, least_slack=least_slack)

@@ -34,7 +34,7 @@ class DistrictSearch(Protocol):
 def by_districts(context: Context, search: DistrictSearch, missions: list[Mission]) -> list[list[Tour]]:
     """The tours found for every district's mission by itself; none for those not begun when the search is to end."""
     districts: list[list[Tour]] = []
-    alone = replace(context, problem=None, progress=silent, watch=None, best_so_far=None)  # type: ignore[arg-type]
+    alone = replace(context, problem=None, progress=silent, watch=None)  # type: ignore[arg-type]
     seeds = range(context.seed, context.seed + len(missions))
 
     def found(mission: Mission, seed: int) -> list[Tour]:
