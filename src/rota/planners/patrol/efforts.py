@@ -48,7 +48,7 @@ def shortening_attempts(moves: int) -> tuple[ShorteningAttempt, ...]:
         )
 
     return (
-        ShorteningAttempt(hot(1.0, 1.0), nested=False),
+        ShorteningAttempt(hot(1.0, 1.0), bold=True),
         ShorteningAttempt(hot(1.5, 0.5)),
         ShorteningAttempt((ShorteningStage(moves // 4, 1 / 16, 1 / 1000, 8.0),)),
     )

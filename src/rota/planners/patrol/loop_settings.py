@@ -82,11 +82,12 @@ class ShorteningStage(NamedTuple):
 class ShorteningAttempt(NamedTuple):
     """Annealings one after another, then a repair.
 
-    nested: whether it is made where loops are nested; a robot's rounds have no room there for what it leaves unseen.
+    bold: whether it leaves much unseen while hot; not made where loops are nested, whose rounds have no room for that
+    later, nor where turns cost something.
     """
 
     stages: tuple[ShorteningStage, ...]
-    nested: bool = True
+    bold: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

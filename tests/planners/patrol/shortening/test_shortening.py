@@ -111,8 +111,11 @@ def test_a_later_attempt_is_a_plan_of_the_same_seed(
     assert next(verdicts, None) is None  # both attempts were made
 
 
-def test_attempts_without_room_for_nested_loops_leave_them_out(
-    context: Context, found: Repaired, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("nest", "prefer", "is_bold"), [(-1, "shortest", True), (0, "shortest", False), (-1, "fewest_turns", False)]
+)
+def test_bold_attempts_are_for_shortest_loops_that_are_not_nested(
+    context: Context, found: Repaired, monkeypatch: pytest.MonkeyPatch, nest: int, prefer: str, is_bold: bool
 ) -> None:
     made: list[object] = []
 
@@ -122,12 +125,12 @@ def test_attempts_without_room_for_nested_loops_leave_them_out(
 
     monkeypatch.setattr(search, "annealed_and_repaired", annealed)
     monkeypatch.setattr(search, "without_spikes", lambda _context, plan, **_: plan)
-    nested = replace(found, tours=[replace(found.tours[0], nest=0)])
+    mission = replace(FIELD, planning=PatrolSettings(effort="quick", prefer=prefer))
+    own = replace(context, problem=replace(context.problem, mission=mission))
+    with_better_loops(own, replace(found, tours=[replace(found.tours[0], nest=nest)]))
     attempts = context.settings.shortening.attempts
-    for plan in (found, nested):
-        with_better_loops(context, plan)
-    assert made == [*(each.stages for each in attempts), *(each.stages for each in attempts if each.nested)]
-    assert len(made) < 2 * len(attempts)
+    assert made == [attempt.stages for attempt in attempts if is_bold or not attempt.bold]
+    assert any(attempt.bold for attempt in attempts)
 
 
 def test_robots_that_take_time_to_turn_keep_their_loops(found: Repaired) -> None:

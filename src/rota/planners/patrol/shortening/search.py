@@ -39,7 +39,8 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     if not can_bend(problem) or reaches(problem) > settings.largest:
         return found
     fewest_turns = PatrolSettings.of(problem.mission).prefer == "fewest_turns"
-    attempts = [attempt for attempt in settings.attempts if attempt.nested or not has_nests(found.tours)]
+    may_be_bold = not fewest_turns and not has_nests(found.tours)
+    attempts = [attempt for attempt in settings.attempts if may_be_bold or not attempt.bold]
     for turn, attempt in enumerate(attempts):
         if context.should_stop():
             break
