@@ -10,7 +10,8 @@ import shapely
 from shapely import MultiPolygon, Polygon, box
 
 from rota.check.revisits import worst_gaps_s
-from rota.check.seeable import LEAST_SPREAD_M, SeeableGround, seeable, standing, standing_areas
+from rota.check.seeable import LEAST_SPREAD_M, SeeableGround, seeable
+from rota.check.standing import standing, standing_areas
 from rota.geometry.free_space import sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
@@ -164,8 +165,8 @@ def test_where_bodies_stand_is_the_same_in_tiles(monkeypatch: pytest.MonkeyPatch
     blocks = shapely.union_all(shapely.box(*places.T, *(places + rng.uniform(0.1, 1.2, (60, 2))).T))
     m = mission(MultiPolygon([box(0, 0, 16, 16)]).difference(blocks), obstacle(blocks), body=0.3)
     whole = standing(m.area, m.obstacles, 0.3)
-    monkeypatch.setattr("rota.check.seeable.MANY_SIDES", 50)
-    monkeypatch.setattr("rota.check.seeable.TILE_SIDES", 20)
+    monkeypatch.setattr("rota.check.standing.MANY_SIDES", 50)
+    monkeypatch.setattr("rota.check.standing.TILE_SIDES", 20)
     tiled = standing(m.area, m.obstacles, 0.3)
     assert shapely.symmetric_difference(whole, tiled).area < 1e-12
     assert shapely.hausdorff_distance(whole.boundary, tiled.boundary) < 1e-9

@@ -23,8 +23,9 @@ from rota.check.presence import presence_violations
 from rota.check.refine import refine
 from rota.check.report import DemandVerdict, Outcome, Report, Violation, violation
 from rota.check.revisits import Sights, loop_gap, sights_of
-from rota.check.seeable import has_many_sides, seeable_ground, standing_areas
+from rota.check.seeable import has_many_sides, seeable_ground
 from rota.check.separation import separation_violations
+from rota.check.standing import standing_areas
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, SLIVER_SHARE, TOUCH_M, slack_of
 from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan

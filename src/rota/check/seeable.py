@@ -1,111 +1,32 @@
-"""Where a body can stand, and which places nobody can see from there."""
+"""Which places nobody can see from where bodies can stand."""
 
 from __future__ import annotations
 
 import functools
 import math
 import os
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon
 
 from rota.check import sight_kernels, tiling_kernels
 from rota.check.arrays import Binned, Flags, Floats, Grid
-from rota.check.routes import lines_of, segments_of
-from rota.check.tolerances import GRID_MARGIN_M, SLACK_M, TOUCH_M, slack_of
+from rota.check.routes import segments_of
+from rota.check.standing import StandingArea, standing_areas
+from rota.check.tolerances import GRID_MARGIN_M, SLACK_M, slack_of
 from rota.mission import DiscSensor, Mission, Obstacle, Sensor
 
-Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
-
-ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
 MANY_SIDES, RAGGED_SIDES = 10_000, 5_000
-TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 MOST_GRID_CELLS = 250_000
 MOST_SPREAD = 0.4  # of the reach: spreads for which what blocks sight is kept on ragged ground
 LINE_SIDES = 16  # of a border in one line of the tree that finds the nearest
-SPREADS = 2  # for so many of them, the ground of ragged missions is kept as looks ask for it
+SPREADS = 9  # for so many of them, the ground of ragged missions is kept as looks ask for it
+RAGGED_STEPS = 4  # per quarter of a circle, where what blocks sight there is made thinner: corners are very many
 LEAST_SPREAD_M = 0.0071  # on ragged ground spreads are this one, twice, four times it and so on: a finest piece has it
 MOST_ALONE = 64  # points that one thread looks from by itself
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class StandingArea:
-    """Where the bodies of one kind of robot can stand (a shapely geometry), and what their sensor reaches."""
-
-    shape: Any
-    sensor: Sensor
-
-
-def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m: float) -> Any:
-    """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
-
-    It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
-    replaced by their chords.
-    """
-    blocked = shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_motion])
-    body = body_radius_m - TOUCH_M
-    if body <= 0:
-        return shapely.difference(area, blocked)
-    open_ground = shapely.difference(area, blocked)
-    sides = np.vstack([segments_of(area), segments_of(blocked)])
-    if len(sides) <= MANY_SIDES or open_ground.is_empty:
-        return _out_of(lines_of(sides), body, open_ground)
-    # where a map is read all around as an obstacle, area and obstacle share their sides
-    turned = (sides[:, 0] > sides[:, 2]) | ((sides[:, 0] == sides[:, 2]) & (sides[:, 1] > sides[:, 3]))
-    sides = np.unique(np.where(turned[:, None], sides[:, [2, 3, 0, 1]], sides), axis=0)
-    lines = lines_of(sides)
-    tree = shapely.STRtree(lines)
-
-    def in_tile(box: Box) -> Any:
-        frame = shapely.box(*box)
-        near = np.sort(tree.query(shapely.buffer(frame, 1.01 * body)))
-        return _out_of(lines[near], body, _cut_to(frame, open_ground))
-
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        return shapely.union_all(list(pool.map(in_tile, _tiles(open_ground.bounds, sides))))
-
-
-def _out_of(lines: Any, body_m: float, ground: Any) -> Any:
-    """The part of the ground that is farther than ``body_m`` from the lines (n,).
-
-    Lines are grown one by one, since offsetting a whole polygon loses corridors only just as wide as the body.
-    """
-    return shapely.difference(ground, shapely.union_all(shapely.buffer(lines, body_m, quad_segs=ARC_STEPS)))
-
-
-def _tiles(box: Box, sides: Floats) -> Iterator[Box]:
-    """Boxes that share no ground and together are the box, each with few of the sides (n, 4): their middles count."""
-    x0, y0, x1, y1 = box
-    middles = (sides[:, :2] + sides[:, 2:]) / 2
-    inside = ((middles >= (x0, y0)) & (middles <= (x1, y1))).all(axis=1)
-    if inside.sum() <= TILE_SIDES or max(x1 - x0, y1 - y0) <= LEAST_TILE_M:
-        yield box
-        return
-    x, y = (x0 + x1) / 2, (y0 + y1) / 2
-    wide = x1 - x0 >= y1 - y0
-    yield from _tiles((x0, y0, x, y1) if wide else (x0, y0, x1, y), sides[inside])
-    yield from _tiles((x, y0, x1, y1) if wide else (x0, y, x1, y1), sides[inside])
-
-
-def standing_areas(mission: Mission) -> tuple[StandingArea, ...]:
-    """One area for each kind of robot (body and sensor) that the fleet has."""
-    fleet = mission.fleet
-    robots = [fleet.equal_robot("any")] if fleet.robots is None else fleet.robots
-    kinds = tuple({(robot.body_radius_m, robot.sensor): None for robot in robots})
-    return _standing_areas(mission.area, mission.obstacles, kinds)
-
-
-@functools.lru_cache(maxsize=4)
-def _standing_areas(
-    area: MultiPolygon, obstacles: tuple[Obstacle, ...], kinds: tuple[tuple[float, Sensor], ...]
-) -> tuple[StandingArea, ...]:
-    """The same for the kinds of robots; a search has missions checked that differ in their periods only."""
-    return tuple(StandingArea(shape=standing(area, obstacles, body), sensor=sensor) for body, sensor in kinds)
 
 
 def has_many_sides(mission: Mission) -> bool:
@@ -187,21 +108,17 @@ class SeeableGround:
         boxes = np.array([area.shape.bounds for area in self._areas if not area.shape.is_empty]).reshape(-1, 4)
         if not len(boxes):
             return ()
-        reach_m = self._reach_m + spread_m
-        low, high = boxes[:, :2].min(axis=0) - reach_m, boxes[:, 2:].max(axis=0) + reach_m
-        return _scene_of(self._areas, _thinner(self._hidden, spread_m), (low, high), spread_m, self._slack_m)
+        most_m = MOST_SPREAD * self._reach_m if spread_m > 0 else 0.0
+        reach_m = self._reach_m + most_m
+        box_m = boxes[:, :2].min(axis=0) - reach_m, boxes[:, 2:].max(axis=0) + reach_m
+        hidden = _thinner(self._hidden, spread_m, steps=RAGGED_STEPS)
+        return _scene_of(self._areas, hidden, box_m, spread_m, self._slack_m, ragged_spread_m=most_m)
 
 
 @functools.lru_cache(maxsize=4)
 def _hidden(obstacles: tuple[Obstacle, ...]) -> Any:
     """All obstacles that block sight as one geometry."""
     return shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_sight])
-
-
-def _cut_to(frame: Any, shape: Any) -> Any:
-    """The polygons of what the frame and the shape have in common."""
-    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shapely.intersection(shape, frame))))
-    return shapely.multipolygons(parts[shapely.get_type_id(parts) == 3])
 
 
 def _seen_from_any(
@@ -214,9 +131,12 @@ def _seen_from_any(
     return _seen_in(_scene_of(areas, _thinner(hidden, spread_m), box, spread_m, slack_m), points_m, spread_m)
 
 
-def _thinner(hidden: Any, spread_m: float) -> Any:
-    """What blocks sight, thinner by a spread."""
-    return shapely.buffer(hidden, -1.01 * spread_m, quad_segs=16) if spread_m > 0 else hidden
+def _thinner(hidden: Any, spread_m: float, *, steps: int = 16) -> Any:
+    """What blocks sight, thinner by at least a spread. steps: per quarter of a circle round its inner corners."""
+    if spread_m == 0:
+        return hidden
+    least = 1 / math.cos(math.pi / (4 * steps))  # as far as the middles of the steps are to go
+    return shapely.buffer(hidden, -max(1.01, 1.01 * least) * spread_m, quad_segs=steps)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -238,9 +158,19 @@ class _Scene:
 
 
 def _scene_of(
-    areas: tuple[StandingArea, ...], hidden: Any, box_m: tuple[Floats, Floats], spread_m: float, slack_m: float
+    areas: tuple[StandingArea, ...],
+    hidden: Any,
+    box_m: tuple[Floats, Floats],
+    spread_m: float,
+    slack_m: float,
+    *,
+    ragged_spread_m: float | None = None,
 ) -> tuple[_Scene, ...]:
-    """A scene for each area that is not empty; box_m: the lower left and the upper right corner."""
+    """A scene for each area that is not empty; box_m: the lower left and the upper right corner.
+
+    ragged_spread_m: on ragged ground, the greatest spread of scenes that share the sides of areas, sorted into cells;
+    those are many.
+    """
     low, high = box_m
     width, height = np.maximum(high - low, GRID_MARGIN_M)
     core = shapely.buffer(hidden, -slack_m, join_style="mitre")
@@ -251,8 +181,10 @@ def _scene_of(
         if area.shape.is_empty:
             continue
         half, square = _half_m(area.sensor) + spread_m, not isinstance(area.sensor, DiscSensor)
-        margin = half * (math.sqrt(2) if square else 1.0) + GRID_MARGIN_M
-        fine = 4 if len(walls) <= RAGGED_SIDES else 1  # cells to a reach: each keeps all sides in reach of it
+        most = half if ragged_spread_m is None else _half_m(area.sensor) + ragged_spread_m
+        margin = most * (math.sqrt(2) if square else 1.0) + GRID_MARGIN_M
+        # cells to a reach: each keeps all sides in reach of it
+        fine = 4 if len(walls) <= RAGGED_SIDES and ragged_spread_m is None else 1
         size = max(margin / fine, math.sqrt(width * height / MOST_GRID_CELLS), max(width, height) / MOST_GRID_CELLS)
         grid = Grid(low[0], low[1], size, int(width / size) + 1, int(height / size) + 1)
         border = shapely.boundary(area.shape)
@@ -260,16 +192,20 @@ def _scene_of(
         crossed = np.empty((0, 2))
         if shapely.intersects(border, wall):  # bodies keep off most walls
             crossed = shapely.get_coordinates(shapely.intersection(border, wall))
-        layers = [
-            tiling_kernels.rasterise(segments, margin, grid)
-            for segments in (walls, segments_of(area.shape), np.hstack([crossed, crossed]))
-        ]
         shapely.prepare(area.shape)
         scenes.append(_Scene(
-            area=area, half_m=half, core=core, grid=grid,
-            walls=layers[0], sides=layers[1], crossings=layers[2],
+            area=area, half_m=half, core=core, grid=grid, sides=_sides_in_cells(area, margin, grid),
+            walls=tiling_kernels.rasterise(walls, margin, grid),
+            crossings=tiling_kernels.rasterise(np.hstack([crossed, crossed]), margin, grid),
         ))  # fmt: skip
     return tuple(scenes)
+
+
+@functools.lru_cache(maxsize=2)
+def _sides_in_cells(area: StandingArea, margin_m: float, grid: Grid) -> Binned:
+    """The sides of an area, sorted into the cells that they come within the margin of."""
+    sides: Binned = tiling_kernels.rasterise(segments_of(area.shape), margin_m, grid)
+    return sides
 
 
 def _half_m(sensor: Sensor) -> float:

@@ -47,7 +47,7 @@ class GapMap:
 
 def gap_map(plan: Plan, cells: int = 200_000) -> GapMap:
     """The worst gap over period at the centre of each of about ``cells`` cells; samples, not the check's verdict."""
-    from rota.check import revisits, seeable  # loads the compiled loops only when they are needed
+    from rota.check import revisits, seeable, standing  # loads the compiled loops only when they are needed
 
     cell_map = cell_map_of(plan.mission, cells)
     ratio, excluded = np.full(cell_map.period_s.shape, np.nan), np.zeros_like(cell_map.inside)
@@ -57,7 +57,7 @@ def gap_map(plan: Plan, cells: int = 200_000) -> GapMap:
     never = np.isinf(ratio)
     if plan.mission.unseeable == "exclude" and never.any():
         points_m = np.ascontiguousarray(cell_map.points_m(never))
-        excluded[never] = ~seeable.seeable(plan.mission, seeable.standing_areas(plan.mission), points_m)
+        excluded[never] = ~seeable.seeable(plan.mission, standing.standing_areas(plan.mission), points_m)
         ratio[excluded] = np.nan
     return GapMap(cell_map=cell_map, ratio=ratio, excluded=excluded)
 

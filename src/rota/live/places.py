@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from rota.check import tiling_kernels
 from rota.check.arrays import Binned, Grid
 from rota.check.demands import DemandedGround, demands_of
-from rota.check.seeable import seeable, standing_areas
+from rota.check.seeable import seeable
+from rota.check.standing import standing_areas
 from rota.mission import Mission, inner_reach_m
 
 Floats = NDArray[np.float64]

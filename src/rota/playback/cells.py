@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.cell_map import CellMap, cell_map_of
-from rota.check import revisits, seeable
+from rota.check import revisits, seeable, standing
 from rota.check.demands import demands_of
 from rota.check.presence import away_times_s
 from rota.check.report import Report
@@ -65,7 +65,7 @@ def seen_cells(plan: Plan, report: Report, cells: int) -> SeenCells:
     excluded = np.isinf(gaps_s) & (mission.unseeable == "exclude")
     if excluded.any():
         hidden_m = np.ascontiguousarray(points_m[excluded])
-        excluded[excluded] = ~seeable.seeable(mission, seeable.standing_areas(mission), hidden_m)
+        excluded[excluded] = ~seeable.seeable(mission, standing.standing_areas(mission), hidden_m)
     visits = [(k, demand) for k, demand in enumerate(report.demands) if demand.demand == "visit"]
     regions = {demand.name: demand.region for demand in demands_of(mission)}
     index, demands = np.flatnonzero(asked), owner[asked]

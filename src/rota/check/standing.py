@@ -1,0 +1,106 @@
+"""Where a body can stand."""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely import MultiPolygon
+
+from rota.check.arrays import Floats
+from rota.check.routes import lines_of, segments_of
+from rota.check.tolerances import TOUCH_M
+from rota.mission import Mission, Obstacle, Sensor
+
+Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
+
+ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
+MANY_SIDES = 10_000
+TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StandingArea:
+    """Where the bodies of one kind of robot can stand (a shapely geometry), and what their sensor reaches."""
+
+    shape: Any
+    sensor: Sensor
+
+
+def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m: float) -> Any:
+    """All places where a whole body disc is inside the area and out of what blocks motion, give or take 1e-6 m.
+
+    It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
+    replaced by their chords.
+    """
+    blocked = shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_motion])
+    body = body_radius_m - TOUCH_M
+    if body <= 0:
+        return shapely.difference(area, blocked)
+    open_ground = shapely.difference(area, blocked)
+    sides = np.vstack([segments_of(area), segments_of(blocked)])
+    if len(sides) <= MANY_SIDES or open_ground.is_empty:
+        return _out_of(lines_of(sides), body, open_ground)
+    # where a map is read all around as an obstacle, area and obstacle share their sides
+    turned = (sides[:, 0] > sides[:, 2]) | ((sides[:, 0] == sides[:, 2]) & (sides[:, 1] > sides[:, 3]))
+    sides = np.unique(np.where(turned[:, None], sides[:, [2, 3, 0, 1]], sides), axis=0)
+    lines = lines_of(sides)
+    tree = shapely.STRtree(lines)
+
+    def in_tile(box: Box) -> Any:
+        frame = shapely.box(*box)
+        near = np.sort(tree.query(shapely.buffer(frame, 1.01 * body)))
+        return _out_of(lines[near], body, _cut_to(frame, open_ground))
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        return shapely.union_all(list(pool.map(in_tile, _tiles(open_ground.bounds, sides))))
+
+
+def _out_of(lines: Any, body_m: float, ground: Any) -> Any:
+    """The part of the ground that is farther than ``body_m`` from the lines (n,).
+
+    Lines are grown one by one, since offsetting a whole polygon loses corridors only just as wide as the body.
+    """
+    return shapely.difference(ground, shapely.union_all(shapely.buffer(lines, body_m, quad_segs=ARC_STEPS)))
+
+
+def _tiles(box: Box, sides: Floats) -> Iterator[Box]:
+    """Boxes that share no ground and together are the box, each with few of the sides (n, 4): their middles count."""
+    x0, y0, x1, y1 = box
+    middles = (sides[:, :2] + sides[:, 2:]) / 2
+    inside = ((middles >= (x0, y0)) & (middles <= (x1, y1))).all(axis=1)
+    if inside.sum() <= TILE_SIDES or max(x1 - x0, y1 - y0) <= LEAST_TILE_M:
+        yield box
+        return
+    x, y = (x0 + x1) / 2, (y0 + y1) / 2
+    wide = x1 - x0 >= y1 - y0
+    yield from _tiles((x0, y0, x, y1) if wide else (x0, y0, x1, y), sides[inside])
+    yield from _tiles((x, y0, x1, y1) if wide else (x0, y, x1, y1), sides[inside])
+
+
+def standing_areas(mission: Mission) -> tuple[StandingArea, ...]:
+    """One area for each kind of robot (body and sensor) that the fleet has."""
+    fleet = mission.fleet
+    robots = [fleet.equal_robot("any")] if fleet.robots is None else fleet.robots
+    kinds = tuple({(robot.body_radius_m, robot.sensor): None for robot in robots})
+    return _standing_areas(mission.area, mission.obstacles, kinds)
+
+
+@functools.lru_cache(maxsize=4)
+def _standing_areas(
+    area: MultiPolygon, obstacles: tuple[Obstacle, ...], kinds: tuple[tuple[float, Sensor], ...]
+) -> tuple[StandingArea, ...]:
+    """The same for the kinds of robots; a search has missions checked that differ in their periods only."""
+    return tuple(StandingArea(shape=standing(area, obstacles, body), sensor=sensor) for body, sensor in kinds)
+
+
+def _cut_to(frame: Any, shape: Any) -> Any:
+    """The polygons of what the frame and the shape have in common."""
+    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shapely.intersection(shape, frame))))
+    return shapely.multipolygons(parts[shapely.get_type_id(parts) == 3])
