@@ -93,7 +93,7 @@ MECHANISMS = (
     Mechanism("tightening", (f"{REPAIR}.tightened",), tours_as_given, always),
     Mechanism("rerouting for bodies", (f"{REPAIR}.led_apart",), lambda *_: None, is_there),
     Mechanism("visits of stubborn points", (f"{REPAIR}.visiting_stubborn",), tours_as_given, changed),
-    Mechanism("detours", (f"{REPAIR}.visit_places",), lambda *_: None, is_there),
+    Mechanism("detours", (f"{PATROL}.repair.seeing.visit_places",), lambda *_: None, is_there),
     Mechanism("repair of tours over their budgets", stage="repair", values={"over_budget_limit": 0.0}),
     Mechanism("nested loops", (f"{ALLOCATION}.nested_allocations",), lambda *_, **__: [], always),
     Mechanism(
