@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import sysconfig
@@ -57,22 +58,59 @@ def run(
         )
         patience = threading.Timer(patience_s, process.kill)
         patience.start()
+        peak = _PeakMemory(process.pid)
+        peak.start()
         # wait4 gives this process's own peak; RUSAGE_CHILDREN would give the largest of all so far
         _, status, usage = os.wait4(process.pid, 0)
         wall_s = time.perf_counter() - started_s
         process.returncode = os.waitstatus_to_exitcode(status)
         patience.cancel()
+        peak.join()
         texts = [_text(stream) for stream in (out, err)]
-    unit = 1 if sys.platform == "darwin" else 1024
     return Run(
         wall_s=wall_s,
-        peak_bytes=usage.ru_maxrss * unit,
+        peak_bytes=peak.of(usage),
         code=process.returncode,
         out=texts[0],
         err=texts[1],
         cpu_s=usage.ru_utime + usage.ru_stime,
         ended_early=wall_s >= patience_s,
     )
+
+
+class _PeakMemory(threading.Thread):
+    """The most resident memory of a child process.
+
+    What the system tells at the child's end is never less than this process had at most when it started the child: on
+    Linux the child counts as this process until it runs its own program. Where that hides the child's figure, the one
+    counts that Linux tells of the child itself while it runs.
+    """
+
+    EVERY_S = 0.02
+
+    def __init__(self, pid: int) -> None:
+        super().__init__(daemon=True)
+        self._status = Path(f"/proc/{pid}/status")
+        self._own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        self._seen = 0  # kB
+
+    def run(self) -> None:
+        """Look again and again, until the process has ended."""
+        while True:
+            try:
+                lines = self._status.read_text().splitlines()
+            except OSError:  # it has ended, or this is no Linux
+                return
+            told = [int(line.split()[1]) for line in lines if line.startswith("VmHWM")]
+            if not told:
+                return  # it has given its memory back
+            self._seen = max(self._seen, *told)
+            time.sleep(self.EVERY_S)
+
+    def of(self, usage: resource.struct_rusage) -> int:
+        """In bytes, with what the system told at the end."""
+        most = self._seen if self._seen and usage.ru_maxrss <= self._own else usage.ru_maxrss
+        return most * (1 if sys.platform == "darwin" else 1024)
 
 
 def _text(stream: IO[bytes]) -> str:

@@ -33,7 +33,7 @@ from benchmarks.one_robot import (
 from benchmarks.planning import Planned, worst_ratio
 from benchmarks.random_runs import Outcome, fault, outcomes, summary
 from benchmarks.row import Options, Row
-from benchmarks.shell import Run
+from benchmarks.shell import Run, python
 from benchmarks.sun_cases import CASES, case_row, total_row, write_case
 from benchmarks.swarm_adversarial import LATTICES, closest, dense_states, lattice_states
 from benchmarks.swarm_coverage import mission as swarm_mission, outcome as swarm_outcome
@@ -397,3 +397,11 @@ def test_growth_of_many_robots_is_the_slope_of_logarithms() -> None:
     assert row.measured.startswith("exponent 1.50 (CPU: 100 robots 1 s, 200 robots 3 s")
     assert row.reached is False
     assert many_robots.growth_row([(100, 1.0), (None, 5.0)]).reached is False
+
+
+def test_memory_of_a_command_is_its_own_whatever_this_process_has_had() -> None:
+    """On Linux the system's figure of a child begins with what its parent had at most."""
+    had = np.ones(40_000_000)
+    del had
+    small = python("-c", "import time; a = bytearray(b'x') * 30_000_000; time.sleep(0.3)").peak_bytes
+    assert 30e6 < small < 200e6
