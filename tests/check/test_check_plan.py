@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, box
 
-from rota.check import Report, check_plan, refine, report_schema, report_table, report_to_json
+from rota.check import Report, check_plan, judge, refine, report_schema, report_table, report_to_json
 from rota.check.revisits import worst_gaps_s
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
@@ -366,6 +366,20 @@ def test_pieces_judged_in_parts_come_to_the_same_verdict(period: float, monkeypa
         assert one.unseen_area_m2 == pytest.approx(other.unseen_area_m2)
         if one.outcome == "met":
             assert (one.worst_gap_s, one.undecided_cells) == (other.worst_gap_s, other.undecided_cells)
+
+
+def test_of_many_pieces_finer_ones_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = Plan(mission=field(), trajectories=(route([(3, 30), (57, 30), (3, 30)], 10.0),))
+
+    def widest_doubt_m() -> float:
+        """By how much the unmet piece nearest to the robot's lane lies within what is seen from there."""
+        unmet_m = check_plan(plan).unmet_points_m
+        along = unmet_m[(unmet_m[:, 0] > 10) & (unmet_m[:, 0] < 50)]
+        return float(5 - np.abs(along[:, 1] - 30).min())
+
+    coarse_m = widest_doubt_m()
+    monkeypatch.setattr(judge, "MANY_PIECES", 0)
+    assert widest_doubt_m() < coarse_m / 2
 
 
 def test_ground_that_is_all_sliver_was_not_looked_at() -> None:

@@ -39,13 +39,14 @@ class Binned(NamedTuple):
 class Ways(NamedTuple):
     """The w ways that robots go: legs of the same two ends, in the same direction, with the same sensor are one way.
 
-    reaches_m: (w,) radii, or half sides where squares (w,) is set. Robots that share a tour go the same ways, and see
-    the same from there.
+    reaches_m: (w,) radii, or half sides where squares (w,) is set; ``widest_m`` is the largest. Robots that share a
+    tour go the same ways, and see the same from there.
     """
 
     near: Binned
     reaches_m: Floats
     squares: Flags
+    widest_m: float
 
 
 class Legs(NamedTuple):

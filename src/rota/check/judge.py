@@ -34,6 +34,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FEW_PIECES = 50_000  # still open on ragged ground: all that is unmet among them is told
+# pieces of a violated demand are cut to this part of a tile; of many tiles to a finer one, since a planner that is told
+# of coarse pieces only goes to see what was seen already, and its next plan is looked at all over again
+CUTS, MANY_CUTS, MANY_PIECES = 4, 16, 50_000
 MOST_CELLS = 4_000_000
 MOST_UNMET_POINTS = 200_000
 
@@ -140,7 +143,7 @@ def tile_and_refine(
     # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed, and a planner that is
     # told of finer ones only when all coarse ones are met repairs its plan once for each size
     few = FEW_PIECES if has_many_sides(mission) else 0
-    coarse_m = max(finest_m, size / 4)
+    coarse_m = max(finest_m, size / (MANY_CUTS if len(pieces) > MANY_PIECES else CUTS))
     findings = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
     for k in _left_out(mission, demands, pieces, owners):
         findings[k].undecided_cells += 1

@@ -163,7 +163,6 @@ def views_of(turn, piece, cell, ways, walls, slack_m, views):
     """
     farther_m = slack_m if len(piece) == 1 else 0.0
     seen_in, firsts, counts, shares, one = views
-    widest = ways.reaches_m.max() if len(ways.reaches_m) else 0.0
     asked, n = False, 0
     for w in in_cell(ways.near, cell):
         way = ways.near.segments_m[w]
@@ -171,7 +170,7 @@ def views_of(turn, piece, cell, ways, walls, slack_m, views):
         if lo > hi:
             continue
         if not asked:
-            asked, shadows = True, shadows_of(piece, walls, cell, slack_m, widest)
+            asked, shadows = True, shadows_of(piece, walls, cell, slack_m, ways.widest_m)
             if shadows.number < 0:
                 break
             one = room_for_parts(one, shadows)

@@ -85,7 +85,12 @@ def sights_along(
     near = tiling_kernels.rasterise(legs, reach_m, grid)
     first, way_of = _ways_of(legs, routes.robots, sensors)
     own = routes.robots[first]
-    ways = Ways(tiling_kernels.rasterise(legs[first], reach_m, grid), reaches[own], squares[own])
+    ways = Ways(
+        near=tiling_kernels.rasterise(legs[first], reach_m, grid),
+        reaches_m=reaches[own],
+        squares=squares[own],
+        widest_m=float(reaches[own].max(initial=0.0)),
+    )
     return Sights(
         routes=routes,
         origin_m=origin,
