@@ -108,6 +108,13 @@ def test_thin_pillar_hides_part_of_a_piece_whose_corners_are_all_in_sight() -> N
     assert piece_gaps(sights_of(aside, m.area.bounds), piece, np.zeros(1)).gaps_s == 0.0
 
 
+def test_what_hides_the_tip_of_a_long_piece_may_lie_farther_from_its_middle_than_robots_see() -> None:
+    m = mission(DiscSensor(radius_m=10.0), box(21.65, 0.2, 21.75, 0.3))
+    piece = Pieces(offsets=np.array([0, 3]), corners_m=np.array([[3.5, 0], [22.5, 0], [3.5, 0.2]]))
+    assert piece_gaps(sights_of(plan(m, hold(13.0, 3.0)), m.area.bounds), piece, np.zeros(1)).gaps_s == math.inf
+    assert piece_gaps(sights_of(plan(m, hold(13.0, -2.9)), m.area.bounds), piece, np.zeros(1)).gaps_s == 0.0
+
+
 def test_piece_beside_a_wall_and_a_robot_that_touches_it_see_each_other() -> None:
     block = box(0, -10, 10, 0)
     m = mission(DiscSensor(radius_m=30.0), block)

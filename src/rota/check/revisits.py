@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 from concurrent.futures import ThreadPoolExecutor
@@ -29,6 +30,8 @@ MOST_ALONE = 1_000  # pieces that one thread looks at by itself
 class Sights:
     """A plan made ready to be asked what it sees: legs and walls, found through one grid over the asked places.
 
+    reach_m: the farthest that any robot sees, with a margin. walls: for places within bounds_m (x0, y0, x1, y1) and
+    pieces within reach of their middles, since what hides part of one of these lies in reach of its middle, too.
     window_s: None for a plan, which goes on for ever; from when to when for a recording.
     """
 
@@ -39,8 +42,24 @@ class Sights:
     legs: Legs
     team: Team
     walls: Binned
+    bounds_m: tuple[float, float, float, float]
+    reach_m: float
     hidden: Any
     window_s: tuple[float, float] | None = None
+
+    @functools.cached_property
+    def far_walls(self) -> Binned:
+        """The walls for any pieces: what hides part of one from a place in reach of all of it is in twice the reach."""
+        far: Binned = tiling_kernels.rasterise(self.walls.segments_m, 2 * self.reach_m, self.grid)
+        return far
+
+    def walls_for(self, pieces: Pieces) -> Binned:
+        """The walls that may hide part of these pieces from a place in reach of all of it."""
+        low, high = pieces.corners_m.min(axis=0), pieces.corners_m.max(axis=0)
+        x0, y0, x1, y1 = self.bounds_m
+        inside = x0 <= low[0] and y0 <= low[1] and high[0] <= x1 and high[1] <= y1
+        small = math.sqrt(2) * pieces.sizes_m().max() <= self.reach_m
+        return self.walls if inside and small else self.far_walls
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,8 +117,9 @@ def sights_along(
         grid=grid,
         legs=Legs(near, routes.times_s, routes.robots, routes.kinds, ways, way_of),
         team=Team(reaches, squares, Loops(routes.classes, routes.parts, routes.units_s, routes.from_s)),
-        # whatever hides part of a piece from a place in reach of all of it is not farther than twice the reach
-        walls=tiling_kernels.rasterise(walls, 2 * reach + GRID_MARGIN_M, grid),
+        walls=tiling_kernels.rasterise(walls, reach_m, grid),
+        bounds_m=bounds_m,
+        reach_m=reach_m,
         hidden=blocking,
         window_s=window_s,
     )
@@ -164,7 +184,8 @@ def _arguments(sights: Sights, pieces: Pieces, limits_s: Floats) -> tuple[Any, .
     """What ``worst_gaps`` and ``passing_gaps`` are given."""
     corners = np.ascontiguousarray(pieces.corners_m - sights.origin_m)
     limits = np.ascontiguousarray(limits_s, np.float64)
-    return pieces.offsets, corners, limits, sights.slack_m, sights.grid, sights.legs, sights.team, sights.walls
+    walls = sights.walls_for(pieces)
+    return pieces.offsets, corners, limits, sights.slack_m, sights.grid, sights.legs, sights.team, walls
 
 
 def swath_cuts(sights: Sights, pieces: Pieces) -> Floats:
