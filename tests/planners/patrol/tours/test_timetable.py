@@ -134,6 +134,14 @@ def test_thinning_keeps_the_line() -> None:
         assert line.length == pytest.approx(full.length, abs=1e-4)
 
 
+def test_between_two_corners_of_walls_that_nearly_touch_each_is_passed_slowly() -> None:
+    robot = Robot(name="r", speed_m_s=2.0, sensor=DiscSensor(radius_m=1.0))
+    zigzag = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 2e-6], [2.0, 2e-6], [1.0, 3.0], [1.0 - 5e-7, 3.0]])
+    times_s, places_m = loop_timetable(zigzag, robot)
+    np.testing.assert_array_equal(places_m[:-1], zigzag[:5])
+    assert np.diff(times_s).min() == pytest.approx(5e-6)
+
+
 def test_thinning_by_hand() -> None:
     along = np.array([[0.0, 0], [1, 0], [3, 0], [6, 0], [6, 6], [0, 6], [0, 2]])
     assert thinned(along).tolist() == SQUARE.tolist()

@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 
 from rota.mission import Robot
 from rota.plan import Trajectory
-from rota.planners.patrol.tours.timetable import SHORTEST_LEG_M, SHORTEST_WAIT_S, SLOWER, far_enough, timed_line
+from rota.planners.patrol.tours.timetable import (
+    SHORTEST_LEG_M,
+    SHORTEST_WAIT_S,
+    SLOW_LEG_M,
+    SLOWER,
+    far_enough,
+    timed_line,
+)
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +61,9 @@ def timed_approach(line_m: Floats, robot: Robot, onward_m: Floats | None = None)
     turns = np.zeros(len(line_m) - 1)
     turns[: len(after)] = np.abs(np.arctan2(cross, (before * after).sum(axis=1)))
     too_short = len(line_m) == 2 and np.hypot(*ahead[0]) / SLOWER < SHORTEST_LEG_M
-    times_s, places_m = timed_line(line_m, turns, robot, least_s=SHORTEST_LEG_S if too_short else 0.0)
+    times_s, places_m = timed_line(
+        line_m, turns, robot, least_s=SHORTEST_LEG_S if too_short else SLOW_LEG_M / robot.speed_m_s
+    )
     return Approach(times_s=times_s, places_m=places_m)
 
 
