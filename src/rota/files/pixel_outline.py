@@ -106,40 +106,12 @@ def _ring(path: Floats) -> _Ring:
 
 def _choose_turns(ring: _Ring) -> None:
     """From stop to stop, each time the farthest one that leaves no exact corner too far from the straight line."""
-    count = len(ring.stops)
-    # a corner of long walls is sure to be one of the result
-    reach = [len(ring.between(k - 1, k + 1)) if ring.stops[k] % 1 else 0 for k in range(count)]
-    first = int(np.argmin(reach))
-    at, ring.turns = first, []
-    while at < first + count:
-        ring.turns.append(at)
-        at = _farthest(ring, at, first + count)
+    from rota.files.outline_kernels import chosen_turns
+
+    ring.turns = [int(turn) for turn in chosen_turns(np.ascontiguousarray(ring.path), ring.stops, LARGEST_DEVIATION)]
     if len(ring.turns) < 3:
-        ring.turns = list(range(first, first + count))
-
-
-def _farthest(ring: _Ring, at: int, limit: int) -> int:
-    reached, ahead = at + 1, 2
-    # doubling, then halving, finds it in few trials; what lies within reach is nearly always a run without gaps
-    while at + ahead <= limit and _fits(ring, at, at + ahead):
-        reached, ahead = at + ahead, 2 * ahead
-    low, high = reached, min(at + ahead, limit + 1)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if _fits(ring, at, middle) else (low, middle)
-    return low
-
-
-def _fits(ring: _Ring, first: int, last: int) -> bool:
-    start, end = ring.point(first), ring.point(last)
-    corners = ring.between(first, last)
-    along = end - start
-    squared = float(along @ along)
-    if squared == 0:
-        return False
-    share = np.clip((corners - start) @ along / squared, 0, 1)
-    off = corners - start - share[:, None] * along
-    return bool(((off**2).sum(axis=1) <= LARGEST_DEVIATION**2).all())
+        first = ring.turns[0]
+        ring.turns = list(range(first, first + len(ring.stops)))
 
 
 def _restore_meeting(rings: list[_Ring], pieces: list[list[Floats]]) -> bool:

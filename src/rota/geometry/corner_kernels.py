@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.geometry.kernels import TOUCH_M, segment_is_free
+from rota.geometry.bundle_kernels import SECTORS, segment_is_free_too
+from rota.geometry.kernels import TOUCH_M
 
 
 @kernel
@@ -32,15 +33,17 @@ def _can_bend(px, py, corner):
 def bitangents(corners, corner_part, grid):
     """(c, c) bool: corners of one part that see each other along a line that is a tangent at both."""
     c = len(corners)
-    linked = np.zeros((c, c), np.bool_)
+    linked, bars = np.zeros((c, c), np.bool_), np.empty(SECTORS, np.int64)
     for k in range(c):
         one = corners[k]
+        bars[:] = -1
         for m in range(k):
             other = corners[m]
             if corner_part[k] != corner_part[m] or not _can_bend(one[0], one[1], other):
                 continue
-            if _can_bend(other[0], other[1], one) and segment_is_free(one[0], one[1], other[0], other[1], grid):
-                linked[k, m] = linked[m, k] = True
+            if _can_bend(other[0], other[1], one):
+                free = segment_is_free_too(one[0], one[1], other[0], other[1], grid, bars)
+                linked[k, m] = linked[m, k] = free
     return linked
 
 
@@ -76,8 +79,7 @@ def _meets_box(ax, ay, bx, by, boxes):
 def _may_link(k, corners, sides, may):
     """Fill ``may`` (c,) for all corners after the k-th: whether the line between them is a tangent at both.
 
-    corners: (c, 6). sides: (6, c) x and y of the corners, of the way to the border corner before, and of that to the
-    one after. One step after the other without a branch, so that several are taken at once.
+    corners: (c, 6), and their sides. One step after the other without a branch, so that several are taken at once.
     """
     x, y, before_x, before_y, after_x, after_y = sides
     px, py = corners[k, 0], corners[k, 1]
@@ -97,13 +99,12 @@ def bitangents_of(first, last, corners, corner_part, grid, known):
     """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
     pairs = np.empty((1024, 2), np.int32)
     count = 0
-    sides = np.ascontiguousarray(corners.T)
-    for axis in range(2):
-        sides[2 + axis] -= sides[axis]
-        sides[4 + axis] -= sides[axis]
+    sides = _sides_of(corners)
     linked_to, may = np.full(len(corners), -1, np.int64), np.zeros(len(corners), np.bool_)
+    bars = np.empty(SECTORS, np.int64)
     for k in range(first, last):
         one = corners[k]
+        bars[:] = -1
         for m in known.items[known.start[k] : known.start[k + 1]]:
             linked_to[m] = k
         _may_link(k, corners, sides, may)
@@ -114,7 +115,7 @@ def bitangents_of(first, last, corners, corner_part, grid, known):
             if known.is_old[k] and known.is_old[m] and not _meets_box(ax, ay, bx, by, known.boxes_m):
                 linked = linked_to[m] == k
             else:
-                linked = segment_is_free(ax, ay, bx, by, grid)
+                linked = segment_is_free_too(ax, ay, bx, by, grid, bars)
             if linked:
                 if count == len(pairs):
                     pairs = np.concatenate((pairs, np.empty_like(pairs)))
@@ -123,15 +124,40 @@ def bitangents_of(first, last, corners, corner_part, grid, known):
     return pairs[:count].copy()
 
 
+@kernel
+def _may_bend(px, py, sides, may):
+    """Fill ``may`` (c,) as ``_can_bend`` tells for each of the corners with these sides, without a branch."""
+    x, y, before_x, before_y, after_x, after_y = sides
+    for m in range(len(may)):
+        dx, dy = x[m] - px, y[m] - py
+        before, after = dx * before_y[m] - dy * before_x[m], dx * after_y[m] - dy * after_x[m]
+        slack2 = TOUCH_M * TOUCH_M * (dx * dx + dy * dy)
+        may[m] = (before * after >= 0) | (before * before <= slack2) | (after * after <= slack2)
+
+
+@kernel
+def _sides_of(corners):
+    """(6, c) x and y of the corners (c, 6), of the way to the border corner before, and of that to the one after."""
+    sides = np.ascontiguousarray(corners.T)
+    for axis in range(2):
+        sides[2 + axis] -= sides[axis]
+        sides[4 + axis] -= sides[axis]
+    return sides
+
+
 @kernel(nogil=True)
 def tangents(points, part, corners, corner_part, grid):
     """(n, c) bool: the corners of its own part that each point sees along a tangent."""
-    linked = np.zeros((len(points), len(corners)), np.bool_)
+    linked = np.empty((len(points), len(corners)), np.bool_)
+    sides, bars = _sides_of(corners), np.empty(SECTORS, np.int64)
     for k in range(len(points)):
         px, py = points[k]
+        bars[:] = -1
+        _may_bend(px, py, sides, linked[k])
         for m in range(len(corners)):
-            if part[k] == corner_part[m] and _can_bend(px, py, corners[m]):
-                linked[k, m] = segment_is_free(px, py, corners[m, 0], corners[m, 1], grid)
+            if linked[k, m]:
+                seen = part[k] == corner_part[m]
+                linked[k, m] = seen and segment_is_free_too(px, py, sides[0, m], sides[1, m], grid, bars)
     return linked
 
 
@@ -164,16 +190,17 @@ def path_lengths(a, b, corners, between, grid, symmetric):
     between: (c, c) lengths between the corners. symmetric: a and b are the same.
     """
     path_m = np.full((len(a.points), len(b.points)), inf)
-    lengths = np.empty(len(corners))
+    lengths, bars = np.empty(len(corners)), np.empty(SECTORS, np.int64)
     for k in range(len(a.points)):
         ax, ay = a.points[k]
         known = False
+        bars[:] = -1
         for m in range(k if symmetric else 0, len(b.points)):
             if a.part[k] < 0 or a.part[k] != b.part[m]:
                 continue
             bx, by = b.points[m]
             best = inf
-            if segment_is_free(ax, ay, bx, by, grid):
+            if segment_is_free_too(ax, ay, bx, by, grid, bars):
                 best = hypot(bx - ax, by - ay)
             else:
                 if not known:
@@ -214,9 +241,10 @@ def searched_lengths(rows, a, b, corners, links, grid, symmetric, most_m):
     end_of = end_of[order]
     begin = np.searchsorted(corner_of, np.arange(len(corners) + 1))
     wanted = np.zeros(len(b.points), np.bool_)
-    lengths = np.empty(len(corners))
+    lengths, bars = np.empty(len(corners)), np.empty(SECTORS, np.int64)
     for k in range(first, last):
         ax, ay = a.points[k]
+        bars[:] = -1
         found = path_m[k - first]
         some = False
         for m in range(k if symmetric else 0, len(b.points)):
@@ -226,7 +254,7 @@ def searched_lengths(rows, a, b, corners, links, grid, symmetric, most_m):
             bx, by = b.points[m]
             if hypot(bx - ax, by - ay) > most_m:
                 continue
-            if segment_is_free(ax, ay, bx, by, grid):
+            if segment_is_free_too(ax, ay, bx, by, grid, bars):
                 found[m] = hypot(bx - ax, by - ay)
             else:
                 wanted[m] = some = True

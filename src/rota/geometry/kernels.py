@@ -215,8 +215,8 @@ def _clip_to_grid(ax, ay, dx, dy, grid):
 
 
 @kernel
-def _contacts(ax, ay, bx, by, grid, touches):
-    """How many touches of edges lie on the segment, -1 when it properly crosses one.
+def contacts_of(ax, ay, bx, by, grid, touches):
+    """How many touches of edges lie on the segment; -1 - k when it properly crosses edge k, the first one found.
 
     touches: row by row takes the two parameters at which an edge's ends lie on the segment; empty: not asked for.
     """
@@ -234,7 +234,7 @@ def _contacts(ax, ay, bx, by, grid, touches):
             k = grid.items[n]
             contact = _contact(ax, ay, bx, by, dx / length, dy / length, grid.edges, k)
             if contact == 2:
-                return -1
+                return -1 - k
             if contact == 1:
                 if len(touches):
                     for e in range(2):
@@ -262,10 +262,10 @@ def _contacts(ax, ay, bx, by, grid, touches):
 
 
 @kernel
-def _meets_between_touches(ax, ay, bx, by, grid, count, what):
+def meets_between_touches(ax, ay, bx, by, grid, count, what):
     """Whether a stretch of the segment between two touches lies in what (INSIDE or OUTSIDE)."""
     rows = np.zeros((count + 1, 2))
-    _contacts(ax, ay, bx, by, grid, rows)
+    contacts_of(ax, ay, bx, by, grid, rows)
     rows[count] = 1.0
     touches = rows.ravel()
     for n in range(1, len(touches)):
@@ -290,10 +290,10 @@ def segment_is_free(ax, ay, bx, by, grid):
     """Whether the segment stays in the closed space; both ends must lie in it."""
     if (ax - bx) ** 2 + (ay - by) ** 2 <= TOUCH_M * TOUCH_M:
         return True
-    count = _contacts(ax, ay, bx, by, grid, grid.edges[:0])
+    count = contacts_of(ax, ay, bx, by, grid, grid.edges[:0])
     if count <= 0:
         return count == 0
-    return not _meets_between_touches(ax, ay, bx, by, grid, count, np.int64(OUTSIDE))
+    return not meets_between_touches(ax, ay, bx, by, grid, count, np.int64(OUTSIDE))
 
 
 @kernel
@@ -303,10 +303,10 @@ def point_sees_point(ax, ay, bx, by, grid):
         return False
     if (ax - bx) ** 2 + (ay - by) ** 2 <= TOUCH_M * TOUCH_M:
         return True
-    count = _contacts(ax, ay, bx, by, grid, grid.edges[:0])
+    count = contacts_of(ax, ay, bx, by, grid, grid.edges[:0])
     if count <= 0:
         return count == 0
-    return not _meets_between_touches(ax, ay, bx, by, grid, count, np.int64(INSIDE))
+    return not meets_between_touches(ax, ay, bx, by, grid, count, np.int64(INSIDE))
 
 
 @kernel

@@ -28,6 +28,7 @@ MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of the
 ROWS_TOGETHER, SOURCES_TOGETHER = 200, 50
 FEW_CORNERS = 300  # with more, what corners points see is remembered
 MOST_REMEMBERED = 100_000  # points
+MANY_STEPPED = 100  # points between which ways from point to point are kept
 MOST_MEASURED = 8  # sets of points between which all lengths are kept
 
 
@@ -65,10 +66,12 @@ class ShortestPaths:
         self._measured: tuple[tuple[dict[tuple[float, ...], int], Floats], ...] = ()
         # the corners that points see along tangents, where that takes a look at very many: tours ask again and again
         self._seen_corners: dict[tuple[float, ...], Ints] = {}
+        # the last ways from point to point of many points, with these and the step: a tour asks again after its cluster
+        self._stepped: tuple[Floats, float, Floats] | None = None
 
     def __getstate__(self) -> dict[str, object]:
         """What is sent to another process: all but what was asked for before, which other threads may change."""
-        return {**self.__dict__, "_measured": (), "_seen_corners": {}, "_like": None}
+        return {**self.__dict__, "_measured": (), "_seen_corners": {}, "_like": None, "_stepped": None}
 
     @cached_property
     def _between(self) -> tuple[Floats, NDArray[np.int32]]:
@@ -183,6 +186,15 @@ class ShortestPaths:
         """
         if self._dense:
             return self.all_pairs(points_m)
+        last = self._stepped
+        if last is not None and step_m == last[1] and np.array_equal(points_m, last[0]):
+            return last[2].copy()
+        lengths_m = self._lengths_by_steps(points_m, step_m)
+        if len(lengths_m) > MANY_STEPPED:
+            self._stepped = np.array(points_m), step_m, lengths_m.copy()
+        return lengths_m
+
+    def _lengths_by_steps(self, points_m: Floats, step_m: float) -> Floats:
         ends = self._ends(points_m)
         together = (ends.part[:, None] == ends.part[None]) & (ends.part[:, None] >= 0)
         while True:

@@ -14,6 +14,7 @@ from rota.geometry.free_space import DemandedRegion, standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor
 from rota.planners.patrol.ground.limits_of_sight import (
+    FEW_CORNERS,
     area_in_range,
     drawn_to_border,
     limit_is_asked_for,
@@ -70,6 +71,26 @@ def test_only_ground_beyond_the_margin_is_at_the_limit() -> None:
     visit = DemandedRegion(name="tank", period_s=60, demand="visit", shape=MultiPolygon([CLOSED]))
     assert not limit_is_asked_for([visit], SPACE, DISC, 0.012)
     assert not len(limit_points([visit], [0], SPACE, DISC, range_margin_m=0.012, spacing_m=0.2))
+
+
+@pytest.mark.parametrize("block", [box(4, 4, 7.9, 9), box(4, 4, 7.999, 9), box(4, 4, 5, 5), Point(7, 7).buffer(1.8)])
+def test_squares_near_corners_tell_what_the_area_in_range_tells(
+    block: Polygon, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ground = GROUND.shape.geoms[0].difference(shapely.segmentize(block, 0.1))
+    ragged = MultiPolygon([shapely.segmentize(ground, 0.05)])
+    assert len(shapely.get_coordinates(ragged)) > FEW_CORNERS
+    looked_at = []
+
+    def seen_in_range(*arguments: object) -> object:
+        looked_at.append(arguments)
+        return area_in_range(*arguments)
+
+    monkeypatch.setattr(f"{limit_is_asked_for.__module__}.area_in_range", seen_in_range)
+    asked = limit_is_asked_for([GROUND], ragged, DISC, 0.012)
+    assert bool(looked_at) == (block.area > 2)  # all of a small block is so near that no more is looked at
+    monkeypatch.setattr(f"{limit_is_asked_for.__module__}.FEW_CORNERS", 10_000)
+    assert limit_is_asked_for([GROUND], ragged, DISC, 0.012) == asked
 
 
 def test_reach_is_given_where_it_is_needed_only() -> None:

@@ -23,6 +23,9 @@ from rota.planners.patrol.tours.tour import Tour
 Floats = NDArray[np.float64]
 
 ARC_STEPS = 64  # per quarter of a circle
+NEAR = 0.98  # of the reach: what is so near is in range, whatever chords cut off
+FEW_CORNERS = 1_000  # of a space: what is in its range is soon worked out
+MOST_SQUARES = 50_000  # in which it is told whether all of a shape is near
 LIMIT_INSET_M = 0.001  # how far inside of the limit its samples lie: legs that see them run along the very border
 
 
@@ -46,9 +49,27 @@ def limit_is_asked_for(
     """Whether some ground that must be seen is out of reach of a sensor that reaches ``range_margin_m`` less."""
     asked = [region.shape for region in regions if region.demand == "every_point"]
     beyond = shapely.difference(shapely.union_all(asked), space)
-    if beyond.is_empty:
+    if beyond.is_empty or _is_near(beyond, space, NEAR * sensor_arguments(robot, range_margin_m)[0]):
         return False
     return not bool(shapely.covers(area_in_range(space, robot, range_margin_m), beyond))
+
+
+def _is_near(shape: BaseGeometry, space: MultiPolygon, near_m: float) -> bool:
+    """Whether the shape surely is within ``near_m`` of the space, as that of ragged ground mostly is: False may be so.
+
+    Told from squares: all of one is near if its middle is so near a corner of the space.
+    """
+    corners_m = shapely.get_coordinates(space)
+    if len(corners_m) <= FEW_CORNERS:
+        return False
+    x0, y0, x1, y1 = shape.bounds
+    side_m = max(near_m / 4, float(np.sqrt((x1 - x0) * (y1 - y0) / MOST_SQUARES)))
+    columns, rows = int((x1 - x0) / side_m) + 1, int((y1 - y0) / side_m) + 1
+    x, y = (v.ravel() for v in np.meshgrid(x0 + side_m * np.arange(columns), y0 + side_m * np.arange(rows)))
+    away_m, _ = cKDTree(corners_m).query(np.column_stack([x, y]) + side_m / 2)
+    far = away_m + side_m * np.sqrt(0.5) > near_m
+    shapely.prepare(shape)
+    return not shapely.intersects(shape, shapely.box(x[far], y[far], x[far] + side_m, y[far] + side_m)).any()
 
 
 def limit_points(

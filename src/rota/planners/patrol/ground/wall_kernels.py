@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rota.compiled.kernel import kernel
-from rota.planners.patrol.ground.sight_kernels import TOUCH_M
+from rota.planners.patrol.ground.sight_kernels import TOUCH_M, norm
 
 MANY_WALLS = 40  # round a point: from this number on they are sorted by direction
 MOST_SECTORS = 256  # into which they are sorted
@@ -30,7 +30,7 @@ class WallCells(NamedTuple):
     items: Any
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def walls_that_hide(xy: Any, reach: float, cells: WallCells) -> Any:
     """The walls within reach of each point (n, 2) that hide anything from it: starts (n + 1,), and their numbers."""
     n = xy.shape[0]
@@ -51,7 +51,7 @@ def walls_that_hide(xy: Any, reach: float, cells: WallCells) -> Any:
     return start, found[: start[n]].copy()
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, turn: int) -> Any:
     """The numbers of the walls within reach of a point, ascending; asked (w,): the last turn that asked for each."""
     left = max(math.floor((x - reach - cells.x0) / cells.cell_m), 0)
@@ -77,16 +77,17 @@ def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, t
     return np.sort(near[:count])
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def away_from(x: float, y: float, wall: Any) -> float:
     """Distance of a point from a wall."""
     ux, uy, wx, wy = x - wall[0], y - wall[1], wall[2] - wall[0], wall[3] - wall[1]
     square = wx * wx + wy * wy
     along = 0.0 if square == 0.0 else min(1.0, max(0.0, (ux * wx + uy * wy) / square))
-    return math.hypot(ux - along * wx, uy - along * wy)
+    away: float = norm(ux - along * wx, uy - along * wy)
+    return away
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def nearest_walls(x: float, y: float, items: Any, walls: Any) -> Any:
     """Which of the walls with the numbers items are the nearest in some direction: the others hide nothing more.
 
@@ -121,7 +122,7 @@ def nearest_walls(x: float, y: float, items: Any, walls: Any) -> Any:
     return needed
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed: Any) -> None:
     """Mark the walls that are the nearest in the middle between two neighbouring directions, of very many walls.
 
@@ -135,20 +136,23 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
     for j in range(count):
         away[j], first[j], last[j] = sectors_of(x, y, walls[items[j]], angles[2 * j], angles[2 * j + 1], sectors)
         for k in range(first[j], last[j] + 1):
-            start[k % sectors + 1] += 1
+            start[(k if k < sectors else k - sectors) + 1] += 1
     for k in range(sectors):
         start[k + 1] += start[k]
     inside, place = np.empty(start[sectors], dtype=np.int64), start.copy()
     for j in np.argsort(away):
         for k in range(first[j], last[j] + 1):
-            inside[place[k % sectors]] = j
-            place[k % sectors] += 1
+            sector = k if k < sectors else k - sectors
+            inside[place[sector]] = j
+            place[sector] += 1
     angles.sort()
+    per_turn = sectors / (2 * math.pi)
     for a in range(angles.shape[0] - 1):
         middle = (angles[a] + angles[a + 1]) / 2
         dx, dy = math.cos(middle), math.sin(middle)
         near, hit = math.inf, -1
-        sector = math.floor((middle + math.pi) / (2 * math.pi) * sectors) % sectors
+        sector = int((middle + math.pi) * per_turn)
+        sector = sector if sector < sectors else sector - sectors
         for n in range(start[sector], start[sector + 1]):
             j = inside[n]
             if away[j] > near * (1 + 1e-9) + TOUCH_M:
@@ -160,7 +164,7 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
             needed[hit] = True
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: float, sectors: int) -> Any:
     """How far a wall is from (x, y), and the first and last of the sectors that it lies in, both ends at angles.
 
@@ -170,18 +174,23 @@ def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: fl
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
     wx, wy = vx - ux, vy - uy
     along = 0.0 if wx == 0.0 and wy == 0.0 else min(1.0, max(0.0, -(ux * wx + uy * wy) / (wx * wx + wy * wy)))
-    away = math.hypot(ux + along * wx, uy + along * wy)
+    away = norm(ux + along * wx, uy + along * wy)
     if away < 1e-4:
         return away, 0, sectors - 1
-    turn = (last_angle - first_angle) % (2 * math.pi)
+    turn = last_angle - first_angle
+    if turn < 0:
+        turn += 2 * math.pi
     begin = first_angle if turn <= math.pi else last_angle
     turn = min(turn, 2 * math.pi - turn)
-    first = math.floor((begin - 1e-9 + math.pi) / (2 * math.pi) * sectors)
-    last = math.floor((begin + turn + 1e-9 + math.pi) / (2 * math.pi) * sectors)
+    per_turn = sectors / (2 * math.pi)
+    first = math.floor((begin - 1e-9 + math.pi) * per_turn)
+    last = math.floor((begin + turn + 1e-9 + math.pi) * per_turn)
+    if first < 0:
+        first, last = first + sectors, last + sectors
     return away, first, min(last, first + sectors - 1)
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def lies_on(wall: Any, x: float, y: float) -> Any:
     """Whether a point lies on a wall, its ends not included."""
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
@@ -190,7 +199,7 @@ def lies_on(wall: Any, x: float, y: float) -> Any:
     return turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy) and ux * vx + uy * vy < 0
 
 
-@kernel(nogil=True)
+@kernel(error_model="numpy", nogil=True)
 def ray_hits(dx: float, dy: float, wall: Any, x: float, y: float) -> float:
     """Distance along a ray from (x, y) along d to the wall, inf when it misses or starts on the wall's line."""
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
