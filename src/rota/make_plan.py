@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -96,6 +98,7 @@ def search_plan(
     judge = _Judge(mission, watch, on_better)
     stop = _StopRule(time_limit_s, should_stop)
     planner = planner_of(mission)
+    judge.get_ready()
     if not mission.planning.makes_runs and (resume is not None or observe is not None):
         what = "makes no runs that can be gone on with" if resume is not None else "has no steps to measure"
         raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
@@ -136,16 +139,23 @@ class _Judge:
         self._better = None if on_better is None else BetterPlans(mission, on_better)
         self._mission = mission
         self._watch = watch
+        self._ready = threading.Thread(target=_made_ready, args=(mission,), daemon=True)
 
     def __reduce__(self) -> tuple[type[_Judge], tuple[object, ...]]:
         """Sent to another process it judges there, and tells nobody."""
         return _Judge, (self._mission, None, None)
+
+    def get_ready(self) -> None:
+        """Begin the check's work on the mission alone, while the planner makes its first plan."""
+        self._ready.start()
 
     def __call__(self, plan: Plan) -> Report:
         from rota.check import check_plan
 
         last = self._last  # which another thread may change
         if last is None or last[0] is not plan:
+            if self._ready.is_alive():
+                self._ready.join()
             # on the way planners try longer periods, of which the bound that the plan claims says nothing
             claims = plan.mission is self._mission
             judged = plan if claims else replace(plan, lower_bound_robots=None, lower_bound_reason=None)
@@ -156,6 +166,14 @@ class _Judge:
             if self._better is not None:
                 self._better.judged(*last)
         return last[1]
+
+
+def _made_ready(mission: Mission) -> None:
+    """Do the check's work on the mission alone."""
+    from rota.check import get_ready
+
+    with suppress(Exception):  # what is wrong with the mission, the check tells
+        get_ready(mission)
 
 
 class _StopRule:

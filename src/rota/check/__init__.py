@@ -7,9 +7,19 @@ from typing import TYPE_CHECKING
 from rota.check.report import DemandVerdict, Report, Violation, report_schema, report_table, report_to_json
 
 if TYPE_CHECKING:
+    from rota.mission import Mission
     from rota.plan import Plan
 
-__all__ = ["DemandVerdict", "Report", "Violation", "check_plan", "report_schema", "report_table", "report_to_json"]
+__all__ = [
+    "DemandVerdict",
+    "Report",
+    "Violation",
+    "check_plan",
+    "get_ready",
+    "report_schema",
+    "report_table",
+    "report_to_json",
+]
 
 
 def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
@@ -22,3 +32,13 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     from rota.check.judge import check_plan as judge  # loads the compiled loops only when they are needed
 
     return judge(plan, finest_m=finest_m)
+
+
+def get_ready(mission: Mission) -> None:
+    """Work out what ``check_plan`` asks of a mission over ragged ground alone, before there is a plan to check.
+
+    Nothing has to call it: the first check is sooner done where somebody has, from a thread of its own.
+    """
+    from rota.check.tiles import get_ready as ready
+
+    ready(mission)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import MultiPolygon, difference, distance, intersection, points, union_all
 
+from rota.check.blocking import blocks_sight
 from rota.check.routes import segments_of
 from rota.mission import AREA, Demand, Mission
 
@@ -59,7 +60,7 @@ def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
 @functools.lru_cache(maxsize=4)
 def open_ground(mission: Mission) -> Any:
     """The area without what blocks sight: all that can be demanded."""
-    return difference(mission.area, union_all([o.shape for o in mission.obstacles if o.blocks_sight]))
+    return difference(mission.area, blocks_sight(mission.obstacles))
 
 
 def _polygonal(shape: Any) -> MultiPolygon:

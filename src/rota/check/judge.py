@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import math
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,26 +17,19 @@ from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.findings import Findings
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
-from rota.check.pieces import Pieces, convex_pieces, joined
 from rota.check.presence import presence_violations
-from rota.check.refine import refine
 from rota.check.report import DemandVerdict, Outcome, Report, Violation, violation
 from rota.check.revisits import Sights, loop_gap, sights_of
-from rota.check.seeable import has_many_sides, seeable_ground
 from rota.check.separation import separation_violations
 from rota.check.standing import standing_areas
-from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, SLIVER_SHARE, TOUCH_M, slack_of
+from rota.check.tiles import FINEST_M, tile_and_refine
+from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
 from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FEW_PIECES = 50_000  # still open on ragged ground: all that is unmet among them is told
-# pieces of a violated demand are cut to this part of a tile; of many tiles to a finer one, since a planner that is told
-# of coarse pieces only goes to see what was seen already, and its next plan is looked at all over again
-CUTS, MANY_CUTS, MANY_PIECES = 4, 16, 50_000
-MOST_CELLS = 4_000_000
 MOST_UNMET_POINTS = 200_000
 
 
@@ -65,7 +57,7 @@ class Verdicts:
         }
 
 
-def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
+def check_plan(plan: Plan, *, finest_m: float = FINEST_M) -> Report:
     """The independent verdict on a plan: "met" only when it is shown for every demanded point and for ever.
 
     finest_m: size in metres below which pieces are not cut any more; what is then still open is "not proven". The
@@ -74,8 +66,10 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
     """
     mission = plan.mission
     demands = demands_of(mission)
-    sights = sights_of(plan, mission.area.bounds)
-    findings = tile_and_refine(mission, demands, sights, finest_m)
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        driven = pool.submit(_violations_on_the_way, plan)
+        sights = sights_of(plan, mission.area.bounds)
+        findings = tile_and_refine(mission, demands, sights, finest_m)
     excluded_violation = too_much_excluded(mission, demands, findings)
     verdicts = Verdicts()
     for k, demand in enumerate(demands):
@@ -83,9 +77,7 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
             judge_visits(verdicts, k, demand, sights, mission)
         else:
             judge_points(verdicts, k, demand, findings[k], bool(excluded_violation))
-    violations = verdicts.violations + excluded_violation
-    violations += _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
-    violations += moving_violations(plan) + presence_violations(plan)
+    violations = verdicts.violations + excluded_violation + driven.result()
     margin_s = clock_margin_s(plan)
     violations += clock_violations(plan, margin_s)
     bounced = bounce_violations(plan)
@@ -115,75 +107,6 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
         **verdicts.places(),
         run_end=plan.run_end,
     )
-
-
-def tile_and_refine(
-    mission: Mission, demands: tuple[DemandedGround, ...], sights: Sights, finest_m: float
-) -> list[Findings]:
-    """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined."""
-    reach = float(sights.team.reaches_m.min(initial=math.inf))
-    size = max(reach / 4 if math.isfinite(reach) else mission.fleet.sensor.reach_m / 4, finest_m)
-    pieces, owners, size = _tiles(mission, size)
-    limits = np.array([demand.period_s for demand in demands]) * (1 + PERIOD_TOLERANCE)
-
-    regions, ground = [demand.region for demand in demands], seeable_ground(mission)
-    shapely.prepare(regions)
-
-    one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
-
-    def is_seeable(points_m: Floats, spreads_m: Floats | float, numbers: Ints) -> NDArray[np.bool_]:
-        can_see, spreads_m = np.ones(len(points_m), np.bool_), np.broadcast_to(spreads_m, len(points_m))
-        with one_at_a_time:
-            for k in np.unique(numbers):
-                members = np.flatnonzero(numbers == k)
-                members = members[shapely.contains_xy(regions[k], *points_m[members].T)]
-                can_see[members] = ground.seen_within(points_m[members], spreads_m[members])
-        return can_see
-
-    # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed, and a planner that is
-    # told of finer ones only when all coarse ones are met repairs its plan once for each size
-    few = FEW_PIECES if has_many_sides(mission) else 0
-    coarse_m = max(finest_m, size / (MANY_CUTS if len(pieces) > MANY_PIECES else CUTS))
-    findings = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
-    for k in _left_out(mission, demands, pieces, owners):
-        findings[k].undecided_cells += 1
-    return findings
-
-
-def _left_out(mission: Mission, demands: tuple[DemandedGround, ...], pieces: Pieces, owners: Ints) -> list[int]:
-    """Numbers of the demands whose region the pieces do not fill, slivers along its border aside.
-
-    Slivers thinner than the check's tolerance have no area to speak of. A region that is nothing else was not looked
-    at. Where there is no piece at all, every demand is left out.
-    """
-    points = [k for k, demand in enumerate(demands) if demand.demand == "every_point" and not demand.region.is_empty]
-    tiled_m2 = np.bincount(owners, pieces.areas_m2(), len(demands))
-    if not tiled_m2.any():
-        return points
-    slivers_m2 = [
-        SLIVER_SHARE * demands[k].region.area + 8 * slack_of(mission) * demands[k].region.length for k in points
-    ]
-    return [k for k, most in zip(points, slivers_m2, strict=True) if demands[k].region.area - tiled_m2[k] > most]
-
-
-@functools.lru_cache(maxsize=2)
-def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
-    """Pieces of all demands, the index of each one's demand, and the size of the lattice (larger for a huge area)."""
-    demands = demands_of(mission)
-    regions = [demand.region for demand in demands if demand.demand == "every_point"]
-    # a long strip has few cells for its area and many for its border
-    most_m = (
-        math.sqrt(sum(region.area for region in regions) / MOST_CELLS),
-        sum(r.length for r in regions) / MOST_CELLS,
-    )
-    size = max(size_m, *most_m)
-    tiles: list[Pieces] = []
-    owners: list[Ints] = [np.empty(0, np.int64)]
-    for k, demand in enumerate(demands):
-        if demand.demand == "every_point":
-            tiles.append(convex_pieces(demand.region, size, 2 * slack_of(mission)))
-            owners.append(np.full(len(tiles[-1]), k, np.int64))
-    return joined(tiles), np.concatenate(owners), size
 
 
 def too_much_excluded(
@@ -292,6 +215,12 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
     )
     times = [routes.times_s[m, 0] + lo * (routes.times_s[m, 1] - routes.times_s[m, 0]) for m, lo, _ in inside]
     verdicts.firsts_s.append(min(times, default=math.inf))
+
+
+def _violations_on_the_way(plan: Plan) -> list[Violation]:
+    """What is wrong with the routes themselves, whatever is seen from them."""
+    violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
+    return violations + moving_violations(plan) + presence_violations(plan)
 
 
 def _fleet_violations(plan: Plan) -> list[Violation]:

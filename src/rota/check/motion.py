@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import threading
 from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.blocking import blocks_motion
 from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, TOUCH_M
@@ -20,16 +23,14 @@ from rota.violation_kinds import ViolationKind
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+_ONE_AT_A_TIME = threading.Lock()
 MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together
 
 
 def motion_violations(plan: Plan) -> list[Violation]:
     """Everything wrong with the motion of each robot by itself, at most 20 of a kind for each robot."""
     mission = plan.mission
-    area = _border_of(mission.area)
-    blocked = _border_of(
-        shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion])
-    )
+    area, blocked = border_of(mission.area), border_of(blocks_motion(mission.obstacles))
     violations: list[Violation] = []
     out_of_area, into_obstacles = _deepest_of_all(plan, area, False), _deepest_of_all(plan, blocked, True)
     for k, trajectory in enumerate(plan):
@@ -84,10 +85,21 @@ class _Border(NamedTuple):
     tree: Any
 
 
-def _border_of(shape: Any) -> _Border:
-    """The border of the area, or of what blocks motion, made ready for all robots."""
+def border_of(shape: Any) -> _Border:
+    """The border of the area, or of what blocks motion, made ready for all robots and for the next plans."""
+    with _ONE_AT_A_TIME:
+        return _ready_border(shape)
+
+
+@functools.lru_cache(maxsize=4)
+def _ready_border(shape: Any) -> _Border:
+    """The same, made anew.
+
+    A prepared shape builds an index when it is first asked about a point. Several threads must not do that at once.
+    """
     sides = segments_of(shape)
     shapely.prepare(shape)
+    shapely.contains(shape, shapely.centroid(shapely.envelope(shape)))
     return _Border(shape, sides, shapely.STRtree(lines_of(sides)))
 
 

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.check.demands import demands_of
-from rota.check.judge import Verdicts, judge_points, judge_visits, tile_and_refine, too_much_excluded
+from rota.check.judge import Verdicts, judge_points, judge_visits, too_much_excluded
 from rota.check.report import Outcome, Report
 from rota.check.revisits import sights_along
 from rota.check.routes import LOOP, Routes
+from rota.check.tiles import tile_and_refine
 from rota.errors import PlanError
 from rota.mission import DiscSensor, Mission
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 import functools
 import math
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import contains_xy, prepare, union_all
+from shapely import contains_xy, prepare
 
 from rota.check import gap_kernels, kernels, passing_kernels, tiling_kernels, window_kernels
 from rota.check.arrays import Binned, Floats, Grid, Ints, Legs, Loops, SeenTimes, Team, Ways
+from rota.check.blocking import blocks_sight
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
@@ -23,7 +25,7 @@ from rota.mission import Mission
 from rota.plan import Plan
 
 MOST_GRID_CELLS = 1_000_000
-MOST_ALONE = 1_000  # pieces that one thread looks at by itself
+MOST_ALONE = 200  # pieces that one thread looks at by itself
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,7 +100,7 @@ def sights_along(
     grid = Grid(x0 - origin[0], y0 - origin[1], size, columns, rows)
     four = np.tile(origin, 2)
     legs = np.ascontiguousarray(routes.legs_m - four)
-    blocking = union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight])
+    blocking = blocks_sight(mission.obstacles)
     walls = np.ascontiguousarray(segments_of(blocking) - four)
     reach_m = reach * (1 + ROUNDING) + GRID_MARGIN_M
     near = tiling_kernels.rasterise(legs, reach_m, grid)
@@ -145,19 +147,14 @@ def piece_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     """Worst gap of each piece: no point of it waits longer. limits_s: (n,) beyond which more effort is worth it."""
     if not len(sights.team.reaches_m) or not len(pieces):
         return _never(len(pieces))
-    threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
-    cuts = np.array_split(np.arange(len(pieces)), threads)
-    arguments_of_parts = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
 
-    def gaps_of(arguments: tuple[Any, ...]) -> Any:
+    def gaps_of(*arguments: Any) -> Any:
         if sights.window_s is None:
             return kernels.worst_gaps(*arguments)
         within = (*arguments[:2], *arguments[3:], sights.window_s)  # limits say nothing there
         return window_kernels.gaps_within(*within)
 
-    with ThreadPoolExecutor(max_workers=threads) as pool:
-        parts = list(pool.map(gaps_of, arguments_of_parts))
-    gaps_s, begins_s, firsts_s, exact = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    gaps_s, begins_s, firsts_s, exact = _in_parts(gaps_of, sights, pieces, limits_s)
     return Gaps(gaps_s=gaps_s, begins_s=begins_s, firsts_s=firsts_s, exact=exact)
 
 
@@ -169,7 +166,7 @@ def passing_gaps(sights: Sights, pieces: Pieces, limits_s: Floats) -> Gaps:
     """
     if not len(sights.team.reaches_m) or not len(pieces) or sights.window_s is not None:
         return _never(len(pieces))
-    gaps_s, firsts_s = passing_kernels.passing_gaps(*_arguments(sights, pieces, limits_s))
+    gaps_s, firsts_s = _in_parts(passing_kernels.passing_gaps, sights, pieces, limits_s)
     n = len(pieces)
     return Gaps(gaps_s=gaps_s, begins_s=np.full(n, np.nan), firsts_s=firsts_s, exact=np.zeros(n, np.bool_))
 
@@ -178,6 +175,18 @@ def _never(n: int) -> Gaps:
     """Gaps of n pieces that nobody sees."""
     never = np.full(n, np.inf)
     return Gaps(gaps_s=never, begins_s=np.full(n, np.nan), firsts_s=never, exact=np.ones(n, np.bool_))
+
+
+def _in_parts(
+    kernel: Callable[..., tuple[Any, ...]], sights: Sights, pieces: Pieces, limits_s: Floats
+) -> tuple[Any, ...]:
+    """The arrays (n,) that a kernel gives for n pieces, each thread looking at a part of them."""
+    threads = 1 if len(pieces) <= MOST_ALONE else os.cpu_count() or 1
+    cuts = np.array_split(np.arange(len(pieces)), threads)
+    arguments = [_arguments(sights, pieces.chosen(cut), limits_s[cut]) for cut in cuts]
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        parts = list(pool.map(lambda part: kernel(*part), arguments))
+    return tuple(np.concatenate(arrays) for arrays in zip(*parts, strict=True))
 
 
 def _arguments(sights: Sights, pieces: Pieces, limits_s: Floats) -> tuple[Any, ...]:

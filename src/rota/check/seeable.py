@@ -14,6 +14,7 @@ import shapely
 
 from rota.check import sight_kernels, tiling_kernels
 from rota.check.arrays import Binned, Flags, Floats, Grid
+from rota.check.blocking import blocks_sight
 from rota.check.routes import segments_of
 from rota.check.standing import StandingArea, standing_areas
 from rota.check.tolerances import GRID_MARGIN_M, SLACK_M, slack_of
@@ -31,7 +32,7 @@ MOST_ALONE = 64  # points that one thread looks from by itself
 
 def has_many_sides(mission: Mission) -> bool:
     """Whether walls have so many sides, as on a scanned floor, that they cut most pieces of the ground."""
-    return int(shapely.get_num_coordinates(_hidden(mission.obstacles))) > RAGGED_SIDES
+    return int(shapely.get_num_coordinates(blocks_sight(mission.obstacles))) > RAGGED_SIDES
 
 
 def seeable(mission: Mission, areas: tuple[StandingArea, ...], points_m: Floats, spread_m: float = 0.0) -> Flags:
@@ -52,7 +53,7 @@ def seeable_ground(mission: Mission) -> SeeableGround:
 @functools.lru_cache(maxsize=4)
 def _ground(obstacles: tuple[Obstacle, ...], areas: tuple[StandingArea, ...], slack_m: float) -> SeeableGround:
     """The same for missions that differ in their periods only; a search has hundreds of plans for them checked."""
-    return SeeableGround(_hidden(obstacles), areas, slack_m)
+    return SeeableGround(blocks_sight(obstacles), areas, slack_m)
 
 
 class SeeableGround:
@@ -88,6 +89,19 @@ class SeeableGround:
         """The ground as looks without a spread ask for it."""
         return self._ragged_scene(0.0)
 
+    def get_ready(self, most_spread_m: float) -> None:
+        """Make the ground ready, where it is ragged, for looks without a spread and with all up to the greatest."""
+        if not self._is_ragged:
+            return
+        steps = range(math.ceil(math.log2(max(most_spread_m, LEAST_SPREAD_M) / LEAST_SPREAD_M)) + 1)
+        spreads_m = [LEAST_SPREAD_M * 2.0**step for step in steps]
+        _ = self._scene
+        for spread_m in spreads_m[:SPREADS]:
+            if spread_m <= MOST_SPREAD * self._reach_m:
+                self._scene_within(spread_m)
+        for scene in self._scene:
+            _sides(scene.area)
+
     def seen_within(self, points_m: Floats, spreads_m: Floats) -> Flags:
         """The same for a spread of each point, (n,) metres; for one that is greater, where that is less work.
 
@@ -113,12 +127,6 @@ class SeeableGround:
         box_m = boxes[:, :2].min(axis=0) - reach_m, boxes[:, 2:].max(axis=0) + reach_m
         hidden = _thinner(self._hidden, spread_m, steps=RAGGED_STEPS)
         return _scene_of(self._areas, hidden, box_m, spread_m, self._slack_m, ragged_spread_m=most_m)
-
-
-@functools.lru_cache(maxsize=4)
-def _hidden(obstacles: tuple[Obstacle, ...]) -> Any:
-    """All obstacles that block sight as one geometry."""
-    return shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_sight])
 
 
 def _seen_from_any(

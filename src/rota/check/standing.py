@@ -14,6 +14,7 @@ import shapely
 from shapely import MultiPolygon
 
 from rota.check.arrays import Floats
+from rota.check.blocking import blocks_motion
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import TOUCH_M
 from rota.mission import Mission, Obstacle, Sensor
@@ -39,7 +40,7 @@ def standing(area: MultiPolygon, obstacles: tuple[Obstacle, ...], body_radius_m:
     It need not be connected, and it may be empty. Round corners it is larger by up to 3e-4 of the radius, as arcs are
     replaced by their chords.
     """
-    blocked = shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_motion])
+    blocked = blocks_motion(obstacles)
     body = body_radius_m - TOUCH_M
     if body <= 0:
         return shapely.difference(area, blocked)

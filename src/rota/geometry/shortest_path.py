@@ -245,10 +245,18 @@ class ShortestPaths:
         known = self._seen_corners
         keys = list(map(tuple, points.tolist()))
         new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
-        for some in np.array_split(new, 1 + len(new) // SOURCES_TOGETHER):
-            linked = corner_kernels.tangents(points[some], part[some], self._corners, self._corner_part, self.grid)
-            for k, row in zip(some, linked, strict=True):
-                known[keys[k]] = np.flatnonzero(row)
+
+        def corners_of(some: Ints) -> list[Ints]:
+            rows = corner_kernels.tangents(points[some], part[some], self._corners, self._corner_part, self.grid)
+            return [np.flatnonzero(row) for row in rows]
+
+        parts = np.array_split(new, 1 + len(new) // SOURCES_TOGETHER)
+        if len(parts) == 1:  # to start a thread takes longer
+            found = corners_of(new)
+        else:
+            with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+                found = [row for rows in pool.map(corners_of, parts) for row in rows]
+        known.update((keys[k], row) for k, row in zip(new, found, strict=True))
         items = [known[key] for key in keys]
         start = np.concatenate([[0], np.cumsum([len(corners) for corners in items])]).astype(np.int64)
         return Ends(points, part, start, np.concatenate([np.zeros(0, dtype=np.int64), *items]))

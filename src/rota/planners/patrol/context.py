@@ -10,7 +10,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from rota.engines.placing import answer_of, submitted_with
 from rota.mission import Mission
-from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
+from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -32,8 +32,8 @@ class Context:
 
     asked: the mission with its starts and without a reserve.
     settings: of every stage of the search.
-    bound: what is proved of the mission as it is asked; ``counts_areas_only``: by areas and periods, and no other proof
-    was tried yet (``with_best_bound``).
+    bound: what is proved of the mission as it is asked. proves_later: the best bound is still to be proved
+    (``with_best_bound``).
     enough_robots: fewer are not looked for; the bound, or the number of a fixed team.
     coverage_weight: multiple of the weight of seeing on open ground.
     watch: told of the states of the search, from several threads; it changes nothing of the result.
@@ -52,7 +52,15 @@ class Context:
     coverage_weight: float = 1.0
     watch: Watch | None = None
     executor: Executor | None = None
-    counts_areas_only: bool = False
+    proves_later: bool = False
+
+    @property
+    def keeps_first_tours(self) -> bool:
+        """Whether a plan with the first tours will do, however many robots are proved necessary.
+
+        To look for fewer takes hours over the thousands of corners of ragged ground.
+        """
+        return self.problem.is_ragged and not self.settings.team_size.searches_ragged
 
     @property
     def threads(self) -> int | None:
@@ -115,26 +123,27 @@ def begin_search(
     should_stop: Callable[[], bool],
     watch: Watch | None = None,
     executor: Executor | None = None,
-    counts_areas_only: bool = False,
+    prove: Callable[[Problem], ProvedBound] = prove_bound,
 ) -> Context:
     """A search with the settings of the mission's effort and the bound of the mission as it is asked.
 
-    asked: the mission with its starts and without a reserve. counts_areas_only: no other bound is proved yet.
+    asked: the mission with its starts and without a reserve. prove: any other bound than the best one is to do for the
+    beginning.
     """
-    bound, enough_robots = what_is_proved(problem, asked, prove_by_area if counts_areas_only else prove_bound)
+    bound, enough_robots = what_is_proved(problem, asked, prove)
     return Context(
         problem=problem, asked=asked, settings=EFFORTS[PatrolSettings.of(problem.mission).effort], bound=bound,
         enough_robots=enough_robots, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-        executor=executor, counts_areas_only=counts_areas_only,
+        executor=executor, proves_later=prove is not prove_bound,
     )  # fmt: skip
 
 
 def with_best_bound(context: Context) -> Context:
     """The search with the highest of all bounds."""
-    if not context.counts_areas_only:
+    if not context.proves_later:
         return context
     bound, enough_robots = what_is_proved(context.problem, context.asked, prove_bound)
-    return replace(context, bound=bound, enough_robots=enough_robots, counts_areas_only=False)
+    return replace(context, bound=bound, enough_robots=enough_robots, proves_later=False)
 
 
 def what_is_proved(

@@ -10,6 +10,7 @@ from dataclasses import replace
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
+from rota.planners.patrol.bounds.best_bound import prove_bound, prove_by_area
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.efforts import EFFORTS, QUICK
@@ -96,30 +97,41 @@ def plan_tours(
     problem = set_up_problem(mission)
     context = begin_search(
         problem, asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-        executor=executor, counts_areas_only=begins_with_lanes(problem),
+        executor=executor, prove=bound_to_begin_with(problem),
     )  # fmt: skip
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return [plan_fixed_team(context, asked, method)]
     best = method(context)
-    if context.counts_areas_only:
-        context = replace(context, bound=bound_of(best.plan), counts_areas_only=False)  # proved on its way
+    if context.proves_later:
+        context = replace(context, bound=bound_of(best.plan), proves_later=False)  # proved on its way
     # over ragged ground lanes take minutes to lay, and who has asked to stop waits
     if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
         best = swept(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
-    goes_on = context.settings.team_size.searches_ragged or not context.problem.is_ragged
-    best, better = with_loops_improved(context, best) if context.anneals and goes_on else (best, best)
+    goes_on = context.anneals and not context.keeps_first_tours
+    best, better = with_loops_improved(context, best) if goes_on else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
 
 
-def begins_with_lanes(problem: Problem) -> bool:
-    """Whether the search begins with lanes over all of the ground, which need no bound but that of the area."""
+def bound_to_begin_with(problem: Problem) -> Callable[[Problem], ProvedBound]:
+    """The proof that the search begins with; the best bound is proved as soon as there are tours.
+
+    Lanes over all of the ground need no bound but that of the area, and the first tours over ragged ground need none.
+    """
     settings = PatrolSettings.of(problem.mission)
-    largest_m2 = EFFORTS[settings.effort].districts.large_from * problem.reach_m**2
-    is_small = problem.asked_m2 <= largest_m2 and not problem.is_ragged
-    return settings.method == "tours" and problem.mission.fleet.robots is None and is_small
+    effort = EFFORTS[settings.effort]
+    if settings.method != "tours" or problem.mission.fleet.robots is not None:
+        return prove_bound
+    if problem.is_ragged:
+        return prove_bound if effort.team_size.searches_ragged else prove_nothing
+    return prove_by_area if problem.asked_m2 <= effort.districts.large_from * problem.reach_m**2 else prove_bound
+
+
+def prove_nothing(problem: Problem) -> ProvedBound:
+    """One robot at least, for whatever is asked."""
+    return ProvedBound(robots=1, reason="something is to be seen")
 
 
 def bound_of(plan: Plan) -> ProvedBound:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -16,6 +19,8 @@ from rota.planners.patrol.ground.surroundings import places_in_sight
 
 Floats = NDArray[np.float64]
 
+PAIRS_TOGETHER = 1_000_000  # of points and sides that one thread looks at
+
 
 def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: Robot) -> tuple[Floats, Floats]:
     """For each point (n, 2) the place (n, 2) in the space that sees it from least far, and how far that is (n,).
@@ -29,7 +34,7 @@ def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: 
     places, ranges = points.copy(), np.zeros(len(points))
     shapely.prepare(space)
     outside = np.flatnonzero(~shapely.intersects_xy(space, *points.T))
-    places[outside], ranges[outside] = nearest_on_segments(points[outside], border_segments(space), square)
+    places[outside], ranges[outside] = _nearest_on_border(points[outside], space, square)
     near = outside[ranges[outside] <= reach_m]
     if not len(walls) or not len(near):
         return places, ranges
@@ -38,6 +43,15 @@ def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: 
         place, far = nearest_on_segments(points[i : i + 1], segments_of(seen_from), square)
         places[i], ranges[i] = place[0], far[0] if far[0] <= reach_m else np.inf
     return places, ranges
+
+
+def _nearest_on_border(points_m: Floats, space: MultiPolygon, square: int) -> tuple[Floats, Floats]:
+    """For each point (n, 2) the nearest place (n, 2) on the border of the space, and its range (n,) in metres."""
+    border = border_segments(space)
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        some = np.array_split(points_m, 1 + len(points_m) * len(border) // PAIRS_TOGETHER)
+        found = list(pool.map(lambda part: nearest_on_segments(part, border, square), some))
+    return np.concatenate([places for places, _ in found]), np.concatenate([ranges for _, ranges in found])
 
 
 def segments_of(shape: shapely.Geometry) -> Floats:

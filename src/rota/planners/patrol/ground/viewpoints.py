@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import functools
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,7 +19,16 @@ from rota.mission import Robot
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
-from rota.planners.patrol.ground.samples import ON_THE_SPOT_M, SamplePoints, known_walls, laid_out, lattice, one_a_cell
+from rota.planners.patrol.ground.samples import (
+    ON_THE_SPOT_M,
+    Rows,
+    SamplePoints,
+    joined_rows,
+    known_walls,
+    laid_out,
+    lattice,
+    one_a_cell,
+)
 from rota.planners.patrol.ground.sight import Sight, sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 from rota.planners.patrol.ground.viewpoint_kernels import greedy_cover, places_see
@@ -26,6 +38,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_CANDIDATES = 60_000
+MANY_PLACES = 2_000  # from more, several threads look
 CANDIDATE_SPACING = 0.5  # of the inner reach: between candidate places
 COARSEST_SPACING = 0.9  # of the inner reach: between them where more than MOST_CANDIDATES would be needed
 SLIVER_M = 1e-6  # a view no wider than twice this is a sliver
@@ -73,9 +86,17 @@ def candidate_places(space: MultiPolygon, spacing_m: float, coarsest_m: float = 
 def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, samples: Samples) -> tuple[Ints, Ints]:
     """Samples that each place (n, 2) sees: starts (n + 1,) and indices into the prepared samples."""
     reach, square = sensor_arguments(robot, range_margin_m)
-    x, y = np.ascontiguousarray(places_m[:, 0]), np.ascontiguousarray(places_m[:, 1])
-    start, items = places_see(x, y, reach, square, 0, samples, len(samples.x))
-    return start, np.asarray(items, dtype=np.int64)
+
+    def seen_from(some_m: Floats) -> Rows:
+        x, y = np.ascontiguousarray(some_m[:, 0]), np.ascontiguousarray(some_m[:, 1])
+        start, items = places_see(x, y, reach, square, 0, samples, len(samples.x))
+        return start, items.astype(np.int64)
+
+    threads = 1 if len(places_m) <= MANY_PLACES else os.cpu_count() or 1
+    if threads == 1:
+        return seen_from(places_m)
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        return functools.reduce(joined_rows, pool.map(seen_from, np.array_split(places_m, 4 * threads)))
 
 
 def choose_viewpoints(

@@ -19,6 +19,7 @@ def fewest_robots_anywhere(context: Context) -> Repaired:
 
     Ragged ground falls into thousands of cells, over which lanes take minutes to lay and are worth little. Robots that
     hardly move anywhere drive no lanes. The highest bound is proved once there are lanes: it takes as long as these do.
+    Where the first tours are kept it is proved beside their repair.
     """
     problem = context.problem
     if is_large(context):
@@ -27,7 +28,8 @@ def fewest_robots_anywhere(context: Context) -> Repaired:
     lanes = None if without else swept(context, EARLY)
     if lanes is not None and lanes.robots <= context.enough_robots:
         return lanes
-    context = with_best_bound(context)
+    if not context.keeps_first_tours:
+        context = with_best_bound(context)
     if lanes is not None:
         lanes = claiming(lanes, context.bound)
         if lanes.robots <= context.enough_robots:

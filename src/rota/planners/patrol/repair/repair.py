@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from rota.plan import Plan
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.ground.extra_points import metres_worth, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
 from rota.planners.patrol.ground.limits_of_sight import drawn_to_border
@@ -101,8 +102,10 @@ def repair_until_feasible(
         problem, tours = clear_of_who_stays(context.problem, tours)
         context = replace(context, problem=problem)
         extra = joined([extra, missed_nooks(context, tours)])
-        tours = seeing_all(context, tours, extra, may_add=True, bends=False, seed=context.seed)
-        tours = cut_where_bodies_touch(context.problem, tours)
+        with ThreadPoolExecutor(max_workers=1) as pool:  # tours are led on one core
+            proved = pool.submit(with_best_bound, context)
+            tours = seeing_all(context, tours, extra, may_add=True, bends=False, seed=context.seed)
+        context, tours = proved.result(), cut_where_bodies_touch(problem, tours)
     asked_before, led_elsewhere = len(extra), True
     for turn in range(1, rounds + 1):
         if may_add and context.problem.is_ragged and not led_elsewhere:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import set_up_problem
@@ -55,14 +55,14 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     none does, no further than the proved bound.
     """
     settings = context.settings.team_size
-    keeps_first = context.problem.is_ragged and not settings.searches_ragged
-    if keeps_first and best is not None and best.met:
+    if context.keeps_first_tours and best is not None and best.met:
         return best  # finer samples give first tours that are as long, and repair of them takes minutes
     groupings = period_groupings(context.problem, context.settings.allocation.groupings)
-    if keeps_first:
+    if context.keeps_first_tours:
         repaired = repair_first_tours(context, groupings)
         if repaired.met or context.should_stop():
             return repaired
+        context = with_best_bound(context)
     context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
     likely = min(smallest_with_slack(groupings, settings.likely_slack), sure_team_size(groupings))
     likely = max(context.enough_robots, likely)

@@ -1,0 +1,120 @@
+"""The demanded ground in tiles: cut up, looked at by a plan's robots, and made ready before there is a plan."""
+
+from __future__ import annotations
+
+import functools
+import math
+import threading
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rota.check.demands import DemandedGround, demands_of
+from rota.check.findings import Findings
+from rota.check.pieces import Pieces, convex_pieces, joined
+from rota.check.refine import refine
+from rota.check.revisits import Sights
+from rota.check.seeable import has_many_sides, seeable_ground
+from rota.check.standing import standing_areas
+from rota.check.tolerances import PERIOD_TOLERANCE, SLIVER_SHARE, slack_of
+from rota.mission import DiscSensor, Mission
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FINEST_M = 0.01  # pieces are not cut below this size
+FEW_PIECES = 50_000  # still open on ragged ground: all that is unmet among them is told
+# pieces of a violated demand are cut to this part of a tile; of many tiles to a finer one, since a planner that is told
+# of coarse pieces only goes to see what was seen already, and its next plan is looked at all over again
+CUTS, MANY_CUTS, MANY_PIECES = 4, 16, 50_000
+MOST_CELLS = 4_000_000
+
+
+def get_ready(mission: Mission, *, finest_m: float = FINEST_M) -> None:
+    """Work out what the check of any plan for a mission over ragged ground asks of the mission alone.
+
+    A planner's first plan takes longer than this, and its check is then sooner done. On other ground it takes no time
+    to speak of, and nothing is done.
+    """
+    if not has_many_sides(mission):
+        return
+    sensors = [area.sensor for area in standing_areas(mission)]
+    reach_m = min(sensor.radius_m if isinstance(sensor, DiscSensor) else sensor.side_m / 2 for sensor in sensors)
+    pieces, _, _ = _tiles(mission, _tile_m(mission, reach_m, finest_m))
+    corners_m, owners = pieces.corners_m, pieces.owners()
+    widest_m = float(np.hypot(*(corners_m - pieces.centres_m()[owners]).T).max(initial=0.0))
+    seeable_ground(mission).get_ready(widest_m)
+
+
+def tile_and_refine(
+    mission: Mission, demands: tuple[DemandedGround, ...], sights: Sights, finest_m: float
+) -> list[Findings]:
+    """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined."""
+    reach_m = float(sights.team.reaches_m.min(initial=math.inf))
+    pieces, owners, size = _tiles(mission, _tile_m(mission, reach_m, finest_m))
+    limits = np.array([demand.period_s for demand in demands]) * (1 + PERIOD_TOLERANCE)
+
+    regions, ground = [demand.region for demand in demands], seeable_ground(mission)
+    shapely.prepare(regions)
+
+    one_at_a_time = threading.Lock()  # prepared shapes are not made for several threads
+
+    def is_seeable(points_m: Floats, spreads_m: Floats | float, numbers: Ints) -> NDArray[np.bool_]:
+        can_see, spreads_m = np.ones(len(points_m), np.bool_), np.broadcast_to(spreads_m, len(points_m))
+        with one_at_a_time:
+            for k in np.unique(numbers):
+                members = np.flatnonzero(numbers == k)
+                members = members[shapely.contains_xy(regions[k], *points_m[members].T)]
+                can_see[members] = ground.seen_within(points_m[members], spreads_m[members])
+        return can_see
+
+    # on ragged ground walls hide part of most pieces: coarse ones do not tell what is missed, and a planner that is
+    # told of finer ones only when all coarse ones are met repairs its plan once for each size
+    few = FEW_PIECES if has_many_sides(mission) else 0
+    coarse_m = max(finest_m, size / (MANY_CUTS if len(pieces) > MANY_PIECES else CUTS))
+    findings = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
+    for k in _left_out(mission, demands, pieces, owners):
+        findings[k].undecided_cells += 1
+    return findings
+
+
+def _left_out(mission: Mission, demands: tuple[DemandedGround, ...], pieces: Pieces, owners: Ints) -> list[int]:
+    """Numbers of the demands whose region the pieces do not fill, slivers along its border aside.
+
+    Slivers thinner than the check's tolerance have no area to speak of. A region that is nothing else was not looked
+    at. Where there is no piece at all, every demand is left out.
+    """
+    points = [k for k, demand in enumerate(demands) if demand.demand == "every_point" and not demand.region.is_empty]
+    tiled_m2 = np.bincount(owners, pieces.areas_m2(), len(demands))
+    if not tiled_m2.any():
+        return points
+    slivers_m2 = [
+        SLIVER_SHARE * demands[k].region.area + 8 * slack_of(mission) * demands[k].region.length for k in points
+    ]
+    return [k for k, most in zip(points, slivers_m2, strict=True) if demands[k].region.area - tiled_m2[k] > most]
+
+
+def _tile_m(mission: Mission, reach_m: float, finest_m: float) -> float:
+    """The size of a tile; reach_m: the shortest of the team, inf where nobody sees."""
+    return max(reach_m / 4 if math.isfinite(reach_m) else mission.fleet.sensor.reach_m / 4, finest_m)
+
+
+@functools.lru_cache(maxsize=2)
+def _tiles(mission: Mission, size_m: float) -> tuple[Pieces, Ints, float]:
+    """Pieces of all demands, the index of each one's demand, and the size of the lattice (larger for a huge area)."""
+    demands = demands_of(mission)
+    regions = [demand.region for demand in demands if demand.demand == "every_point"]
+    # a long strip has few cells for its area and many for its border
+    most_m = (
+        math.sqrt(sum(region.area for region in regions) / MOST_CELLS),
+        sum(r.length for r in regions) / MOST_CELLS,
+    )
+    size = max(size_m, *most_m)
+    tiles: list[Pieces] = []
+    owners: list[Ints] = [np.empty(0, np.int64)]
+    for k, demand in enumerate(demands):
+        if demand.demand == "every_point":
+            tiles.append(convex_pieces(demand.region, size, 2 * slack_of(mission)))
+            owners.append(np.full(len(tiles[-1]), k, np.int64))
+    return joined(tiles), np.concatenate(owners), size
