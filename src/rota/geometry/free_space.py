@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -13,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
 from rota.geometry.tiles import Box, clipped, grown_box
-from rota.mission import AREA, Demand, Mission
+from rota.mission import AREA, Demand, Mission, Obstacle
 from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
@@ -101,7 +102,9 @@ def demanded_regions(mission: Mission) -> tuple[DemandedRegion, ...]:
         if zone.period_s is not None
     ]
     if mission.period_s is not None:
-        outside_zones = shapely.union_all([hidden, *(zone.shape for zone in mission.zones)])
+        outside_zones = (
+            shapely.union_all([hidden, *(zone.shape for zone in mission.zones)]) if mission.zones else hidden
+        )
         rest = _polygons(mission.area.difference(outside_zones))
         regions.append(DemandedRegion(name=AREA, period_s=mission.period_s, demand="every_point", shape=rest))
     return tuple(region for region in regions if not region.shape.is_empty)
@@ -178,7 +181,13 @@ def nearest_free_point(space: MultiPolygon, point_m: tuple[float, float]) -> tup
 
 
 def _sight_blockers(mission: Mission) -> MultiPolygon:
-    return _polygons(shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_sight]))
+    return _blocking_sight(mission.obstacles)
+
+
+@functools.lru_cache(maxsize=4)
+def _blocking_sight(obstacles: tuple[Obstacle, ...]) -> MultiPolygon:
+    """What blocks sight as one shape; setting up one search asks for it three times."""
+    return _polygons(shapely.union_all([obstacle.shape for obstacle in obstacles if obstacle.blocks_sight]))
 
 
 def _polygons(shape: BaseGeometry) -> MultiPolygon:
