@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import itertools
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
@@ -112,6 +114,32 @@ def test_the_plan_judged_last_is_not_judged_again(monkeypatch: pytest.MonkeyPatc
     use(monkeypatch, planner)
     search_plan(MISSION)
     assert checked == [TOO_FAST, GOOD]
+
+
+def test_the_first_check_waits_until_its_own_work_on_the_mission_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, done = threading.Event(), threading.Event()
+    ready_when_checked: list[bool] = []
+
+    def get_ready(_mission: Mission) -> None:
+        begun.set()
+        time.sleep(0.2)
+        done.set()
+        raise ValueError("what is wrong with a mission, the check tells")
+
+    def check(_plan: Plan) -> Any:
+        ready_when_checked.append(done.is_set())
+        return SimpleNamespace(verdict="met")
+
+    def planner(_mission: Mission, *, judge: Any, **_: Any) -> Plan:
+        assert begun.wait(5)  # beside the planner
+        judge(GOOD)
+        return GOOD
+
+    monkeypatch.setattr("rota.check.get_ready", get_ready)
+    monkeypatch.setattr("rota.check.check_plan", check)
+    use(monkeypatch, planner)
+    assert search_plan(MISSION).plan is GOOD
+    assert ready_when_checked == [True]
 
 
 def test_a_plan_that_the_check_does_not_pass_is_no_plan(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, box
 
-from rota.check import Report, check_plan, refine, report_schema, report_table, report_to_json, tiles
+from rota.check import Report, check_plan, refine, report_schema, report_table, report_to_json, tiled_ground
 from rota.check.revisits import worst_gaps_s
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
@@ -378,7 +378,7 @@ def test_of_many_pieces_finer_ones_are_told(monkeypatch: pytest.MonkeyPatch) -> 
         return float(5 - np.abs(along[:, 1] - 30).min())
 
     coarse_m = widest_doubt_m()
-    monkeypatch.setattr(tiles, "MANY_PIECES", 0)
+    monkeypatch.setattr(tiled_ground, "MANY_PIECES", 0)
     assert widest_doubt_m() < coarse_m / 2
 
 

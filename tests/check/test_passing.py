@@ -9,7 +9,7 @@ import pytest
 import shapely
 from shapely import MultiPolygon, box
 
-from rota.check import check_plan
+from rota.check import check_plan, revisits
 from rota.check.pieces import Pieces
 from rota.check.revisits import passing_gaps, piece_gaps, point_pieces, sights_of
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
@@ -77,6 +77,20 @@ def test_robots_that_follow_each_other_count_together() -> None:
     gaps = passing_gaps(sights, floor_pieces(plan, 1e-3), np.full(8, 50.0))
     assert gaps.gaps_s == pytest.approx(np.full(8, 25.0), abs=1e-6)
     assert passing_gaps(sights, floor_pieces(plan, 1e-3), np.full(8, 20.0)).gaps_s.min() > 24.9
+
+
+def test_threads_that_share_the_pieces_find_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = behind_a_slit(turns_m=5.5, robots=3)
+    sights = sights_of(plan, plan.mission.area.bounds)
+    pieces, limits = floor_pieces(plan, 1e-3), np.linspace(20.0, 50.0, 8)
+    alone = [of(sights, pieces, limits) for of in (passing_gaps, piece_gaps)]
+    monkeypatch.setattr(revisits, "MOST_ALONE", 1)
+    monkeypatch.setattr("os.cpu_count", lambda: 3)
+    for before, of in zip(alone, (passing_gaps, piece_gaps), strict=True):
+        together = of(sights, pieces, limits)
+        assert together.gaps_s.tolist() == before.gaps_s.tolist()
+        assert together.firsts_s.tolist() == before.firsts_s.tolist()
+        assert together.exact.tolist() == before.exact.tolist()
 
 
 def slit_scene(rng: np.random.Generator) -> tuple[Plan, list[np.ndarray]]:

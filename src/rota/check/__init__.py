@@ -39,6 +39,6 @@ def get_ready(mission: Mission) -> None:
 
     Nothing has to call it: the first check is sooner done where somebody has, from a thread of its own.
     """
-    from rota.check.tiles import get_ready as ready
+    from rota.check.tiled_ground import get_ready as ready
 
     ready(mission)

@@ -22,7 +22,7 @@ from rota.check.report import DemandVerdict, Outcome, Report, Violation, violati
 from rota.check.revisits import Sights, loop_gap, sights_of
 from rota.check.separation import separation_violations
 from rota.check.standing import standing_areas
-from rota.check.tiles import FINEST_M, tile_and_refine
+from rota.check.tiled_ground import FINEST_M, tile_and_refine
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
 from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan

@@ -14,7 +14,7 @@ from rota.check.judge import Verdicts, judge_points, judge_visits, too_much_excl
 from rota.check.report import Outcome, Report
 from rota.check.revisits import sights_along
 from rota.check.routes import LOOP, Routes
-from rota.check.tiles import tile_and_refine
+from rota.check.tiled_ground import tile_and_refine
 from rota.errors import PlanError
 from rota.mission import DiscSensor, Mission
 

@@ -94,10 +94,10 @@ class SeeableGround:
         if not self._is_ragged:
             return
         steps = range(math.ceil(math.log2(max(most_spread_m, LEAST_SPREAD_M) / LEAST_SPREAD_M)) + 1)
-        spreads_m = [LEAST_SPREAD_M * 2.0**step for step in steps]
+        spreads_m = [LEAST_SPREAD_M * 2.0**step for step in steps][:SPREADS]
         _ = self._scene
-        for spread_m in spreads_m[:SPREADS]:
-            if spread_m <= MOST_SPREAD * self._reach_m:
+        for spread_m in spreads_m:
+            if spread_m <= min(most_spread_m, MOST_SPREAD * self._reach_m):
                 self._scene_within(spread_m)
         for scene in self._scene:
             _sides(scene.area)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
 import numpy as np
@@ -19,10 +17,10 @@ from rota.geometry.free_space import border_corners, border_segments, standing_p
 from rota.geometry.kernels import EdgeGrid
 from rota.geometry.known_links import boxes_of_change, known_links, nothing_known
 from rota.geometry.line_of_sight import edge_grid
+from rota.geometry.threads import side_by_side
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
 
 MOST_DENSE = 3_000  # corners: with as many, lengths and ways between all of them take some 100 MB
 ROWS_TOGETHER, SOURCES_TOGETHER = 200, 50
@@ -89,7 +87,6 @@ class ShortestPaths:
     def _links(self) -> csr_array:
         """The lengths (c, c) of the links between corners, for very many of them."""
         count = len(self.corners_m)
-        firsts = list(range(0, count, ROWS_TOGETHER))
         known, like = nothing_known(count), self._like
         if like is not None:
             changed_m = boxes_of_change(self.grid.edges, like.grid.edges)
@@ -103,8 +100,7 @@ class ShortestPaths:
             )
             return found
 
-        with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-            pairs = np.vstack([np.zeros((0, 2), dtype=np.int32), *pool.map(linked, firsts)])
+        pairs = np.vstack([np.zeros((0, 2), dtype=np.int32), *side_by_side(linked, range(0, count, ROWS_TOGETHER))])
         one, other = np.concatenate([pairs, pairs[:, ::-1]]).T
         step = self.corners_m[one] - self.corners_m[other]
         return csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=(count, count))
@@ -246,17 +242,11 @@ class ShortestPaths:
         keys = list(map(tuple, points.tolist()))
         new = np.array([k for k, key in enumerate(keys) if key not in known], dtype=np.int64)
 
-        def corners_of(some: Ints) -> list[Ints]:
-            rows = corner_kernels.tangents(points[some], part[some], self._corners, self._corner_part, self.grid)
-            return [np.flatnonzero(row) for row in rows]
+        def look(some: Ints) -> None:
+            linked = corner_kernels.tangents(points[some], part[some], self._corners, self._corner_part, self.grid)
+            known.update((keys[k], np.flatnonzero(row)) for k, row in zip(some, linked, strict=True))
 
-        parts = np.array_split(new, 1 + len(new) // SOURCES_TOGETHER)
-        if len(parts) == 1:  # to start a thread takes longer
-            found = corners_of(new)
-        else:
-            with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-                found = [row for rows in pool.map(corners_of, parts) for row in rows]
-        known.update((keys[k], row) for k, row in zip(new, found, strict=True))
+        side_by_side(look, np.array_split(new, 1 + len(new) // SOURCES_TOGETHER))
         items = [known[key] for key in keys]
         start = np.concatenate([[0], np.cumsum([len(corners) for corners in items])]).astype(np.int64)
         return Ends(points, part, start, np.concatenate([np.zeros(0, dtype=np.int64), *items]))
@@ -280,12 +270,7 @@ class ShortestPaths:
             )
             return found
 
-        firsts = range(0, len(a.points), SOURCES_TOGETHER)
-        if len(firsts) <= 1:  # to start a thread takes longer than a search among neighbours
-            path_m = rows(0)
-        else:
-            with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-                path_m = np.vstack(list(pool.map(rows, firsts)))
+        path_m = np.vstack(side_by_side(rows, range(0, max(1, len(a.points)), SOURCES_TOGETHER)))
         if symmetric:
             path_m = np.triu(path_m)
             path_m += np.triu(path_m, 1).T

@@ -12,6 +12,7 @@ from shapely import LineString, MultiPolygon, Point, box
 
 from rota.geometry.free_space import border_segments
 from rota.mission import DiscSensor, Robot, SquareSensor
+from rota.planners.patrol.ground import nearest_places as places_module
 from rota.planners.patrol.ground.nearest_places import nearest_places, segments_of
 
 Floats = NDArray[np.float64]
@@ -31,7 +32,7 @@ def standing(space: MultiPolygon, step_m: float) -> Floats:
 
 
 @pytest.mark.parametrize("robot", [DISC, SQUARE])
-def test_in_the_open_no_place_is_nearer(robot: Robot) -> None:
+def test_in_the_open_no_place_is_nearer(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     points = np.random.default_rng(1).uniform((-4, -4), (18, 13), (300, 2))
     places, ranges = nearest_places(points, SPACE, NO_WALLS, robot)
     away = np.abs(places - points)
@@ -45,6 +46,11 @@ def test_in_the_open_no_place_is_nearer(robot: Robot) -> None:
     inside = shapely.intersects_xy(SPACE, *points.T)
     assert inside.sum() > 20
     assert (ranges[inside] == 0).all()
+    monkeypatch.setattr(places_module, "PAIRS_TOGETHER", 100)  # a few points to a thread
+    assert [found.tolist() for found in nearest_places(points, SPACE, NO_WALLS, robot)] == [
+        places.tolist(),
+        ranges.tolist(),
+    ]
 
 
 def test_by_hand() -> None:

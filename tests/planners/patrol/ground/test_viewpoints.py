@@ -13,6 +13,7 @@ from shapely import LineString, MultiPolygon, Point, box
 
 from rota.geometry.free_space import border_segments
 from rota.mission import DiscSensor, Robot, SquareSensor
+from rota.planners.patrol.ground import viewpoints
 from rota.planners.patrol.ground.samples import points_of, prepare
 from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.viewpoints import (
@@ -79,7 +80,7 @@ def test_sensors_as_the_kernels_take_them() -> None:
 
 
 @pytest.mark.parametrize("robot", [DISC, SQUARE])
-def test_what_places_see_in_the_open(robot: Robot) -> None:
+def test_what_places_see_in_the_open(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(3)
     points = points_of(rng.uniform(0, 20, (300, 2)), 1.0, 0, 0)
     samples, order = prepare(points, NO_WALLS, reach_m=robot.sensor.reach_m, weight=np.ones(300), wall_margin_m=0)
@@ -89,6 +90,9 @@ def test_what_places_see_in_the_open(robot: Robot) -> None:
     near = away.max(axis=2) <= 2.9 if robot is SQUARE else np.hypot(*away.transpose(2, 0, 1)) <= 2.9
     for i in range(len(places)):
         assert set(items[start[i] : start[i + 1]].tolist()) == set(np.flatnonzero(near[i]).tolist())
+    monkeypatch.setattr(viewpoints, "PLACES_TOGETHER", 7)
+    in_threads = what_places_see(places, robot, 0.1, samples)
+    assert (in_threads[0].tolist(), in_threads[1].tolist()) == (start.tolist(), items.tolist())
 
 
 def test_candidates_lie_in_the_space_and_leave_no_gap() -> None:

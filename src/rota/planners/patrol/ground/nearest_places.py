@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -12,6 +9,7 @@ from shapely import MultiPolygon
 
 from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees
+from rota.geometry.threads import side_by_side
 from rota.mission import Robot
 from rota.planners.patrol.ground.nearest_kernels import nearest_on_segments
 from rota.planners.patrol.ground.sight import sensor_arguments
@@ -48,9 +46,8 @@ def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: 
 def _nearest_on_border(points_m: Floats, space: MultiPolygon, square: int) -> tuple[Floats, Floats]:
     """For each point (n, 2) the nearest place (n, 2) on the border of the space, and its range (n,) in metres."""
     border = border_segments(space)
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        some = np.array_split(points_m, 1 + len(points_m) * len(border) // PAIRS_TOGETHER)
-        found = list(pool.map(lambda part: nearest_on_segments(part, border, square), some))
+    some = np.array_split(points_m, 1 + len(points_m) * len(border) // PAIRS_TOGETHER)
+    found = side_by_side(lambda part: nearest_on_segments(part, border, square), some)
     return np.concatenate([places for places, _ in found]), np.concatenate([ranges for _, ranges in found])
 
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import functools
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,6 +12,7 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.geometry.threads import side_by_side
 from rota.mission import Robot
 from rota.planners.patrol.ground.limits_of_sight import with_reach_for
 from rota.planners.patrol.ground.nearest_places import nearest_places
@@ -23,7 +21,6 @@ from rota.planners.patrol.ground.samples import (
     ON_THE_SPOT_M,
     Rows,
     SamplePoints,
-    joined_rows,
     known_walls,
     laid_out,
     lattice,
@@ -38,7 +35,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_CANDIDATES = 60_000
-MANY_PLACES = 2_000  # from more, several threads look
+PLACES_TOGETHER = 2_000  # from which one thread looks
 CANDIDATE_SPACING = 0.5  # of the inner reach: between candidate places
 COARSEST_SPACING = 0.9  # of the inner reach: between them where more than MOST_CANDIDATES would be needed
 SLIVER_M = 1e-6  # a view no wider than twice this is a sliver
@@ -92,11 +89,9 @@ def what_places_see(places_m: Floats, robot: Robot, range_margin_m: float, sampl
         start, items = places_see(x, y, reach, square, 0, samples, len(samples.x))
         return start, items.astype(np.int64)
 
-    threads = 1 if len(places_m) <= MANY_PLACES else os.cpu_count() or 1
-    if threads == 1:
-        return seen_from(places_m)
-    with ThreadPoolExecutor(max_workers=threads) as pool:
-        return functools.reduce(joined_rows, pool.map(seen_from, np.array_split(places_m, 4 * threads)))
+    found = side_by_side(seen_from, np.array_split(places_m, 1 + len(places_m) // PLACES_TOGETHER))
+    sizes = np.concatenate([np.diff(start) for start, _ in found])
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.concatenate([items for _, items in found])
 
 
 def choose_viewpoints(

@@ -9,11 +9,15 @@ from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
 from rota.plan import Plan
+from rota.planners.patrol import context as context_module
+from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EFFORTS, QUICK
 from rota.planners.patrol.ground import problem as problem_module
+from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.fewest.search import fewest_robots, reduce_team, with_less_effort
+from rota.planners.patrol.planner import plan_tours
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.verdict import Verdict
 
@@ -74,6 +78,27 @@ def test_fewer_robots_on_ragged_ground_are_looked_for_where_the_settings_say_so(
     searches = replace(QUICK, team_size=replace(QUICK.team_size, searches_ragged=True))
     reduce_team(replace(ragged, settings=searches, should_stop=lambda: any("trying" in what for what in told)), None)
     assert any("trying" in what for what in told)
+
+
+def test_over_ragged_ground_the_bound_is_proved_once_there_are_first_tours(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(problem_module, "MOST_DENSE", 0)
+    problem = problem_module.set_up_problem(YARD)
+    told: list[str] = []
+    proofs: list[str] = []
+
+    def prove(of: Problem) -> ProvedBound:
+        proofs.extend(told[-1:])
+        return prove_bound(of)
+
+    monkeypatch.setattr(context_module, "prove_bound", prove)
+    plans = plan_tours(
+        YARD, asked=YARD, seed=0, judge=check_plan, progress=lambda _share, what: told.append(what),
+        should_stop=lambda: False,
+    )  # fmt: skip
+    assert proofs == ["finishing with the robots that surely suffice"]
+    best = prove_bound(problem)
+    assert [(plan.lower_bound_robots, plan.lower_bound_reason) for plan in plans] == [(best.robots, best.reason)]
+    assert best.robots > 1
 
 
 def test_a_stop_on_ragged_ground_ends_the_search_after_the_first_tours(monkeypatch: pytest.MonkeyPatch) -> None:

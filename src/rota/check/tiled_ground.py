@@ -44,7 +44,7 @@ def get_ready(mission: Mission, *, finest_m: float = FINEST_M) -> None:
     pieces, _, _ = _tiles(mission, _tile_m(mission, reach_m, finest_m))
     corners_m, owners = pieces.corners_m, pieces.owners()
     widest_m = float(np.hypot(*(corners_m - pieces.centres_m()[owners]).T).max(initial=0.0))
-    seeable_ground(mission).get_ready(widest_m)
+    seeable_ground(mission).get_ready(widest_m / 2)  # whole tiles that nobody sees are rare, and so wide a spread dear
 
 
 def tile_and_refine(
