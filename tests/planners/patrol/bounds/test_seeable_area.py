@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from shapely import MultiPolygon, box
+from shapely import MultiPolygon, Polygon, box
 
-from rota.geometry.free_space import demanded_regions, sight_walls, standing_space
+from rota.geometry.free_space import DemandedRegion, border_segments, demanded_regions, sight_walls, standing_space
 from rota.geometry.tiles import Box, few_cornered_boxes
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
 from rota.planners.patrol.bounds.seeable_area import surely_seeable_m2
@@ -35,6 +35,19 @@ def test_the_area_surely_seen_is_never_too_much_and_nearly_all() -> None:
         truly = regions[0].shape.area * float((ranges <= 2).mean())
         assert area <= truly + 0.3  # the error of so many throws
         assert area >= 0.88 * truly
+
+
+@pytest.mark.parametrize(("body_m", "reach_m"), [(1.0, 1.0), (0.0, 1.0)])
+def test_dents_of_the_space_are_not_filled_in(body_m: float, reach_m: float) -> None:
+    # GEOS draws round an outline without its shallow dents, which takes in ground that no sensor reaches
+    space = MultiPolygon([Polygon([(-5, -5), (5, -5), (5, 0), (0.5, 0), (0, -0.009), (-0.5, 0), (-5, 0)])])
+    asked = MultiPolygon([box(-5, -5, 5, 3)])
+    robot = Robot(name="r", speed_m_s=1, sensor=DiscSensor(radius_m=reach_m), body_radius_m=body_m)
+    region = DemandedRegion(name="area", period_s=100, demand="every_point", shape=asked)
+    sides = shapely.linestrings(border_segments(space).reshape(-1, 2, 2))
+    truly = shapely.union_all([space, *shapely.buffer(sides, reach_m, quad_segs=64)]).intersection(asked).area
+    [area] = surely_seeable_m2([region], space, np.zeros((0, 4)), robot)
+    assert 0.998 * truly < area < truly
 
 
 def test_areas_added_up_over_boxes_are_those_of_all_at_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,12 +14,14 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion
 from rota.geometry.tiles import clipped, few_cornered_boxes, grown_box
-from rota.mission import Robot, inner_reach_m
+from rota.mission import DiscSensor, Robot, inner_reach_m
 from rota.planners.patrol.ground.limits_of_sight import ARC_STEPS, area_in_range
 
 Floats = NDArray[np.float64]
 
 HAIR_M = 1e-6
+# before GEOS draws round a shape it leaves out dents of the outline that are shallower than this share of the distance
+DENTS = 0.01
 
 
 class _Near(NamedTuple):
@@ -78,15 +80,24 @@ def _walls_run_through(part: _Near) -> bool:
 
 
 def _surely_seen_m2(part: _Near, robot: Robot, body_m: float) -> list[float]:
-    """The areas of what is asked in one box that is surely seen, as ``surely_seeable_m2`` gives them."""
+    """The areas of what is asked in one box that is surely seen, as ``surely_seeable_m2`` gives them.
+
+    An outline without its shallow dents lies outside of the shape by at most their depth. Bodies and reaches count as
+    that much shorter, so that nothing is drawn that nobody sees.
+    """
     space, lines = part.space, part.lines
+    disc = isinstance(robot.sensor, DiscSensor)
+    short_m = robot.sensor.reach_m * DENTS / (1 + DENTS) if disc else 0.0
     wide_m = robot.sensor.reach_m / math.cos(math.pi / (4 * ARC_STEPS))
-    bodies = space.buffer(body_m, quad_segs=ARC_STEPS) if body_m > 0 else space
-    beyond = shapely.difference(shapely.union_all([shape for shape in part.asked if shape is not None]), bodies)
+    covered, bodies = space, space
+    if body_m > 0:
+        covered = space.buffer(body_m, quad_segs=ARC_STEPS)
+        bodies = space.buffer(body_m / (1 + DENTS), quad_segs=ARC_STEPS)
+    beyond = shapely.difference(shapely.union_all([shape for shape in part.asked if shape is not None]), covered)
     seen = bodies
-    if not _all_near(beyond, lines, robot.sensor.reach_m):
+    if not _all_near(beyond, lines, robot.sensor.reach_m):  # else there is hardly more than what bodies cover
         hidden = shapely.buffer(shapely.union_all(lines), wide_m, quad_segs=ARC_STEPS)
-        seen = shapely.union_all([bodies, area_in_range(space, robot, 0.0).difference(hidden)])
+        seen = shapely.union_all([bodies, area_in_range(space, robot, short_m).difference(hidden)])
     return [0.0 if shape is None else float(shapely.intersection(shape, seen).area) for shape in part.asked]
 
 
