@@ -7,6 +7,8 @@ from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import replace
 
+import shapely
+
 from rota.errors import NoPlanFound
 from rota.mission import Mission
 from rota.plan import Plan
@@ -15,9 +17,12 @@ from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.efforts import EFFORTS, QUICK
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
+from rota.planners.patrol.methods.fewest.search import reduce_team
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
+from rota.planners.patrol.methods.large.search import perfect_lanes
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.first_plan import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -94,15 +99,27 @@ def plan_tours(
     when the demand is not met.
     """
     progress(0.0, "looking at the mission")
-    problem = set_up_problem(mission)
-    context = begin_search(
-        problem, asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-        executor=executor, prove=bound_to_begin_with(problem),
-    )  # fmt: skip
+    least = mission_to_begin_with(mission)
+    problem = set_up_problem(least)
+    if least is not mission and not first_tours_do(problem):
+        problem = set_up_problem(mission)
+
+    def search(problem: Problem) -> Context:
+        return begin_search(
+            problem, asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
+            executor=executor, prove=bound_to_begin_with(problem),
+        )  # fmt: skip
+
+    context = search(problem)
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return [plan_fixed_team(context, asked, method)]
     best = method(context)
+    if problem.mission is not mission:
+        best = as_asked_for(best, mission)
+        if not best.met and not should_stop():
+            context = search(set_up_problem(mission))
+            best = reduce_team(context, best)
     if context.proves_later:
         context = replace(context, bound=bound_of(best.plan), proves_later=False)  # proved on its way
     # over ragged ground lanes take minutes to lay, and who has asked to stop waits
@@ -115,18 +132,52 @@ def plan_tours(
     return [best.plan] if better is best else [better.plan, best.plan]
 
 
+def mission_to_begin_with(mission: Mission) -> Mission:
+    """The mission with effort quick, where corners are as many as a scanned floor's and normal would do no more.
+
+    Finer samples give first tours that are as long there, take as long again to lay out, and fill memory.
+    """
+    settings = PatrolSettings.of(mission)
+    shapes = [mission.area, *(obstacle.shape for obstacle in mission.obstacles)]
+    is_scanned = int(shapely.get_num_coordinates(shapes).sum()) > MANY_CORNERS
+    keeps_first = not EFFORTS[settings.effort].team_size.searches_ragged and settings.method == "tours"
+    begins_with_less = is_scanned and keeps_first and settings.effort != "quick" and mission.fleet.robots is None
+    return mission.with_effort("quick") if begins_with_less else mission
+
+
+def first_tours_do(problem: Problem) -> bool:
+    """Whether the search is for any plan with the first tours: over a scanned floor, neither large nor for many robots.
+
+    How many robots are needed is told from perfect lanes, as half of those that make a mission one for many.
+    """
+    settings = PatrolSettings.of(problem.mission)
+    effort = EFFORTS[settings.effort]
+    keeps_first = problem.is_ragged and not effort.team_size.searches_ragged and settings.method == "tours"
+    if not keeps_first or problem.mission.fleet.robots is not None:
+        return False
+    return not is_wide(problem) and perfect_lanes(problem) < effort.districts.many_robots / 2
+
+
+def is_wide(problem: Problem) -> bool:
+    """Whether the ground is too large to be searched as one."""
+    districts = EFFORTS[PatrolSettings.of(problem.mission).effort].districts
+    return problem.asked_m2 > districts.large_from * problem.reach_m**2
+
+
 def bound_to_begin_with(problem: Problem) -> Callable[[Problem], ProvedBound]:
     """The proof that the search begins with; the best bound is proved as soon as there are tours.
 
     Lanes over all of the ground need no bound but that of the area, and the first tours over ragged ground need none.
     """
-    settings = PatrolSettings.of(problem.mission)
-    effort = EFFORTS[settings.effort]
-    if settings.method != "tours" or problem.mission.fleet.robots is not None:
-        return prove_bound
-    if problem.is_ragged:
-        return prove_bound if effort.team_size.searches_ragged else prove_nothing
-    return prove_by_area if problem.asked_m2 <= effort.districts.large_from * problem.reach_m**2 else prove_bound
+    if first_tours_do(problem):
+        return prove_nothing
+    is_searched = PatrolSettings.of(problem.mission).method == "tours" and problem.mission.fleet.robots is None
+    return prove_by_area if is_searched and not problem.is_ragged and not is_wide(problem) else prove_bound
+
+
+def as_asked_for(found: Repaired, mission: Mission) -> Repaired:
+    """The same as a plan for this mission, which differs in its effort only."""
+    return replace(found, plan=replace(found.plan, mission=mission))
 
 
 def prove_nothing(problem: Problem) -> ProvedBound:

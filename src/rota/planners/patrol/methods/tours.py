@@ -19,7 +19,6 @@ def fewest_robots_anywhere(context: Context) -> Repaired:
 
     Ragged ground falls into thousands of cells, over which lanes take minutes to lay and are worth little. Robots that
     hardly move anywhere drive no lanes. The highest bound is proved once there are lanes: it takes as long as these do.
-    Where the first tours are kept it is proved beside their repair.
     """
     problem = context.problem
     if is_large(context):
@@ -28,7 +27,7 @@ def fewest_robots_anywhere(context: Context) -> Repaired:
     lanes = None if without else swept(context, EARLY)
     if lanes is not None and lanes.robots <= context.enough_robots:
         return lanes
-    if not context.keeps_first_tours:
+    if not context.keeps_first_tours:  # else it is proved beside the repair of these
         context = with_best_bound(context)
     if lanes is not None:
         lanes = claiming(lanes, context.bound)

@@ -8,8 +8,10 @@ import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
+from rota.errors import NoPlanFound
+from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.patrol import context as context_module
+from rota.planners.patrol import context as context_module, planner as planner_module
 from rota.planners.patrol.bounds.best_bound import prove_bound
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context
@@ -18,8 +20,9 @@ from rota.planners.patrol.ground import problem as problem_module
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.fewest.search import fewest_robots, reduce_team, with_less_effort
 from rota.planners.patrol.planner import plan_tours
+from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.verdict import Verdict
+from rota.planners.patrol.verdict import Judge, Verdict
 
 
 def test_less_effort_keeps_the_bound_and_lays_a_coarser_lattice() -> None:
@@ -99,6 +102,61 @@ def test_over_ragged_ground_the_bound_is_proved_once_there_are_first_tours(monke
     best = prove_bound(problem)
     assert [(plan.lower_bound_robots, plan.lower_bound_reason) for plan in plans] == [(best.robots, best.reason)]
     assert best.robots > 1
+
+
+def set_up_for(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Scanned ground even where it is small; told from now on the effort of each mission that is set up."""
+    monkeypatch.setattr(problem_module, "MOST_DENSE", 0)
+    monkeypatch.setattr(planner_module, "MANY_CORNERS", 0)
+    efforts: list[str] = []
+
+    def set_up(mission: Mission) -> Problem:
+        efforts.append(PatrolSettings.of(mission).effort)
+        return problem_module.set_up_problem(mission)
+
+    monkeypatch.setattr(planner_module, "set_up_problem", set_up)
+    return efforts
+
+
+def planned(mission: Mission, judge: Judge) -> Plan:
+    """The plan for a mission without starts."""
+    [plan] = plan_tours(
+        mission, asked=mission, seed=0, judge=judge, progress=lambda _share, _what: None, should_stop=lambda: False
+    )
+    return plan
+
+
+def test_more_effort_over_scanned_ground_gives_what_quick_finds_and_sets_up_nothing_finer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    efforts = set_up_for(monkeypatch)
+    normal = YARD.with_effort("normal")
+    plan = planned(normal, check_plan)
+    assert efforts == ["quick"]
+    assert plan.mission is normal
+    quick = planned(YARD, check_plan)
+    assert [t.positions_m.tolist() for t in plan] == [t.positions_m.tolist() for t in quick]
+    assert plan.lower_bound_robots == quick.lower_bound_robots
+
+
+def test_more_effort_over_scanned_ground_goes_on_where_quick_finds_no_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    efforts = set_up_for(monkeypatch)
+    plan = planned(
+        YARD.with_effort("normal"), lambda plan: (check_plan if "normal" in efforts else never_content)(plan)
+    )
+    assert efforts == ["quick", "normal"]
+    assert check_plan(plan).verdict == "met"
+
+
+def test_scanned_ground_for_many_robots_is_set_up_as_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    efforts = set_up_for(monkeypatch)
+    busy = replace(YARD.with_effort("normal"), period_s=5.0)
+    with pytest.raises(NoPlanFound):
+        plan_tours(
+            busy, asked=busy, seed=0, judge=never_content, progress=lambda _share, _what: None,
+            should_stop=lambda: True,
+        )  # fmt: skip
+    assert efforts[:2] == ["quick", "normal"]
 
 
 def test_a_stop_on_ragged_ground_ends_the_search_after_the_first_tours(monkeypatch: pytest.MonkeyPatch) -> None:
