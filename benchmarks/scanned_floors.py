@@ -29,7 +29,7 @@ class Floor:
     columns, rows: pixels of ``pixel_m`` metres. turned_deg: by how much the building is turned on the sheet. ragged:
     the share of a wall's border pixels to which the scanner added up to three more, outwards. speckle: occupied pixels
     by themselves, per square metre of free ground. furniture: pieces per room, in the mean. rooms: about so many;
-    None for as many as rooms of usual sizes make. sensor_m, period_s: of the mission over it.
+    None for as many as rooms of usual sizes make. sensor_m, period_s, close_gaps_m: of the mission over it.
     """
 
     columns: int
@@ -42,11 +42,15 @@ class Floor:
     rooms: int | None = None
     sensor_m: float = 2.5
     period_s: float = 600.0
+    close_gaps_m: float | None = None
 
 
 FLOORS = {
     "office": Floor(columns=2289, rows=927, turned_deg=1.5, ragged=0.05, speckle=0.02),
     "ragged": Floor(columns=2289, rows=927, turned_deg=3.0, ragged=0.35, speckle=0.3, furniture=4.0),
+    "ragged-closed": Floor(
+        columns=2289, rows=927, turned_deg=3.0, ragged=0.35, speckle=0.3, furniture=4.0, close_gaps_m=0.15
+    ),
     "large": Floor(columns=4000, rows=2000, turned_deg=3.0, ragged=0.25, speckle=0.2, furniture=4.0),
     "sixty-rooms": Floor(
         columns=4000, rows=3000, turned_deg=1.0, ragged=0.05, speckle=0.01, furniture=12.0, rooms=60,
@@ -90,9 +94,10 @@ def write_floor(name: str, floor: Floor, seed: int, folder: Path) -> Path:
         f"image: {name}-map.pgm\nresolution: {floor.pixel_m}\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n"
         "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
+    gaps = "" if floor.close_gaps_m is None else f", close_gaps_m: {floor.close_gaps_m:g}"
     mission = folder / f"{name}.yaml"
     mission.write_text(
-        f"rota: 1\nname: {name}\narea: {{map: {name}-map.yaml, inside: [{x:.3f}, {y:.3f}], unknown: blocked}}\n"
+        f"rota: 1\nname: {name}\narea: {{map: {name}-map.yaml, inside: [{x:.3f}, {y:.3f}], unknown: blocked{gaps}}}\n"
         f"period_s: {floor.period_s:g}\nfleet:\n  speed_m_s: 0.8\n"
         f"  sensor: {{shape: disc, radius_m: {floor.sensor_m:g}}}\n  body_radius_m: 0.2\n"
     )

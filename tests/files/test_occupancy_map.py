@@ -7,13 +7,13 @@ import pytest
 from benchmarks.scanned_floors import Floor, drawn_floor, write_floor
 from PIL import Image
 from scipy import ndimage
-from shapely import MultiPolygon, Point, Polygon, box, get_coordinates, hausdorff_distance, union_all
+from shapely import LineString, MultiPolygon, Point, Polygon, box, get_coordinates, hausdorff_distance, union_all
 
 from rota.errors import MissionError
 from rota.files.map_image import read_brightness
 from rota.files.mission_file import read_mission
-from rota.files.occupancy_map import InsideError, read_map
-from rota.files.pixel_outline import exact_outline, straight_outline
+from rota.files.occupancy_map import GapsError, InsideError, read_map
+from rota.files.pixel_outline import exact_outline, sealed_outline, straight_outline
 
 ROOT = Path(__file__).parent.parent.parent
 CUMBERLAND = ROOT.parent / "shared" / "data" / "maps" / "cumberland.yaml"
@@ -264,7 +264,7 @@ def test_the_exact_outline_is_the_union_of_the_pixels():
 def test_straightening_moves_the_border_by_half_a_pixel_at_most(smooth):
     for seed in range(4):
         pixels = noise(seed, smooth)
-        exact, straight = exact_outline(pixels), straight_outline(pixels)
+        exact, straight = sealed_outline(pixels), straight_outline(pixels)
         assert straight.is_valid
         assert len(straight.geoms) == len(exact.geoms) == 1
         assert len(straight.geoms[0].interiors) == len(exact.geoms[0].interiors)
@@ -274,7 +274,7 @@ def test_straightening_moves_the_border_by_half_a_pixel_at_most(smooth):
 
 def test_straightening_by_brute_force():
     pixels = noise(9, 1, 30)
-    exact, straight = exact_outline(pixels), straight_outline(pixels)
+    exact, straight = sealed_outline(pixels), straight_outline(pixels)
     for ring, other in ((straight.boundary, exact.boundary), (exact.boundary, straight.boundary)):
         parts = ring.geoms if hasattr(ring, "geoms") else [ring]
         assert max(distance_from_each_to(part, other) for part in parts) <= 0.5 + 1e-9
@@ -301,6 +301,109 @@ def test_thin_slanted_walls_do_not_close_or_open():
     assert straight.is_valid
     assert len(straight.geoms[0].interiors) == 1
     assert not straight.contains(Point(20.5, 20.5))
+
+
+def test_nothing_is_seen_between_cells_that_touch_at_a_corner():
+    chain = np.ones((30, 30), dtype=bool)
+    chain[range(5, 25), range(5, 25)] = False
+    for pixels in (chain, chain[::-1]):
+        sealed = sealed_outline(pixels)
+        assert len(exact_outline(pixels).geoms[0].interiors) == 20
+        assert len(sealed.geoms[0].interiors) == 1
+        assert sealed.area == pytest.approx(900 - 20 - 19 * 0.01)
+        for outline in (sealed, straight_outline(pixels)):
+            # from one side through the places where two of the cells touch, and from farther along the chain
+            flip = -1 if pixels is not chain else 1
+            through = [((k - 3, 15 + flip * (k - 12)), (k + 3, 15 + flip * (k - 18))) for k in range(10, 20)]
+            assert not any(outline.covers(LineString(line)) for line in through)
+            assert all(exact_outline(pixels).covers(LineString(line)) for line in through)
+
+
+def test_a_part_joined_by_a_corner_only_is_sealed_off_too():
+    pixels = np.zeros((6, 6), dtype=bool)
+    pixels[0:3, 0:3] = pixels[3:6, 3:6] = True
+    assert sealed_outline(pixels).area == pytest.approx(18 - 0.01)
+    assert not sealed_outline(pixels).geoms[0].intersects(sealed_outline(pixels).geoms[1])
+
+
+# ---- gaps
+
+
+def test_gaps_and_nooks_narrower_than_asked_are_closed(tmp_path):
+    """Two halls with a gap of two cells and one of three between them, and nooks as wide in the walls."""
+    pixels = np.zeros((14, 25), dtype=np.uint8)
+    pixels[1:13, 1:11] = pixels[1:13, 14:24] = 254
+    pixels[2:4, 10:15] = pixels[7:10, 10:15] = 254  # gaps
+    pixels[0, 3:5] = pixels[0, 17:20] = 254  # nooks
+    path = write_map(tmp_path, pixels, resolution=0.05)
+    area_m2 = {
+        gaps_m: read_map(path, (0.1, 0.1), close_gaps_m=gaps_m).area.area for gaps_m in (0.0, 0.05, 0.1, 0.15, 0.2)
+    }
+    cells = {gaps_m: round(value / 0.05**2) for gaps_m, value in area_m2.items()}
+    halls, gaps, nooks = 240, (6, 9), (2, 3)
+    assert cells[0.0] == cells[0.05] == halls + sum(gaps) + sum(nooks)
+    assert cells[0.1] == cells[0.0]  # as wide as asked, so they stay
+    assert cells[0.15] == halls + gaps[1] + nooks[1]
+    # the hall of the point alone, less the corners that a disc of four cells does not fill, cut straight
+    assert halls // 2 - 4 - 4 / 2 == cells[0.2]
+
+
+def test_what_gaps_leave_is_the_union_of_discs(tmp_path):
+    """By brute force: every disc of whole cells that lies in free ones."""
+    free = noise(3, 1.0, 40)
+    path = write_map(tmp_path, np.where(free[::-1], 254, 0).astype(np.uint8), resolution=1.0)
+    for cells in (2, 3, 4, 5):
+        left = np.zeros_like(free)
+        for row in range(41 - cells):
+            for column in range(41 - cells):
+                rows, columns = np.mgrid[row : row + cells, column : column + cells]
+                away = np.hypot(rows - row - (cells - 1) / 2, columns - column - (cells - 1) / 2)
+                disc = rows[away <= cells / 2], columns[away <= cells / 2]
+                if free[disc].all():
+                    left[disc] = True
+        labels, count = ndimage.label(left)
+        largest = labels == np.bincount(labels[left]).argmax()
+        row, column = np.argwhere(largest)[0]
+        area = read_map(path, (column + 0.5, row + 0.5), close_gaps_m=float(cells)).area
+        assert count >= 1
+        assert area.equals(straight_outline(largest))
+
+
+@pytest.mark.parametrize(
+    ("gaps_m", "error", "words"),
+    [
+        (10.5, GapsError, r"10\.5 is not allowed; at most 10 m are, 20 cells of .*room\.yaml"),
+        (3.0, GapsError, r"closes all of the free space of .*room\.yaml; nowhere is it 3 m wide"),
+        (2.0, InsideError, r"wall, in unknown space or in a gap that is closed; .* at \[1\.25, 0\.75\]"),
+    ],
+)
+def test_gaps_that_cannot_be_closed_are_told(tmp_path, gaps_m, error, words):
+    with pytest.raises(error, match=words):
+        read_map(write_map(tmp_path), (0.75, 0.75), close_gaps_m=gaps_m)
+
+
+def test_gaps_narrower_than_two_cells_are_warned_of(tmp_path):
+    assert not read_map(write_map(tmp_path), (0.75, 0.75), close_gaps_m=1.0).warnings
+    sheet = read_map(write_map(tmp_path), (0.75, 0.75), close_gaps_m=0.9)
+    assert "close_gaps_m 0.9 closes nothing; two cells of" in sheet.warnings[0]
+
+
+def test_a_ragged_floor_as_missions_write_it(tmp_path):
+    floor = Floor(columns=400, rows=300, turned_deg=3.0, ragged=0.35, speckle=0.3)
+    mission = write_floor("floor", floor, 1, tmp_path)
+    ragged = read_mission(mission).mission.area
+    mission.write_text(mission.read_text().replace("unknown: blocked", "unknown: blocked, close_gaps_m: 0.15"))
+    closed = read_mission(mission).mission.area
+    assert len(get_coordinates(closed)) < 0.75 * len(get_coordinates(ragged))
+    assert 0.97 * ragged.area < closed.area < ragged.area
+    for wrong, words in [("2", r"2 is not allowed; at most 1 m are"), ("-1", "at least 0.001"), ("wide", "a number")]:
+        mission.write_text(mission.read_text().replace("close_gaps_m: 0.15", f"close_gaps_m: {wrong}"))
+        with pytest.raises(MissionError, match=rf"floor\.yaml:3:\d+: area\.close_gaps_m: .*{words}"):
+            read_mission(mission)
+        mission.write_text(mission.read_text().replace(f"close_gaps_m: {wrong}", "close_gaps_m: 0.15"))
+    mission.write_text("rota: 1\nname: a\narea: {ring: [[0, 0], [9, 0], [9, 9]], close_gaps_m: 0.1}\n")
+    with pytest.raises(MissionError, match="close_gaps_m: belongs to a map"):
+        read_mission(mission)
 
 
 # ---- whole maps

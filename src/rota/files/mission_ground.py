@@ -15,7 +15,7 @@ from rota.files.geodesy import Projection, projection_for
 from rota.files.geojson_shapes import Feature
 from rota.files.mission_schema import OriginBlock
 from rota.files.mission_shapes import Frame, Stop, features_of, shape_as_written, shape_in_metres, to_metres
-from rota.files.occupancy_map import InsideError, read_map
+from rota.files.occupancy_map import GapsError, InsideError, read_map
 from rota.files.schema_block import FARTHEST_M, LONGEST_S, SHORTEST_S, SMALLEST_M, Duration
 from rota.files.schema_faults import Fault
 from rota.files.shape_schema import Area, AreaBlock, ObstacleBlock, ObstacleEntry, ZoneBlock
@@ -124,9 +124,14 @@ def _area_of_map(frame: Frame, block: AreaBlock, noticed: Noticed) -> tuple[Mult
         raise Stop(("coordinates",), message)
     unknown = block.unknown or "map_server reading"
     try:
-        sheet = read_map(frame.file(block.map), block.inside, unknown, confine_to=frame.confine_to)
+        sheet = read_map(
+            frame.file(block.map), block.inside, unknown,
+            close_gaps_m=block.close_gaps_m or 0.0, confine_to=frame.confine_to,
+        )  # fmt: skip
     except InsideError as error:
         raise Stop(("area", "inside"), *error.faults) from None
+    except GapsError as error:
+        raise Stop(("area", "close_gaps_m"), *error.faults) from None
     except MissionError as error:
         raise Stop(("area", "map"), *error.faults) from None
     noticed.warnings.extend(Fault(("area", "map"), warning) for warning in sheet.warnings)

@@ -23,6 +23,8 @@ from rota.polygons import polygons_of
 Unknown = Literal["map_server reading", "blocked", "free"]
 
 UNKNOWN_BRIGHTNESS = 205  # what map_saver writes for unknown cells
+MOST_CELLS = 20  # that gaps to close may be wide
+ROUNDING = 1e-6  # cells: 0.15 m are three of 0.05 m
 
 Share = Annotated[Number, Field(ge=0, le=1)]
 Pixels = NDArray[np.bool_]
@@ -30,6 +32,10 @@ Pixels = NDArray[np.bool_]
 
 class InsideError(MissionError):
     """The point that should tell which free part is meant does not lie in free space."""
+
+
+class GapsError(MissionError):
+    """The gaps to close are so wide that nothing is left, or wider than is allowed."""
 
 
 class MapArea(NamedTuple):
@@ -56,18 +62,25 @@ class MapFile(BaseModel):
 
 
 def read_map(
-    path: Path, inside: tuple[float, float], unknown: Unknown = "map_server reading", *, confine_to: Path | None = None
+    path: Path,
+    inside: tuple[float, float],
+    unknown: Unknown = "map_server reading",
+    *,
+    close_gaps_m: float = 0.0,
+    confine_to: Path | None = None,
 ) -> MapArea:
     """The free part of a ROS map that holds the point ``inside``, and the rest of the sheet as obstacles.
 
     path: the map's .yaml. inside: (x, y) in metres in the map's frame. unknown: "blocked" keeps cells of brightness
     205 (unknown by convention) out of the free space whatever the thresholds say; "free" adds every unknown cell to it.
-    The part is chosen as drawn, before anything is grown by a body; cells that touch at a corner only are not
-    connected. Its border, and the obstacles' with it, is simplified by at most half a pixel. ``confine_to``: folder
-    that the image must lie in.
+    close_gaps_m: gaps and nooks of the free space that are narrower than this, in whole cells, are no part of it
+    (a morphological closing of what is not free, by a disc as wide). The part is chosen as drawn, before anything is
+    grown by a body; cells that touch at a corner only are not connected, nor can one look through between them. Its
+    border, and the obstacles' with it, is simplified by at most half a pixel. ``confine_to``: folder that the image
+    must lie in.
 
-    Raises InsideError when ``inside`` is not in free space (saying where the nearest is), and MissionError for files
-    that are missing, damaged or wrong and for a map without free space.
+    Raises InsideError when ``inside`` is not in free space (saying where the nearest is), GapsError for gaps that are
+    too wide to close, and MissionError for files that are missing, damaged or wrong and for a map without free space.
     """
     sheet = _read_sheet(path)
     image = local_file(path.parent, sheet.image, confine_to=confine_to)
@@ -75,7 +88,13 @@ def read_map(
     # row 0 of the image is the top of the map
     brightness = brightness[::-1]
     free, warnings = _free_cells(path, sheet, brightness, unknown)
-    part = _connected_part(path, free, _to_pixels(sheet, inside), sheet)
+    if close_gaps_m > 0:
+        free, more = _without_gaps(path, free, close_gaps_m, sheet)
+        warnings += more
+    blocked = (
+        "a wall, in unknown space or in a gap that is closed" if close_gaps_m > 0 else "a wall or in unknown space"
+    )
+    part = _connected_part(path, free, _to_pixels(sheet, inside), sheet, blocked)
     area = straight_outline(part)
     rows, columns = part.shape
     rest = polygons_of(box(0, 0, columns, rows).difference(area))
@@ -133,8 +152,30 @@ def _free_cells(path: Path, sheet: MapFile, brightness: Any, unknown: Unknown) -
     return free, warnings
 
 
-def _connected_part(path: Path, free: Pixels, point: tuple[float, float], sheet: MapFile) -> Pixels:
-    """The free cells connected by their sides with the one that holds ``point`` (column, row, in pixels)."""
+def _without_gaps(path: Path, free: Pixels, narrower_m: float, sheet: MapFile) -> tuple[Pixels, tuple[str, ...]]:
+    """The cells of all free discs as wide as whole cells allow, and a warning when nothing is narrower than these."""
+    from scipy import ndimage
+
+    cells = math.floor(narrower_m / sheet.resolution + ROUNDING)
+    if cells < 2:
+        two = f"two cells of {path} are {2 * sheet.resolution:g} m wide"
+        return free, (f"close_gaps_m {narrower_m:g} closes nothing; {two}",)
+    if cells > MOST_CELLS:
+        most_m = MOST_CELLS * sheet.resolution
+        raise GapsError(f"{narrower_m:g} is not allowed; at most {most_m:g} m are, {MOST_CELLS} cells of {path}")
+    from_middle = np.arange(cells) - (cells - 1) / 2
+    disc = np.hypot(from_middle[:, None], from_middle) <= cells / 2
+    roomy: Pixels = ndimage.binary_opening(free, structure=disc)
+    if not roomy.any():
+        raise GapsError(f"closes all of the free space of {path}; nowhere is it {narrower_m:g} m wide")
+    return roomy, ()
+
+
+def _connected_part(path: Path, free: Pixels, point: tuple[float, float], sheet: MapFile, blocked: str) -> Pixels:
+    """The free cells connected by their sides with the one that holds ``point`` (column, row, in pixels).
+
+    blocked: what all others are, in words.
+    """
     from scipy import ndimage
 
     rows, columns = free.shape
@@ -149,7 +190,7 @@ def _connected_part(path: Path, free: Pixels, point: tuple[float, float], sheet:
     distances = np.hypot(aside, above)
     nearest = int(distances.argmin())
     x, y = _placed(sheet, free_columns[nearest] + 0.5, free_rows[nearest] + 0.5)
-    what = "lies in a wall or in unknown space" if on_sheet else f"lies off the map {path}"
+    what = f"lies in {blocked}" if on_sheet else f"lies off the map {path}"
     away_m = float(distances[nearest]) * sheet.resolution
     raise InsideError(f"{what}; the nearest free place is {away_m:.3g} m away, at [{x:.6g}, {y:.6g}]")
 

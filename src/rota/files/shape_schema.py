@@ -27,6 +27,7 @@ Ring = Annotated[list[Point], AfterValidator(_checked_ring)]
 def one_of(*keys: str, **more: Any) -> dict[str, Any]:
     """What the published schema says of blocks that take exactly one of several keys."""
     belongs = {"holes": ["outer"], "feature": ["geojson"], "map": ["inside"], "inside": ["map"], "unknown": ["map"]}
+    belongs |= {"close_gaps_m": ["map"]}
     belongs |= {"text": ["cell_m"], "cell_m": ["text"]}
     return {"oneOf": [{"required": [key]} for key in keys], "dependentRequired": belongs, **more}
 
@@ -100,6 +101,7 @@ class AreaBlock(Shape):
     map: Text | None = Field(None, description="path of a ROS map_server .yaml file")
     inside: Point | None = Field(None, description="a point [x, y] in the free part of the map that is meant")
     unknown: Literal["blocked", "free"] | None = Field(None, description="overrides how unknown cells are read")
+    close_gaps_m: Length | None = Field(None, description="gaps and nooks of the map that are narrower count as wall")
     text: Text | None = Field(
         None, description="lines of . (free) and # (obstacle), the first is north; from (0, 0) on"
     )
@@ -111,7 +113,7 @@ class AreaBlock(Shape):
         yield from _source_faults(data, "ring", "outer", "circle", "geojson", "map", "text")
         if data.get("map") is not None and data.get("inside") is None:
             yield ("inside",), "is missing; a map needs a point [x, y] in the free part that is meant"
-        for field in given_of(data, "inside", "unknown"):
+        for field in given_of(data, "inside", "unknown", "close_gaps_m"):
             if data.get("map") is None:
                 yield (field,), "belongs to a map; remove it, or give map"
         if data.get("text") is not None and data.get("cell_m") is None:

@@ -10,7 +10,7 @@
 
 import { pathKey, valueAt, withValue } from "./paths.js";
 
-const SHAPE_KEYS = ["ring", "outer", "holes", "circle", "geojson", "feature", "map", "inside", "unknown", "text", "cell_m"];
+const SHAPE_KEYS = ["ring", "outer", "holes", "circle", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text", "cell_m"];
 
 /**
  * All shapes: the area, obstacles, zones, starts. A document without an area has none of that kind.
