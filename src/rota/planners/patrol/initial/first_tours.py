@@ -24,6 +24,7 @@ Ints = NDArray[np.int64]
 
 MOST_GEODESIC = 1500  # beyond as many places, their order is found with straight distances
 MOST_ORDERED = 4000  # beyond as many places, lanes are their order
+MOST_ORDERED_RAGGED = 7000  # the same among ragged walls, which lanes would cross again and again
 STEP = 4.0  # of the reach: exact ways between places on ragged ground
 DETOUR = 1.15  # length of real tours over area / swath, for choosing groups
 
@@ -165,7 +166,7 @@ def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[
     apart_m = max(problem.robot.speed_m_s * period_s / 2, 2 * problem.swath_m)
     for component in np.unique(problem.viewpoints.component[places]):
         own = places[problem.viewpoints.component[places] == component]
-        if len(own) > MOST_ORDERED:
+        if len(own) > most_ordered(problem):
             yield int(component), own
             continue
         linked = distances(problem, problem.viewpoints.xy_m[own]) <= apart_m
@@ -179,7 +180,7 @@ def distances(problem: Problem, places_m: Floats) -> Floats:
 
     On ragged ground they are those of ways from place to place, which are found much sooner and hardly longer.
     """
-    if problem.is_ragged and len(places_m) <= MOST_ORDERED:
+    if problem.is_ragged and len(places_m) <= MOST_ORDERED_RAGGED:
         return problem.paths.lengths_from_point_to_point(places_m, STEP * problem.reach_m)
     if len(places_m) <= MOST_GEODESIC:
         return np.asarray(problem.paths.all_pairs(places_m))
@@ -190,7 +191,7 @@ def tour_past(problem: Problem, places_m: Floats, period_class: int, component: 
     """The closed tour past all places along shortest paths, with the robots that it needs."""
     order = (
         lane_order(places_m, problem.swath_m)
-        if len(places_m) > MOST_ORDERED
+        if len(places_m) > most_ordered(problem)
         else short_order(distances(problem, places_m))
     )
     stops = places_m[order]
@@ -201,6 +202,11 @@ def tour_past(problem: Problem, places_m: Floats, period_class: int, component: 
             robot=problem.robot, component=component,
         )
     )  # fmt: skip
+
+
+def most_ordered(problem: Problem) -> int:
+    """How many places are put in order by their distances, which takes memory as the square of the number."""
+    return MOST_ORDERED_RAGGED if problem.is_ragged else MOST_ORDERED
 
 
 def lane_order(places_m: Floats, lane_m: float) -> Ints:
