@@ -145,8 +145,10 @@ def test_only_plans_that_are_met_with_no_more_robots_are_better(found: Repaired,
     two = replace(shorter, tours=[replace(shorter.tours[0], robots=2)])
     assert not is_better(two, found, fewest_turns=False)
     assert not is_better(replace(shorter, verdict=check_plan(late(found))), found, fewest_turns=False)
+    # over its budget, but the judge has passed the plan itself; or passed it for longer periods
     hurried = replace(shorter, tours=[replace(shorter.tours[0], period_s=1.0)])
-    assert not is_better(hurried, found, fewest_turns=False)
+    assert is_better(hurried, found, fewest_turns=False)
+    assert not is_better(replace(hurried, eased=True), found, fewest_turns=False)
 
 
 def late(found: Repaired) -> Plan:

@@ -62,7 +62,7 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
             rounds=context.settings.repair.rounds,
             annealed=True,
         )
-        if repaired.met and repaired.within_budgets:
+        if repaired.met:
             if context.executor is not None:
                 context.judge(repaired.plan)  # who looks on was not told of what is judged elsewhere
             yield repaired

@@ -43,12 +43,16 @@ ROUNDING = 1e-6  # share of the budgets by which sums of many legs may be off
 
 @dataclass(frozen=True, kw_only=True)
 class Repaired:
-    """Tours, their plan and its verdict; ``extra``: all points that the judge found unmet on the way."""
+    """Tours, their plan and its verdict; ``extra``: all points that the judge found unmet on the way.
+
+    eased: the verdict is that on the same tours for longer periods.
+    """
 
     tours: list[Tour]
     plan: Plan
     verdict: Verdict
     extra: SamplePoints
+    eased: bool = False
 
     @property
     def robots(self) -> int:
@@ -62,7 +66,15 @@ class Repaired:
 
     @property
     def met(self) -> bool:
-        """Whether the plan passed."""
+        """Whether the plan passed, be its tours over their budgets.
+
+        Robots may follow each other in more than a period where all places are seen for as long as that is more.
+        """
+        return self.sees_all and not self.eased
+
+    @property
+    def sees_all(self) -> bool:
+        """Whether what the judge was shown passed."""
         return self.verdict.verdict == "met"
 
 
@@ -121,7 +133,7 @@ def repair_until_feasible(
         unmet = len(repaired.verdict.unmet_points_m)
         stuck = stuck + 1 if unmet == unmet_before else 0
         unmet_before = unmet
-        if repaired.met or turn == rounds or stuck == settings.stuck_rounds or context.should_stop():
+        if repaired.sees_all or turn == rounds or stuck == settings.stuck_rounds or context.should_stop():
             break
         if not may_add and excess > 0 and not goes_on_over_budget:
             break
@@ -184,7 +196,7 @@ def judged(
     verdict = context.judge(shown)
     shorter = shorter_m(context, tours, turn, bends=bends)
     new = new_points(context, tours, verdict, turn, shorter_m=shorter)
-    return Repaired(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, new]))
+    return Repaired(tours=tours, plan=plan, verdict=verdict, extra=joined([extra, new]), eased=eased_by > 0)
 
 
 def missed_nooks(context: Context, tours: list[Tour]) -> SamplePoints:

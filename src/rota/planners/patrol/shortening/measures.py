@@ -30,7 +30,7 @@ def rounds_of(tours: Sequence[Tour]) -> list[int]:
 
 def is_better(new: Repaired, old: Repaired, *, fewest_turns: bool) -> bool:
     """Whether a plan that is met has no more robots, and shorter loops, or loops no longer that turn less."""
-    if not new.met or not new.within_budgets or new.robots > old.robots:
+    if not new.met or new.robots > old.robots:
         return False
     length_m, least_m = loops_m(new.tours), loops_m(old.tours)
     if fewest_turns:

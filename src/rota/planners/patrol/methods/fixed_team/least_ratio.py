@@ -125,7 +125,7 @@ def with_stretch(context: Context, stretch: float, team: Team, best: Reached | N
     context = replace(context, problem=problem)
     if not context.anneals:
         fewest = team.method(context)
-        whole = with_whole_team(context, fewest, team) if fewest.met and fewest.within_budgets else None
+        whole = with_whole_team(context, fewest, team) if fewest.met else None
         return None if whole is None else reached(whole, stretch)
     if best is not None:
         tours = [replace(tour, period_s=problem.periods_s[tour.period_class]) for tour in best.repaired.tours]

@@ -103,7 +103,7 @@ def repaired_together(context: Context, districts: list[list[Tour]]) -> Repaired
     exact = replace(context, problem=judged_by_lanes(context.problem))
     rounds, patient = context.settings.repair.rounds, context.settings.repair.patient_rounds
     whole = repair_until_feasible(exact, joined(districts), no_points(), may_add=False, rounds=rounds)
-    if (whole.met and whole.within_budgets) or context.should_stop():
+    if whole.met or context.should_stop():
         return whole
     context.progress(0.9, "finishing with the robots that the repair asks for")
     return repair_until_feasible(exact, joined(districts), no_points(), may_add=True, rounds=patient)

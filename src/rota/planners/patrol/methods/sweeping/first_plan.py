@@ -49,7 +49,7 @@ def with_robots_of(proposal: Proposal, context: Context, lanes: Repaired) -> Rep
         return lanes
     tight = replace(context, settings=replace(context.settings, repair=TIGHT))
     fewer = repair_until_feasible(tight, proposal.tours, no_points(), may_add=False, rounds=TIGHT.rounds)
-    return fewer if fewer.met and fewer.within_budgets else lanes
+    return fewer if fewer.met else lanes
 
 
 def is_crowded(proposal: Proposal) -> bool:

@@ -74,7 +74,7 @@ def sweep_with_fewest_robots(sweeping: Sweeping, context: Context) -> Repaired:
         proposal = proposals.pop(0)
         context.progress(0.3 + 0.6 * turn / tries, f"trying {proposal.rank[0]} robots")
         repaired = repair_until_feasible(exact, proposal.tours, no_points(), may_add=False, rounds=rounds)
-        if repaired.met and repaired.within_budgets and (best is None or repaired.robots < best.robots):
+        if repaired.met and (best is None or repaired.robots < best.robots):
             best = repaired
         elif proposal.reserve + 1 < len(settings.sweeping.reserves):
             most = None if best is None else best.robots - 1
