@@ -30,7 +30,7 @@ MOST_PAIRS = 2_000_000  # of legs and sides that are looked at together
 def motion_violations(plan: Plan) -> list[Violation]:
     """Everything wrong with the motion of each robot by itself, at most 20 of a kind for each robot."""
     mission = plan.mission
-    area, blocked = border_of(mission.area), border_of(blocks_motion(mission.obstacles))
+    area, blocked = _border_of(mission.area), _border_of(blocks_motion(mission.obstacles))
     violations: list[Violation] = []
     out_of_area, into_obstacles = _deepest_of_all(plan, area, False), _deepest_of_all(plan, blocked, True)
     for k, trajectory in enumerate(plan):
@@ -85,7 +85,7 @@ class _Border(NamedTuple):
     tree: Any
 
 
-def border_of(shape: Any) -> _Border:
+def _border_of(shape: Any) -> _Border:
     """The border of the area, or of what blocks motion, made ready for all robots and for the next plans."""
     with _ONE_AT_A_TIME:
         return _ready_border(shape)

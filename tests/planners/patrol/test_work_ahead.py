@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from benchmarks.missions import example_missions
 from shapely import MultiPolygon, Polygon, box
 
@@ -46,6 +47,8 @@ def test_many_corners_and_slow_turning_are_told() -> None:
     angles = np.linspace(0, 2 * math.pi, 3000, endpoint=False)
     circle = Polygon(50 * np.column_stack([np.cos(angles), np.sin(angles)]))
     assert list(planning_ahead(field(circle))) == ["3,001 corners of walls: minutes to find the ways round them"]
+    (told,) = planning_ahead(field(shapely.segmentize(circle, 0.01)))
+    assert told.endswith("ways round them; close_gaps_m beside area.map counts narrow nooks as wall")
     assert list(planning_ahead(field(box(0, 0, 60, 40), turn_rate=0.0105))) == []
     (told,) = planning_ahead(field(box(0, 0, 60, 40), turn_rate=0.01))
     assert told.startswith("turning round once takes 628.3 s, longer than any period")

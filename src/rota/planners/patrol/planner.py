@@ -23,7 +23,7 @@ from rota.planners.patrol.methods.fewest.longer_headways import with_longer_head
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
 from rota.planners.patrol.methods.fewest.search import reduce_team
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
-from rota.planners.patrol.methods.large.search import perfect_lanes
+from rota.planners.patrol.methods.large.search import is_wide, perfect_lanes
 from rota.planners.patrol.methods.method import load_method
 from rota.planners.patrol.methods.sweeping.first_plan import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -156,13 +156,7 @@ def first_tours_do(problem: Problem) -> bool:
     keeps_first = problem.is_ragged and not effort.team_size.searches_ragged and settings.method == "tours"
     if not keeps_first or problem.mission.fleet.robots is not None:
         return False
-    return not is_wide(problem) and perfect_lanes(problem) < effort.districts.many_robots / 2
-
-
-def is_wide(problem: Problem) -> bool:
-    """Whether the ground is too large to be searched as one."""
-    districts = EFFORTS[PatrolSettings.of(problem.mission).effort].districts
-    return problem.asked_m2 > districts.large_from * problem.reach_m**2
+    return not is_wide(problem, effort.districts) and perfect_lanes(problem) < effort.districts.many_robots / 2
 
 
 def bound_to_begin_with(problem: Problem) -> Callable[[Problem], ProvedBound]:
@@ -172,8 +166,10 @@ def bound_to_begin_with(problem: Problem) -> Callable[[Problem], ProvedBound]:
     """
     if first_tours_do(problem):
         return prove_nothing
-    is_searched = PatrolSettings.of(problem.mission).method == "tours" and problem.mission.fleet.robots is None
-    return prove_by_area if is_searched and not problem.is_ragged and not is_wide(problem) else prove_bound
+    settings = PatrolSettings.of(problem.mission)
+    is_searched = settings.method == "tours" and problem.mission.fleet.robots is None
+    is_small = not problem.is_ragged and not is_wide(problem, EFFORTS[settings.effort].districts)
+    return prove_by_area if is_searched and is_small else prove_bound
 
 
 def as_asked_for(found: Repaired, mission: Mission) -> Repaired:

@@ -13,6 +13,7 @@ from rota.planners.patrol.bounds.strongest_robot import strongest_robot
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.method_settings import DistrictSettings
 from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
 from rota.planners.patrol.methods.large.districts import by_districts, joined
 from rota.planners.patrol.methods.large.lanes import in_districts
@@ -25,8 +26,12 @@ from rota.planners.patrol.tours.tour import Tour
 
 def is_large(context: Context) -> bool:
     """Whether so much ground must be seen, for what a robot sees at once, or by so many, that districts are planned."""
-    problem, settings = context.problem, context.settings.districts
-    return has_many(context) or problem.asked_m2 > settings.large_from * problem.reach_m**2
+    return has_many(context) or is_wide(context.problem, context.settings.districts)
+
+
+def is_wide(problem: Problem, settings: DistrictSettings) -> bool:
+    """Whether the ground is too large to be searched as one."""
+    return problem.asked_m2 > settings.large_from * problem.reach_m**2
 
 
 def has_many(context: Context) -> bool:
