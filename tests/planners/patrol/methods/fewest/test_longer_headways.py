@@ -7,16 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
-from rota.mission import DiscSensor, SquareSensor, Zone
+from rota.errors import NoPlanFound
+from rota.mission import DiscSensor, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EARLY
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.fewest.longer_headways import (
-    in_longer_periods,
     least_lacking_m,
+    on_other_terms,
     reaching_less,
     seen_for_long,
     with_longer_headways,
@@ -46,6 +48,9 @@ def test_a_robot_is_spared_where_places_are_seen_for_long() -> None:
     fewer = with_longer_headways(context, found)
     assert (fewer.robots, fewer.met) == (4, True)
     assert fewer.plan.mission is context.problem.mission
+    assert {(tour.period_s, tour.robot) for tour in fewer.tours} == {
+        (context.problem.periods_s[0], context.problem.robot)
+    }
     assert check_plan(fewer.plan).verdict == "met"
     # they follow each other in more than the period
     one = fewer.plan.trajectories[0]
@@ -59,6 +64,25 @@ def test_what_lacks_much_and_what_is_proved_stays() -> None:
     proved = replace(context, enough_robots=found.robots)
     assert with_longer_headways(proved, found) is found
     assert with_longer_headways(replace(context, should_stop=lambda: True), found) is found
+
+
+def test_what_only_the_whole_reach_sees_is_not_given_up() -> None:
+    """Behind a no-fly zone as deep as the sensor reaches, which the mission asks to see all of."""
+    context, found = shared_by(4, 0.05 * FAR.fleet.sensor.reach_m)
+    no_fly = Obstacle(shape=MultiPolygon([box(24.1, 0, 30, 20)]), blocks="motion")
+    deep = replace(FAR, period_s=context.problem.mission.period_s, obstacles=(no_fly,), unseeable="refuse")
+    with pytest.raises(NoPlanFound):
+        set_up_problem(seen_for_long(deep, 1.0))
+    assert with_longer_headways(replace(context, problem=set_up_problem(deep)), found) is found
+
+
+def test_curves_and_very_large_ground_stay() -> None:
+    context, found = shared_by(4, 0.05 * FAR.fleet.sensor.reach_m)
+    curving = replace(context.problem, robot=replace(context.problem.robot, turn_radius_m=1.0))
+    assert with_longer_headways(replace(context, problem=curving), found) is found
+    shortening = replace(context.settings.shortening, largest=1.0)
+    small = replace(context, settings=replace(context.settings, shortening=shortening))
+    assert with_longer_headways(small, found) is found
 
 
 def test_what_is_lacking_for_one_robot_less() -> None:
@@ -110,9 +134,11 @@ def test_tours_get_the_class_of_their_longer_period() -> None:
     _, found = shared_by(2, 0.1)
     (tour,) = found.tours
     tours = [replace(tour, period_class=k, period_s=problem.periods_s[k]) for k in (0, 1)]
-    moved = in_longer_periods(replace(found, tours=tours), problem, easier).tours
+    moved = on_other_terms(replace(found, tours=tours), problem, easier).tours
     assert [(t.period_class, t.period_s) for t in moved] == [(1, easier.periods_s[1]), (0, 30.0)]
     assert all(t.robot is easier.robot for t in moved)
+    back = on_other_terms(replace(found, tours=moved), easier, problem).tours
+    assert [(t.period_class, t.period_s) for t in back] == [(0, 29.9), (1, 30.0)]
 
 
 def test_the_judge_is_asked_for_the_mission() -> None:

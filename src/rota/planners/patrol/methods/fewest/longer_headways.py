@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from rota.errors import NoPlanFound
 from rota.mission import DiscSensor, Mission, Sensor
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -28,20 +29,26 @@ NEARER = 0.25  # of c: by how much nearer, in every round of repair, tours are l
 def with_longer_headways(context: Context, best: Repaired) -> Repaired:
     """The plan with as many robots fewer as still pass, one after the other; the plan given where none do.
 
-    Very large ground is left as it is, for which a search takes minutes.
+    Very large ground is left as it is, and so are curves, since a search takes minutes.
     """
+    takes_long = reaches(context.problem) > context.settings.shortening.largest
+    if takes_long or context.problem.robot.turn_radius_m > 0:
+        return best
     while best.met and best.robots > context.enough_robots and not context.should_stop():
         lacking_m = least_lacking_m(best.tours)
         reach_m = context.problem.reach_m
-        if lacking_m > MOST_LACKING * reach_m or reaches(context.problem) > context.settings.shortening.largest:
+        if lacking_m > MOST_LACKING * reach_m:
             break
         seen_m = max(LEAST_TO_SPARE * reach_m, TO_SPARE * lacking_m)
-        easier = with_time_in_sight(context, seen_m)
+        try:
+            easier = with_time_in_sight(context, seen_m)
+        except NoPlanFound:
+            break  # a sensor that reaches less far leaves too much out of sight
         context.progress(0.95, f"trying {best.robots - 1} robots farther apart")
-        smaller = one_fewer(easier, in_longer_periods(best, context.problem, easier.problem))
+        smaller = one_fewer(easier, on_other_terms(best, context.problem, easier.problem))
         if smaller is None:
             break
-        best = smaller
+        best = on_other_terms(smaller, easier.problem, context.problem)
     return best
 
 
@@ -96,21 +103,22 @@ def reaching_less(sensor: Sensor, seen_m: float) -> Sensor:
     return replace(sensor, side_m=2 * less(sensor.side_m / 2))
 
 
-def in_longer_periods(best: Repaired, problem: Problem, easier: Problem) -> Repaired:
-    """The plan with its tours as those of the easier problem, in which visits keep their periods."""
+def on_other_terms(found: Repaired, problem: Problem, other: Problem) -> Repaired:
+    """The plan with its tours as those of another problem, of the same regions with other periods and sensors.
+
+    A tour that serves several of the other's periods gets the shortest.
+    """
     periods_s = [
-        min(
-            region.period_s for region, k in zip(easier.regions, problem.region_class, strict=True) if k == period_class
-        )
+        min(region.period_s for region, k in zip(other.regions, problem.region_class, strict=True) if k == period_class)
         for period_class in range(len(problem.periods_s))
     ]
     tours = [
         replace(
             tour,
             period_s=periods_s[tour.period_class],
-            period_class=easier.periods_s.index(periods_s[tour.period_class]),
-            robot=easier.robot,
+            period_class=other.periods_s.index(periods_s[tour.period_class]),
+            robot=other.robot,
         )
-        for tour in best.tours
+        for tour in found.tours
     ]
-    return replace(best, tours=tours)
+    return replace(found, tours=tours)
