@@ -87,6 +87,11 @@ class Context:
                 return function(self, *args, **kwargs)
         return answer_of(future)
 
+    def with_all_moves(self) -> Context:
+        """The same search with no fewer moves for short tours, for what is tried once."""
+        annealing = replace(self.settings.annealing, least_share=1.0)
+        return replace(self, settings=replace(self.settings, annealing=annealing))
+
     @property
     def anneals(self) -> bool:
         """Whether the mission's method anneals tours, so that each team size can be searched by itself."""

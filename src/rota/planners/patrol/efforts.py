@@ -55,25 +55,26 @@ def shortening_attempts(moves: int) -> tuple[ShorteningAttempt, ...]:
 
 
 QUICK = SearchSettings(
-    sampling=SamplingSettings(per_reach=8, shrink=0.4),
+    sampling=SamplingSettings(per_reach=8, shrink=0.4, few_samples=2_500, most_per_reach=12, fine_shrink=0.2),
     allocation=AllocationSettings(groupings=4, least_slack=1.15, separate_anchors=False, estimates=ESTIMATES[:1]),
     team_size=TeamSizeSettings(single_steps=2, searches_ragged=False),
-    screening=ScreeningSettings(allocations=6, nested_allocations=0, moves=50_000),
-    multistart=MultistartSettings(allocations=2, seeds=1, kept=2),
-    annealing=AnnealingSettings(moves=300_000, most_moves=2_000_000),
+    screening=ScreeningSettings(allocations=8, nested_allocations=0, moves=50_000),
+    multistart=MultistartSettings(allocations=2, seeds=1, kept=2, tries=4),
+    annealing=AnnealingSettings(moves=300_000, most_moves=2_000_000, least_share=0.1),
     alternation=AlternationSettings(
-        attempts=1,
+        attempts=2,
         annealings=5,
         moves=150_000,
         later_stage=Stage(1 / 8, 6.0, 0.0075),
         later_unseen_limit=0.015,
         bent_over_budget_limit=math.inf,
         near_budget_limit=0.006,
+        retry_limit=0.02,
     ),
     repair=RepairSettings(
         rounds=12, over_budget_limit=0.0, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=75_000
     ),
-    fixed_team=FixedTeamSettings(tries=4, nearness=1.025, new_allocations=False),
+    fixed_team=FixedTeamSettings(screened=6, tries=4, nearness=1.025, new_allocations=False),
     sweeping=SweepingSettings(tries=2, angles=3),
     districts=DistrictSettings(enough=1.1, piece_moves=300),
     shortening=ShorteningSettings(attempts=shortening_attempts(1600), rounds=14),
@@ -98,7 +99,7 @@ NORMAL = SearchSettings(
     repair=RepairSettings(
         rounds=20, over_budget_limit=0.0002, tight_range_margin=1.0, tight_bend=0.005, tightening_moves=300_000
     ),
-    fixed_team=FixedTeamSettings(tries=6, nearness=1.015, new_allocations=True),
+    fixed_team=FixedTeamSettings(screened=8, tries=6, nearness=1.015, new_allocations=True),
     sweeping=SweepingSettings(tries=2, angles=6),
     districts=DistrictSettings(enough=1.05, piece_moves=1_200),
     shortening=ShorteningSettings(attempts=shortening_attempts(6000), rounds=16),
@@ -123,7 +124,7 @@ HIGH = SearchSettings(
     repair=RepairSettings(
         rounds=30, over_budget_limit=0.001, tight_range_margin=0.1, tight_bend=0.002, tightening_moves=600_000
     ),
-    fixed_team=FixedTeamSettings(tries=9, nearness=1.01, new_allocations=True),
+    fixed_team=FixedTeamSettings(screened=16, tries=9, nearness=1.01, new_allocations=True),
     sweeping=SweepingSettings(tries=8, angles=12),
     districts=DistrictSettings(enough=1.0, piece_moves=4_800, searches_built_up=True),
     shortening=ShorteningSettings(attempts=shortening_attempts(18000), rounds=16),

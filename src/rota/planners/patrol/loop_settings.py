@@ -14,6 +14,9 @@ class SamplingSettings:
 
     per_reach: samples along one inner reach of the sensor.
     shrink: sensors are taken to reach less by this share of the spacing, for the ground between samples.
+    few_samples: on small ground samples lie denser, up to about so many of them, since they are few anyway.
+    most_per_reach: but at most so many along one reach.
+    fine_shrink: ``shrink`` where they lie denser.
     large_shrink: the same from ``large_from`` samples on, where a little overlap costs less than rounds of repair.
     large_from: number of samples.
     most_samples: the spacing is wider where more samples than this would be needed.
@@ -22,6 +25,9 @@ class SamplingSettings:
 
     per_reach: int
     shrink: float
+    few_samples: int = 0
+    most_per_reach: int = 0
+    fine_shrink: float = 0.0
     large_shrink: float = 0.5
     large_from: int = 100_000
     most_samples: int = 400_000

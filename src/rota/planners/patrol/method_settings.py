@@ -9,6 +9,7 @@ from dataclasses import dataclass
 class FixedTeamSettings:
     """The smallest worst ratio of gap to period that a fixed number of robots reaches.
 
+    screened: at most this many allocations are annealed for each of these multiples, half of them nested.
     tries: multiples of the periods that are tried.
     nearness: the search ends once a multiple that passed is at most this factor above one that failed.
     new_allocations: whether new tours are tried too once some have passed.
@@ -17,6 +18,7 @@ class FixedTeamSettings:
     least: smaller multiples are not tried.
     """
 
+    screened: int
     tries: int
     nearness: float
     new_allocations: bool

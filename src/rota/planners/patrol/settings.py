@@ -90,6 +90,8 @@ class MultistartSettings:
 
     allocations: at most this many are.
     seeds: annealings of each on average.
+    tries: a team size is tried so often, with other seeds, where annealings are so short that all tries together make
+        no more moves than one with tours of ``reference_corners`` corners.
     kept: at most this many annealed tours go on, those with the least shortfall.
     coverage_weights: the annealings take these multiples of the weight of seeing in turn.
     """
@@ -97,6 +99,7 @@ class MultistartSettings:
     allocations: int
     seeds: int
     kept: int
+    tries: int = 1
     coverage_weights: tuple[float, ...] = (1.0, 2.0)
 
 
@@ -106,7 +109,8 @@ class AnnealingSettings:
 
     moves: of a full annealing of tours of ``reference_corners`` corners.
     most_moves: of any annealing.
-    reference_corners: annealing takes more moves in proportion to the corners beyond these.
+    reference_corners: tours of more corners take more moves in proportion, and tours of fewer take fewer.
+    least_share: but at least this share of the moves.
     corners_per_reach: on ragged ground, at most this many corners count in each reach of ideal tour.
     length_weight: of a metre of the slowest tour.
     most_length_weight: of a metre of any tour.
@@ -120,6 +124,7 @@ class AnnealingSettings:
     moves: int
     most_moves: int
     reference_corners: int = 300
+    least_share: float = 1.0
     corners_per_reach: float = 2.0
     length_weight: float = 0.3
     most_length_weight: float = 0.8
@@ -156,6 +161,8 @@ class AlternationSettings:
     least_heat: no annealing begins cooler, as a share of the reach.
     unseen_limit: an attempt ends if the tours it begins with leave a larger share of the ground unseen.
     later_unseen_limit: the same after the first annealing, where linear programs do the repair.
+    short_reaches: budgets of less than so many reaches count as so long where shares of them are compared: what a
+        lattice of samples misses costs metres in proportion to the reach, however short a tour is.
     over_budget_limit: an attempt ends if tours are over a budget by a larger share of it.
     bent_over_budget_limit: the same before a repair by linear programs.
     gain_limit: an attempt goes on if a repair leaves at most this multiple of the least excess so far.
@@ -173,6 +180,7 @@ class AlternationSettings:
     first_stages: tuple[Stage, ...] = (Stage(1 / 4, 3.0, 0.01), Stage(1 / 16, 12.0, 0.005))
     least_heat: float = 1 / 32
     unseen_limit: float = 0.015
+    short_reaches: float = 20.0
     over_budget_limit: float = 0.03
     gain_limit: float = 0.8
     retry_limit: float = 0.002

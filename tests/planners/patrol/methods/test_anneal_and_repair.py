@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from tests.planners.patrol.searching import YARD, search_on
 
@@ -16,8 +17,9 @@ from rota.planners.patrol.annealing.search import Annealed
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.initial.allocation import period_groupings
-from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair, goes_on
+from rota.planners.patrol.methods.anneal_and_repair import anneal_and_repair, excess_share, goes_on
 from rota.planners.patrol.settings import AlternationSettings, Stage
+from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.verdict import Verdict
 
 
@@ -105,3 +107,17 @@ def test_annealings_begin_cooler_and_cooler() -> None:
     assert stages[:2] == list(AlternationSettings.first_stages)
     assert stages[2:] == [Stage(1 / 16, 6.0, 0.00375), Stage(1 / 32, 6.0, 0.001875), Stage(1 / 64, 6.0, 0.0009375)]
     assert len(EFFORTS["high"].alternation.stages) == 9
+
+
+def test_what_short_tours_are_over_counts_as_a_share_of_many_reaches() -> None:
+    context = search_on(YARD)  # sensors reach 2 m: 40 m is long
+    robot = YARD.fleet.equal_robot("one")
+    there_and_back_m = np.array([[0.0, 0.0], [6.0, 0.0]])
+    for budget_m, expected in ((10.0, 2 / 40), (6.0, 6 / 40), (12.0, 0.0)):
+        tour = Tour(
+            vertices_m=there_and_back_m, period_class=0, period_s=budget_m / robot.speed_m_s, robots=1, robot=robot
+        )
+        assert excess_share(context, [tour]) == pytest.approx(expected, abs=1e-5)
+    long_m = np.array([[0.0, 0.0], [51.0, 0.0]])
+    long = Tour(vertices_m=long_m, period_class=0, period_s=100 / robot.speed_m_s, robots=1, robot=robot)
+    assert excess_share(context, [long]) == pytest.approx(2 / 100, abs=1e-5)

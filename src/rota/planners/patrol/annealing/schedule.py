@@ -69,8 +69,7 @@ def anneal_tours(
         range_margin_m=problem.range_margin_m,
         reserve=stage.reserve,
     )
-    corners = relevant_corners(context, tours) / settings.reference_corners
-    moves = min(settings.most_moves, int((2 if coarse else 1) * moves * max(1.0, corners)))
+    moves = min(settings.most_moves, int((2 if coarse else 1) * moves * share_of_moves(context, tours)))
 
     def stop() -> bool:
         misses_much = search.moves_made >= moves / 2 and search.unseen_share > halfway_unseen_limit
@@ -81,6 +80,17 @@ def anneal_tours(
         should_stop=stop, done=searched(context, search, points),
     )  # fmt: skip
     return search.annealed
+
+
+def share_of_moves(context: Context, tours: list[Tour]) -> float:
+    """The multiple of the usual moves that these tours take: in proportion to their corners, with a least share.
+
+    Short tours find their shape in few moves, and another seed then gains more than other moves do. Not so those of
+    robots that turn along arcs: they are few corners far apart, whatever their length.
+    """
+    settings = context.settings.annealing
+    least = 1.0 if context.problem.robot.turn_radius_m > 0 else settings.least_share
+    return max(least, relevant_corners(context, tours) / settings.reference_corners)
 
 
 def relevant_corners(context: Context, tours: list[Tour]) -> float:

@@ -103,6 +103,8 @@ def set_up_problem(mission: Mission) -> Problem:
     space, at_limit = space_for(mission, regions, robot, margin_m)
     walls = sight_walls(mission)
     sampling = EFFORTS[PatrolSettings.of(mission).effort].sampling
+    if mission.fleet.robots is not None:  # the least ratio of a fixed team comes no lower with finer samples
+        sampling = replace(sampling, few_samples=0)
     points, spacing_m = points_of_regions(regions, space, robot, sampling)
     border_places_m = np.zeros((0, 2))
     if at_limit:
@@ -172,8 +174,11 @@ def points_of_regions(
     reach_m = inner_reach_m(robot.sensor)
     asked_m2 = sum(region.shape.area for region in regions if region.demand == "every_point")
     spacing_m = min(float(np.sqrt(asked_m2 / settings.most_samples)), settings.widest_spacing * reach_m)
-    spacing_m = max(reach_m / settings.per_reach, spacing_m)
-    shrink = settings.shrink if asked_m2 < settings.large_from * spacing_m**2 else settings.large_shrink
+    usual_m = max(reach_m / settings.per_reach, spacing_m)
+    spacing_m = finer_spacing_m(asked_m2, reach_m, settings, usual_m)
+    shrink = settings.shrink if spacing_m == usual_m else settings.fine_shrink
+    if asked_m2 >= settings.large_from * spacing_m**2:
+        shrink = settings.large_shrink
     periods_s = periods_of(regions)
     each = [
         region_points(
@@ -183,6 +188,14 @@ def points_of_regions(
         for i, region in enumerate(regions)
     ]  # fmt: skip
     return joined(each), spacing_m
+
+
+def finer_spacing_m(asked_m2: float, reach_m: float, settings: SamplingSettings, usual_m: float) -> float:
+    """The spacing in metres on ground that the usual spacing gives few samples; else the usual one."""
+    if settings.few_samples == 0:
+        return usual_m
+    finer_m = max(reach_m / settings.most_per_reach, float(np.sqrt(asked_m2 / settings.few_samples)))
+    return min(usual_m, finer_m)
 
 
 def stretched(problem: Problem, stretch: float) -> Problem:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rota.mission import inner_reach_m
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import PlaceGroup, class_groups, place_groups, shared_tour, tours_apart
 from rota.planners.patrol.initial.nested_loops import can_nest, nested, slowest
@@ -40,7 +41,7 @@ class PeriodGrouping:
 class Allocation:
     """Tours that the search may begin with.
 
-    slack: how many times longer than ideal the budgets allow them to be. nested: whether some are nested loops.
+    slack: the slack factor that they are ranked by. nested: whether some are nested loops.
     """
 
     slack: float
@@ -112,24 +113,42 @@ def single_budgets_m(grouping: PeriodGrouping) -> list[float]:
     return [replace(tour, robots=1).budget_m for tour in grouping.tours]
 
 
-def slack_factor(grouping: PeriodGrouping) -> float:
-    """How many times longer than ideal the tours may be with the robots they have; below 1 there is no hope.
+def as_lanes_m(tour: Tour) -> float:
+    """Metres of lane that see as much as a convex tour of the tour's budget does.
+
+    Those who go round a convex ring of length L see pi r^2 + r L of ground outside of it or on it, and inside all if it
+    is small: L^2 / (4 pi) in a circle. From L = 2 pi r on lanes see more.
+    """
+    budget_m, reach_m = tour.budget_m, inner_reach_m(tour.robot.sensor)
+    if budget_m >= 2 * math.pi * reach_m:
+        return budget_m
+    return (math.pi * reach_m**2 + reach_m * budget_m + budget_m**2 / (4 * math.pi)) / (2 * reach_m)
+
+
+def slack_factor(
+    grouping: PeriodGrouping, tours: list[Tour] | None = None, worth_m: Callable[[Tour], float] = as_lanes_m
+) -> float:
+    """How many times the lanes asked for the tours may see with the robots they have; below 1 there is little hope.
 
     A tour may serve any ground of its component whose period is at least its own: within each component, all that
-    the quickest classes ask for must fit into the budgets of the tours of these classes. inf without such ground.
+    the quickest classes ask for must fit into what the tours of these classes see. inf without such ground.
+    tours: those that are to serve the grouping's ground; None: its own. worth_m: how many metres of lane a tour is.
     """
-    return min((slack for _, slack in slack_factors(grouping)), default=math.inf)
+    return min((slack for _, slack in slack_factors(grouping, tours, worth_m)), default=math.inf)
 
 
-def slack_factors(grouping: PeriodGrouping) -> Iterator[tuple[int, float]]:
+def slack_factors(
+    grouping: PeriodGrouping, tours: list[Tour] | None = None, worth_m: Callable[[Tour], float] = as_lanes_m
+) -> Iterator[tuple[int, float]]:
     """Each class that tours of a component serve, and the slack factor of the tours of it and all quicker classes."""
+    serving = grouping.tours if tours is None else tours
     for component in {tour.component for tour in grouping.tours}:
         own = [k for k, tour in enumerate(grouping.tours) if tour.component == component]
         for period_class in {grouping.tours[k].period_class for k in own}:
-            quick = [k for k in own if grouping.tours[k].period_class <= period_class]
-            asked_m = sum(grouping.ideal_m[k] for k in quick)
+            asked_m = sum(grouping.ideal_m[k] for k in own if grouping.tours[k].period_class <= period_class)
+            quick = [t for t in serving if t.component == component and t.period_class <= period_class]
             if asked_m > 0:
-                yield period_class, sum(grouping.tours[k].budget_m for k in quick) / asked_m
+                yield period_class, sum(worth_m(tour) for tour in quick) / asked_m
 
 
 def allocations(
@@ -142,7 +161,8 @@ def allocations(
 ) -> list[Allocation]:
     """Every set of tours with which so many robots might do; the ones with most slack first.
 
-    Robots that would share a tour are tried on tours of their own too, and nested loops where budgets are tight.
+    Robots that would share a tour are tried on tours of their own too, and nested loops where budgets are tight. Tours
+    of their own count with the slack of shared ones, for there is no telling which see more of what lies between walls.
     least_slack: allocations with a smaller slack factor are left out.
     """
     plain: list[Allocation] = []
@@ -157,14 +177,13 @@ def allocations(
         if can_nest(problem) and slack < settings.nested_slack_limit:
             bases = nesting_bases(problem, grouping, counts, robots)
             nested_loops += nested_allocations(problem, bases, settings, least_slack=least_slack)
-        if slack < least_slack:
-            continue
-        plain.append(Allocation(slack=slack, tours=shared.tours, nested=False))
+        if slack >= least_slack:
+            plain.append(Allocation(slack=slack, tours=shared.tours, nested=False))
         shape = tuple(sorted((tour.period_class, tour.robots) for tour in shared.tours))
         fresh = shape not in seen or problem.robot.body_radius_m > 0
         if 1 < max(counts) <= settings.most_own_tours and fresh:
             tours = own_tours(problem, shared)
-            if len(tours) == robots:
+            if len(tours) == robots and slack_factor(shared, tours) >= least_slack:
                 plain.append(Allocation(slack=slack, tours=tours, nested=False))
         seen.add(shape)
     return sorted([*plain, *nested_loops], key=lambda allocation: -allocation.slack)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 
 from rota.planners.patrol.annealing.schedule import anneal_tours
 from rota.planners.patrol.annealing.search import Annealed
@@ -13,7 +13,7 @@ from rota.planners.patrol.ground.samples import SamplePoints
 from rota.planners.patrol.repair.bending.search import can_bend
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.settings import AlternationSettings, Stage
-from rota.planners.patrol.tours.tour import over_budget_share
+from rota.planners.patrol.tours.tour import Tour, excesses
 
 SEEDS_APART = 10  # the annealings of one attempt take seeds of their own
 
@@ -46,13 +46,13 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
     bends = can_bend(context.problem)
     for turn, stage in enumerate(settings.stages):
         unseen_limit = settings.later_unseen_limit if turn and bends else settings.unseen_limit
-        over_limit = search.over_budget_share > settings.over_budget_limit
+        over_limit = excess_share(context, search.tours) > settings.over_budget_limit
         if context.should_stop() or search.unseen_share > unseen_limit or over_limit:
             break
         search = context.run(annealed_once_more, search, extra, stage, seed=seed + 1 + turn)
         if turn + 1 < len(settings.first_stages):
             continue
-        if bends and search.over_budget_share > settings.bent_over_budget_limit:
+        if bends and excess_share(context, search.tours) > settings.bent_over_budget_limit:
             break
         repaired = context.run(
             repair_until_feasible,
@@ -70,7 +70,7 @@ def attempt_with_seed(context: Context, search: Annealed, *, seed: int) -> Gener
         yield None
         if repaired.within_budgets and not len(repaired.verdict.unmet_points_m):
             return math.inf  # everything is seen in time, but bodies touch: they would on any tour much like this
-        excess = over_budget_share(repaired.tours)
+        excess = excess_share(context, repaired.tours)
         if not goes_on(excess, least_excess, settings):
             break
         least_excess, extra = min(excess, least_excess), repaired.extra
@@ -82,6 +82,12 @@ def annealed_once_more(context: Context, search: Annealed, extra: SamplePoints, 
     settings = context.settings.alternation
     stage = stage._replace(heat=max(stage.heat, settings.least_heat))
     return anneal_tours(context, search.tours, extra, moves=settings.moves, seed=seed, stage=stage)
+
+
+def excess_share(context: Context, tours: Sequence[Tour]) -> float:
+    """The greatest excess over a budget, as a share of it or of a length that is long for what a repair adds."""
+    least_m = context.settings.alternation.short_reaches * context.problem.reach_m
+    return max(0.0, *(excess_m / max(budget_m, least_m) for excess_m, budget_m in excesses(tours)))
 
 
 def goes_on(excess: float, least_excess: float, settings: AlternationSettings) -> bool:

@@ -36,7 +36,7 @@ def test_of_many_candidates_the_better_half_goes_on(count: int, most: int, round
 
 @pytest.fixture(scope="module")
 def quick() -> Context:
-    return with_limits(search_on(YARD), moves=2_000)
+    return with_limits(search_on(YARD), moves=20_000)  # of which small tours make a tenth
 
 
 @pytest.fixture(scope="module")

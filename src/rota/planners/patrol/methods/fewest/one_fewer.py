@@ -23,6 +23,7 @@ def one_fewer(context: Context, best: Repaired) -> Repaired | None:
     they can, and longer annealing gains nothing before the repairs. It fails where a plan needs other groups of periods
     or nested loops. The tour that gives up a robot is the one with which the least is missing.
     """
+    context = context.with_all_moves()
     seed = context.seed + 1000 * best.robots + 500
     begun, moves = list(with_one_fewer(best.tours)), context.settings.screening.moves
     tried = anneal_all(context, begun, moves=moves, seed=seed, coarse=False)

@@ -2,20 +2,38 @@
 
 from __future__ import annotations
 
+import math
+
+from rota.planners.patrol.annealing.schedule import share_of_moves
 from rota.planners.patrol.context import Context
-from rota.planners.patrol.initial.allocation import PeriodGrouping, allocations
+from rota.planners.patrol.initial.allocation import Allocation, PeriodGrouping, allocations
 from rota.planners.patrol.methods.fewest.multistart import annealed_in_full
 from rota.planners.patrol.methods.fewest.racing import first_to_pass
 from rota.planners.patrol.methods.fewest.screening import screened
 from rota.planners.patrol.repair.repair import Repaired
 
+SEEDS_APART = 7_000_000  # of one try from those of the next
+
 
 def plan_with_team_size(
     context: Context, groupings: list[PeriodGrouping], robots: int, *, least_slack: float
 ) -> Repaired | None:
-    """A plan with so many robots that the judge passes, or None."""
-    seed = context.seed + 1000 * robots
+    """A plan with so many robots that the judge passes, or None.
+
+    Few robots on short tours are tried several times: each try is short, and its outcome much a matter of chance.
+    """
     settings = context.settings.allocation
     candidates = allocations(context.problem, groupings, robots, settings, least_slack=least_slack)
-    searches = annealed_in_full(context, screened(context, candidates, seed=seed), seed=seed)
-    return first_to_pass(context, searches, seed=seed)
+    for turn in range(tries(context, candidates)):
+        seed = context.seed + 1000 * robots + SEEDS_APART * turn
+        searches = annealed_in_full(context, screened(context, candidates, seed=seed), seed=seed)
+        found = first_to_pass(context, searches, seed=seed)
+        if found is not None or context.should_stop():
+            return found
+    return None
+
+
+def tries(context: Context, candidates: list[Allocation]) -> int:
+    """How often these allocations are tried: so often that all tries together make no more moves than a long one."""
+    share = max((share_of_moves(context, allocation.tours) for allocation in candidates), default=math.inf)
+    return min(context.settings.multistart.tries, max(1, int(1 / share))) if candidates else 0

@@ -20,7 +20,7 @@ from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_si
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.whole_team import with_whole_team
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
-from rota.planners.patrol.tours.tour import tour_length_m
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.verdict import Verdict
 
 
@@ -101,13 +101,18 @@ def first_guess(context: Context, robots: int) -> Guess | None:
         if all(len(grouping.tours) <= robots for grouping in groupings):
             return None
         stretch *= 2  # for longer periods ground farther apart is one tour's
-    slack = max(slack_factor(grouping) for grouping in handed)
+    slack = max(slack_factor(grouping, worth_m=budget_m) for grouping in handed)  # grows as the periods do
     sure = stretch * min(fullest(grouping) for grouping in handed)
     likely = max(stretch * settings.team_size.likely_slack / slack, sure / 2)
     least = stretch * settings.allocation.least_slack / slack
     # a robot that stays, or tours that need not move, have any period
     smallest = settings.fixed_team.least
     return Guess(least=least, likely=min(likely, sure) or smallest, sure=sure or smallest)
+
+
+def budget_m(tour: Tour) -> float:
+    """The budget of a tour."""
+    return tour.budget_m
 
 
 def fullest(grouping: PeriodGrouping) -> float:

@@ -24,6 +24,13 @@ from rota.planners.patrol.tours.tour import Tour, driven
 from rota.planners.patrol.verdict import counted, touching, worst_reached
 
 
+def searching_longer_periods(context: Context) -> Context:
+    """The search with the moves and allocations for one try with each ratio that is tried."""
+    context, settings = context.with_all_moves(), context.settings
+    screening = replace(settings.screening, allocations=settings.fixed_team.screened)
+    return replace(context, settings=replace(context.settings, screening=screening))
+
+
 def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     """The plan for exactly the fleet's robots whose worst ratio is the smallest found; NoPlanFound when it exceeds 1.
 
@@ -31,6 +38,7 @@ def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     proved. method: finds a plan with as few robots as it can. When robots get in each other's way, fewer of them keep
     watch, and the others help them or stand aside.
     """
+    context = searching_longer_periods(context)
     problem = context.problem
     robots = len(problem.mission.fleet.robots or ())
     team = Team(robots=robots, starting=starts_per_component(problem, asked), method=method)
