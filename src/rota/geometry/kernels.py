@@ -16,6 +16,7 @@ from rota.by_reference import by_reference
 from rota.compiled.kernel import kernel
 
 TOUCH_M = 1e-9
+LEAST_M2 = 1e-300  # the square of the length of an edge: corners so near that it rounds to 0 are one place
 
 OUTSIDE, INSIDE, BORDER = 0, 1, 2
 
@@ -159,7 +160,7 @@ def _place(px, py, grid, touch_m):
         k = grid.items[n]
         wx, wy = edges[k, 2] - edges[k, 0], edges[k, 3] - edges[k, 1]
         ax, ay = px - edges[k, 0], py - edges[k, 1]
-        s = min(max((ax * wx + ay * wy) / (wx * wx + wy * wy), 0.0), 1.0)
+        s = min(max((ax * wx + ay * wy) / max(wx * wx + wy * wy, LEAST_M2), 0.0), 1.0)
         if (ax - s * wx) ** 2 + (ay - s * wy) ** 2 <= touch_m * touch_m:
             return BORDER
     row = grid.nx * grid.ny + j

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from shapely import MultiPolygon, box
+from shapely import MultiPolygon, Polygon, box
 from tests.planners.patrol.searching import YARD
 
 from rota.planners.patrol.efforts import EFFORTS
@@ -37,3 +37,8 @@ def test_small_ground_has_denser_samples_unless_the_team_is_fixed() -> None:
     assert set_up_problem(small).spacing_m == pytest.approx(0.2)
     team = tuple(small.fleet.equal_robot(name) for name in ("one", "two"))
     assert set_up_problem(replace(small, fleet=replace(small.fleet, robots=team))).spacing_m == pytest.approx(2 / 8)
+
+
+def test_corners_that_lie_at_one_place_but_for_rounding_do_no_harm() -> None:
+    nearly = Polygon([(0, 0), (3.4e-218, 0), (6, 6), (0, 6)])
+    assert len(set_up_problem(replace(YARD, area=MultiPolygon([nearly]), obstacles=())).points) > 0
