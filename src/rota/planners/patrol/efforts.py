@@ -39,19 +39,19 @@ def shortening_attempts(moves: int) -> tuple[ShorteningAttempt, ...]:
     The less seeing weighs while tours are hot, the shorter they become, and the more often the budgets then have no
     room for what is left unseen.
     """
-
-    def hot(seeing: float, vertex_price: float) -> tuple[ShorteningStage, ...]:
-        return (
-            ShorteningStage(moves, 0.7, 1 / 10, seeing, coarse=True, vertex_price=vertex_price),
-            ShorteningStage(3 * moves // 16, 1 / 10, 1 / 100, 2.0, vertex_price=vertex_price / 4),
-            ShorteningStage(3 * moves // 32, 1 / 32, 1 / 500, 8.0),
-        )
-
-    return (
-        ShorteningAttempt(hot(1.0, 1.0), bold=True),
-        ShorteningAttempt(hot(1.5, 0.5)),
-        ShorteningAttempt((ShorteningStage(moves // 4, 1 / 16, 1 / 1000, 8.0),)),
+    bold = (ShorteningStage(moves, 0.7, 1 / 10, 1.0, coarse=True, vertex_price=1.0), lukewarm_stage(moves))
+    careful = (
+        ShorteningStage(moves, 0.7, 1 / 10, 1.5, coarse=True, vertex_price=1 / 2),
+        ShorteningStage(3 * moves // 16, 1 / 10, 1 / 100, 2.0, vertex_price=1 / 8),
+        ShorteningStage(3 * moves // 32, 1 / 32, 1 / 500, 8.0),
     )
+    cold = (ShorteningStage(moves // 4, 1 / 16, 1 / 1000, 8.0),)
+    return ShorteningAttempt(bold, bold=True), ShorteningAttempt(careful), ShorteningAttempt(cold)
+
+
+def lukewarm_stage(moves: int) -> ShorteningStage:
+    """An annealing in which loops keep their shape, and find where they can be shorter."""
+    return ShorteningStage(moves, 1 / 8, 1 / 500, 4.0, vertex_price=1 / 4)
 
 
 QUICK = SearchSettings(
@@ -77,7 +77,7 @@ QUICK = SearchSettings(
     fixed_team=FixedTeamSettings(screened=6, tries=4, nearness=1.025, new_allocations=False),
     sweeping=SweepingSettings(tries=2, angles=3),
     districts=DistrictSettings(enough=1.1, piece_moves=300),
-    shortening=ShorteningSettings(attempts=shortening_attempts(1600), rounds=14),
+    shortening=ShorteningSettings(attempts=shortening_attempts(1600), further=(), rounds=14),
 )
 
 NORMAL = SearchSettings(
@@ -102,7 +102,9 @@ NORMAL = SearchSettings(
     fixed_team=FixedTeamSettings(screened=8, tries=6, nearness=1.015, new_allocations=True),
     sweeping=SweepingSettings(tries=2, angles=6),
     districts=DistrictSettings(enough=1.05, piece_moves=1_200),
-    shortening=ShorteningSettings(attempts=shortening_attempts(6000), rounds=16),
+    shortening=ShorteningSettings(
+        attempts=shortening_attempts(6000), further=(ShorteningAttempt((lukewarm_stage(6000),)),), rounds=16
+    ),
 )
 
 HIGH = SearchSettings(
@@ -127,7 +129,9 @@ HIGH = SearchSettings(
     fixed_team=FixedTeamSettings(screened=16, tries=9, nearness=1.01, new_allocations=True),
     sweeping=SweepingSettings(tries=8, angles=12),
     districts=DistrictSettings(enough=1.0, piece_moves=4_800, searches_built_up=True),
-    shortening=ShorteningSettings(attempts=shortening_attempts(18000), rounds=16),
+    shortening=ShorteningSettings(
+        attempts=shortening_attempts(18000), further=2 * (ShorteningAttempt((lukewarm_stage(18000),)),), rounds=16
+    ),
 )
 
 # the plan with which every search begins: lanes, from the two groupings that promise the fewest robots, bent farther in

@@ -101,6 +101,7 @@ class ShorteningSettings:
     """Shorter loops for the plan with the fewest robots found.
 
     attempts: each begins with the tours found; the first that gives shorter loops is the last.
+    further: attempts to shorten what that gave, one after another; each is kept if it gives shorter loops yet.
     coarse, fine: the samples of annealing; with range that is taken much shorter robots would weave.
     reserve, budget_penalty: the annealing leaves this share of the budgets to the repair; of a metre over a budget.
     rounds, over_budget_limit: of the repair, as ``RepairSettings`` has them.
@@ -111,6 +112,7 @@ class ShorteningSettings:
     """
 
     attempts: tuple[ShorteningAttempt, ...]
+    further: tuple[ShorteningAttempt, ...]
     rounds: int
     coarse: SamplingSettings = SamplingSettings(per_reach=4, shrink=0.1, most_samples=150_000)
     fine: SamplingSettings = SamplingSettings(per_reach=12, shrink=0.5, most_samples=150_000)

@@ -19,7 +19,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.shortening import search
 from rota.planners.patrol.shortening.measures import is_better, loops_m, rounds_of, turning_rad
-from rota.planners.patrol.shortening.search import with_better_loops
+from rota.planners.patrol.shortening.search import shortened_further, with_better_loops
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -109,6 +109,35 @@ def test_a_later_attempt_is_a_plan_of_the_same_seed(
     assert later is not found
     assert later.plan.seed == context.seed
     assert next(verdicts, None) is None  # both attempts were made
+
+
+def test_further_attempts_begin_with_the_shortest_loops_so_far(
+    context: Context, found: Repaired, shorter: Repaired, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[Repaired | None] = []
+    answers = iter((shorter, found, shorter))
+    plans = {id(plan.tours): plan for plan in (found, shorter)}
+
+    def annealed(_context: Context, tours: list[Tour], _stages: object, **_: object) -> Repaired:
+        begun.append(plans.get(id(tours)))
+        return next(answers)
+
+    monkeypatch.setattr(search, "annealed_and_repaired", annealed)
+    lukewarm = ShorteningAttempt((ShorteningStage(1, 1 / 8, 1 / 500, 4.0),))
+    shortening = replace(context.settings.shortening, further=(lukewarm, lukewarm, lukewarm))
+    own = replace(context, settings=replace(context.settings, shortening=shortening))
+    assert shortened_further(own, found) is shorter
+    assert begun == [found, shorter, shorter]  # the second attempt gave longer loops, which were not kept
+
+
+def test_a_lukewarm_attempt_shortens_loops(context: Context, found: Repaired) -> None:
+    lukewarm = ShorteningAttempt((ShorteningStage(400, 1 / 8, 1 / 500, 4.0),))
+    shortening = replace(context.settings.shortening, further=(lukewarm,))
+    own = replace(context, settings=replace(context.settings, shortening=shortening))
+    again = shortened_further(own, found)
+    assert again.met
+    assert loops_m(again.tours) < loops_m(found.tours)
+    assert shortened_further(replace(own, should_stop=lambda: True), found) is found
 
 
 @pytest.mark.parametrize(

@@ -32,8 +32,9 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     """The plan with the loops that the mission prefers; the plan found where no better ones pass the judge.
 
     Each attempt begins with the tours found: the first ones with much heat, which gives them another shape where the
-    budgets leave room for one, the last with little. Ground where turning takes time or the limit of sight is asked
-    for is left as it is, for no linear program closes the gaps there; and so is very large ground.
+    budgets leave room for one, the last with little. Loops that became shorter so are shortened further, unless some
+    are nested or turns cost something. Ground where turning takes time or the limit of sight is asked for is left as it
+    is, for no linear program closes the gaps there; and so is very large ground.
     """
     settings, problem = context.settings.shortening, context.problem
     if not can_bend(problem) or reaches(problem) > settings.largest:
@@ -49,8 +50,23 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
             context, found.tours, attempt.stages, fewest_turns=fewest_turns, seed=context.seed + 10 * turn
         )
         if is_better(shorter, found, fewest_turns=fewest_turns):
-            return without_spikes(context, shorter, fewest_turns=fewest_turns)
+            found = shortened_further(context, shorter) if may_be_bold else shorter
+            break
     return without_spikes(context, found, fewest_turns=fewest_turns)
+
+
+def shortened_further(context: Context, found: Repaired) -> Repaired:
+    """The plan with its loops annealed again, without the heat that would give them another shape."""
+    attempts = context.settings.shortening.further
+    for turn, attempt in enumerate(attempts):
+        if context.should_stop():
+            break
+        context.progress(0.95 + 0.02 * turn / len(attempts), "making the loops shorter yet")
+        seed = context.seed + 10 * (len(context.settings.shortening.attempts) + turn)
+        shorter = annealed_and_repaired(context, found.tours, attempt.stages, fewest_turns=False, seed=seed)
+        if is_better(shorter, found, fewest_turns=False):
+            found = shorter
+    return found
 
 
 def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> Repaired:

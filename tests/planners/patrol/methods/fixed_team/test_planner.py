@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import YARD, search_on
 
+from rota.check import check_plan
+from rota.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.annealing.schedule import share_of_moves
+from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.initial.allocation import period_groupings
+from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, reached, with_shorter_loops
 from rota.planners.patrol.methods.fixed_team.planner import searching_longer_periods
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.repair.repair import Repaired, plan_of
+from rota.planners.patrol.tours.tour import Tour
 
 
 def test_each_ratio_is_tried_once_with_all_moves() -> None:
@@ -15,3 +27,38 @@ def test_each_ratio_is_tried_once_with_all_moves() -> None:
     longer = searching_longer_periods(usual)
     assert share_of_moves(longer, tours) == 1.0 > share_of_moves(usual, tours)
     assert longer.settings.screening.allocations == usual.settings.fixed_team.screened
+
+
+FIELD = Mission(
+    name="field", area=MultiPolygon([box(0, 0, 24, 18)]), period_s=80,
+    fleet=Fleet(speed_m_s=2, sensor=DiscSensor(radius_m=2.5)), planning=PatrolSettings(effort="quick"),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def lanes() -> Reached:
+    """One robot on lanes that are too narrow, with one and a half times the period."""
+    search = search_on(replace(FIELD, period_s=120))
+    places = [(x, y) for i, x in enumerate(range(2, 23, 3)) for y in ((4.0, 17.0), (17.0, 4.0))[i % 2]]
+    vertices = np.array([*places, (22.5, 4.0), (22.5, 1.5), (1.5, 1.5)], dtype=np.float64)
+    tours = [Tour(vertices_m=vertices, period_class=0, period_s=120.0, robots=1, robot=search.problem.robot)]
+    plan = plan_of(search.problem, tours, seed=0)
+    return reached(Repaired(tours=tours, plan=plan, verdict=check_plan(plan), extra=no_points()), 1.5)
+
+
+def test_shorter_loops_see_everything_sooner(lanes: Reached) -> None:
+    shorter = with_shorter_loops(search_on(FIELD), lanes)
+    assert shorter.repaired.met
+    assert shorter.stretch == lanes.stretch
+    assert shorter.ratio < 0.85 * lanes.ratio
+    worst_s = max(demand.worst_gap_s for demand in check_plan(shorter.repaired.plan).demands)
+    assert shorter.ratio * 80 == pytest.approx(worst_s)
+
+
+def test_nested_loops_and_lanes_asked_for_stay(lanes: Reached) -> None:
+    search = search_on(FIELD)
+    tours = [replace(tour, nest=0) for tour in lanes.repaired.tours]
+    nested = replace(lanes, repaired=replace(lanes.repaired, tours=tours))
+    assert with_shorter_loops(search, nested) is nested
+    by_lanes = search_on(replace(FIELD, planning=PatrolSettings(effort="quick", method="parallel")))
+    assert with_shorter_loops(by_lanes, lanes) is lanes

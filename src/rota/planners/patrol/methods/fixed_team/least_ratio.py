@@ -20,6 +20,7 @@ from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_si
 from rota.planners.patrol.methods.fixed_team.team import Team
 from rota.planners.patrol.methods.fixed_team.whole_team import with_whole_team
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.shortening.search import has_nests, with_better_loops
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 from rota.planners.patrol.verdict import Verdict
 
@@ -63,11 +64,25 @@ def least_ratio(context: Context, team: Team, proved: float) -> Reached | None:
         if reached is None:
             failed = max(failed, stretch)
         elif best is None or reached.ratio < best.ratio:
-            best = reached
+            best = with_shorter_loops(context, reached)
         stretch = next_stretch(settings, guess, turn, stretch, failed, best)
     if best is None and context.anneals:
         return first_tours_in_time(context, team.robots, guess.sure)
     return best
+
+
+def with_shorter_loops(context: Context, found: Reached) -> Reached:
+    """The same plan with shorter loops, if everything is seen sooner then; loops within loops stay as they are.
+
+    The search ends as soon as the tours keep within their budgets, although there may be much shorter ones.
+    """
+    tours, shortening = found.repaired.tours, context.settings.shortening
+    if not context.anneals or context.keeps_first_tours or has_nests(tours):
+        return found
+    once = replace(context.settings, shortening=replace(shortening, attempts=shortening.attempts[:1]))
+    own = replace(context, problem=stretched(context.problem, found.stretch), settings=once)
+    shorter = reached(with_better_loops(own, found.repaired), found.stretch)
+    return shorter if shorter.ratio < found.ratio else found
 
 
 def next_stretch(
