@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 
 from benchmarks.peer_environment import peer_answer
-from benchmarks.planning import plan_and_check, plan_file_of, told
+from benchmarks.planning import Planned, plan_and_check, plan_file_of, told
 from benchmarks.row import Options, Row
 from benchmarks.warm_cache import measured_warm
 from rota.check import check_plan
@@ -77,12 +77,18 @@ def shortest_loop(options: Options) -> Row:
     (planned,) = measured_warm(
         lambda: plan_and_check(mission, options.folder, effort=options.effort), lambda one: one.wall_s, repeats=1
     )
-    name = f"one robot, {SIDE_M:.0f} m square with two obstacles: closed loop, {options.effort}"
-    asked = f"at most {ASKED_M:,.0f} m at 100 % seen, CPU at most {ASKED_CPU_S:.0f} s"
     if not planned.met:
-        return Row(name, asked, f"none within {SPEED_M_S * PERIOD_S:,.0f} m: {told([planned])}", False)
+        return loop_row(planned, None, options.effort)
     (trajectory,) = read_plan(plan_file_of(mission, options.folder))
-    loop = judged(trajectory.positions_m)
+    return loop_row(planned, judged(trajectory.positions_m), options.effort)
+
+
+def loop_row(planned: Planned, loop: Loop | None, effort: str) -> Row:
+    """The row of a loop, and of none."""
+    name = f"one robot, {SIDE_M:.0f} m square with two obstacles: closed loop, {effort}"
+    asked = f"at most {ASKED_M:,.0f} m at 100 % seen, CPU at most {ASKED_CPU_S:.0f} s"
+    if loop is None:
+        return Row(name, asked, f"none within {SPEED_M_S * PERIOD_S:,.0f} m: {told([planned])}", False)
     sees_all = loop.sees_all and loop.stays_inside
     reached = round(loop.length_m) <= ASKED_M and sees_all and planned.cpu_s <= ASKED_CPU_S
     measured = (

@@ -25,9 +25,9 @@ from benchmarks.one_robot import (
     Loop,
     ground,
     judged,
+    loop_row,
     mission_text,
     peer_settings,
-    shortest_loop,
     shortest_that_sees,
 )
 from benchmarks.planning import Planned, worst_ratio
@@ -188,34 +188,26 @@ def test_the_shortest_route_that_sees_enough_is_chosen() -> None:
     assert shortest_that_sees([], 0.1) is None
 
 
-def test_lengths_are_tried_from_above_until_one_robot_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked_m: list[float] = []
-
-    def from_1550_m(budget_m: float, _options: Options) -> tuple[Planned, Loop | None]:
-        asked_m.append(budget_m)
-        if budget_m < 1550:
-            return planned(2, 10), None
-        return planned(1, 10), Loop(length_m=budget_m - 2, seen_share=1.0, sees_all=True, stays_inside=True)
-
-    monkeypatch.setattr("benchmarks.one_robot.planned_within", from_1550_m)
-    row = shortest_loop(Options(folder=Path()))
-    expected_m = [1620, 0.985 * 1618, 0.985 * (0.985 * 1618 - 2)]  # the third is 1,567.9
-    assert asked_m[:3] == pytest.approx(expected_m)
-    assert asked_m[3] == pytest.approx(0.985 * (expected_m[2] - 2))  # 1,542.4: too short
-    assert asked_m[4] == pytest.approx((expected_m[2] - 2 + asked_m[3]) / 2)  # 1,554.2
-    assert asked_m[5] == pytest.approx((asked_m[4] - 2 + asked_m[3]) / 2)  # 1,547.3: too short, and near enough
-    assert len(asked_m) == 6
+def test_a_loop_that_is_short_enough_and_sees_all_within_the_time_is_what_is_asked() -> None:
+    loop = Loop(length_m=1500.4, seen_share=1.0, sees_all=True, stays_inside=True)
+    row = loop_row(planned(1, 10, bound=1), loop, "normal")
     assert row.reached
-    assert row.measured == "1,552 m, 100.00 % seen; none within 1,547 m; 6 lengths tried in 66 s, CPU 90 s"
-    monkeypatch.setattr("benchmarks.one_robot.planned_within", lambda *_: (NO_PLAN, None))
-    assert shortest_loop(Options(folder=Path())).measured.startswith("none within 1,620 m: exit code 3")
+    assert row.measured.startswith("1,500 m, 100.00 % seen; 11.0 s (plan 10.0, check 1.0)")
+    assert row.measured.endswith("1 robots (bound 1), met; CPU 15 s")
+    assert not loop_row(planned(1, 10), loop._replace(length_m=1500.6), "normal").reached
+    assert not loop_row(planned(1, 10), loop._replace(sees_all=False), "normal").reached
+    assert not loop_row(planned(1, 10), loop._replace(stays_inside=False), "normal").reached
+    assert not loop_row(planned(1, 60), loop, "normal").reached
+    assert loop_row(NO_PLAN, None, "quick").measured.startswith("none within 1,620 m: exit code 3")
 
 
-def test_the_mission_of_the_loop_leaves_one_robot_so_many_metres(tmp_path: Path) -> None:
+def test_the_mission_of_the_loop_has_one_robot(tmp_path: Path) -> None:
     path = tmp_path / "one.json"
-    path.write_text(mission_text(1500))
+    path.write_text(mission_text())
     mission = read_mission(path).mission
-    assert mission.fleet.speed_m_s * mission.period_s == pytest.approx(1500)
+    assert mission.fleet.robots is not None
+    assert len(mission.fleet.robots) == 1
+    assert mission.fleet.speed_m_s * mission.period_s == pytest.approx(1620)
     blocks = [obstacle.shape.bounds for obstacle in mission.obstacles]
     assert (
         blocks == [obstacle.shape.bounds for obstacle in ground().obstacles] == [tuple(map(float, b)) for b in BLOCKS]

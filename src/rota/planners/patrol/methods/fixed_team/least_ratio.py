@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 from rota.planners.patrol.annealing.schedule import anneal_shape
-from rota.planners.patrol.context import Context
+from rota.planners.patrol.context import Context, silent
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import stretched
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings, robots_per_tour, slack_factor
@@ -80,7 +80,7 @@ def with_shorter_loops(context: Context, found: Reached) -> Reached:
     if not context.anneals or context.keeps_first_tours or has_nests(tours):
         return found
     once = replace(context.settings, shortening=replace(shortening, attempts=shortening.attempts[:1]))
-    own = replace(context, problem=stretched(context.problem, found.stretch), settings=once)
+    own = replace(context, problem=stretched(context.problem, found.stretch), settings=once, progress=silent)
     shorter = reached(with_better_loops(own, found.repaired), found.stretch)
     return shorter if shorter.ratio < found.ratio else found
 
