@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from shapely import MultiPolygon
 
 from rota.geometry.free_space import border_segments
@@ -16,8 +17,10 @@ from rota.planners.patrol.ground.sight import sensor_arguments
 from rota.planners.patrol.ground.surroundings import places_in_sight
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
-PAIRS_TOGETHER = 1_000_000  # of points and sides that one thread looks at
+PAIRS_TOGETHER = 200_000  # of points and sides: of so many that there are a group of near points is made
+SLACK_M = 1e-6  # by which ranges that count as equal may differ, and more
 
 
 def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: Robot) -> tuple[Floats, Floats]:
@@ -46,9 +49,35 @@ def nearest_places(points_m: Floats, space: MultiPolygon, walls: Floats, robot: 
 def _nearest_on_border(points_m: Floats, space: MultiPolygon, square: int) -> tuple[Floats, Floats]:
     """For each point (n, 2) the nearest place (n, 2) on the border of the space, and its range (n,) in metres."""
     border = border_segments(space)
-    some = np.array_split(points_m, 1 + len(points_m) * len(border) // PAIRS_TOGETHER)
-    found = side_by_side(lambda part: nearest_on_segments(part, border, square), some)
-    return np.concatenate([places for places, _ in found]), np.concatenate([ranges for _, ranges in found])
+    places, ranges = np.full(points_m.shape, np.nan), np.full(len(points_m), np.inf)
+    if not len(border) or not len(points_m):
+        return places, ranges
+    # no range is longer than the way to the nearest corner, whichever way the sensor measures
+    most_m = cKDTree(border[:, :2]).query(points_m)[0]
+    tree = shapely.STRtree(shapely.linestrings(border.reshape(-1, 2, 2)))
+
+    def nearest(group: Ints) -> None:
+        low, high = points_m[group].min(axis=0), points_m[group].max(axis=0)
+        far_m = most_m[group].max() + SLACK_M
+        near = np.sort(tree.query(shapely.box(*(low - far_m), *(high + far_m))))
+        places[group], ranges[group] = nearest_on_segments(points_m[group], border[near], square)
+
+    side_by_side(nearest, groups_of_near(points_m, 1 + len(points_m) * len(border) // PAIRS_TOGETHER))
+    return places, ranges
+
+
+def groups_of_near(points_m: Floats, count: int) -> list[Ints]:
+    """The numbers of the points (n, 2) in about so many groups of points that lie near each other."""
+    groups = [np.arange(len(points_m))]
+    while len(groups) < count:
+        halves: list[Ints] = []
+        for group in groups:
+            wide = int(np.argmax(np.ptp(points_m[group], axis=0)))
+            halves += np.array_split(group[np.argsort(points_m[group, wide], kind="stable")], 2)
+        groups = [half for half in halves if len(half)]
+        if all(len(group) == 1 for group in groups):
+            break
+    return groups
 
 
 def segments_of(shape: shapely.Geometry) -> Floats:
