@@ -67,6 +67,21 @@ def test_a_robot_gets_the_room_from_which_a_place_is_seen(coarse: Problem) -> No
     assert np.array_equal(wider.viewpoints.component, wider.paths.part_of(wider.viewpoints.xy_m))
 
 
+def test_a_nearer_place_where_no_robot_of_the_problem_can_be_hides_no_other(coarse: Problem) -> None:
+    beside = MultiPolygon([box(0, 0, 10, 10), box(10.1, 0, 12.1, 2)])  # 0.7 m from the corner there is room for a body
+    fenced = replace(coarse, mission=replace(coarse.mission, area=beside))
+    assert with_room_to_see(fenced, CORNER_M[None]).space.equals(with_room_to_see(coarse, CORNER_M[None]).space)
+
+
+def test_points_that_lie_near_each_other_get_the_room_that_each_would_get_alone(coarse: Problem) -> None:
+    points_m = CORNER_M + np.array([[0.0, 0.0], [-0.01, 0.0], [0.0, -0.012], [-3.0, 6.0]])
+    together, alone = with_room_to_see(coarse, points_m), coarse
+    for point_m in points_m:
+        alone = with_room_to_see(alone, point_m[None])
+    assert together.space.area > coarse.space.area
+    assert shapely.symmetric_difference(together.space, alone.space).area < 1e-9
+
+
 def test_who_is_seen_anyway_or_by_nobody_changes_nothing(coarse: Problem) -> None:
     assert with_room_to_see(coarse, np.array([[5.0, 6.0], [2.7, 9.9]])) is coarse
     cage = border_segments(MultiPolygon([box(9.95, 0.5, 10, 0.6).exterior.buffer(0.01)]))

@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 FINE_ARC_CORNERS = 128  # of a whole turn: 3e-4 of the body's radius too far from a corner at most
 SEAM_M = 1e-6  # between parts of the space that finer corners would join
 PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
+GROUP = 0.5  # of the reach: points in a square as wide share the finer space, which takes long to draw
 CROWD = 0.004  # of the reach: of hidden points in cells as wide one is looked at, since they are seen past one corner
 
 
@@ -32,16 +33,17 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     space, body_m = problem.space, problem.robot.body_radius_m
     _, ranges_m = nearest_places(points_m, space, problem.walls, problem.robot)
     hidden_m = points_m[ranges_m > problem.reach_m]
-    patches = []
-    for point_m in hidden_m[np.unique(np.floor(hidden_m / (CROWD * problem.reach_m)), axis=0, return_index=True)[1]]:
-        near_m = problem.robot.sensor.reach_m + 2 * body_m
-        box = (*(point_m - near_m), *(point_m + near_m))
+    hidden_m = hidden_m[np.unique(np.floor(hidden_m / (CROWD * problem.reach_m)), axis=0, return_index=True)[1]]
+    tree = shapely.STRtree(problem.paths.parts)
+    near_m, patches = problem.robot.sensor.reach_m + 2 * body_m, []
+    for group_m in _groups(hidden_m, GROUP * problem.reach_m):
+        box = (*(group_m.min(axis=0) - near_m), *(group_m.max(axis=0) + near_m))
         fine = standing_space_in(problem.mission, body_m, box, arc_corners=FINE_ARC_CORNERS)
-        place_m, range_m = nearest_places(point_m[None], fine, problem.walls, problem.robot)
-        if range_m[0] > problem.reach_m:
-            continue
-        patch = fine.intersection(shapely.Point(place_m[0]).buffer(PATCH_RADIUS * body_m))
-        patches += [part for part in shapely.get_parts(patch) if part.geom_type == "Polygon"]
+        fine = MultiPolygon([part for part in fine.geoms if tree.query(part, predicate="intersects").size])
+        places_m, ranges_m = nearest_places(group_m, fine, problem.walls, problem.robot)
+        for place_m in places_m[ranges_m <= problem.reach_m]:
+            patch = fine.intersection(shapely.Point(place_m).buffer(PATCH_RADIUS * body_m))
+            patches += [part for part in shapely.get_parts(patch) if part.geom_type == "Polygon"]
     if not patches:
         return problem
     parts = with_patches(problem.paths.parts, patches, problem.kept_off)
@@ -52,6 +54,15 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     if not np.array_equal(paths.part_of(problem.viewpoints.xy_m), problem.viewpoints.component):
         return problem  # parts have been joined or stand in another order: tours know theirs by number
     return replace(problem, space=wider, paths=paths)
+
+
+def _groups(points_m: Floats, side_m: float) -> list[Floats]:
+    """The points (n, 2) in groups: those of each square of this side, if there are any."""
+    if not len(points_m):
+        return []
+    _, group = np.unique(np.floor(points_m / side_m), axis=0, return_inverse=True)
+    order = np.argsort(group, kind="stable")
+    return np.split(points_m[order], np.cumsum(np.bincount(group))[:-1])
 
 
 def with_patches(
