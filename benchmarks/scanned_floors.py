@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 import rota
+from rota.geometry.free_space import standing_anywhere
 
 FREE, UNKNOWN, OCCUPIED = 254, 205, 0  # as map_saver writes them
 
@@ -29,7 +30,8 @@ class Floor:
     columns, rows: pixels of ``pixel_m`` metres. turned_deg: by how much the building is turned on the sheet. ragged:
     the share of a wall's border pixels to which the scanner added up to three more, outwards. speckle: occupied pixels
     by themselves, per square metre of free ground. furniture: pieces per room, in the mean. rooms: about so many;
-    None for as many as rooms of usual sizes make. sensor_m, period_s, close_gaps_m: of the mission over it.
+    None for as many as rooms of usual sizes make. sensor_m, period_s, close_gaps_m: of the mission over it. entered:
+    whether the mission has entrances, one in every part of the ground that a body finds LIVED_IN_M2 of room in.
     """
 
     columns: int
@@ -43,6 +45,7 @@ class Floor:
     sensor_m: float = 2.5
     period_s: float = 600.0
     close_gaps_m: float | None = None
+    entered: bool = False
 
 
 FLOORS = {
@@ -51,13 +54,18 @@ FLOORS = {
     "ragged-closed": Floor(
         columns=2289, rows=927, turned_deg=3.0, ragged=0.35, speckle=0.3, furniture=4.0, close_gaps_m=0.15
     ),
+    "ragged-entered": Floor(
+        columns=2289, rows=927, turned_deg=3.0, ragged=0.35, speckle=0.3, furniture=4.0, entered=True
+    ),
     "large": Floor(columns=4000, rows=2000, turned_deg=3.0, ragged=0.25, speckle=0.2, furniture=4.0),
     "sixty-rooms": Floor(
         columns=4000, rows=3000, turned_deg=1.0, ragged=0.05, speckle=0.01, furniture=12.0, rooms=60,
         sensor_m=6.0, period_s=900.0,
     ),
 }  # fmt: skip
+ARC_CORNERS = 32  # of a whole turn round a corner
 MARGIN_M, WALL_M, CORRIDOR_M, DOOR_M = 2.0, 0.15, 2.6, 1.2
+LIVED_IN_M2 = 1.0
 ROOM_M = (4.0, 9.0)  # along the corridor
 BAND_M = 7.0  # about the depth of a row of rooms
 
@@ -101,7 +109,18 @@ def write_floor(name: str, floor: Floor, seed: int, folder: Path) -> Path:
         f"period_s: {floor.period_s:g}\nfleet:\n  speed_m_s: 0.8\n"
         f"  sensor: {{shape: disc, radius_m: {floor.sensor_m:g}}}\n  body_radius_m: 0.2\n"
     )
+    if floor.entered:
+        with mission.open("a") as file:
+            file.write(f"  entrances: {lived_in(mission)}\n")
     return mission
+
+
+def lived_in(mission: Path) -> list[list[float]]:
+    """A place in every part of the ground that has room for a robot to live in, the largest first, in centimetres."""
+    read = rota.read_mission(mission).mission
+    parts = standing_anywhere(read, read.fleet.body_radius_m, arc_corners=ARC_CORNERS).geoms
+    rooms = sorted((part for part in parts if part.area >= LIVED_IN_M2), key=lambda part: -part.area)
+    return [[round(value, 2) for value in part.representative_point().coords[0]] for part in rooms]
 
 
 def corners_of(mission: Path) -> int:

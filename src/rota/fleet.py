@@ -161,6 +161,8 @@ class Fleet:
 
     The other fields are the common values; a robot made without overrides has them. Names are unique. ``start``: where
     robots without a start of their own begin; points only where ``robots`` is None (named robots have their own).
+    ``entrances``: places, (x, y) in metres, one at least. Robots can be only where their bodies can be driven to from
+    one of these; what nobody sees from there is unseeable. None: robots can be wherever a body fits.
     """
 
     speed_m_s: float
@@ -171,6 +173,7 @@ class Fleet:
     turn_radius_m: float = 0.0
     altitude_m: float = 30.0
     start: StartBox | StartPoints | None = None
+    entrances: tuple[Place, ...] | None = None
 
     def __post_init__(self) -> None:
         self.equal_robot("robot-1")  # checks the common values
@@ -179,6 +182,9 @@ class Fleet:
             ok, "fleet.start", self.start, "points are for as few robots as possible; give named robots each its own"
         )
         require_positive("fleet.altitude_m", self.altitude_m, LARGEST_M)
+        if self.entrances is not None:
+            require(len(self.entrances) > 0, "fleet.entrances", self.entrances, "must be at least one place")
+            object.__setattr__(self, "entrances", tuple((float(x), float(y)) for x, y in self.entrances))
         if self.robots is not None:
             object.__setattr__(self, "robots", tuple(self.robots))  # fleets are hashed, and lists are not
             require(len(self.robots) > 0, "fleet.robots", 0, "must be at least one robot, or 'fewest'")

@@ -234,6 +234,8 @@ def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> 
         yield from kind.refused(data)
         if data.get("moving_obstacles") and not kind.heeds_moving_obstacles:
             yield ("moving_obstacles",), f"the {kind.planner} planner has no use for moving_obstacles: remove them"
+        if inner(data, "fleet", "entrances") is not None and not kind.heeds_entrances:
+            yield ("fleet", "entrances"), f"the {kind.planner} planner has no use for entrances: remove them"
         if not kind.robots_come_and_go:
             yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
     if kind is None or inner(data, kind.planner, "altitudes_m") is None:
@@ -255,6 +257,7 @@ def _as_written(mission: Mission) -> dict[str, Any]:
             "turn_rate_rad_s": fleet.turn_rate_rad_s,
             "turn_radius_m": fleet.turn_radius_m,
             "start": {"box": start.low_m} if isinstance(start, StartBox) else start and {"points": start.points_m},
+            "entrances": fleet.entrances,
         },
         mission.planning.planner: vars(mission.planning),
     }

@@ -1,4 +1,4 @@
-"""Whether a fleet can start where its mission says: in free space, and bodies apart."""
+"""Whether a fleet can start, and come in, where its mission says: in free space, and bodies apart."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _STARTS_AT_ONCE = 256
 
 
 def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fleet) -> list[tuple[str, str]]:
-    """What is wrong with the fleet's starts: the field at fault and a message, in the order of the fields.
+    """What is wrong with the fleet's entrances and starts: the field at fault and a message.
 
     A body must stand in the area and out of the shapes that block motion, and bodies apart; a box must have room for a
-    centre.
+    centre. Every robot's body must fit into every entrance.
     """
     placed: list[tuple[str, Place, float]] = []
     faults: list[tuple[str, str]] = []
@@ -32,6 +32,11 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
         room = box(*fleet.start.low_m, *fleet.start.high_m).intersection(area)
         if room.is_empty or room.difference(union_all(blocking)).is_empty:
             faults.append(("fleet.start.box", "lies outside the area or in obstacles; must overlap the free space"))
+    widest_m = max((robot.body_radius_m for robot in fleet.robots or ()), default=fleet.body_radius_m)
+    for k, entrance in enumerate(fleet.entrances or ()):
+        wrong = _standing_fault(entrance, widest_m, area, blocking)
+        if wrong is not None:
+            faults.append((f"fleet.entrances[{k}]", f"[{entrance[0]:.9g}, {entrance[1]:.9g}] {wrong}"))
     for k, robot in enumerate(fleet.robots or ()):
         if robot.start is not None:
             placed.append((f"fleet.robots[{k}].start", robot.start, robot.body_radius_m))
@@ -90,13 +95,13 @@ def _standing_fault(
         return f"is not allowed; {COORDINATES}"
     point = Point(place_m)
     if not area.covers(point):
-        return f"lies {area.distance(point):.6g} m outside the area; a start must be in the free space"
+        return f"lies {area.distance(point):.6g} m outside the area; it must be in the free space"
     if area.boundary.distance(point) < body_radius_m - TOUCH_M:
         gap_m = area.boundary.distance(point)
         return f"is {gap_m:.6g} m from the area's border; a body of radius {body_radius_m:.6g} m does not fit there"
     for shape in blocking:
         if shape.contains(point):
-            return "lies in an obstacle; a start must be in the free space"
+            return "lies in an obstacle; it must be in the free space"
         if shape.distance(point) < body_radius_m - TOUCH_M:
             gap_m = shape.distance(point)
             return f"is {gap_m:.6g} m from an obstacle; a body of radius {body_radius_m:.6g} m does not fit there"

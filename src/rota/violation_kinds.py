@@ -9,6 +9,7 @@ ViolationKind = Literal[
     "gap", "unseeable", "claims that fewer robots cannot do",
     # the fleet
     "no trajectory", "no start left", "start", "moves while away", "sees before it joins",
+    "no way there from the entrances",
     # motion
     "outside area", "obstacle", "moving obstacle", "below altitudes", "above altitudes", "speed", "turn",
     "turn radius",

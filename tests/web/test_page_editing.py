@@ -40,6 +40,10 @@ def test_what_is_drawn_is_kept_and_undone(page: Any, page_server: Any) -> None:
     draw_two(page, "Obstacle", "Rectangle", (300, 300), (400, 400))
     tool(page, "Start", "Point")
     click_map(page, (450, 450))
+    tool(page, "Entrance", "Point")
+    click_map(page, (120, 480))
+    tool(page, "Entrance", "Point")
+    click_map(page, (480, 120))
     assert "proved" in judged(page)
     kept = document(page)
     side = kept["area"][1][0] - kept["area"][0][0]
@@ -49,19 +53,25 @@ def test_what_is_drawn_is_kept_and_undone(page: Any, page_server: Any) -> None:
     assert kept["zones"][0]["circle"]["radius_m"] == pytest.approx(side / 10, abs=0.01)
     assert kept["obstacles"][0][2][0] - kept["obstacles"][0][0][0] == pytest.approx(side / 4, abs=0.01)
     assert len(kept["fleet"]["start"]["points"]) == 1
+    assert len(kept["fleet"]["entrances"]) == 2
+    assert kept["fleet"]["entrances"][1][0] - kept["fleet"]["entrances"][0][0] == pytest.approx(0.9 * side, rel=0.01)
 
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    assert "entrances" not in document(page)["fleet"]
     page.keyboard.press("Control+z")
     page.keyboard.press("Control+z")
     assert document(page)["obstacles"] == []
     assert "start" not in document(page)["fleet"]
-    page.keyboard.press("Control+Shift+z")
+    for _ in range(3):
+        page.keyboard.press("Control+Shift+z")
     page.get_by_role("button", name="Redo").click()
     assert document(page) == kept
     expect(page.get_by_role("button", name="Redo")).to_be_disabled()
 
     open_page(page, page_server, page.url.split("/")[-1])
     assert document(page) == kept
-    expect(page.locator("#shape-list .card")).to_have_count(4)
+    expect(page.locator("#shape-list .card")).to_have_count(5)
 
 
 def test_shapes_are_changed_moved_and_deleted_by_mouse(page: Any) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rota.check.bouncing import bounce_violations
 from rota.check.clocks import clock_margin_s, clock_violations
 from rota.check.demands import DemandedGround, demands_of, visits
+from rota.check.entrances import entrance_violations
 from rota.check.findings import Findings
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
@@ -220,7 +221,7 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
 def _violations_on_the_way(plan: Plan) -> list[Violation]:
     """What is wrong with the routes themselves, whatever is seen from them."""
     violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
-    return violations + moving_violations(plan) + presence_violations(plan)
+    return violations + moving_violations(plan) + presence_violations(plan) + entrance_violations(plan)
 
 
 def _fleet_violations(plan: Plan) -> list[Violation]:

@@ -17,12 +17,13 @@ from rota.check.arrays import Floats
 from rota.check.blocking import blocks_motion
 from rota.check.routes import lines_of, segments_of
 from rota.check.tolerances import TOUCH_M
-from rota.mission import Mission, Obstacle, Sensor
+from rota.mission import Fleet, Mission, Obstacle, Robot, Sensor
 
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 
 ARC_STEPS = 32  # per quarter of a circle: at corners a body may stand 3e-4 of its radius too near, never too far
 MANY_SIDES = 10_000
+CLEARANCE = 1e-3  # of its radius by which a body keeps off walls on its way from an entrance
 TILE_SIDES, LEAST_TILE_M = 1_000, 0.01
 
 
@@ -86,22 +87,61 @@ def _tiles(box: Box, sides: Floats) -> Iterator[Box]:
 
 
 def standing_areas(mission: Mission) -> tuple[StandingArea, ...]:
-    """One area for each kind of robot (body and sensor) that the fleet has."""
-    fleet = mission.fleet
-    robots = [fleet.equal_robot("any")] if fleet.robots is None else fleet.robots
-    kinds = tuple({(robot.body_radius_m, robot.sensor): None for robot in robots})
-    return _standing_areas(mission.area, mission.obstacles, kinds)
+    """One area for each kind of robot (body and sensor) that the fleet has.
+
+    With entrances it holds only where a body can be driven to from one of them with clearance: as if it were larger by
+    a thousandth of its radius. No robot drives through a gap just as wide as itself, nor looks along a wall that it
+    touches to a micrometre.
+    """
+    return _standing_areas(mission.area, mission.obstacles, _kinds(mission.fleet), mission.fleet.entrances)
+
+
+def standing_area_of(mission: Mission, robot: Robot) -> StandingArea:
+    """The area for the kind of this robot of the fleet."""
+    return standing_areas(mission)[_kinds(mission.fleet).index((robot.body_radius_m, robot.sensor))]
+
+
+def _kinds(fleet: Fleet) -> tuple[tuple[float, Sensor], ...]:
+    """Body radius and sensor of each kind of robot that the fleet has, in the order of its robots."""
+    robots = (fleet.equal_robot("any"),) if fleet.robots is None else fleet.robots
+    return tuple({(robot.body_radius_m, robot.sensor): None for robot in robots})
 
 
 @functools.lru_cache(maxsize=4)
 def _standing_areas(
-    area: MultiPolygon, obstacles: tuple[Obstacle, ...], kinds: tuple[tuple[float, Sensor], ...]
+    area: MultiPolygon,
+    obstacles: tuple[Obstacle, ...],
+    kinds: tuple[tuple[float, Sensor], ...],
+    entrances: tuple[tuple[float, float], ...] | None,
 ) -> tuple[StandingArea, ...]:
     """The same for the kinds of robots; a search has missions checked that differ in their periods only."""
-    return tuple(StandingArea(shape=standing(area, obstacles, body), sensor=sensor) for body, sensor in kinds)
+    clear = 0.0 if entrances is None else CLEARANCE
+    shapes = [standing(area, obstacles, body_m * (1 + clear)) for body_m, _ in kinds]
+    return tuple(
+        StandingArea(shape=_entered(shape, entrances, near_entrance_m(body_m)), sensor=sensor)
+        for shape, (body_m, sensor) in zip(shapes, kinds, strict=True)
+    )
+
+
+def near_entrance_m(body_radius_m: float) -> float:
+    """How far from where bodies come with clearance others may be that come to touch walls."""
+    return 10 * CLEARANCE * body_radius_m + 2 * TOUCH_M
+
+
+def _entered(places: Any, entrances: tuple[tuple[float, float], ...] | None, near_m: float) -> Any:
+    """The parts of the places that an entrance lies in, or near to; all of them where none are given."""
+    if entrances is None:
+        return places
+    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(places)))
+    return shapely.multipolygons(parts[shapely.dwithin(parts, shapely.multipoints(np.array(entrances)), near_m)])
 
 
 def _cut_to(frame: Any, shape: Any) -> Any:
     """The polygons of what the frame and the shape have in common."""
-    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shapely.intersection(shape, frame))))
+    return _polygons(shapely.intersection(shape, frame))
+
+
+def _polygons(shape: Any) -> Any:
+    """The polygons among the parts of a shape."""
+    parts = shapely.get_parts(shapely.get_parts(np.atleast_1d(shape)))
     return shapely.multipolygons(parts[shapely.get_type_id(parts) == 3])

@@ -46,6 +46,7 @@ fleet:
   turn_radius_m: 0                   # wings and fast multirotors: turns are arcs of this radius or more
   altitude_m: 30                     # for exports
   start: null                        # {box: [[0, 0], [5, 5]]} or {points: [[1, 1], [2, 1]]}; null: anywhere
+  entrances: null                    # [[2, 2]]: robots are only where they can come to from there; null: anywhere
 
 # What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
 unseeable: exclude

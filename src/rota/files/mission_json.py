@@ -103,6 +103,7 @@ def _fleet_to_json(fleet: Fleet) -> Json:
         **_turning_to_json(fleet),
         "altitude_m": float(fleet.altitude_m),
         "start": _start_to_json(fleet.start),
+        **({} if fleet.entrances is None else {"entrances": [list(place) for place in fleet.entrances]}),
     }
 
 
@@ -201,6 +202,7 @@ def _fleet(fields: FleetFields) -> Fleet:
             turn_radius_m=fields.turn_radius_m,
             altitude_m=fields.altitude_m,
             start=_start(fields.start),
+            entrances=None if fields.entrances is None else tuple((place[0], place[1]) for place in fields.entrances),
         )
 
 

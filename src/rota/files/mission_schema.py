@@ -158,6 +158,11 @@ class FleetBlock(Block):
     turn_radius_m: LengthOrZero = Field(0.0, description="robots turn on arcs of this radius or more; 0: on the spot")
     altitude_m: Length = Field(30.0, description="for exports")
     start: Start | None = None
+    entrances: list[Point] | None = Field(
+        None,
+        min_length=1,
+        description="robots are only where their bodies can come to from one of these; null: anywhere",
+    )
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:

@@ -1,4 +1,4 @@
-"""Where robots start and moving obstacles go: places of a mission file to local metres, starts dealt to the robots."""
+"""Where robots start, come in, and moving obstacles go: to local metres, with starts dealt to the robots."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from rota.files.yaml_text import Place
 from rota.mission import Fleet, MovingObstacle, StartBox, StartPoints, start_faults
 
 START: Place = ("fleet", "start")
+ENTRANCES: Place = ("fleet", "entrances")
 
 
 class _Written(NamedTuple):
@@ -24,10 +25,10 @@ class _Written(NamedTuple):
 
 
 def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tuple[Fleet, list[Fault]]:
-    """The fleet with its starts in local metres, and what is wrong with them.
+    """The fleet with its starts and entrances in local metres, and what is wrong with them.
 
     Named robots without a start of their own take the points in their order, one each. A fleet with faults is returned
-    without starts.
+    without starts and entrances.
     """
     block = file.fleet
     to_metres = _Metres(ground, in_degrees=file.coordinates == "wgs84")
@@ -36,12 +37,14 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
             placed, where = _placed_fewest(fleet, block, to_metres)
         else:
             placed, where = _placed_robots(fleet, block, to_metres)
+        placed = replace(placed, entrances=_entrances(block, to_metres))
     except _Misplaced as error:
         return fleet, error.faults
     faults = start_faults(
         ground.area, [obstacle.shape for obstacle in ground.obstacles if obstacle.blocks_motion], placed
     )
     if faults:
+        where |= {f"fleet.entrances[{k}]": (*ENTRANCES, k) for k in range(len(placed.entrances or ()))}
         return fleet, [Fault(where[field], message) for field, message in faults]
     return placed, []
 
@@ -87,6 +90,12 @@ def _box(block: FleetBlock, to_metres: _Metres) -> StartBox | None:
         return None
     low, high = (to_metres(_Written((*START, "box"), point)) for point in block.start.box)
     return StartBox(low_m=low, high_m=high)
+
+
+def _entrances(block: FleetBlock, to_metres: _Metres) -> tuple[tuple[float, float], ...] | None:
+    if block.entrances is None:
+        return None
+    return tuple(to_metres(_Written((*ENTRANCES, k), point)) for k, point in enumerate(block.entrances))
 
 
 def _points(block: FleetBlock) -> list[_Written]:

@@ -103,6 +103,7 @@ class FleetFields(_Strict):
     turn_radius_m: Radius = 0.0
     altitude_m: Length
     start: StartFields | None = None
+    entrances: Annotated[list[Point], Field(min_length=1)] | None = None
 
 
 class ObstacleFields(_Strict):

@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
 from rota.geometry.tiles import Box, clipped, grown_box
-from rota.mission import AREA, Demand, Mission, Obstacle
+from rota.mission import AREA, TOUCH_M, Demand, Mission, Obstacle
 from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
@@ -49,9 +49,16 @@ def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int =
     circumscribed about the true arc, so that no point of the space is closer than body_radius_m to an obstacle or to
     the outside, and at most 1 / cos(pi / arc_corners) times the radius away from the corner.
 
-    The answer may be empty or in parts. A gap as wide as the body, or narrower, is closed. Raises ValueError when
-    the radius is negative or not finite, or arc_corners is below 8.
+    The answer may be empty or in parts. A gap as wide as the body, or narrower, is closed. Where the fleet has
+    entrances, only the parts behind them are left; see ``entered``. Raises ValueError when the radius is negative or
+    not finite, or arc_corners is below 8.
     """
+    space = standing_anywhere(mission, body_radius_m, arc_corners=arc_corners)
+    return entered(space, mission, body_radius_m, arc_corners=arc_corners)
+
+
+def standing_anywhere(mission: Mission, body_radius_m: float, *, arc_corners: int = _ARC_CORNERS) -> MultiPolygon:
+    """The same as ``standing_space``, with the parts that no entrance leads to."""
     if not (math.isfinite(body_radius_m) and body_radius_m >= 0):
         raise ValueError(f"body_radius_m: {body_radius_m!r} is not allowed; must be a finite number, 0 or more")
     if arc_corners < 8:
@@ -61,8 +68,23 @@ def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int =
     return _eroded(free, body_radius_m, arc_corners)
 
 
+def entered(space: MultiPolygon, mission: Mission, body_radius_m: float, *, arc_corners: int) -> MultiPolygon:
+    """The parts of a standing space that bodies come to from the fleet's entrances; all where it has none.
+
+    An entrance leads to the part that holds it. Coarse arcs may keep the entrance itself out of the space; then it
+    leads to the nearest part, unless that is farther away than such an arc may be.
+    """
+    if mission.fleet.entrances is None or space.is_empty:
+        return space
+    parts = shapely.get_parts(space)
+    most_m = body_radius_m * (1 / math.cos(math.pi / arc_corners) - 1) + 2 * TOUCH_M
+    doors = shapely.points(np.array(mission.fleet.entrances))
+    nearest = shapely.STRtree(parts).query_nearest(doors, max_distance=most_m, all_matches=False)[1]
+    return MultiPolygon(list(parts[np.unique(nearest)]))
+
+
 def standing_space_in(mission: Mission, body_radius_m: float, box: Box, *, arc_corners: int) -> MultiPolygon:
-    """The part of a ``standing_space`` in a box, x0, y0, x1, y1 in metres, without the rest being worked out.
+    """The part of ``standing_anywhere`` in a box, x0, y0, x1, y1 in metres, without the rest being worked out.
 
     May be empty or in parts.
     """

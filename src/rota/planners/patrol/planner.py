@@ -30,6 +30,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
+from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
 from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
 from rota.progress import Watch
 
@@ -51,6 +52,7 @@ def plan_patrol(
     the starts, and when the reserve of range hides ground that only the full reach sees.
     """
     tight = with_reserve(mission)
+    require_ways_in(mission)
     require_room(mission)
     try:
         plans = plan_tours(

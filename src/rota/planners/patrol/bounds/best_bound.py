@@ -32,7 +32,7 @@ def prove_by_area(problem: Problem) -> ProvedBound:
     if not len(problem.points):
         return NOTHING_ASKED
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
-    seeable_m2 = surely_seeable_m2(regions, problem.space, problem.walls, problem.robot)
+    seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
     return max_of([SOMETHING_ASKED, _by_areas(regions, seeable_m2, robot)])
 
 
@@ -45,7 +45,7 @@ def prove_bound(problem: Problem) -> ProvedBound:
         return NOTHING_ASKED
     regions, robot = problem.regions, strongest_robot(problem.mission.fleet)
     witnesses = witnesses_of(problem, robot.sensor.reach_m)
-    seeable_m2 = surely_seeable_m2(regions, problem.space, problem.walls, problem.robot)
+    seeable_m2 = surely_seeable_m2(regions, problem.sure_space, problem.walls, problem.sure_robot)
     pieces = ground_pieces(regions, seeable_m2)
     proofs = [
         SOMETHING_ASKED,

@@ -18,7 +18,7 @@ from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, known_walls, laid_out, region_points
 from rota.planners.patrol.ground.sight import Sight
-from rota.planners.patrol.ground.standing import space_for
+from rota.planners.patrol.ground.standing import clear_body_m, space_for, thin_m
 from rota.planners.patrol.ground.unseeable import refuse_unseeable
 from rota.planners.patrol.ground.viewpoints import (
     Viewpoints,
@@ -38,18 +38,20 @@ class Problem:
     """What the search works on.
 
     robot: any robot of the fleet can stand in for it. regions: what must be seen or visited how often. space, paths:
-    where the robot's centre may be, and the shortest paths there. walls: (k, 4) metres, the borders of what blocks
-    sight. points: what tours are made to see, in the order of ``samples``, which are the same as the kernels take them.
-    viewpoints: places from which all of them are seen. border_places_m: (m, 2) on the border of the space, from where
-    alone the limit of sight is seen; none where no region reaches that far. range_margin_m: by how much less than its
-    reach the sensor is taken to see. spacing_m: between the points of the lattices. kept_off: parts of the space, by
-    their numbers, that were cut back from ground about a robot that stays in another part, each with that ground.
+    where the robot's centre may be, and the shortest paths there. sure_space: see ``StandingSpace``. walls: (k, 4)
+    metres, the borders of what blocks sight. points: what tours are made to see, in the order of ``samples``, which are
+    the same as the kernels take them. viewpoints: places from which all of them are seen. border_places_m: (m, 2) on
+    the border of the space, from where alone the limit of sight is seen; none where no region reaches that far.
+    range_margin_m: by how much less than its reach the sensor is taken to see. spacing_m: between the points of the
+    lattices. kept_off: parts of the space, by their numbers, that were cut back from ground about a robot that stays in
+    another part, each with that ground.
     """
 
     mission: Mission
     robot: Robot
     regions: tuple[DemandedRegion, ...]
     space: MultiPolygon
+    sure_space: MultiPolygon
     paths: ShortestPaths
     walls: Floats
     points: SamplePoints
@@ -69,6 +71,12 @@ class Problem:
     def region_class(self) -> tuple[int, ...]:
         """The period class of each region."""
         return tuple(self.periods_s.index(region.period_s) for region in self.regions)
+
+    @property
+    def sure_robot(self) -> Robot:
+        """The robot with the body that is clear of walls everywhere in ``sure_space``: all of it is free of them."""
+        body_m = clear_body_m(self.mission, thin_m(self.mission, self.robot))
+        return self.robot if self.sure_space is self.space else replace(self.robot, body_radius_m=body_m)
 
     @property
     def reach_m(self) -> float:
@@ -100,7 +108,7 @@ def set_up_problem(mission: Mission) -> Problem:
     robot = common_robot(mission.fleet)
     margin_m = range_margin(inner_reach_m(robot.sensor))
     regions = demanded_regions(mission)
-    space, at_limit = space_for(mission, regions, robot, margin_m)
+    space, sure_space, at_limit = space_for(mission, regions, robot, margin_m)
     walls = sight_walls(mission)
     sampling = EFFORTS[PatrolSettings.of(mission).effort].sampling
     if mission.fleet.robots is not None:  # the least ratio of a fixed team comes no lower with finer samples
@@ -111,6 +119,9 @@ def set_up_problem(mission: Mission) -> Problem:
         classes = [periods_of(regions).index(region.period_s) for region in regions]
         last = limit_points(regions, classes, space, robot, range_margin_m=margin_m, spacing_m=spacing_m)
         points, border_places_m = joined([points, last]), nearest_places(last.xy_m, space, walls, robot)[0]
+    if sure_space is not space:
+        _, ranges_m = nearest_places(points.xy_m, sure_space, walls, robot)
+        points = points[np.flatnonzero((ranges_m <= inner_reach_m(robot.sensor)) | (points.visit_m > 0))]
     seen = places_that_see_all(points, Sight(space, walls, robot, margin_m))
     refuse_unseeable(mission, seen.points, seen.unseeable, regions)
     points, samples = seen.points, seen.samples
@@ -123,6 +134,7 @@ def set_up_problem(mission: Mission) -> Problem:
         robot=robot,
         regions=regions,
         space=space,
+        sure_space=sure_space,
         paths=paths,
         walls=walls,
         points=points,

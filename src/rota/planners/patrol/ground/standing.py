@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import shapely
-from shapely import MultiPolygon
+from shapely import MultiPolygon, Polygon
 
 from rota.errors import NoPlanFound
-from rota.geometry.free_space import DemandedRegion, standing_space, standing_space_in
+from rota.geometry.free_space import DemandedRegion, entered, standing_anywhere, standing_space_in
 from rota.geometry.tiles import grown_box
 from rota.mission import Mission, Robot
 from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
@@ -18,14 +19,28 @@ from rota.polygons import polygons_of
 
 ARC_CORNERS = 16  # corners of a whole turn round a grown corner
 COARSE_ARC_CORNERS = 8  # the same in a mission with more than MANY_CORNERS corners
-POCKET_ARC_CORNERS = 128  # the same there, beside parts of the space that are no larger than a body
+POCKET_ARC_CORNERS = 128  # the same there, beside pockets of the space
 GRAZE_M = 9e-7  # by so much bodies may touch the walls of a scanned floor; a plan may have them touch by 1e-6 m
+CLEARANCE = 2e-3  # of its radius by which a body keeps off walls on its way from an entrance
+SLIVER_M2 = 1e-6
 FINE_ARC_M = 0.0005  # at the limit of sight a corner may keep a robot at most this much farther off than its body does
+
+
+class StandingSpace(NamedTuple):
+    """Where the robot's centre may be.
+
+    sure: the part of it in which the check, too, has robots stand: all, unless the fleet has entrances. Proofs count on
+    what is seen from there. at_limit: what is asked reaches to the limit of what is seen from the whole.
+    """
+
+    whole: MultiPolygon
+    sure: MultiPolygon
+    at_limit: bool
 
 
 def space_for(
     mission: Mission, regions: Sequence[DemandedRegion], robot: Robot, range_margin_m: float
-) -> tuple[MultiPolygon, bool]:
+) -> StandingSpace:
     """Where the robot's centre may be, and whether the regions reach to the limit of what it sees from there.
 
     The walls of a scanned floor follow its pixels, as the border of where robots can stand then does. Much is seen only
@@ -34,17 +49,12 @@ def space_for(
     Corners are rounded finely where they do, or where a zone to visit can be entered only so. Raises NoPlanFound where
     the robot can stand nowhere at all, or nowhere in a zone to visit.
     """
-    body_m = robot.body_radius_m
-    corners = shapely.get_num_coordinates([mission.area, *(obstacle.shape for obstacle in mission.obstacles)]).sum()
-    if corners <= MANY_CORNERS:
-        space = standing_space(mission, body_m, arc_corners=ARC_CORNERS)
-    else:
-        space = standing_space(mission, max(0.0, body_m - GRAZE_M), arc_corners=COARSE_ARC_CORNERS)
-        space = with_pockets_opened(mission, space, max(0.0, body_m - GRAZE_M))
+    body_m = thin_m(mission, robot)
+    space, sure = _drawn_coarsely(mission, body_m)
     visits = [region for region in regions if region.demand == "visit"]
     at_limit = limit_is_asked_for(regions, space, robot, range_margin_m)
     if at_limit or any(shapely.disjoint(region.shape, space) for region in visits):
-        space = standing_space(mission, body_m, arc_corners=fine_arc_corners(body_m))
+        space, sure = _drawn(mission, body_m, fine_arc_corners(body_m))
     if space.is_empty:
         raise NoPlanFound(f"there is no place where a body of radius {body_m} m can stand")
     for region in visits:
@@ -54,7 +64,66 @@ def space_for(
             raise NoPlanFound(
                 f"no robot can be inside zone {region.name}, at ({spot.x:.2f}, {spot.y:.2f}): it is {fits}"
             )
-    return space, at_limit
+    return StandingSpace(space, sure, at_limit)
+
+
+def thin_m(mission: Mission, robot: Robot) -> float:
+    """The radius that a robot's body is planned with: a little less than its own on a scanned floor."""
+    return max(0.0, robot.body_radius_m - GRAZE_M) if has_many_corners(mission) else robot.body_radius_m
+
+
+def clear_body_m(mission: Mission, body_radius_m: float) -> float:
+    """The radius of the body that the sure part of the space is made for, and that touches no wall there."""
+    return body_radius_m if mission.fleet.entrances is None else body_radius_m * (1 + CLEARANCE)
+
+
+def has_many_corners(mission: Mission) -> bool:
+    """Whether the area and the obstacles have as many corners as a scanned floor."""
+    shapes = [mission.area, *(obstacle.shape for obstacle in mission.obstacles)]
+    return int(shapely.get_num_coordinates(shapes).sum()) > MANY_CORNERS
+
+
+def _drawn_coarsely(mission: Mission, body_radius_m: float) -> tuple[MultiPolygon, MultiPolygon]:
+    """Where the centre of a body may be, and surely comes to, with few corners."""
+    if not has_many_corners(mission):
+        return _drawn(mission, body_radius_m, ARC_CORNERS)
+    space = standing_anywhere(mission, body_radius_m, arc_corners=COARSE_ARC_CORNERS)
+    space = with_pockets_opened(mission, space, body_radius_m)
+    return _behind_entrances(mission, space, body_radius_m, COARSE_ARC_CORNERS)
+
+
+def _drawn(mission: Mission, body_radius_m: float, arc_corners: int) -> tuple[MultiPolygon, MultiPolygon]:
+    """The same with so many corners of a whole turn."""
+    space = standing_anywhere(mission, body_radius_m, arc_corners=arc_corners)
+    return _behind_entrances(mission, space, body_radius_m, arc_corners)
+
+
+def _behind_entrances(
+    mission: Mission, space: MultiPolygon, body_radius_m: float, arc_corners: int
+) -> tuple[MultiPolygon, MultiPolygon]:
+    """The part of the space that ways lead to from the fleet's entrances, and of that where bodies keep off walls.
+
+    All of it where the fleet has none. For the check bodies keep off walls by ``check.standing.CLEARANCE``, here by
+    twice that. Corners are drawn finely about all that coarse ones cut off.
+    """
+    if mission.fleet.entrances is None:
+        return space, space
+    clear_m = clear_body_m(mission, body_radius_m)
+    sure = standing_anywhere(mission, clear_m, arc_corners=arc_corners)
+    cut_off = _parts_beside(sure, entered(sure, mission, clear_m, arc_corners=arc_corners))
+    sure = drawn_finer(mission, sure, cut_off, clear_m)
+    space = drawn_finer(mission, space, cut_off, body_radius_m)
+    sure = entered(sure, mission, clear_m, arc_corners=arc_corners)
+    near = sure.buffer(4 * CLEARANCE * body_radius_m + GRAZE_M, quad_segs=2)
+    far = [part for part in shapely.get_parts(shapely.difference(space, near)) if part.area > SLIVER_M2]
+    within = polygons_of(shapely.difference(space, shapely.union_all(far))) if far else space
+    return entered(within, mission, body_radius_m, arc_corners=arc_corners), sure
+
+
+def _parts_beside(space: MultiPolygon, inside: MultiPolygon) -> list[Polygon]:
+    """The parts of a space but for those inside."""
+    known = {part.wkb for part in inside.geoms}
+    return [part for part in space.geoms if part.wkb not in known]
 
 
 def with_pockets_opened(mission: Mission, space: MultiPolygon, body_radius_m: float) -> MultiPolygon:
@@ -63,11 +132,16 @@ def with_pockets_opened(mission: Mission, space: MultiPolygon, body_radius_m: fl
     Coarse arcs cut off places in which a robot would stay for ever, and in the way of all others.
     """
     pockets = [part for part in space.geoms if part.area <= math.pi * body_radius_m**2]
+    return drawn_finer(mission, space, pockets, body_radius_m)
+
+
+def drawn_finer(mission: Mission, space: MultiPolygon, parts: Sequence[Polygon], body_radius_m: float) -> MultiPolygon:
+    """The space, with round corners drawn finely about some of its parts, which that may join to others."""
     finer = [
         standing_space_in(
             mission, body_radius_m, grown_box(part.bounds, 2 * body_radius_m), arc_corners=POCKET_ARC_CORNERS
         )
-        for part in pockets
+        for part in parts
     ]
     return polygons_of(shapely.union_all([space, *finer])) if finer else space
 

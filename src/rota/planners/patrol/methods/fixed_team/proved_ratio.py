@@ -21,7 +21,7 @@ def proved_ratio(problem: Problem, robots: int) -> float:
     robot = strongest_robot(problem.mission.fleet)
     swept = [k for k, region in enumerate(problem.regions) if region.demand == "every_point"]
     shapes = [problem.regions[k].shape for k in swept]
-    areas_m2 = surely_seeable_m2(problem.regions, problem.space, problem.walls, problem.robot)
+    areas_m2 = surely_seeable_m2(problem.regions, problem.sure_space, problem.walls, problem.sure_robot)
     seeable_m2 = [areas_m2[k] for k in swept]
     radius_m = circle_radius_m(problem.mission)
     lost_m2 = [shape.area - m2 for shape, m2 in zip(shapes, seeable_m2, strict=True)]

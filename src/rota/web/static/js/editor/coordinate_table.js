@@ -32,7 +32,7 @@ export function coordinateTable(shape, degrees, latest, change) {
         radius(shape, latest, change),
       );
     case "points":
-      return el("div", { class: "coordinates" }, table("Start", (now) => now.points, (points, merge) => change({ ...latest(), points }, merge), 1));
+      return el("div", { class: "coordinates" }, table(shape.kind === "entrance" ? "Entrance" : "Start", (now) => now.points, (points, merge) => change({ ...latest(), points }, merge), 1));
     case "box":
       return el("div", { class: "coordinates" }, table("Opposite corner", (now) => now.corners, (corners, merge) => change({ ...latest(), corners }, merge), 2));
     default:
@@ -53,7 +53,7 @@ function radius(shape, latest, change) {
 
 function pointTable({ label, names, get, set, least, stem }) {
   const points = get();
-  const fixed = least < 3 && !label.startsWith("Start");
+  const fixed = least < 3 && !["Start", "Entrance"].includes(label);
   const head = el("tr", {}, el("th", { scope: "col" }, label), ...names.map((name) => el("th", { scope: "col" }, name)), fixed ? null : el("td", {}));
   const rows = points.map((point, k) => {
     const cells = [0, 1].map((axis) => {

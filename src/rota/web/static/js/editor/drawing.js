@@ -5,9 +5,10 @@ import { geometryOfLayer } from "./layers.js";
 
 const L = window.L;
 
-export const KINDS = { area: "Area", zone: "Zone", obstacle: "Obstacle", start: "Start" };
+export const KINDS = { area: "Area", zone: "Zone", obstacle: "Obstacle", start: "Start", entrance: "Entrance" };
 export const FORMS = { ring: "Polygon", rectangle: "Rectangle", circle: "Circle" };
-const START_FORMS = { points: "Point", box: "Box" };
+/** Forms of the kinds that are places; all others have FORMS. */
+const PLACES = { start: { points: "Point", box: "Box" }, entrance: { points: "Point" } };
 const GEOMAN = { ring: "Polygon", rectangle: "Rectangle", circle: "Circle", points: "Marker", box: "Rectangle" };
 const HINTS = {
   ring: "Click the corners one after another. Click the first one again, or press Enter, to close. Backspace takes the last corner back, Escape ends.",
@@ -15,7 +16,13 @@ const HINTS = {
   box: "Click one corner of the box in which robots start, then the opposite one. Escape ends.",
   circle: "Click the centre, then a point on the circle. Escape ends.",
   points: "Click where a robot starts. Escape ends.",
+  entrance: "Click where robots come in: they are only where they can get to from there. Escape ends.",
 };
+
+/** Whether a kind of shape is places, rather than ground. */
+export function isPlaces(kind) {
+  return kind in PLACES;
+}
 
 export class Drawing extends EventTarget {
   /**
@@ -28,7 +35,7 @@ export class Drawing extends EventTarget {
     this.map = map;
     this.hint = hint;
     this.kind = null;
-    this.form = { shape: "ring", start: "points" };
+    this.form = { shape: "ring", start: "points", entrance: "points" };
     this.frame = null;
     this.build(tools);
     map.on("pm:create", (event) => this.created(event.layer));
@@ -52,22 +59,23 @@ export class Drawing extends EventTarget {
     tools.append(el("div", { class: "row" }, this.move, this.remove), button("Show all", () => this.dispatchEvent(new Event("fit"))));
   }
 
-  get isStart() {
-    return this.kind === "start";
+  get chosenForm() {
+    return this.form[this.formKey];
   }
 
-  get chosenForm() {
-    return this.isStart ? this.form.start : this.form.shape;
+  /** Under which name the form of this kind is remembered. */
+  get formKey() {
+    return isPlaces(this.kind) ? this.kind : "shape";
   }
 
   fillForms() {
-    const forms = this.isStart ? START_FORMS : FORMS;
+    const forms = PLACES[this.kind] ?? FORMS;
     this.forms.replaceChildren(...Object.entries(forms).map(([value, name]) => el("option", { value }, name)));
     this.forms.value = this.chosenForm;
   }
 
   formChosen() {
-    this.form = { ...this.form, [this.isStart ? "start" : "shape"]: this.forms.value };
+    this.form = { ...this.form, [this.formKey]: this.forms.value };
     if (this.kind !== null) {
       this.start(this.kind);
     }
@@ -134,7 +142,7 @@ export class Drawing extends EventTarget {
       element.setAttribute("aria-pressed", String(kind === this.kind));
     }
     this.done.hidden = this.kind === null || this.chosenForm !== "ring";
-    this.hint.textContent = this.kind === null ? "" : HINTS[this.chosenForm];
+    this.hint.textContent = this.kind === null ? "" : HINTS[this.kind === "entrance" ? "entrance" : this.chosenForm];
   }
 
   key(event) {

@@ -2,7 +2,7 @@
 
 import { button, el } from "../dom.js";
 import { coordinateTable } from "./coordinate_table.js";
-import { FORMS, KINDS } from "./drawing.js";
+import { FORMS, KINDS, isPlaces } from "./drawing.js";
 import { keepingFocus } from "./fields.js";
 import { isEditable, pointsOf, shapesOf } from "./shapes.js";
 
@@ -119,10 +119,10 @@ export class ShapeList extends EventTarget {
   addForm() {
     const kind = el("select", { "aria-label": "What to add" }, ...Object.entries(KINDS).map(([value, name]) => el("option", { value }, name)));
     const form = el("select", { "aria-label": "Its form" }, ...Object.entries(FORMS).filter(([value]) => value !== "rectangle").map(([value, name]) => el("option", { value }, name)));
-    kind.addEventListener("change", () => (form.hidden = kind.value === "start"));
+    kind.addEventListener("change", () => (form.hidden = isPlaces(kind.value)));
     const add = button("Add by numbers", () => {
       this.open.add("coordinates");
-      this.tell("add", { kind: kind.value, form: kind.value === "start" ? "points" : form.value });
+      this.tell("add", { kind: kind.value, form: isPlaces(kind.value) ? "points" : form.value });
     });
     const row = el("div", { class: "row" }, kind, form, add);
     return el("details", {}, el("summary", {}, "Without a mouse"), el("p", { class: "field-help" }, "Puts a shape into the middle of the map; its coordinates are typed in its table."), row);

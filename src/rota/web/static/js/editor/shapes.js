@@ -4,16 +4,17 @@
  * @typedef {[number, number]} Point as in the document: metres, or longitude and latitude
  * @typedef {{type: "ring", outer: Point[], holes: Point[][]} | {type: "circle", centre: Point, radius_m: number}
  *   | {type: "points", points: Point[]} | {type: "box", corners: Point[]} | {type: "reference", what: string}} Geometry
- * @typedef {"area"|"obstacle"|"zone"|"start"} Kind
+ * @typedef {"area"|"obstacle"|"zone"|"start"|"entrance"} Kind
  * @typedef {{kind: Kind, path: (string|number)[], key: string, name: string, geometry: Geometry}} Shape
  */
 
 import { pathKey, valueAt, withValue } from "./paths.js";
 
+const ENTRANCES = ["fleet", "entrances"];
 const SHAPE_KEYS = ["ring", "outer", "holes", "circle", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text", "cell_m"];
 
 /**
- * All shapes: the area, obstacles, zones, starts. A document without an area has none of that kind.
+ * All shapes: the area, obstacles, zones, starts, entrances. A document without an area has none of that kind.
  * @returns {Shape[]}
  */
 export function shapesOf(document) {
@@ -28,6 +29,7 @@ export function shapesOf(document) {
   listAt(document, ["obstacles"]).forEach((block, k) => add("obstacle", ["obstacles", k], `Obstacle ${k + 1}`, block));
   listAt(document, ["zones"]).forEach((block, k) => add("zone", ["zones", k], textOr(block?.name, `Zone ${k + 1}`), block));
   add("start", ["fleet", "start"], "Starts", document.fleet?.start);
+  add("entrance", ENTRANCES, "Entrances", { points: document.fleet?.entrances });
   listAt(document, ["fleet", "robots"]).forEach((robot, k) => {
     if (isPoint(robot?.start)) {
       add("start", ["fleet", "robots", k, "start"], `Start of ${textOr(robot.name, `robot ${k + 1}`)}`, { points: [robot.start] });
@@ -104,6 +106,9 @@ export function blockWith(block, geometry) {
 
 /** A document in which the shape at a path is another one. */
 export function withGeometry(document, path, geometry) {
+  if (pathKey(path) === pathKey(ENTRANCES)) {
+    return withValue(document, path, geometry.points);
+  }
   const isRobotStart = path.length === 4;
   const value = isRobotStart ? geometry.points[0] : blockWith(valueAt(document, path), geometry);
   return withValue(document, path, value);
@@ -115,7 +120,8 @@ export function withoutShape(document, path) {
 }
 
 /**
- * A document with one more shape, and the shape's path. A new area replaces the one before; a point joins the starts.
+ * A document with one more shape, and the shape's path. A new area replaces the one before; a point joins the starts or
+ * the entrances.
  * @returns {{document: any, path: (string|number)[]}}
  */
 export function withNewShape(document, kind, geometry) {
@@ -126,6 +132,9 @@ export function withNewShape(document, kind, geometry) {
     const before = document.fleet?.start?.points;
     const start = geometry.type === "points" && isPoints(before) ? { points: [...before, ...geometry.points] } : blockWith(null, geometry);
     return { document: withValue(document, ["fleet", "start"], start), path: ["fleet", "start"] };
+  }
+  if (kind === "entrance") {
+    return { document: withValue(document, ENTRANCES, [...listAt(document, ENTRANCES), ...geometry.points]), path: ENTRANCES };
   }
   const list = kind === "zone" ? "zones" : "obstacles";
   const at = listAt(document, [list]).length;

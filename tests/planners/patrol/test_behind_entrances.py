@@ -1,0 +1,88 @@
+"""Patrols that stay where the fleet's entrances lead."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+import shapely
+from shapely import MultiPolygon, box
+
+import rota
+from rota.check import check_plan
+from rota.geometry.free_space import standing_space
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartPoints
+from rota.planners.patrol.ground.standing import space_for
+from rota.planners.patrol.planner_settings import PatrolSettings
+
+OUTSIDE, NICHE = (1.0, 1.0), (9.0, 4.0)
+
+
+def yard(slit_m: float, **fleet: Any) -> Mission:
+    """Ground of 12 m x 8 m with a niche of 1 m2 behind a slit."""
+    slit = box(7, 4 - slit_m / 2, 9, 4 + slit_m / 2)
+    walls = box(8, 3, 10, 5) - box(8.5, 3.5, 9.5, 4.5) - slit
+    return Mission(
+        name="yard",
+        area=MultiPolygon([box(0, 0, 12, 8)]),
+        obstacles=(Obstacle(shape=MultiPolygon([walls])),),
+        period_s=60,
+        fleet=Fleet(**{"speed_m_s": 1.0, "sensor": DiscSensor(radius_m=2.5), "body_radius_m": 0.2, **fleet}),
+        planning=PatrolSettings(effort="quick"),
+    )
+
+
+def test_nobody_is_sent_behind_a_slit_and_what_is_hidden_there_is_left_out() -> None:
+    anywhere, entered = rota.make_plan(yard(0.3)), rota.make_plan(yard(0.3, entrances=(OUTSIDE,)))
+    niche = box(8, 3, 10, 5)
+    inside = [t for t in anywhere if niche.contains(shapely.LineString(t.positions_m[[0, *range(len(t.times_s))]]))]
+    assert len(inside) == 1
+    assert not any(niche.buffer(-0.5).intersects(shapely.LineString(t.positions_m)) for t in entered)
+    report = check_plan(entered)
+    assert report.verdict == "met"
+    assert 0 < report.demands[0].excluded_area_m2 < 1
+    assert len(list(entered)) == len(list(anywhere)) - 1
+    # what is proved for entrances is proved for less ground, by robots that may go to fewer places
+    assert (entered.lower_bound_robots or 0) <= len(list(entered))
+
+
+def test_a_gap_must_be_wider_than_the_body_to_be_a_way_in() -> None:
+    for slit_m, leads_in in [(0.4, False), (0.4005, False), (0.402, True)]:
+        mission = yard(slit_m, entrances=(OUTSIDE,))
+        space, _, _ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
+        assert (len(space.geoms), space.covers(shapely.Point(NICHE))) == (1, leads_in)
+    assert check_plan(rota.make_plan(yard(0.4, entrances=(OUTSIDE,)))).verdict == "met"
+
+
+def test_coarse_arcs_close_no_way_in() -> None:
+    """Between two corners that stand across from each other the arcs of bodies all but touch."""
+    pillars = [box(5, 0, 6, 4), box(6.3355, 4.2242, 7.3, 8)]  # 0.4035 m from corner to corner; arcs stand out 0.4078 m
+    mission = replace(
+        yard(0.3, entrances=(OUTSIDE,)), obstacles=tuple(Obstacle(shape=MultiPolygon([pillar])) for pillar in pillars)
+    )
+    assert not standing_space(mission, 0.2).covers(shapely.Point(11, 4))
+    space, _, _ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
+    assert space.covers(shapely.Point(11, 4))
+
+
+@pytest.mark.parametrize(
+    "fleet",
+    [{"start": StartPoints(points_m=(OUTSIDE, NICHE))}, {"start_of_robot": NICHE}],
+    ids=["points", "a robot of its own"],
+)
+def test_starts_to_which_no_way_leads_are_refused(fleet: dict[str, Any]) -> None:
+    mission = yard(0.3, entrances=(OUTSIDE,), **{k: v for k, v in fleet.items() if k == "start"})
+    field = r"fleet.start.points\[1\]"
+    if "start_of_robot" in fleet:
+        robots = tuple(
+            replace(mission.fleet.equal_robot(name), start=place) for name, place in [("a", OUTSIDE), ("b", NICHE)]
+        )
+        mission, field = replace(mission, fleet=replace(mission.fleet, robots=robots)), r"fleet.robots\[1\].start"
+    with pytest.raises(rota.MissionError, match=field + r": \[9, 4\]: no way leads there from fleet.entrances"):
+        rota.make_plan(mission)
+
+
+def test_starts_outside_lead_to_loops_outside() -> None:
+    mission = yard(0.3, entrances=(OUTSIDE,), start=StartPoints(points_m=(OUTSIDE, (11.0, 7.0))))
+    assert check_plan(rota.make_plan(mission)).verdict == "met"
