@@ -210,6 +210,26 @@ def test_each_better_plan_is_told_once_as_it_is_judged(monkeypatch: pytest.Monke
     assert told == [(TOO_FAST, "violated"), (two, "met"), (GOOD, "met")]
 
 
+def test_better_plans_of_equal_robots_are_told_as_those_of_the_robots_that_a_fleet_names(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fleet = MISSION.fleet
+    asked = replace(MISSION, fleet=replace(fleet, robots=tuple(fleet.equal_robot(name) for name in ("ann", "bob"))))
+    two = replace(GOOD, trajectories=(*GOOD.trajectories, replace(GOOD.trajectories[0], robot="robot-2")))
+    three = replace(two, trajectories=(*two.trajectories, replace(GOOD.trajectories[0], robot="robot-3")))
+    own = tuple(replace(one, robot=name) for one, name in zip(two.trajectories, ("ann", "bob"), strict=True))
+
+    def planner(_mission: Mission, *, judge: Any, **_: Any) -> Plan:
+        judge(three)
+        judge(two)
+        return replace(two, mission=asked, trajectories=own)
+
+    use(monkeypatch, planner)
+    told: list[tuple[Any, str]] = []
+    search_plan(asked, on_better=lambda plan, report: told.append((plan.trajectories, report.verdict)))
+    assert told == [(own, "met")]
+
+
 def test_better_plans_are_told_for_the_mission_as_it_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     slack = replace(MISSION, period_s=400)
     slow = Trajectory(robot="robot-1", times_s=[0, 40, 80], positions_m=[[3, 5], [7, 5], [3, 5]])

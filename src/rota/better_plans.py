@@ -21,8 +21,9 @@ OnBetter = Callable[["Plan", "Report"], None]
 class BetterPlans:
     """Tells every plan of the whole mission that is better than all before it, in the order of ``progress_curve``.
 
-    Planners also try other periods and missions without starts. Such a plan is checked again for the mission as it is
-    asked: always until a plan meets it, and then only if the plan met what it was tried for with fewer robots.
+    Planners also try other periods, missions without starts, and equal robots in place of those that the fleet names.
+    Such a plan is checked again for the mission as it is asked: always until a plan meets it, and then only if the plan
+    met what it was tried for with fewer robots. A plan for more robots than the fleet names is not told.
     """
 
     def __init__(self, mission: Mission, tell: OnBetter) -> None:
@@ -40,8 +41,10 @@ class BetterPlans:
             if plan.mission is not self._mission:
                 if not self._worth_a_check(plan, report):
                     return
-                plan = replace(plan, mission=self._mission)
-                report = check_plan(plan)
+                own = _with_fleet_of(self._mission, plan)
+                if own is None:
+                    return
+                plan, report = own, check_plan(own)
             state = checked_state(plan, report)
             if self._best is None or rank(state) < rank(self._best):
                 self._best = state
@@ -51,6 +54,17 @@ class BetterPlans:
         """Whether a plan for other demands may be better than the best for those that are asked."""
         best = self._best
         return best is None or not best.met or (report.verdict == "met" and len(plan.trajectories) < best.robots)
+
+
+def _with_fleet_of(mission: Mission, plan: Plan) -> Plan | None:
+    """The plan as one for this mission; None where the mission's fleet names too few robots for it."""
+    named, trajectories = mission.fleet.robots, tuple(plan)
+    if named is not None and any(one.robot not in {robot.name for robot in named} for one in trajectories):
+        if len(named) < len(trajectories):
+            return None
+        own = zip(trajectories, named, strict=False)  # robots of the fleet may be left without a trajectory
+        trajectories = tuple(replace(one, robot=robot.name) for one, robot in own)
+    return replace(plan, mission=mission, trajectories=trajectories)
 
 
 def checked_state(plan: Plan, report: Report) -> SearchState:
