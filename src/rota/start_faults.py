@@ -13,6 +13,8 @@ from rota.fleet import COORDINATES, Fleet, Place, StartBox, StartPoints
 from rota.limits import LARGEST_M
 
 TOUCH_M = 1e-6  # by which a body may overlap what it touches
+ENTRANCE_CLEARANCE = 1e-3  # of its radius by which a body keeps off walls on its way from an entrance
+ENTRANCE_NEAR = 0.01  # of its radius: so far from that way an entrance may be, where a body touches walls
 MOST_START_FAULTS = 100  # told at once; whoever mends them hears of the rest
 _STARTS_AT_ONCE = 256
 
@@ -21,7 +23,7 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
     """What is wrong with the fleet's entrances and starts: the field at fault and a message.
 
     A body must stand in the area and out of the shapes that block motion, and bodies apart; a box must have room for a
-    centre. Every robot's body must fit into every entrance.
+    centre. Every robot's body must fit into every entrance, and have room to move on from there.
     """
     placed: list[tuple[str, Place, float]] = []
     faults: list[tuple[str, str]] = []
@@ -34,7 +36,7 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
             faults.append(("fleet.start.box", "lies outside the area or in obstacles; must overlap the free space"))
     widest_m = max((robot.body_radius_m for robot in fleet.robots or ()), default=fleet.body_radius_m)
     for k, entrance in enumerate(fleet.entrances or ()):
-        wrong = _standing_fault(entrance, widest_m, area, blocking)
+        wrong = _standing_fault(entrance, widest_m, area, blocking) or _stuck(entrance, widest_m, area, blocking)
         if wrong is not None:
             faults.append((f"fleet.entrances[{k}]", f"[{entrance[0]:.9g}, {entrance[1]:.9g}] {wrong}"))
     for k, robot in enumerate(fleet.robots or ()):
@@ -106,3 +108,18 @@ def _standing_fault(
             gap_m = shape.distance(point)
             return f"is {gap_m:.6g} m from an obstacle; a body of radius {body_radius_m:.6g} m does not fit there"
     return None
+
+
+def _stuck(place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: Sequence[MultiPolygon]) -> str | None:
+    """Why a body that can stand there comes nowhere, as in a gap just as wide as itself; None when it can move on."""
+    point, clear_m = Point(place_m), body_radius_m * (1 + ENTRANCE_CLEARANCE)
+    near_m = ENTRANCE_NEAR * body_radius_m + 2 * TOUCH_M
+    sides = [area.boundary, *(shape.boundary for shape in blocking)]
+    if body_radius_m == 0 or all(side.distance(point) >= clear_m for side in sides):
+        return None
+    around = point.buffer(3 * clear_m)
+    walls = union_all([shape for shape in (side.intersection(around) for side in sides) if not shape.is_empty])
+    room = around.buffer(-clear_m).difference(walls.buffer(clear_m, quad_segs=128))
+    if room.distance(point) <= near_m:
+        return None
+    return f"leaves a body of radius {body_radius_m:.6g} m no way on; gaps must be wider than it by 0.1 %"

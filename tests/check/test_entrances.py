@@ -83,6 +83,34 @@ def test_who_begins_where_no_way_leads_is_told() -> None:
     assert "no way there from the entrances" not in kinds
 
 
+@pytest.mark.parametrize("first", [0, 1, 2], ids=["outside", "in the slit", "behind it"])
+@pytest.mark.parametrize("slit_m", [0.6, 0.602], ids=["just as wide", "a little wider"])
+def test_a_gap_just_as_wide_as_the_body_is_no_way_in_wherever_a_loop_begins(slit_m: float, first: int) -> None:
+    mission = walled(slit_m, entrances=((1.0, 1.0),))
+    places = [(12.0, 5.0), (14.25, 5.0), NICHE, (14.25, 5.0)]
+    loop_m = np.array([*places[first:], *places[:first], places[first]])
+    times_s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(loop_m, axis=0).T))])
+    loop = Trajectory(robot="robot-1", times_s=times_s, positions_m=loop_m, loop_start_s=0.0)
+    report = check_plan(Plan(mission=mission, trajectories=(loop,), seed=0))
+    told = [v for v in report.violations if v.kind == "no way there from the entrances"]
+    if slit_m > 0.6:
+        assert not told
+        return
+    # the first place of the loop to which no way leads, and the moment
+    k = next(k for k, place in enumerate(loop_m) if place[0] > 13)
+    assert [(v.place_m, v.time_s) for v in told] == [(tuple(loop_m[k]), times_s[k])]
+
+
+@pytest.mark.parametrize("degrees", [60, 12, 5])
+def test_a_body_may_drive_into_a_corner_as_far_as_it_fits(degrees: float) -> None:
+    corner = shapely.Polygon([(0, 0), (20, 0), (20, 20 * math.tan(math.radians(degrees)))])
+    fleet = Fleet(speed_m_s=2.0, sensor=DiscSensor(radius_m=30.0), body_radius_m=0.3, entrances=((18.0, 0.8),))
+    mission = Mission(name="corner", area=MultiPolygon([corner]), fleet=fleet, period_s=60.0)
+    in_the_tip = (0.3 / math.tan(math.radians(degrees / 2)), 0.3)
+    report = check_plan(standing_still(mission, in_the_tip))
+    assert "no way there from the entrances" not in {v.kind for v in report.violations}
+
+
 def test_what_is_seen_from_behind_no_entrance_is_excluded() -> None:
     mission = walled(0.5, reach_m=3.0, entrances=((1.0, 1.0),))
     areas = standing_areas(mission)
@@ -118,6 +146,21 @@ def test_a_place_in_the_niche_alone_asks_for_the_niche_alone() -> None:
 def test_an_entrance_where_no_body_fits_is_refused(entrance: tuple[float, float], told: str) -> None:
     with pytest.raises(MissionError, match=told):
         walled(0.5, entrances=(entrance,))
+
+
+@pytest.mark.parametrize(("slit_m", "leads_on"), [(0.6, False), (0.6005, False), (0.602, True)])
+def test_an_entrance_in_a_gap_just_as_wide_as_the_body_is_refused(slit_m: float, leads_on: bool) -> None:
+    if leads_on:
+        assert walled(slit_m, entrances=((14.25, 5.0),)).fleet.entrances == ((14.25, 5.0),)
+        return
+    told = r"fleet.entrances\[0\]: \[14.25, 5\] leaves a body of radius 0.3 m no way on; gaps must be wider than it by"
+    with pytest.raises(MissionError, match=told):
+        walled(slit_m, entrances=((14.25, 5.0),))
+
+
+def test_an_entrance_may_touch_walls() -> None:
+    for entrance in [(0.3, 5.0), (0.3, 0.3), (13.7, 5.0)]:
+        assert walled(0.5, entrances=(entrance,)).fleet.entrances == (entrance,)
 
 
 def test_an_empty_list_of_entrances_is_refused() -> None:

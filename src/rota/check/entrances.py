@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
+import numpy as np
 import shapely
 
 from rota.check.report import Violation, violation
-from rota.check.standing import near_entrance_m, standing_area_of
+from rota.check.standing import near_way_in_m, standing_area_of
 from rota.plan import Plan
 from rota.violation_kinds import ViolationKind
 
 
 def entrance_violations(plan: Plan) -> list[Violation]:
-    """Robots that begin where no way leads from an entrance, and how far off that is.
+    """Robots that come to places where no way leads from an entrance: the first of each, when, and how far off it is.
 
-    Where a robot begins tells all: its legs are judged by themselves, and without a jump it stays in its part of the
-    ground.
+    Where a robot turns tells all: between two such places its leg is judged by itself, and each is to be in ground that
+    ways lead to. A gap just as wide as the body is no way, though a leg may pass it.
     """
     mission, violations = plan.mission, []
     if mission.fleet.entrances is None:
         return []
     for trajectory in plan:
         robot = mission.fleet.robot(trajectory.robot)
-        x, y = (float(value) for value in trajectory.positions_m[0, :2])
         inside = standing_area_of(mission, robot).shape
-        away_m = float("inf") if inside.is_empty else float(shapely.distance(inside, shapely.Point(x, y)))
-        limit_m = near_entrance_m(robot.body_radius_m)
-        if away_m > limit_m:
+        shapely.prepare(inside)
+        places_m = trajectory.positions_m[:, :2]
+        away_m = np.zeros(len(places_m))
+        outside = np.flatnonzero(~shapely.intersects_xy(inside, *places_m.T))
+        away_m[outside] = np.inf if inside.is_empty else shapely.distance(inside, shapely.points(places_m[outside]))
+        limit_m = near_way_in_m(robot.body_radius_m)
+        for i in np.flatnonzero(away_m > limit_m)[:1]:
+            x, y = (float(value) for value in places_m[i])
+            at_s = float(trajectory.times_s[i])
             kind: ViolationKind = "no way there from the entrances"
-            violations.append(violation(kind, robot.name, (x, y), 0.0, away_m, limit_m, "m"))
+            violations.append(violation(kind, robot.name, (x, y), at_s, float(away_m[i]), limit_m, "m"))
     return violations

@@ -124,8 +124,17 @@ def _standing_areas(
 
 
 def near_entrance_m(body_radius_m: float) -> float:
-    """How far from where bodies come with clearance others may be that come to touch walls."""
+    """How far from where bodies come with clearance an entrance may be: a body there may touch walls."""
     return 10 * CLEARANCE * body_radius_m + 2 * TOUCH_M
+
+
+def near_way_in_m(body_radius_m: float) -> float:
+    """How far from where bodies come with clearance robots may be, which touch walls and drive into corners.
+
+    In a corner of 3 degrees a body that touches both walls is so far off; in a gap just as wide as itself, between the
+    ends of two walls, it is 4.5 % of its radius off.
+    """
+    return 40 * CLEARANCE * body_radius_m + 2 * TOUCH_M
 
 
 def _entered(places: Any, entrances: tuple[tuple[float, float], ...] | None, near_m: float) -> Any:

@@ -16,6 +16,7 @@ from rota.errors import MissionError
 from rota.geometry.tiles import Box, clipped, grown_box
 from rota.mission import AREA, TOUCH_M, Demand, Mission, Obstacle
 from rota.polygons import polygons_of
+from rota.start_faults import ENTRANCE_NEAR
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ Floats = NDArray[np.float64]
 _SLIVER_M2 = 1e-9
 # Corners of a whole turn round a grown corner: 16 keeps a right angle at four corners and 2 % of the radius too far.
 _ARC_CORNERS = 16
+# The same where the fleet has entrances: a gap wider than the body by a thousandth of its radius is a way in.
+_ENTERED_ARC_CORNERS = 72
 
 
 def free_ground(mission: Mission) -> MultiPolygon:
@@ -50,9 +53,11 @@ def standing_space(mission: Mission, body_radius_m: float, *, arc_corners: int =
     the outside, and at most 1 / cos(pi / arc_corners) times the radius away from the corner.
 
     The answer may be empty or in parts. A gap as wide as the body, or narrower, is closed. Where the fleet has
-    entrances, only the parts behind them are left; see ``entered``. Raises ValueError when the radius is negative or
-    not finite, or arc_corners is below 8.
+    entrances, only the parts behind them are left; see ``entered``. Arcs are then so fine that they close no way in,
+    whatever ``arc_corners`` says. Raises ValueError when the radius is negative or not finite, or arc_corners below 8.
     """
+    if mission.fleet.entrances is not None:
+        arc_corners = max(arc_corners, _ENTERED_ARC_CORNERS)
     space = standing_anywhere(mission, body_radius_m, arc_corners=arc_corners)
     return entered(space, mission, body_radius_m, arc_corners=arc_corners)
 
@@ -71,15 +76,16 @@ def standing_anywhere(mission: Mission, body_radius_m: float, *, arc_corners: in
 def entered(space: MultiPolygon, mission: Mission, body_radius_m: float, *, arc_corners: int) -> MultiPolygon:
     """The parts of a standing space that bodies come to from the fleet's entrances; all where it has none.
 
-    An entrance leads to the part that holds it. Coarse arcs may keep the entrance itself out of the space; then it
-    leads to the nearest part, unless that is farther away than such an arc may be.
+    An entrance leads to the part that holds it. Coarse arcs may keep the entrance itself out of the space, and so do
+    walls that a body there touches; then it leads to the nearest parts, unless these are farther away than that
+    explains.
     """
     if mission.fleet.entrances is None or space.is_empty:
         return space
     parts = shapely.get_parts(space)
-    most_m = body_radius_m * (1 / math.cos(math.pi / arc_corners) - 1) + 2 * TOUCH_M
+    most_m = body_radius_m * (1 / math.cos(math.pi / arc_corners) - 1 + ENTRANCE_NEAR) + 2 * TOUCH_M
     doors = shapely.points(np.array(mission.fleet.entrances))
-    nearest = shapely.STRtree(parts).query_nearest(doors, max_distance=most_m, all_matches=False)[1]
+    nearest = shapely.STRtree(parts).query_nearest(doors, max_distance=most_m)[1]
     return MultiPolygon(list(parts[np.unique(nearest)]))
 
 

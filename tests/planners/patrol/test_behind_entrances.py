@@ -11,9 +11,11 @@ from shapely import MultiPolygon, box
 
 import rota
 from rota.check import check_plan
-from rota.geometry.free_space import standing_space
+from rota.geometry.free_space import standing_anywhere, standing_space
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartPoints
+from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.ground.standing import space_for
+from rota.planners.patrol.methods.large.cells import entered_in, missions_of
 from rota.planners.patrol.planner_settings import PatrolSettings
 
 OUTSIDE, NICHE = (1.0, 1.0), (9.0, 4.0)
@@ -61,18 +63,23 @@ def test_coarse_arcs_close_no_way_in() -> None:
     mission = replace(
         yard(0.3, entrances=(OUTSIDE,)), obstacles=tuple(Obstacle(shape=MultiPolygon([pillar])) for pillar in pillars)
     )
-    assert not standing_space(mission, 0.2).covers(shapely.Point(11, 4))
+    assert len(standing_anywhere(mission, 0.2, arc_corners=16).geoms) == 2
+    assert standing_space(mission, 0.2).covers(shapely.Point(11, 4))
     space, _, _ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
     assert space.covers(shapely.Point(11, 4))
 
 
 @pytest.mark.parametrize(
-    "fleet",
-    [{"start": StartPoints(points_m=(OUTSIDE, NICHE))}, {"start_of_robot": NICHE}],
-    ids=["points", "a robot of its own"],
+    ("slit_m", "fleet"),
+    [
+        (0.3, {"start": StartPoints(points_m=(OUTSIDE, NICHE))}),
+        (0.4, {"start": StartPoints(points_m=(OUTSIDE, NICHE))}),
+        (0.3, {"start_of_robot": NICHE}),
+    ],
+    ids=["points", "points behind a slit just as wide as the body", "a robot of its own"],
 )
-def test_starts_to_which_no_way_leads_are_refused(fleet: dict[str, Any]) -> None:
-    mission = yard(0.3, entrances=(OUTSIDE,), **{k: v for k, v in fleet.items() if k == "start"})
+def test_starts_to_which_no_way_leads_are_refused(slit_m: float, fleet: dict[str, Any]) -> None:
+    mission = yard(slit_m, entrances=(OUTSIDE,), **{k: v for k, v in fleet.items() if k == "start"})
     field = r"fleet.start.points\[1\]"
     if "start_of_robot" in fleet:
         robots = tuple(
@@ -86,3 +93,51 @@ def test_starts_to_which_no_way_leads_are_refused(fleet: dict[str, Any]) -> None
 def test_starts_outside_lead_to_loops_outside() -> None:
     mission = yard(0.3, entrances=(OUTSIDE,), start=StartPoints(points_m=(OUTSIDE, (11.0, 7.0))))
     assert check_plan(rota.make_plan(mission)).verdict == "met"
+
+
+def test_the_ways_from_starts_go_through_all_gaps_that_are_ways_in() -> None:
+    pillars = [box(5, 0, 6, 4), box(6.3355, 4.2242, 7.3, 8)]
+    mission = yard(0.3, entrances=(OUTSIDE,))
+    robots = [replace(mission.fleet.equal_robot(name), start=at) for name, at in [("a", OUTSIDE), ("b", (10.0, 4.0))]]
+    fleet = replace(mission.fleet, robots=tuple(robots))
+    obstacles = tuple(Obstacle(shape=MultiPolygon([pillar])) for pillar in pillars)
+    plan = rota.make_plan(replace(mission, fleet=fleet, obstacles=obstacles))
+    assert check_plan(plan).verdict == "met"
+
+
+def test_an_entrance_where_a_body_touches_a_wall_leads_in() -> None:
+    corridor = replace(yard(0.3), area=MultiPolygon([box(0, 0, 12, 3)]), obstacles=())
+    for entrance in [(0.2, 1.5), (0.2, 0.2)]:
+        fleet = replace(corridor.fleet, entrances=(entrance,), sensor=DiscSensor(radius_m=0.27))
+        mission = replace(corridor, fleet=fleet)
+        for arc_corners in (8, 16, 256):
+            assert len(standing_space(mission, 0.2, arc_corners=arc_corners).geoms) == 1
+        space, sure, _ = space_for(mission, (), mission.fleet.equal_robot("any"), 0.0)
+        assert (len(space.geoms), len(sure.geoms)) == (1, 1)
+
+
+@pytest.mark.parametrize(("unseeable", "reach_m"), [("exclude", 2.5), ("exclude", 12.0), ("refuse", 2.5)])
+def test_what_no_way_leads_to_is_told_before_the_search(unseeable: Any, reach_m: float) -> None:
+    wall = Obstacle(shape=MultiPolygon([box(8, 0, 8.2, 3.85), box(8, 4.15, 8.2, 8)]))
+    mission = yard(0.3, entrances=(OUTSIDE,), sensor=DiscSensor(radius_m=reach_m))
+    mission = replace(mission, obstacles=(wall,) if unseeable == "exclude" else mission.obstacles, unseeable=unseeable)
+    with pytest.raises(
+        rota.NoPlanFound, match=r"cannot be seen from anywhere a robot can come to from fleet.entrances"
+    ):
+        set_up_problem(mission)
+
+
+def test_pieces_of_large_ground_have_entrances_of_their_own_to_what_ways_lead_to() -> None:
+    ground = MultiPolygon([box(0, 0, 60, 30)])
+    room = box(41, 11, 45, 14) - box(41.5, 11.5, 44.5, 13.5)
+    mission = yard(0.3, entrances=(OUTSIDE,), sensor=DiscSensor(radius_m=2.0))
+    mission = replace(mission, area=ground, obstacles=(Obstacle(shape=MultiPolygon([room])),))
+    problem = set_up_problem(mission)
+    pieces = missions_of(mission, 6, 4.0, entered_in(problem))
+    assert len(pieces) == 6
+    assert sum(entrance == OUTSIDE for piece in pieces for entrance in piece.fleet.entrances or ()) == 0
+    for piece in pieces:
+        space = set_up_problem(piece).space
+        assert space.area > 0.9 * piece.area.intersection(problem.space).buffer(-0.2).area
+        assert space.difference(problem.space.buffer(1e-6)).is_empty
+        assert not space.intersects(shapely.Point(43, 12.5))

@@ -118,12 +118,12 @@ def set_up_problem(mission: Mission) -> Problem:
     if at_limit:
         classes = [periods_of(regions).index(region.period_s) for region in regions]
         last = limit_points(regions, classes, space, robot, range_margin_m=margin_m, spacing_m=spacing_m)
-        points, border_places_m = joined([points, last]), nearest_places(last.xy_m, space, walls, robot)[0]
-    if sure_space is not space:
-        _, ranges_m = nearest_places(points.xy_m, sure_space, walls, robot)
-        points = points[np.flatnonzero((ranges_m <= inner_reach_m(robot.sensor)) | (points.visit_m > 0))]
+        places_m, ranges_m = nearest_places(last.xy_m, space, walls, robot)
+        points, border_places_m = joined([points, last]), places_m[np.isfinite(ranges_m)]
+    points, hopeless = surely_seen(points, space, sure_space, walls, robot)
     seen = places_that_see_all(points, Sight(space, walls, robot, margin_m))
-    refuse_unseeable(mission, seen.points, seen.unseeable, regions)
+    beside = np.append(seen.unseeable, len(points) + np.arange(len(hopeless)))
+    refuse_unseeable(mission, joined([seen.points, hopeless]), beside, regions)
     points, samples = seen.points, seen.samples
     if len(seen.unseen):
         kept = np.setdiff1d(np.arange(len(points)), seen.unseen)
@@ -148,6 +148,22 @@ def set_up_problem(mission: Mission) -> Problem:
         range_margin_m=margin_m,
         spacing_m=spacing_m,
     )
+
+
+def surely_seen(
+    points: SamplePoints, space: MultiPolygon, sure_space: MultiPolygon, walls: Floats, robot: Robot
+) -> tuple[SamplePoints, SamplePoints]:
+    """The points that are seen from the sure space, or are for a visit; and those that not even the whole space sees.
+
+    What only the whole space sees is in neither: it may count as seeable or not. All are sure where the spaces are one.
+    """
+    if sure_space is space:
+        return points, points[np.zeros(0, dtype=np.int64)]
+    reach_m = inner_reach_m(robot.sensor)
+    sure = (nearest_places(points.xy_m, sure_space, walls, robot)[1] <= reach_m) | (points.visit_m > 0)
+    others = points[np.flatnonzero(~sure)]
+    hidden = nearest_places(others.xy_m, space, walls, robot)[1] > reach_m
+    return points[np.flatnonzero(sure)], others[np.flatnonzero(hidden)]
 
 
 def periods_of(regions: tuple[DemandedRegion, ...]) -> tuple[float, ...]:

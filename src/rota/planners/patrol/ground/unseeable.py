@@ -39,8 +39,8 @@ def refuse_unseeable(
     blobs = sorted(blobs, key=lambda blob: -float(blob.area))[:5]
     places = ", ".join(f"({blob.centroid.x:.2f}, {blob.centroid.y:.2f})" for blob in blobs)
     allowed = "unseeable: refuse allows none" if mission.unseeable == "refuse" else f"{MOST_EXCLUDED:.0%} is allowed"
+    where = "a robot can stand" if mission.fleet.entrances is None else "a robot can come to from fleet.entrances"
     lost = f"about {lost_m2:.2f} m2 ({share:.1%}" if lost_m2 >= 0.01 else "less than 0.01 m2 (0.0%"
     raise NoPlanFound(
-        f"{lost} of what is asked) cannot be seen from anywhere a robot can stand,"
-        f" for instance round {places}; {allowed}"
+        f"{lost} of what is asked) cannot be seen from anywhere {where}, for instance round {places}; {allowed}"
     )

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import Polygon
+from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import DemandedRegion, demanded_regions
-from rota.mission import Mission, Obstacle, Zone
+from rota.mission import Fleet, Mission, Obstacle, Zone
+from rota.planners.patrol.ground.problem import Problem
 from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
@@ -22,6 +24,20 @@ Box = tuple[float, float, float, float]  # x0, y0, x1, y1 in metres
 ELSEWHERE = "outside the district"
 BISECTIONS = 40
 SLIVER_M2 = 1e-6  # a zone that has no more than that in a box is rounding of the cut
+
+
+class Entered(NamedTuple):
+    """Where robots with a body of this radius surely come to from a mission's entrances."""
+
+    space: MultiPolygon
+    body_radius_m: float
+
+
+def entered_in(problem: Problem) -> Entered | None:
+    """Where the problem's robots come to; None where its mission has no entrances."""
+    if problem.mission.fleet.entrances is None:
+        return None
+    return Entered(problem.sure_space, problem.sure_robot.body_radius_m)
 
 
 def weighed_boxes(shape: BaseGeometry, weights: Floats) -> list[Box]:
@@ -52,24 +68,31 @@ def _cut(shape: BaseGeometry, box: Box, weights: Floats) -> Iterator[Box]:
     yield from _cut(polygons_of(shapely.intersection(shape, shapely.box(*other))), other, weights[first:])
 
 
-def missions_of(mission: Mission, count: int, margin_m: float) -> list[Mission]:
+def missions_of(mission: Mission, count: int, margin_m: float, entered: Entered | None = None) -> list[Mission]:
     """Missions for so many boxes with about as much demanded ground each, which together ask for what the whole asks.
 
     margin_m: how far round its box a robot may go. What it may pass there asks nothing, and neither do boxes without
-    demanded ground, which are absent. A zone to visit is asked for in the box with most of it. Numbers of robots, and
-    what is to be done when ground cannot be seen, are for the whole alone.
+    demanded ground, which are absent. entered: where robots come to in the whole, if it has entrances. Each box then
+    has entrances of its own to that; boxes in which robots come to nothing are absent. A zone to visit is asked for in
+    the box with most of it. Numbers of robots, and what is to be done when ground cannot be seen, are for the whole
+    alone.
     """
     regions = demanded_regions(mission)
     asked = shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
     boxes = weighed_boxes(asked, np.ones(count))
-    missions = [mission_in(mission, k, boxes, regions, margin_m) for k in range(len(boxes))]
+    missions = [mission_in(mission, k, boxes, regions, margin_m, entered) for k in range(len(boxes))]
     return [each for each in missions if each is not None]
 
 
 def mission_in(
-    mission: Mission, k: int, boxes: list[Box], regions: tuple[DemandedRegion, ...], margin_m: float
+    mission: Mission,
+    k: int,
+    boxes: list[Box],
+    regions: tuple[DemandedRegion, ...],
+    margin_m: float,
+    entered: Entered | None = None,
 ) -> Mission | None:
-    """The mission for the k-th of the boxes; None when nothing is asked there."""
+    """The mission for the k-th of the boxes; None when nothing is asked there, or no robot comes there."""
     own = shapely.box(*boxes[k])
     visits = {region.name for region in regions if region.demand == "visit" and k == box_with_most(region, boxes)}
     x0, y0, x1, y1 = boxes[k]
@@ -85,15 +108,28 @@ def mission_in(
     inside = any(
         region.demand == "every_point" and region.shape.intersection(own).area > SLIVER_M2 for region in regions
     )
-    if area.is_empty or not (inside or visits):
+    fleet = mission.fleet if entered is None else with_entrances_to(entered, mission.fleet, area, wide)
+    if area.is_empty or not (inside or visits) or fleet is None:
         return None
     return replace(
         mission,
+        fleet=fleet,
         area=area,
         zones=tuple(zones),
         obstacles=tuple(obstacles_near(mission.obstacles, wide)),
         unseeable="exclude",
     )
+
+
+def with_entrances_to(entered: Entered, fleet: Fleet, area: MultiPolygon, wide: BaseGeometry) -> Fleet | None:
+    """The fleet with an entrance to each part of what robots come to in an area; None where that is nothing.
+
+    wide: what the area was cut with. A body keeps clear of the cut.
+    """
+    room = shapely.intersection(entered.space, wide.buffer(-entered.body_radius_m, join_style="mitre"))
+    parts = shapely.get_parts(polygons_of(shapely.intersection(room, area)))
+    doors = shapely.get_coordinates(shapely.point_on_surface(parts[shapely.area(parts) > SLIVER_M2]))
+    return replace(fleet, entrances=tuple((float(x), float(y)) for x, y in doors)) if len(doors) else None
 
 
 def zone_in(zone: Zone, own: Polygon, *, asked: bool) -> Zone | None:

@@ -24,7 +24,7 @@ from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.initial.standing import robots_stand
 from rota.planners.patrol.initial.visiting_order import short_order
-from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
+from rota.planners.patrol.methods.large.cells import boxes_for, entered_in, missions_of
 from rota.planners.patrol.methods.large.districts import by_districts
 from rota.planners.patrol.methods.sweeping.search import judged_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible, with_robots
@@ -61,7 +61,9 @@ def in_pieces(context: Context) -> Repaired:
     """
     problem, settings = context.problem, context.settings
     count = boxes_for(problem.asked_m2, settings.districts.piece_area * problem.reach_m**2)
-    missions = missions_of(problem.mission, count, settings.districts.margin * problem.robot.sensor.reach_m)
+    missions = missions_of(
+        problem.mission, count, settings.districts.margin * problem.robot.sensor.reach_m, entered_in(problem)
+    )
     pieces = by_districts(context, short_tours, missions)
     if context.should_stop():
         raise NoPlanFound("the search was stopped before there were tours over all of the ground")

@@ -14,7 +14,7 @@ from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.method_settings import DistrictSettings
-from rota.planners.patrol.methods.large.cells import boxes_for, missions_of
+from rota.planners.patrol.methods.large.cells import boxes_for, entered_in, missions_of
 from rota.planners.patrol.methods.large.districts import by_districts, joined
 from rota.planners.patrol.methods.large.lanes import in_districts
 from rota.planners.patrol.methods.large.pieces import in_pieces, is_built_up
@@ -70,7 +70,7 @@ def fewest_on_large(context: Context, search: Method) -> Repaired:
     count = max(count, math.ceil(context.bound.robots / settings.most_robots))
     if count == 1:
         return better(lanes, search(context))
-    missions = missions_of(problem.mission, count, settings.margin * problem.robot.sensor.reach_m)
+    missions = missions_of(problem.mission, count, settings.margin * problem.robot.sensor.reach_m, entered_in(problem))
     if lanes is not None and lanes.met and sum(map(least_robots, missions)) >= lanes.robots:
         return lanes  # each district takes whole robots
     districts = by_districts(context, search, missions)
