@@ -23,15 +23,14 @@ def entrance_violations(plan: Plan) -> list[Violation]:
     for trajectory in plan:
         robot = mission.fleet.robot(trajectory.robot)
         inside = standing_area_of(mission, robot).shape
-        shapely.prepare(inside)
+        shapely.prepare(inside)  # whose sides are then looked up in a tree
         places_m = trajectory.positions_m[:, :2]
-        away_m = np.zeros(len(places_m))
-        outside = np.flatnonzero(~shapely.intersects_xy(inside, *places_m.T))
-        away_m[outside] = np.inf if inside.is_empty else shapely.distance(inside, shapely.points(places_m[outside]))
         limit_m = near_way_in_m(robot.body_radius_m)
-        for i in np.flatnonzero(away_m > limit_m)[:1]:
+        far = ~shapely.dwithin(inside, shapely.points(places_m), limit_m)  # all, where bodies can come to nothing
+        for i in np.flatnonzero(far)[:1]:
             x, y = (float(value) for value in places_m[i])
             at_s = float(trajectory.times_s[i])
+            away_m = float("inf") if inside.is_empty else float(shapely.distance(inside, shapely.Point(x, y)))
             kind: ViolationKind = "no way there from the entrances"
-            violations.append(violation(kind, robot.name, (x, y), at_s, float(away_m[i]), limit_m, "m"))
+            violations.append(violation(kind, robot.name, (x, y), at_s, away_m, limit_m, "m"))
     return violations

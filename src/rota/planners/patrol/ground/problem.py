@@ -30,6 +30,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 
 Floats = NDArray[np.float64]
 
+OUT_OF_REACH = 1.01  # of the reach: what is farther from where robots surely come to, nobody sees
 BORDER_INSET = 0.002  # of the inner reach: how far inside of a region the samples of its border lie
 
 
@@ -153,17 +154,16 @@ def set_up_problem(mission: Mission) -> Problem:
 def surely_seen(
     points: SamplePoints, space: MultiPolygon, sure_space: MultiPolygon, walls: Floats, robot: Robot
 ) -> tuple[SamplePoints, SamplePoints]:
-    """The points that are seen from the sure space, or are for a visit; and those that not even the whole space sees.
+    """The points that are seen from the sure space, or are for a visit; and those of the lattice that nobody sees.
 
-    What only the whole space sees is in neither: it may count as seeable or not. All are sure where the spaces are one.
+    What is only just out of reach is in neither: the whole space may see it. All are sure where the spaces are one.
     """
     if sure_space is space:
         return points, points[np.zeros(0, dtype=np.int64)]
-    reach_m = inner_reach_m(robot.sensor)
-    sure = (nearest_places(points.xy_m, sure_space, walls, robot)[1] <= reach_m) | (points.visit_m > 0)
-    others = points[np.flatnonzero(~sure)]
-    hidden = nearest_places(others.xy_m, space, walls, robot)[1] > reach_m
-    return points[np.flatnonzero(sure)], others[np.flatnonzero(hidden)]
+    reach_m, ranges_m = inner_reach_m(robot.sensor), nearest_places(points.xy_m, sure_space, walls, robot)[1]
+    sure = (ranges_m <= reach_m) | (points.visit_m > 0)
+    hidden = ~sure & (ranges_m > OUT_OF_REACH * reach_m) & (points.shrink_m > 0)
+    return points[np.flatnonzero(sure)], points[np.flatnonzero(hidden)]
 
 
 def periods_of(regions: tuple[DemandedRegion, ...]) -> tuple[float, ...]:

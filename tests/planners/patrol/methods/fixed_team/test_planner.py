@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,12 +12,17 @@ from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import YARD, search_on
 
 from rota.check import check_plan
+from rota.errors import NoPlanFound
 from rota.mission import DiscSensor, Fleet, Mission
+from rota.plan import Plan, Trajectory
 from rota.planners.patrol.annealing.schedule import share_of_moves
+from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.initial.allocation import period_groupings
+from rota.planners.patrol.methods.fixed_team import planner
 from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, reached, with_shorter_loops
-from rota.planners.patrol.methods.fixed_team.planner import searching_longer_periods
+from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team, searching_longer_periods
+from rota.planners.patrol.methods.tours import fewest_robots_anywhere
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tours.tour import Tour
@@ -65,3 +72,45 @@ def test_nested_loops_and_lanes_asked_for_stay(lanes: Reached) -> None:
     assert with_shorter_loops(search, nested) is nested
     by_lanes = search_on(replace(FIELD, planning=PatrolSettings(effort="quick", method="parallel")))
     assert with_shorter_loops(by_lanes, lanes) is lanes
+
+
+@pytest.mark.parametrize(
+    ("ratios", "kept"),
+    [
+        ({"quick": 0.9, "normal": 0.8}, "normal"),
+        ({"quick": 0.8, "normal": 0.9}, "quick"),
+        ({"quick": 0.9}, "quick"),
+        ({"normal": 0.9}, "normal"),
+        ({}, None),
+    ],
+    ids=["normal is better", "quick is better", "quick alone", "normal alone", "neither"],
+)
+def test_more_effort_never_gives_a_greater_ratio(
+    monkeypatch: pytest.MonkeyPatch, ratios: dict[str, float], kept: str | None
+) -> None:
+    """A robot that stays sees all of its ground at once: how long its demand's worst gap is, is told by the judge."""
+    normal = replace(FIELD, planning=PatrolSettings(effort="normal"))
+    team = replace(normal, fleet=replace(FIELD.fleet, robots=(FIELD.fleet.equal_robot("ann"),)))
+    found: dict[str, Plan] = {}
+
+    def planned(context: Context, _asked: Mission, _method: object) -> Plan:
+        effort = PatrolSettings.of(context.problem.mission).effort
+        if effort not in ratios:
+            raise NoPlanFound(effort)
+        stay = Trajectory(robot="ann", times_s=np.zeros(1), positions_m=np.array([[12.0, ratios[effort]]]))
+        found[effort] = Plan(mission=context.problem.mission, trajectories=(stay,))
+        return found[effort]
+
+    def judge(plan: Plan) -> Any:
+        gap_s = 80 * float(plan.trajectories[0].positions_m[0, 1])
+        return SimpleNamespace(demands=[SimpleNamespace(period_s=80.0, worst_gap_s=gap_s)], verdict="met")
+
+    monkeypatch.setattr(planner, "plan_with_effort", planned)
+    search = replace(search_on(team), judge=judge)
+    if kept is None:
+        with pytest.raises(NoPlanFound, match="normal"):
+            plan_fixed_team(search, team, fewest_robots_anywhere)
+        return
+    plan = plan_fixed_team(search, team, fewest_robots_anywhere)
+    assert plan.trajectories == found[kept].trajectories
+    assert plan.mission is search.problem.mission

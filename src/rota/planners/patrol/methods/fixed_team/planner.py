@@ -10,6 +10,7 @@ from rota.plan import Plan
 from rota.planners.patrol.context import Context
 from rota.planners.patrol.ground.problem import stretched
 from rota.planners.patrol.initial.allocation import period_groupings
+from rota.planners.patrol.methods.fewest.search import share_of_progress, with_less_effort
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for
 from rota.planners.patrol.methods.fixed_team.least_ratio import Reached, least_ratio
 from rota.planners.patrol.methods.fixed_team.proved_ratio import proved_ratio
@@ -21,7 +22,7 @@ from rota.planners.patrol.methods.method import Method
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.tours.tour import Tour, driven
-from rota.planners.patrol.verdict import counted, touching, worst_reached
+from rota.planners.patrol.verdict import Verdict, counted, touching, worst_demand, worst_reached
 
 
 def searching_longer_periods(context: Context) -> Context:
@@ -35,8 +36,33 @@ def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     """The plan for exactly the fleet's robots whose worst ratio is the smallest found; NoPlanFound when it exceeds 1.
 
     asked: the mission with its starts, which say where spare robots go, and without a reserve, with which no ratio is
-    proved. method: finds a plan with as few robots as it can. When robots get in each other's way, fewer of them keep
-    watch, and the others help them or stand aside.
+    proved. method: finds a plan with as few robots as it can. Every effort begins with quick: more effort never gives a
+    greater ratio, and a search that is stopped, or that finds nothing, has the plan of quick.
+    """
+    mission = context.problem.mission
+    if PatrolSettings.of(mission).effort == "quick" or not context.anneals:
+        return plan_with_effort(context, asked, method)
+    try:
+        quick = replace(with_less_effort(context, "quick"), progress=share_of_progress(context.progress, 0, 4))
+        first = replace(plan_with_effort(quick, asked, method), mission=mission)
+    except NoPlanFound:
+        return plan_with_effort(context, asked, method)
+    try:
+        plan = plan_with_effort(context, asked, method)
+    except NoPlanFound:
+        return first
+    return min(first, plan, key=lambda one: worst_ratio(context.judge(one)))
+
+
+def worst_ratio(verdict: Verdict) -> float:
+    """The greatest of all gaps over their periods; 0 without demands."""
+    worst = worst_demand(verdict)
+    return 0.0 if worst is None else worst.worst_gap_s / worst.period_s
+
+
+def plan_with_effort(context: Context, asked: Mission, method: Method) -> Plan:
+    """The same with one effort alone. When robots get in each other's way, fewer of them keep watch, and the others
+    help them or stand aside.
     """
     context = searching_longer_periods(context)
     problem = context.problem
