@@ -107,7 +107,10 @@ def test_a_body_may_drive_into_a_corner_as_far_as_it_fits(degrees: float) -> Non
     fleet = Fleet(speed_m_s=2.0, sensor=DiscSensor(radius_m=30.0), body_radius_m=0.3, entrances=((18.0, 0.8),))
     mission = Mission(name="corner", area=MultiPolygon([corner]), fleet=fleet, period_s=60.0)
     in_the_tip = (0.3 / math.tan(math.radians(degrees / 2)), 0.3)
-    report = check_plan(standing_still(mission, in_the_tip))
+    loop_m = np.array([(18.0, 0.8), in_the_tip, (18.0, 0.8)])
+    times_s = np.array([0.0, 10.0, 20.0])
+    loop = Trajectory(robot="robot-1", times_s=times_s, positions_m=loop_m, loop_start_s=0.0)
+    report = check_plan(Plan(mission=mission, trajectories=(loop,), seed=0))
     assert "no way there from the entrances" not in {v.kind for v in report.violations}
 
 

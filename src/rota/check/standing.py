@@ -129,7 +129,7 @@ def near_entrance_m(body_radius_m: float) -> float:
 
 
 def near_way_in_m(body_radius_m: float) -> float:
-    """How far from where bodies come with clearance robots may be, which touch walls and drive into corners.
+    """How far from where bodies come with clearance robots may drive, which touch walls and turn in corners.
 
     In a corner of 3 degrees a body that touches both walls is so far off; in a gap just as wide as itself, between the
     ends of two walls, it is 4.5 % of its radius off.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -141,3 +142,11 @@ def test_pieces_of_large_ground_have_entrances_of_their_own_to_what_ways_lead_to
         assert space.area > 0.9 * piece.area.intersection(problem.space).buffer(-0.2).area
         assert space.difference(problem.space.buffer(1e-6)).is_empty
         assert not space.intersects(shapely.Point(43, 12.5))
+
+
+def test_a_narrow_corner_whose_space_crosses_itself_by_rounding_is_planned() -> None:
+    corner = shapely.Polygon([(0, 0), (20, 0), (20, 20 * math.tan(math.radians(6)))])
+    mission = yard(0.3, sensor=DiscSensor(radius_m=3.0), body_radius_m=0.3)
+    fleet = replace(mission.fleet, entrances=((18.0, 0.8),))
+    plan = rota.make_plan(replace(mission, area=MultiPolygon([corner]), obstacles=(), period_s=100, fleet=fleet))
+    assert check_plan(plan).verdict == "met"

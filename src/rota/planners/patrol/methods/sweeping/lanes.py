@@ -87,8 +87,9 @@ def common_part(one: BaseGeometry, other: BaseGeometry) -> BaseGeometry:
     try:
         return shapely.intersection(one, other)
     except shapely.GEOSException:
-        # borders that nearly coincide: corners within what counts as touching
-        return off_grid(shapely.intersection(one, other, grid_size=FINE_GRID_M))
+        # borders that nearly coincide, or cross themselves by rounding: corners within what counts as touching
+        valid = shapely.make_valid(np.array([one, other]), method="structure", keep_collapsed=False)
+        return off_grid(shapely.intersection(*valid, grid_size=FINE_GRID_M))
 
 
 def turning(angle_rad: float) -> Floats:
