@@ -128,7 +128,7 @@ def test_what_compiles_loops_knows_none_of_them() -> None:
 def test_compiled_loops_live_in_kernels_files_only() -> None:
     assert all(name.endswith("kernels") for name in importers("rota.compiled.kernel.kernel"))
     # numba's own njit keeps code that cannot find what it calls in another process: use @kernel of rota.compiled.kernel
-    elsewhere = {"rota.by_reference", "rota.compiled.kernel", "rota.planners.swarm.cuda_kernels"}
+    elsewhere = {"rota.by_reference", "rota.compiled.bits", "rota.compiled.kernel", "rota.planners.swarm.cuda_kernels"}
     assert set(importers("numba")) == elsewhere
 
 

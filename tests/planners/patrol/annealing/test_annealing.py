@@ -19,16 +19,8 @@ from rota.planners.patrol.annealing.chain_kernels import range_m
 from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_leg, unseen_near
 from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.annealing.search import Annealing
-from rota.planners.patrol.annealing.state_kernels import (
-    ACCEPTED,
-    SLOTS_LEFT,
-    VERTEX,
-    VERTICES,
-    VERTICES_LEFT,
-    Tours,
-    bucket_of,
-    tour_length,
-)
+from rota.planners.patrol.annealing.state import ACCEPTED, SLOTS_LEFT, VERTEX, VERTICES, VERTICES_LEFT, Tours
+from rota.planners.patrol.annealing.state_kernels import bucket_of, tour_length
 from rota.planners.patrol.annealing.turn_kernels import corner_m
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
@@ -209,11 +201,22 @@ def rings(state: Tours) -> list[list[int]]:
     return found
 
 
+def times_seen(search: Annealing) -> NDArray[np.int64]:
+    """By how many legs each sample (n,) is seen, by the binary digits that the state has of it."""
+    words = search._state.times_seen
+    digits = np.unpackbits(words[:, :, None].view(np.uint8), axis=2, bitorder="little").astype(np.int64)
+    worth = [1, 2, 4, 0, *(2**k for k in range(3, words.shape[1] - 1))]
+    flat = (digits * np.array(worth)[None, :, None]).sum(axis=1).ravel()
+    assert not flat[len(search._samples.x) :].any()
+    assert (digits[:, 3] == digits[:, 4:].any(axis=1)).all()  # which samples have digits of eight and more
+    return flat[: len(search._samples.x)]
+
+
 def assert_books_are_true(search: Annealing) -> None:
     """All that the moves keep up to date equals what is counted afresh from the vertices."""
     state, samples = search._state, search._samples
     n = len(samples.x)
-    times_seen = np.zeros(n, dtype=np.int64)
+    counted = np.zeros(n, dtype=np.int64)
     out = np.empty(2 * n, dtype=np.int32)
     for k, ring in enumerate(rings(state)):
         assert state.length[k] == pytest.approx(tour_length(k, state), abs=1e-6)
@@ -227,13 +230,13 @@ def assert_books_are_true(search: Annealing) -> None:
                 # which the leg was made
                 assert runs.tolist() == out[: leg_sees(Leg(*ends[2:], *ends[:2], *sensor), *rest)].tolist()
             for first, end in runs.reshape(-1, 2):
-                times_seen[first:end] += 1
-    assert state.times_seen.tolist() == times_seen.tolist()
+                counted[first:end] += 1
+    assert times_seen(search).tolist() == counted.tolist()
     # the list of the unseen, and where each sample stands in it
     unseen = state.unseen_item[: search.unseen]
-    assert sorted(unseen.tolist()) == np.flatnonzero(times_seen == 0).tolist() == search.unseen_samples.tolist()
+    assert sorted(unseen.tolist()) == np.flatnonzero(counted == 0).tolist() == search.unseen_samples.tolist()
     assert state.unseen_place[unseen].tolist() == list(range(search.unseen))
-    assert state.unseen[0] == pytest.approx(samples.weight[times_seen == 0].sum(), abs=1e-6)
+    assert state.unseen[0] == pytest.approx(samples.weight[counted == 0].sum(), abs=1e-6)
     at = [bucket_of(samples.x[i], samples.y[i], state) for i in unseen]
     assert state.unseen_in.tolist() == np.bincount(at, minlength=len(state.bucket)).tolist()
     # every slot is one leg's or free; every vertex is in use or free, and in the bucket of its place
@@ -314,14 +317,15 @@ def test_moves_gain_no_more_and_lose_no_less_than_is_estimated(case: dict[str, o
         x, y = rng.normal((state.x[v], state.y[v]), rng.choice([0.3, 3.0]))
         a, b, c = ((float(state.x[u]), float(state.y[u])) for u in (p, v, q))
         old, new = (seen_from(state, samples, k, [a, middle, c]) for middle in (b, (x, y)))
-        gained_m = samples.weight[(state.times_seen == 0) & (new > 0)].sum()
+        times = times_seen(search)
+        gained_m = samples.weight[(times == 0) & (new > 0)].sum()
         box_m = (min(a[0], c[0], x), min(a[1], c[1], y), max(a[0], c[0], x), max(a[1], c[1], y))
         assert gained_m <= unseen_near(*box_m, state) <= state.unseen[0] + 1e-6
         note_leg(np.int64(0), *a, x, y, state)
         note_leg(np.int64(1), x, y, *c, state)
         slots = {int(state.slot[p]), int(state.slot[v])}
         estimate = [lost_at_least(s, np.int64(2), range_m(k, state), math.inf, samples, state) for s in slots]
-        lost_m = samples.weight[(state.times_seen == old) & (old > 0) & (new == 0)].sum()
+        lost_m = samples.weight[(times == old) & (old > 0) & (new == 0)].sum()
         assert sum(estimate) <= lost_m + 1e-9
         lost, estimated = lost + lost_m, estimated + sum(estimate)
     assert estimated > 0.1 * lost > 0  # an estimate of nothing would be no lie either
@@ -370,6 +374,22 @@ def test_tours_of_one_vertex_grow_and_are_counted() -> None:
     assert_books_are_true(search)
     assert_legs_are_free(given, search.tours)
     assert search.unseen < before / 2
+
+
+def test_samples_that_hundreds_of_legs_see_are_counted() -> None:
+    given = problem()
+    _, samples = prepared_with(given, no_points())
+    rng = np.random.default_rng(3)
+    heap = [tour(rng.uniform(2, 9, (8, 2)), robot=given.robot, period_s=60) for _ in range(40)]
+    search = Annealing(
+        heap, samples, given.paths.grid, length_weight=np.full(40, 0.1), budget_penalty=np.full(40, 1.0), seed=5,
+        range_margin_m=given.range_margin_m,
+    )  # fmt: skip
+    assert times_seen(search).max() > 2**8
+    assert_books_are_true(search)
+    run(search, 20_000)
+    assert_books_are_true(search)
+    assert times_seen(search).max() < 2**7  # most have gone elsewhere, and their digits with them
 
 
 def test_the_same_seed_gives_the_same_tours() -> None:

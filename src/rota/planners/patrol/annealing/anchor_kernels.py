@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
+from rota.planners.patrol.annealing.state import Tours
 from rota.planners.patrol.annealing.state_kernels import (
-    Tours,
     begin,
     enter_bucket,
     keep,

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 from rota.geometry.kernels import EdgeGrid, segment_is_free
+from rota.planners.patrol.annealing.state import Tours
 from rota.planners.patrol.annealing.state_kernels import (
-    Tours,
     apart,
     corner_at,
     enter_bucket,

@@ -8,19 +8,21 @@ import numpy as np
 
 from rota.geometry.kernels import EdgeGrid
 from rota.planners.patrol.annealing import kernels, move_kernels, state_kernels
-from rota.planners.patrol.annealing.state_kernels import Tours
+from rota.planners.patrol.annealing.state import Tours
 from rota.planners.patrol.ground.sample_kernels import Samples
 
 typeof = kernels.anneal.typeof_pyval
 INT, FLOAT = typeof(0), typeof(0.0)
-WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "scratch", "new_legs", "edges"}  # arrays of two dimensions
+# arrays of two dimensions
+WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "times_seen", "scratch", "new_legs", "edges"}
 WHOLE = {
     "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
     "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",
     "grid_n", "anchor", "n", "square", "period_class", "hub", "petals", "meets", "more", "seen_n", "free_slots",
     "unseen_item", "unseen_place", "unseen_in", "ints", "tried_new", "tried_old", "start", "items", "clear",
 }  # fmt: skip
-SHORT = {"column_start", "seen", "times_seen", "bucket_of_sample"}  # 32 bits
+SHORT = {"column_start", "seen", "bucket_of_sample"}  # 32 bits
+BITS = {"times_seen", "rng"}  # 64 bits without a sign
 SINGLE = {"depth2"}  # of three dimensions, and 32 bits a number
 
 
@@ -54,5 +56,5 @@ def types_of_states() -> tuple[Any, Any, Any]:
 def _array(name: str) -> Any:
     if name in SINGLE:
         return np.zeros((0, 0, 0), dtype=np.float32)
-    kind = np.int32 if name in SHORT else np.int64 if name in WHOLE else np.uint64 if name == "rng" else np.float64
+    kind = np.int32 if name in SHORT else np.int64 if name in WHOLE else np.uint64 if name in BITS else np.float64
     return np.zeros((0, 0) if name in WIDE else 0, dtype=kind)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
-from rota.planners.patrol.annealing.state_kernels import RANGE, SURE_M, WEIGHT, Tours, bucket_of
+from rota.planners.patrol.annealing.count_kernels import NONE, ONE, WORD, lowest, seen_once
+from rota.planners.patrol.annealing.state import RANGE, WEIGHT, Tours
+from rota.planners.patrol.annealing.state_kernels import SURE_M, bucket_of
 from rota.planners.patrol.ground.sample_kernels import Index, Samples
-from rota.planners.patrol.ground.sight_kernels import compiled, noinline
+from rota.planners.patrol.ground.sight_kernels import compiled, inlined, noinline
 
 
 @noinline
@@ -65,24 +67,33 @@ def lost_at_least(slot: int, legs: int, reach: float, most: float, s: Samples, t
 
     Without a look at walls, which may hide more; nor is more counted than it takes to exceed ``most``.
     """
-    runs = t.seen[slot]
+    runs, digits = t.seen[slot], t.times_seen
     lost: float = 0.0
-    times = t.times_seen
     for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
-        for i in range(Index(runs[j]), Index(runs[j + Index(1)])):
-            if times[i] != 1:
-                continue
-            x, y = s.x[i], s.y[i]
-            far = s.visit_m[i] if s.visit_m[i] > 0 else reach - s.shrink_m[i]
-            near2 = math.inf
-            for k in range(legs):
-                leg = t.new_legs[k]
-                px, py = x - leg[0], y - leg[1]
-                along = min(1.0, max(0.0, (px * leg[2] + py * leg[3]) * leg[4]))
-                px, py = px - along * leg[2], py - along * leg[3]
-                near2 = min(near2, px * px + py * py)
-            if near2 > far * far * (1 + SURE_M) + SURE_M:
-                lost += s.weight[i]
-                if lost > most:
-                    return lost
+        first, end = Index(runs[j]), Index(runs[j + ONE])
+        for word in range(first >> WORD, ((end - ONE) >> WORD) + ONE):
+            once = seen_once(first, end, word, digits)
+            while once != NONE:
+                i = np.int64((word << WORD) + lowest(once))
+                once &= once - ONE
+                if not reached(i, legs, reach, s, t):
+                    lost += s.weight[i]
+                    if lost > most:
+                        return lost
     return lost
+
+
+@inlined
+def reached(i: int, legs: int, reach: float, s: Samples, t: Tours) -> bool:
+    """Whether sample i is in range of any of the first noted legs."""
+    x, y = s.x[i], s.y[i]
+    far = s.visit_m[i] if s.visit_m[i] > 0 else reach - s.shrink_m[i]
+    far2 = far * far * (1 + SURE_M) + SURE_M
+    for k in range(legs):
+        leg = t.new_legs[k]
+        px, py = x - leg[0], y - leg[1]
+        along = min(1.0, max(0.0, (px * leg[2] + py * leg[3]) * leg[4]))
+        px, py = px - along * leg[2], py - along * leg[3]
+        if px * px + py * py <= far2:
+            return True
+    return False

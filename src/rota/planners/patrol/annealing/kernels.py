@@ -15,7 +15,8 @@ from rota.planners.patrol.annealing.anchor_kernels import move_together, pinned
 from rota.planners.patrol.annealing.meeting_kernels import try_meeting_near
 from rota.planners.patrol.annealing.move_kernels import change_legs, try_or_opt, try_two_opt
 from rota.planners.patrol.annealing.random_kernels import uniform
-from rota.planners.patrol.annealing.state_kernels import FULL, UNSEEN, VERTEX, VERTICES, Tours, apart, tour_length
+from rota.planners.patrol.annealing.state import FULL, UNSEEN, VERTEX, VERTICES, Tours
+from rota.planners.patrol.annealing.state_kernels import apart, tour_length
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
 

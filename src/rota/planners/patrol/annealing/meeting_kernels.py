@@ -7,8 +7,8 @@ import numpy as np
 from rota.geometry.kernels import EdgeGrid, segment_is_free
 from rota.planners.patrol.annealing.chain_kernels import link
 from rota.planners.patrol.annealing.random_kernels import uniform
+from rota.planners.patrol.annealing.state import Tours
 from rota.planners.patrol.annealing.state_kernels import (
-    Tours,
     apart,
     begin,
     bucket_of,

@@ -31,11 +31,8 @@ from rota.planners.patrol.annealing.estimate_kernels import (
     note_leg,
     unseen_near,
 )
+from rota.planners.patrol.annealing.state import FULL, VERTEX, VERTICES_LEFT, Tours
 from rota.planners.patrol.annealing.state_kernels import (
-    FULL,
-    VERTEX,
-    VERTICES_LEFT,
-    Tours,
     apart,
     begin,
     corner_at,

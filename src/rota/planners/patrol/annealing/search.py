@@ -11,16 +11,9 @@ from numpy.typing import NDArray
 from rota.geometry.kernels import EdgeGrid
 from rota.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.annealing import kernels as annealing_kernels
-from rota.planners.patrol.annealing.state_kernels import (
-    FULL,
-    MOST_TRIED,
-    NUMBERS,
-    SLOTS_LEFT,
-    UNSEEN,
-    Tours,
-    over_budget_costs,
-    set_up,
-)
+from rota.planners.patrol.annealing.count_kernels import words_for
+from rota.planners.patrol.annealing.state import FULL, NUMBERS, SLOTS_LEFT, UNSEEN, Tours
+from rota.planners.patrol.annealing.state_kernels import MOST_TRIED, over_budget_costs, set_up
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.tours.tour import (
     Tour,
@@ -124,7 +117,8 @@ class Annealing:
             hub=hub, petals=petals, meets=numbers(len(tours)), more=np.array(more, dtype=np.int64),
             whole_m=whole_m * (1 - self._reserve),
             seen=np.zeros((slots, self._room), dtype=np.int32), seen_n=numbers(slots), free_slots=numbers(slots),
-            times_seen=np.zeros(count, dtype=np.int32), unseen_item=numbers(count), unseen_place=numbers(count),
+            times_seen=np.zeros(words_for(count, slots), dtype=np.uint64),
+            unseen_item=numbers(count), unseen_place=numbers(count),
             bucket_of_sample=buckets_of(self._samples, grid, grid_n), unseen_in=numbers(int(grid_n.prod())),
             most=np.array([heaviest_m, max(reach_m.max(), self._samples.visit_m.max(initial=0.0)), 0.0]),
             ints=numbers(NUMBERS), unseen=np.zeros(1),

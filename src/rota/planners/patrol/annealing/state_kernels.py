@@ -1,4 +1,4 @@
-"""Compiled bookkeeping of the tours: their vertices, what their legs see, how often each sample is seen, and trials.
+"""Compiled bookkeeping of the tours: their vertices, what their legs see, and trials.
 
 A tour is a ring of vertices, linked both ways. Leg v runs from vertex v to the vertex after it (the only leg of a tour
 of one vertex has no length) and keeps the list of the samples it sees in a slot, so that taking a leg away needs no
@@ -10,116 +10,29 @@ being unseen; only when it is kept do the rings change.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rota.by_reference import by_reference
+from rota.planners.patrol.annealing.count_kernels import count_leg
+from rota.planners.patrol.annealing.state import (
+    ACCEPTED,
+    FULL,
+    SLOTS_LEFT,
+    TRIED_NEW,
+    TRIED_OLD,
+    UNSEEN,
+    VERTICES,
+    VERTICES_LEFT,
+    Ints,
+    Tours,
+)
 from rota.planners.patrol.annealing.turn_kernels import corner_m
-from rota.planners.patrol.ground.sample_kernels import Index, Leg, Samples, leg_sees
+from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.ground.sight_kernels import compiled, noinline, norm
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_TRIED = 64  # legs that one trial makes or takes away at most
 SURE_M = 1e-9  # rounding
-# places in Tours.most: the greatest weight of a sample, the farthest that any is seen from, in x or in y, and what a
-# vertex more costs now
-WEIGHT, RANGE, VERTEX = range(3)
-# places in Tours.ints
-SLOTS_LEFT, UNSEEN, ACCEPTED, VERTICES_LEFT, VERTICES, TRIED_NEW, TRIED_OLD, FULL = range(8)
-NUMBERS = 8
-
-
-@by_reference
-class Tours(NamedTuple):
-    """All tours, what their legs see, and how often each sample is seen; laid out by ``annealing/search.py``."""
-
-    x: Floats  # by vertex v: its place in metres
-    y: Floats
-    after: Ints  # the next vertex of its ring
-    before: Ints
-    tour: Ints
-    slot: Ints  # where it is kept what leg v sees
-    in_use: Ints  # the vertices in use, ints[VERTICES] of them
-    place: Ints  # by vertex: its place in in_use
-    free_vertices: Ints  # the others, ints[VERTICES_LEFT] of them
-    bucket: Ints  # by bucket: its first vertex, or -1
-    bucket_after: Ints  # by vertex: the next one in its bucket, or -1
-    bucket_before: Ints  # the one before it, or -1 - its bucket
-    grid: Floats  # of the buckets: x and y of the first corner, and their side
-    grid_n: Ints  # columns and rows
-    anchor: Ints  # by tour k: a vertex of it; of a petal the one where it meets its hub
-    n: Ints  # how many vertices
-    length: Floats  # metres, turning included
-    reach_m: Floats
-    square: Ints  # 1 where the sensor is a square
-    period_class: Ints  # the period class
-    turn_m: Floats  # metres in the time of a turn by 1 rad
-    arc_m: Floats  # the turn radius; 0 where robots turn on the spot
-    length_weight: Floats  # of a metre
-    budget_m: Floats
-    budget_penalty: Floats  # of a metre over budget
-    hub: Ints  # the tour that it is a petal of, or itself
-    petals: Ints  # of a hub: the first petal, and one past the last
-    meets: Ints  # of a petal: the vertex of its hub at which it begins
-    more: Ints  # of a hub: rounds beyond one for each petal
-    whole_m: Floats  # of a hub: the budget of all its rounds together
-    seen: NDArray[np.int32]  # by slot: what a leg sees, as runs of samples
-    seen_n: Ints  # how many numbers these are
-    free_slots: Ints  # ints[SLOTS_LEFT] of them
-    times_seen: NDArray[np.int32]  # by sample: by how many legs
-    unseen_item: Ints  # the unseen samples, ints[UNSEEN] of them
-    unseen_place: Ints  # by sample: its place in unseen_item
-    bucket_of_sample: NDArray[np.int32]
-    unseen_in: Ints  # by bucket: how many unseen samples
-    most: Floats
-    ints: Ints
-    unseen: Floats  # (1,) the weight of all unseen samples
-    new_legs: Floats  # legs that a move would make: begin, way, and 1 / length squared
-    tried_new: Ints  # slots of the legs that the trial makes
-    tried_old: Ints  # of those that it takes away
-    rng: NDArray[np.uint64]  # the state of the random numbers
-    new_x: Floats  # the new places of a move, in metres
-    new_y: Floats
-    scratch: Floats  # room for the places of a short ring
-
-
-@noinline
-def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
-    """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
-    runs = t.seen[slot]
-    times = t.times_seen
-    last = np.int32(0 if step > 0 else 1)  # the count before, at which a sample begins or ceases to be seen
-    change = np.int32(step)
-    now = np.int32(last + change)
-    for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
-        first, end = Index(runs[j]), Index(runs[j + Index(1)])
-        turned = 0
-        for i in range(first, end):
-            turned += times[i] == last
-            times[i] += change
-        if turned == 0:
-            continue
-        for i in range(first, end):
-            if times[i] != now:
-                continue
-            sample = np.int64(i)
-            if step > 0:
-                t.ints[UNSEEN] -= 1
-                back = t.unseen_item[t.ints[UNSEEN]]
-                t.unseen_item[t.unseen_place[sample]] = back
-                t.unseen_place[back] = t.unseen_place[sample]
-                t.unseen_in[t.bucket_of_sample[sample]] -= 1
-                t.unseen[0] -= s.weight[sample]
-            else:
-                t.unseen_item[t.ints[UNSEEN]] = sample
-                t.unseen_place[sample] = t.ints[UNSEEN]
-                t.ints[UNSEEN] += 1
-                t.unseen_in[t.bucket_of_sample[sample]] += 1
-                t.unseen[0] += s.weight[sample]
 
 
 @compiled

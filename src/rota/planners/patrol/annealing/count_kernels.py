@@ -1,0 +1,106 @@
+"""Compiled counts of how many legs see each sample, 64 samples at once.
+
+A row of ``Tours.times_seen`` is a word of 64 samples. Each of its numbers has one binary digit of all their counts: a
+run of samples is counted by a few operations on whole words, and so is the question which of them only one leg sees.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rota.compiled.bits import trailing_zeros
+from rota.planners.patrol.annealing.state import UNSEEN, Tours
+from rota.planners.patrol.ground.sample_kernels import Index, Samples
+from rota.planners.patrol.ground.sight_kernels import inlined, noinline
+
+WORD, LAST = Index(6), Index(63)  # a word has 2 to so many samples; the last of them
+NONE, ONE, ALL = Index(0), Index(1), Index(2**64 - 1)
+# places in a row of Tours.times_seen: the lowest digits, then which samples have any of the digits that follow
+ONES, TWOS, FOURS, MORE = (Index(place) for place in range(4))
+
+
+def words_for(samples: int, legs: int) -> tuple[int, int]:
+    """Rows and columns of ``Tours.times_seen`` for so many samples, none of which more than so many legs see."""
+    return samples // 64 + 1, 1 + max(4, legs.bit_length())
+
+
+@inlined
+def lowest(bits: Any) -> Any:
+    """The place of the lowest bit that is set; some are."""
+    return trailing_zeros(bits)  # type: ignore[call-arg]
+
+
+@inlined
+def within(first: Any, end: Any, word: Any) -> Any:
+    """The samples from ``first`` to before ``end`` in this word, which has some of them, as the bits of a number."""
+    bits = ALL
+    if word == first >> WORD:
+        bits &= ALL << (first & LAST)
+    if word == (end - ONE) >> WORD:
+        bits &= ALL >> (LAST - ((end - ONE) & LAST))
+    return bits
+
+
+@noinline
+def count_leg(slot: int, step: int, s: Samples, t: Tours) -> None:
+    """Count a leg's samples once more (step 1) or once less (step -1); keep the list of the unseen."""
+    runs, digits = t.seen[slot], t.times_seen
+    down = NONE if step > 0 else ALL
+    for j in range(Index(0), Index(t.seen_n[slot]), Index(2)):
+        first, end = Index(runs[j]), Index(runs[j + ONE])
+        for word in range(first >> WORD, ((end - ONE) >> WORD) + ONE):
+            bits = within(first, end, word)
+            ones, twos, fours = digits[word, ONES], digits[word, TWOS], digits[word, FOURS]
+            to_twos = bits & (ones ^ down)
+            to_fours = to_twos & (twos ^ down)
+            further = to_fours & (fours ^ down)
+            before = ones | twos | fours | digits[word, MORE]
+            ones, twos, fours = ones ^ bits, twos ^ to_twos, fours ^ to_fours
+            digits[word, ONES], digits[word, TWOS], digits[word, FOURS] = ones, twos, fours
+            if further != NONE:
+                carry_further(further, down, word, digits)
+            turned = bits & ~(before if step > 0 else ones | twos | fours | digits[word, MORE])
+            if turned != NONE:
+                turn_seen(turned, word << WORD, step, s, t)
+
+
+@noinline
+def carry_further(carried: Any, down: Any, word: Any, digits: Any) -> None:
+    """Carry to the digits of eight and more, or borrow from them (``down``: all bits); few samples have any."""
+    more = NONE
+    for digit in range(MORE + ONE, Index(digits.shape[1])):
+        now = digits[word, digit]
+        digits[word, digit] = now ^ carried
+        carried &= now ^ down
+        more |= digits[word, digit]
+    digits[word, MORE] = more
+
+
+@noinline
+def turn_seen(turned: Any, first: Any, step: int, s: Samples, t: Tours) -> None:
+    """Take these samples of the word that begins with ``first`` off the list of the unseen (step 1), or add them."""
+    while turned != NONE:
+        i = np.int64(first + lowest(turned))
+        turned &= turned - ONE
+        if step > 0:
+            t.ints[UNSEEN] -= 1
+            back = t.unseen_item[t.ints[UNSEEN]]
+            t.unseen_item[t.unseen_place[i]] = back
+            t.unseen_place[back] = t.unseen_place[i]
+            t.unseen_in[t.bucket_of_sample[i]] -= 1
+            t.unseen[0] -= s.weight[i]
+        else:
+            t.unseen_item[t.ints[UNSEEN]] = i
+            t.unseen_place[i] = t.ints[UNSEEN]
+            t.ints[UNSEEN] += 1
+            t.unseen_in[t.bucket_of_sample[i]] += 1
+            t.unseen[0] += s.weight[i]
+
+
+@inlined
+def seen_once(first: Any, end: Any, word: Any, digits: Any) -> Any:
+    """Those of the samples from ``first`` to before ``end`` in this word that one leg sees, as the bits of a number."""
+    more = digits[word, TWOS] | digits[word, FOURS] | digits[word, MORE]
+    return within(first, end, word) & digits[word, ONES] & ~more
