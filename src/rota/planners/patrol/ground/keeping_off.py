@@ -1,4 +1,7 @@
-"""Room kept for robots that stay for ever in pockets of the space: others see what they must from farther off."""
+"""Room kept for robots that stay for ever in pockets of the space: others see what they must from farther off.
+
+Those in a pocket beside it may have no other place to see it from: with them the robot takes turns.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon, Polygon
+from shapely import MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.shortest_path import ShortestPaths
@@ -18,6 +21,8 @@ from rota.planners.patrol.ground.samples import rows_in_order
 SPARE = 1.01  # of two bodies: centres are kept apart by that
 QUARTER_CORNERS = 4  # of a quarter turn round a robot that stays
 MOST_LOST = 1e-3  # of a part: where more is cut off, the robot that stays is in everybody's way
+WAIT_SPARE, WAIT_QUARTER_CORNERS = 1.0005, 64  # the same round one that waits for who takes turns with it
+INSET_M = 1e-6  # by so much such a robot waits off the border of its pocket
 
 
 def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Sequence[int]) -> Problem:
@@ -25,16 +30,29 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
 
     Who stays in a pocket that is cut off by the corner of a wall cannot give way. No part of the space is lost or
     moves to another place in their order. A robot that would cut off much of a part is not kept clear of.
+
+    Robots in two pockets beside each other, parts no larger than a body, can take turns. One whose spot is all of its
+    pocket waits at the place there that is farthest from the other (``Problem.waits_m``), and the other keeps clear of
+    that place alone.
     """
-    radius_m = SPARE * 2 * problem.robot.body_radius_m / math.cos(math.pi / (4 * QUARTER_CORNERS))
-    parts, kept_off = list(problem.paths.parts), list(problem.kept_off)
+    apart_m = 2 * problem.robot.body_radius_m
+    parts, kept_off, waits_m = list(problem.paths.parts), list(problem.kept_off), dict(problem.waits_m)
     for spot, own in zip(spots, components, strict=True):
-        disc = shapely.convex_hull(spot).buffer(radius_m, quad_segs=QUARTER_CORNERS)
-        for k in (int(k) for k in shapely.STRtree(parts).query(disc, predicate="intersects")):
-            part = parts[k] if k == own else cut_back(parts, k, disc)
+        disc = grown(shapely.convex_hull(spot), SPARE * apart_m, QUARTER_CORNERS)
+        near = [int(k) for k in shapely.STRtree(parts).query(disc, predicate="intersects") if k != own]
+        beside = [k for k in near if parts[k].area <= math.pi * (apart_m / 2) ** 2]
+        waits_at = farthest_place(spot, [parts[k] for k in beside]) if beside and spot.area > 0 else None
+        if waits_at is not None:
+            waits_m[own] = (waits_at.x, waits_at.y)
+        for k in near:
+            takes_turns = waits_at is not None and k in beside
+            taken = grown(waits_at, WAIT_SPARE * apart_m, WAIT_QUARTER_CORNERS) if takes_turns else disc
+            part = cut_back(parts, k, taken)
             if part is not parts[k]:
                 parts[k] = part
-                kept_off.append((k, disc))
+                kept_off.append((k, taken))
+    if waits_m != dict(problem.waits_m):
+        problem = replace(problem, waits_m=tuple(waits_m.items()))
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):
         return problem
     space = MultiPolygon(parts)
@@ -44,9 +62,21 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
     return replace(problem, space=space, paths=paths, viewpoints=viewpoints, kept_off=tuple(kept_off))
 
 
+def grown(shape: BaseGeometry, by_m: float, quarter_corners: int) -> Polygon:
+    """The shape, all round it at least so much larger, with so many corners to a quarter turn."""
+    return shape.buffer(by_m / math.cos(math.pi / (4 * quarter_corners)), quad_segs=quarter_corners)
+
+
+def farthest_place(pocket: BaseGeometry, others: Sequence[Polygon]) -> Point:
+    """The place in a pocket that is farthest from the others, a hair off its border."""
+    inside = shapely.buffer(pocket, -INSET_M)
+    places = shapely.points(shapely.get_coordinates(pocket.representative_point() if inside.is_empty else inside))
+    return Point(places[int(np.argmax(shapely.distance(places, shapely.union_all(others))))])
+
+
 def cut_back(parts: Sequence[Polygon], k: int, disc: Polygon) -> Polygon:
     """The k-th part without the disc; itself where that would cut off much of it, or leave less than the next has."""
-    left = [each for each in shapely.get_parts(shapely.difference(parts[k], disc)) if each.geom_type == "Polygon"]
+    left = [each for each in shapely.get_parts(shapely.difference(parts[k], disc)) if each.area > 0]
     largest = max(left, key=lambda each: float(each.area), default=None)
     if largest is None or sum(each.area for each in left) - largest.area > MOST_LOST * parts[k].area:
         return parts[k]

@@ -45,7 +45,8 @@ class Problem:
     the border of the space, from where alone the limit of sight is seen; none where no region reaches that far.
     range_margin_m: by how much less than its reach the sensor is taken to see. spacing_m: between the points of the
     lattices. kept_off: parts of the space, by their numbers, that were cut back from ground about a robot that stays in
-    another part, each with that ground.
+    another part, each with that ground. waits_m: of parts whose robots step aside for others, by their numbers, the
+    places (x, y) where they wait meanwhile.
     """
 
     mission: Mission
@@ -62,6 +63,7 @@ class Problem:
     range_margin_m: float
     spacing_m: float
     kept_off: tuple[tuple[int, Polygon], ...] = ()
+    waits_m: tuple[tuple[int, tuple[float, float]], ...] = ()
 
     @cached_property
     def periods_s(self) -> tuple[float, ...]:

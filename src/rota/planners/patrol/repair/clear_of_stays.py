@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
 import shapely
 from shapely import MultiPolygon
 
 from rota.planners.patrol.ground.keeping_off import keeping_off
 from rota.planners.patrol.ground.problem import Problem
+from rota.planners.patrol.repair.detours import least_detour, with_detour
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.traffic.bodies.lanes import led_along
 
@@ -27,3 +31,15 @@ def clear_of_who_stays(problem: Problem, tours: list[Tour]) -> tuple[Problem, li
         return problem, tours
     parts, paths = clear.paths.parts, clear.paths
     return clear, [led_along(t, t.vertices_m, MultiPolygon([parts[t.component]]), paths, 0.0) for t in tours]
+
+
+def past_where_they_wait(problem: Problem, tours: Sequence[Tour]) -> list[Tour]:
+    """The tours, those in pockets whose robots step aside for others led past the places where they wait meanwhile."""
+    waits_m = dict(problem.waits_m)
+    led = list(tours)
+    for k, tour in enumerate(tours):
+        if tour.component in waits_m and tour.robots == 1 and tour.nest < 0 and tour.robot.turn_radius_m == 0:
+            place_m = np.array(waits_m[tour.component])
+            if not (tour.vertices_m == place_m).all(axis=1).any():
+                led[k] = with_detour(problem, tour, least_detour(problem, tour.vertices_m, place_m)[0], place_m[None])
+    return led

@@ -23,7 +23,7 @@ from rota.planners.patrol.ground.samples import SamplePoints, joined, laid_out
 from rota.planners.patrol.ground.viewpoints import what_places_see
 from rota.planners.patrol.initial.cut_tours import cut_where_bodies_touch
 from rota.planners.patrol.repair.bending.search import Bending, can_bend
-from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays
+from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays, past_where_they_wait
 from rota.planners.patrol.repair.last_places import last_place
 from rota.planners.patrol.repair.new_points import new_points
 from rota.planners.patrol.repair.seeing import annealing_of, led_to_the_rest, see_the_rest
@@ -163,7 +163,7 @@ def seeing_all(
         near_m=problem.range_margin_m, wide_m=2 * problem.spacing_m,
     )  # fmt: skip
     if may_add:
-        return [with_robots(tour) for tour in tours]
+        return past_where_they_wait(problem, [with_robots(tour) for tour in tours])
     if not bends and over_budget_share(tours) > 0:
         return tightened(context, tours, samples, seed=seed)
     return tours
@@ -179,7 +179,8 @@ def seeing_missed(context: Context, tours: list[Tour], missed: SamplePoints, *, 
     if not len(missed):
         return tours
     points, samples, _ = laid_out(missed, problem.walls, problem.robot, weight=metres_worth(problem, missed))
-    return [with_robots(tour) for tour in led_to_the_rest(context, tours, points, samples, seed=seed)]
+    tours = led_to_the_rest(context, tours, points, samples, seed=seed)
+    return past_where_they_wait(problem, [with_robots(tour) for tour in tours])
 
 
 def judged(

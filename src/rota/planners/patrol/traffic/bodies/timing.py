@@ -12,6 +12,7 @@ from rota.planners.patrol.tours.timetable import evenly_spaced, line_of
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.traffic.bodies.loops import Loop, Timed, clocks, crowds, loop_of
 from rota.planners.patrol.traffic.bodies.phases import phases_apart, phases_hardly_touching
+from rota.planners.patrol.traffic.bodies.stepping_aside import round_between, waiting_place
 from rota.planners.patrol.traffic.bodies.waits import waits_apart
 
 Floats = NDArray[np.float64]
@@ -72,7 +73,13 @@ def at_full_speed(loop: Loop) -> Timed:
 
 
 def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | None:
-    """The loops so timed that no two robots ever touch: by phases and directions alone, else with waits; or None."""
+    """The loops so timed that no two robots ever touch: by phases and directions alone, else with waits; or None.
+
+    Robots in pockets that step aside for others are timed after these.
+    """
+    aside = timed_with_one_aside(loops, body_radius_m)
+    if aside is not None:
+        return aside
     if somebody_stays_on_a_route(loops, 2 * body_radius_m):
         return None
     for how in (phases_apart, waits_apart):
@@ -80,6 +87,22 @@ def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | No
             apart = how(loops, clock, body_radius_m)
             if apart is not None:
                 return apart
+    return None
+
+
+def timed_with_one_aside(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | None:
+    """The same where one of the loops can step aside for all others; None where none can."""
+    for k in range(len(loops)):
+        waits_at = waiting_place(loops, k, 2 * body_radius_m)
+        if waits_at is None:
+            continue
+        others = [*loops[:k], *loops[k + 1 :]]
+        timed = timed_apart(others, body_radius_m)
+        if timed is None:
+            return None  # nor are they kept apart with it
+        one = round_between(loops[k], waits_at, list(zip(others, timed, strict=True)), 2 * body_radius_m)
+        if one is not None:
+            return [*timed[:k], one, *timed[k:]]
     return None
 
 
