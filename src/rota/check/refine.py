@@ -22,7 +22,8 @@ IsSeeable = Callable[[Floats, Floats | float, Ints], Flags]
 MOST_PIECES = 600_000
 MOST_TOGETHER = 250_000  # pieces that are refined together; more are refined in parts of this many
 SAMPLED_MET = 200
-MOST_FINER = 2_000  # where no sample is unmet, at most so many pieces are cut smaller than finest_m, down to SPOT_M
+# where no sample is unmet, at most so many pieces are cut smaller than finest_m, down to SPOT_M; the last cut is free
+MOST_FINER = 2_000
 
 
 def refine(
@@ -160,9 +161,9 @@ class _Level:
         # all that was looked at is met, but no one view takes in the whole piece: its parts may be seen one by one
         told = ~violated | (few > 0)
         parts = np.flatnonzero(done & finest & ~passed & ~self.bad & told & (self.sizes_m > SPOT_M))
-        # a strip that no view takes in across has twice as many parts with every cut, and stays in doubt
-        if len(parts) <= MOST_FINER:
-            done[parts] = False
+        # a strip that no view takes in across has twice as many parts with every cut, and stays in doubt unless these
+        # are spots after the next one
+        done[parts if len(parts) <= MOST_FINER else parts[self.sizes_m[parts] <= 2 * SPOT_M]] = False
         passed |= self._spots(findings, np.flatnonzero(done & ~passed & ~self.hidden & (self.sizes_m <= SPOT_M)))
         ask = np.flatnonzero(self.bad & ~self.hidden & ~out & ~done)
         done[ask] = self._corners_bad(ask)

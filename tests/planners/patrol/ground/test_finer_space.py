@@ -67,6 +67,19 @@ def test_a_robot_gets_the_room_from_which_a_place_is_seen(coarse: Problem) -> No
     assert np.array_equal(wider.viewpoints.component, wider.paths.part_of(wider.viewpoints.xy_m))
 
 
+def test_corners_are_drawn_finer_yet_where_that_does_not_do(coarse: Problem) -> None:
+    """The sensor reaches the corner from the finest arc round the block, but from no coarser one."""
+    frame = (5.0, 0.0, 10.0, 6.0)
+    fine, finest = (standing_space_in(coarse.mission, BODY_M, frame, arc_corners=k) for k in (128, 2048))
+    far_m, near_m = (
+        nearest_places(CORNER_M[None], space, coarse.walls, coarse.robot)[1][0] for space in (fine, finest)
+    )
+    assert near_m < far_m - 1e-5
+    short = replace(coarse, robot=replace(coarse.robot, sensor=DiscSensor(radius_m=float(near_m + far_m) / 2)))
+    wider = with_room_to_see(short, CORNER_M[None])
+    assert nearest_places(CORNER_M[None], wider.space, wider.walls, wider.robot)[1][0] <= short.reach_m
+
+
 def test_a_nearer_place_where_no_robot_of_the_problem_can_be_hides_no_other(coarse: Problem) -> None:
     beside = MultiPolygon([box(0, 0, 10, 10), box(10.1, 0, 12.1, 2)])  # 0.7 m from the corner there is room for a body
     fenced = replace(coarse, mission=replace(coarse.mission, area=beside))

@@ -17,7 +17,8 @@ from rota.planners.patrol.ground.problem import Problem
 
 Floats = NDArray[np.float64]
 
-FINE_ARC_CORNERS = 128  # of a whole turn: 3e-4 of the body's radius too far from a corner at most
+# of a whole turn: 3e-4 and, where that does not do, 1e-6 of the body's radius too far from a corner at most
+FINE_ARC_CORNERS = (128, 2048)
 SEAM_M = 1e-6  # between parts of the space that finer corners would join
 PATCH_RADIUS = 1.0  # of the body's radius: how far round a place the space is drawn anew
 GROUP = 0.5  # of the reach: points in a square as wide share the finer space, which takes long to draw
@@ -38,12 +39,16 @@ def with_room_to_see(problem: Problem, points_m: Floats) -> Problem:
     near_m, patches = problem.robot.sensor.reach_m + 2 * body_m, []
     for group_m in _groups(hidden_m, GROUP * problem.reach_m):
         box = (*(group_m.min(axis=0) - near_m), *(group_m.max(axis=0) + near_m))
-        fine = standing_space_in(problem.mission, body_m, box, arc_corners=FINE_ARC_CORNERS)
-        fine = MultiPolygon([part for part in fine.geoms if tree.query(part, predicate="intersects").size])
-        places_m, ranges_m = nearest_places(group_m, fine, problem.walls, problem.robot)
-        for place_m in places_m[ranges_m <= problem.reach_m]:
-            patch = fine.intersection(shapely.Point(place_m).buffer(PATCH_RADIUS * body_m))
-            patches += [part for part in shapely.get_parts(patch) if part.geom_type == "Polygon"]
+        for arc_corners in FINE_ARC_CORNERS:
+            fine = standing_space_in(problem.mission, body_m, box, arc_corners=arc_corners)
+            fine = MultiPolygon([part for part in fine.geoms if tree.query(part, predicate="intersects").size])
+            places_m, ranges_m = nearest_places(group_m, fine, problem.walls, problem.robot)
+            for place_m in places_m[ranges_m <= problem.reach_m]:
+                patch = fine.intersection(shapely.Point(place_m).buffer(PATCH_RADIUS * body_m))
+                patches += [part for part in shapely.get_parts(patch) if part.geom_type == "Polygon"]
+            group_m = group_m[ranges_m > problem.reach_m]
+            if not len(group_m):
+                break
     if not patches:
         return problem
     parts = with_patches(problem.paths.parts, patches, problem.kept_off)
