@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import shapely
 from shapely import MultiPolygon, Polygon, box
+from tests.planners.patrol.searching import search_on
 
 import rota
 from rota.check import check_plan
@@ -15,6 +17,8 @@ from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.planners.patrol.ground import problem as problems
 from rota.planners.patrol.ground.keeping_off import farthest_place, keeping_off
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
+from rota.planners.patrol.methods.fewest import search
+from rota.planners.patrol.planner import what_helps
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.clear_of_stays import clear_of_who_stays, past_where_they_wait
 from rota.planners.patrol.tours.tour import Tour
@@ -113,3 +117,28 @@ def test_tours_lead_past_where_their_robots_wait(beside: Problem) -> None:
 def test_a_pocket_with_no_room_inside_has_one_place() -> None:
     hair = box(0, 0, 1e-6, 1e-6)
     assert hair.covers(farthest_place(hair, [box(1, 0, 2, 1)]))
+
+
+def test_who_plans_a_scanned_floor_is_told_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
+    mission = corridor()
+    plan = rota.make_plan(replace(mission, area=MultiPolygon([box(0.1, -0.5, 1.3, 0.5)]), obstacles=()))
+    # of two parts only one has a robot: the other's ground is never seen
+    verdict = check_plan(replace(plan, mission=corridor(left_m=-3.0), lower_bound_robots=None, lower_bound_reason=None))
+    assert len(verdict.shown_unmet_m)
+    assert what_helps(mission, verdict) == ""  # few corners
+    monkeypatch.setattr("rota.planners.patrol.planner.has_many_corners", lambda mission: True)
+    x, y = verdict.shown_unmet_m[0]
+    helps = what_helps(mission, verdict)
+    assert f"({x:.2f}, {y:.2f})" in helps
+    assert "fleet.entrances" in helps
+    assert "close_gaps_m" in helps
+    entered = replace(mission, fleet=replace(mission.fleet, entrances=((0.7, 0.0),)))
+    assert what_helps(entered, verdict) == ""
+
+
+@pytest.mark.usefixtures("ragged")
+def test_no_other_tours_are_looked_for_over_so_many_corners(monkeypatch: pytest.MonkeyPatch) -> None:
+    context, unmet = search_on(corridor()), SimpleNamespace(met=False)
+    monkeypatch.setattr(search, "repair_first_tours", lambda context, groupings: unmet)
+    monkeypatch.setattr(search, "has_many_corners", lambda mission: True)
+    assert search.reduce_team(context, None) is unmet

@@ -18,6 +18,7 @@ from rota.planners.patrol.context import Context, begin_search
 from rota.planners.patrol.efforts import EFFORTS, QUICK
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
+from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
@@ -31,7 +32,7 @@ from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
-from rota.planners.patrol.verdict import Judge, unmet_reason, worst_reached
+from rota.planners.patrol.verdict import Judge, Verdict, unmet_reason, worst_reached
 from rota.progress import Watch
 
 
@@ -120,7 +121,7 @@ def plan_tours(
     best = method(context)
     if problem.mission is not mission:
         best = as_asked_for(best, mission)
-        if not best.met and not should_stop():
+        if not best.met and not should_stop() and not has_many_corners(mission):
             context = search(set_up_problem(mission))
             best = reduce_team(context, best)
     if context.proves_later:
@@ -129,7 +130,7 @@ def plan_tours(
     if not best.met and should_stop() and context.anneals and not context.problem.is_ragged:
         best = swept(context, QUICK) or best
     if not best.met:
-        raise NoPlanFound(unmet_reason(best.plan, best.verdict), best=best.plan)
+        raise NoPlanFound(unmet_reason(best.plan, best.verdict) + what_helps(mission, best.verdict), best=best.plan)
     goes_on = context.anneals and not context.keeps_first_tours
     best, better = with_loops_improved(context, best) if goes_on else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
@@ -182,6 +183,17 @@ def as_asked_for(found: Repaired, mission: Mission) -> Repaired:
 def prove_nothing(problem: Problem) -> ProvedBound:
     """One robot at least, for whatever is asked."""
     return ProvedBound(robots=1, reason="something is to be seen")
+
+
+def what_helps(mission: Mission, verdict: Verdict) -> str:
+    """What to do where a place of a scanned floor was never seen, with that place; nothing to say elsewhere."""
+    if not has_many_corners(mission) or mission.fleet.entrances is not None or not len(verdict.shown_unmet_m):
+        return ""
+    x, y = verdict.shown_unmet_m[0]
+    return (
+        f"; on a scanned floor fleet.entrances leaves out what is seen only from pockets, and close_gaps_m nooks, like"
+        f" perhaps that at ({x:.2f}, {y:.2f})"
+    )
 
 
 def bound_of(plan: Plan) -> ProvedBound:

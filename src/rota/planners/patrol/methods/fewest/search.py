@@ -9,6 +9,7 @@ from rota.planners.patrol.context import Context, with_best_bound
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.extra_points import no_points
 from rota.planners.patrol.ground.problem import set_up_problem
+from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.initial.allocation import PeriodGrouping, period_groupings
 from rota.planners.patrol.methods.fewest.one_fewer import one_fewer
 from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_size
@@ -60,7 +61,8 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     groupings = period_groupings(context.problem, context.settings.allocation.groupings)
     if context.keeps_first_tours:
         repaired = repair_first_tours(context, groupings)
-        if repaired.met or context.should_stop():
+        # to search for other tours over so many corners takes hours
+        if repaired.met or context.should_stop() or has_many_corners(context.problem.mission):
             return repaired
         context = with_best_bound(context)
     context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))
