@@ -40,8 +40,7 @@ rows into `benchmarks/measured.csv` and writes this page anew. `--effort` is hee
 
 The machine's speed varies by half. Sun's cases at quick and normal were measured in slow hours, most others in fast
 ones; the first run of sun2019-fig13 takes 79 s in a slow one. Sun's cases at high were measured in part beside other
-work. They and the random missions were measured before linear programs were solved by highspy instead of scipy, to the
-same optimum. Of the random missions the first 389 were planned again since: all passed.
+work, and before linear programs were solved by highspy instead of scipy, to the same optimum.
 """
 
 

@@ -51,7 +51,7 @@ EDGE_RAD = 1e-9  # directions that differ by no more than this are one
 FLAT_RAD = 1e-6  # which side of a segment a point lies on is unclear where the segment spans pi but for this angle
 GRID_MARGIN_M = 1e-6  # what is near a cell of a grid is looked for this much farther out than it matters
 SLIVER_SHARE = 1e-9  # pieces may leave out this share of a region, and a strip of 8 slack_of along its border
-SPOT_M = 2e-6  # a piece as small is met where its middle is: how bodies may touch decides the rest; 2,000 at most
+SPOT_M = 2e-6  # a piece as small is met where its middle is: how bodies may touch decides the rest; see MOST_FINER
 SLACK_M = 1e-9  # see slack_of
 SLACK_ROUNDINGS = 64  # see slack_of
 
