@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import time
 from pathlib import Path
 
-from rota.compiled.source_stamp import imports_of, source_stamp
+import pytest
+
+from rota.compiled import source_stamp as stamps
+from rota.compiled.source_stamp import changed_since, imports_of, source_stamp
 
 TEXTS = {
     "a_kernels": "from rota.b_kernels import (\n    b,\n)\n",
@@ -44,3 +49,23 @@ def test_a_copy_elsewhere_has_the_same_stamp(tmp_path: Path) -> None:
     shutil.copytree(tmp_path / "one", tmp_path / "two", copy_function=shutil.copyfile)
     other = tmp_path / "two" / "rota" / "a_kernels.py"
     assert stamp(files["a_kernels"], tmp_path / "one") == stamp(other, tmp_path / "two")
+
+
+def test_what_is_written_while_a_process_runs_is_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever imported a file before it was changed must neither keep code for the new contents nor load it."""
+    files = written(tmp_path)
+    seen = set()
+    for started_s in (0.0, time.time() + 60):
+        for process in ("one", "other"):
+            monkeypatch.setattr(stamps, "STARTED_S", started_s)
+            monkeypatch.setattr(stamps, "THIS_PROCESS", process)
+            seen.add((started_s == 0, stamp(files["a_kernels"], tmp_path)))
+    assert sorted(changed for changed, _ in seen) == [False, True, True]
+
+
+def test_a_file_put_in_place_later_is_new_whatever_its_date(tmp_path: Path) -> None:
+    file = tmp_path / "a.py"
+    file.write_text("")
+    os.utime(file, (0, 0))
+    assert changed_since([file], time.time() - 60)
+    assert not changed_since([file], time.time() + 60)

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import re
+import time
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from uuid import uuid4
 
 SOURCE = Path(__file__).parents[2]
+STARTED_S = time.time()  # about when this process began to import rota
+THIS_PROCESS = uuid4().hex
 _IMPORT = re.compile(r"^ *(?:from|import) (rota[\w.]*)(?: import ([\w, ]+|\([^)]*\)))?", re.MULTILINE)
 
 
@@ -23,10 +28,21 @@ def imports_of(file: Path, source: Path = SOURCE) -> frozenset[Path]:
 
 @cache
 def source_stamp(file: Path, source: Path = SOURCE) -> str:
-    """A hash of the contents of these files, wherever they lie and whenever they were written."""
+    """A hash of the contents of these files, wherever they lie and whenever they were written.
+
+    A process that began before the last change of any runs what they were, and does not know what that was. Its kernels
+    then get a stamp that no other process has.
+    """
     files, new = set[Path](), {file}
     while new:
         files |= new
         new = {other for one in new for other in imports_of(one, source)} - files
     contents = sorted(hashlib.sha256(other.read_bytes()).hexdigest() for other in files)
-    return hashlib.sha256("".join(contents).encode()).hexdigest()
+    whose = [THIS_PROCESS] if changed_since(files, STARTED_S) else []
+    return hashlib.sha256("".join(contents + whose).encode()).hexdigest()
+
+
+def changed_since(files: Iterable[Path], then_s: float) -> bool:
+    """Whether any of the files was written, or put in its place, after a time in seconds since the epoch."""
+    stats = (file.stat() for file in files)
+    return any(max(stat.st_mtime, stat.st_ctime) > then_s for stat in stats)
