@@ -55,7 +55,7 @@ def test_what_is_written_while_a_process_runs_is_its_own(tmp_path: Path, monkeyp
     """Whoever imported a file before it was changed must neither keep code for the new contents nor load it."""
     files = written(tmp_path)
     seen = set()
-    for started_s in (0.0, time.time() + 60):
+    for started_s in (0.0, time.time() + 60):  # before the files were written, and after
         for process in ("one", "other"):
             monkeypatch.setattr(stamps, "STARTED_S", started_s)
             monkeypatch.setattr(stamps, "THIS_PROCESS", process)
@@ -69,3 +69,11 @@ def test_a_file_put_in_place_later_is_new_whatever_its_date(tmp_path: Path) -> N
     os.utime(file, (0, 0))
     assert changed_since([file], time.time() - 60)
     assert not changed_since([file], time.time() + 60)
+
+
+def test_a_date_to_come_tells_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a machine whose clock is behind that of another, which wrote the files."""
+    file = tmp_path / "a.py"
+    file.write_text("")
+    monkeypatch.setattr(stamps.time, "time", lambda: file.stat().st_ctime - 3600)
+    assert not changed_since([file], file.stat().st_ctime - 7200)

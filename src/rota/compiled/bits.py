@@ -1,5 +1,16 @@
-"""What numba's compiled code has for the bits of a number; numba keeps it in a module that it may move."""
+"""What compiled code has for the bits of a number; numba keeps it in a module that it may move."""
 
-from numba.cpython.unsafe.numbers import trailing_zeros
+from __future__ import annotations
 
-__all__ = ["trailing_zeros"]
+from typing import Any
+
+from numba import config
+from numba.cpython.unsafe import numbers
+
+
+def lowest_bit(bits: int) -> int:
+    """The place of the lowest bit that is set, for kernels that are not compiled."""
+    return (int(bits) & -int(bits)).bit_length() - 1
+
+
+trailing_zeros: Any = lowest_bit if config.DISABLE_JIT else numbers.trailing_zeros  # type: ignore[attr-defined]

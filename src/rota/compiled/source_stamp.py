@@ -43,6 +43,9 @@ def source_stamp(file: Path, source: Path = SOURCE) -> str:
 
 
 def changed_since(files: Iterable[Path], then_s: float) -> bool:
-    """Whether any of the files was written, or put in its place, after a time in seconds since the epoch."""
-    stats = (file.stat() for file in files)
-    return any(max(stat.st_mtime, stat.st_ctime) > then_s for stat in stats)
+    """Whether any of the files was written, or put in its place, after a time in seconds since the epoch.
+
+    What has a date to come tells nothing: the clock was set back, or the files come from another machine.
+    """
+    stats, now_s = (file.stat() for file in files), time.time()
+    return any(then_s < changed_s <= now_s for stat in stats for changed_s in (stat.st_mtime, stat.st_ctime))

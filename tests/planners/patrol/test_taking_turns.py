@@ -96,6 +96,13 @@ def test_who_waits_takes_little_of_the_pocket_beside(beside: Problem) -> None:
     assert still.paths.parts[0].distance(shapely.Point(-0.2, 0)) >= 2 * BODY_M
 
 
+def test_no_robot_waits_where_another_that_stays_has_taken_the_place(beside: Problem) -> None:
+    left = beside.paths.parts[1]
+    ((_, place_m),) = keeping_off(beside, [left], [1]).waits_m
+    gone = replace(beside, waits_m=((0, (50.0, 0.0)),))
+    assert keeping_off(gone, [left], [1]).waits_m == ((1, place_m),)
+
+
 def test_nobody_takes_turns_with_who_drives_about_in_a_hall(beside: Problem) -> None:
     hall = set_up_problem(replace(corridor(), area=MultiPolygon([box(-0.8, -0.5, 0.3, 0.5) | box(0.3, -2, 5, 2)])))
     pocket = len(hall.paths.parts) - 1
@@ -138,7 +145,8 @@ def test_who_plans_a_scanned_floor_is_told_what_helps(monkeypatch: pytest.Monkey
 
 @pytest.mark.usefixtures("ragged")
 def test_no_other_tours_are_looked_for_over_so_many_corners(monkeypatch: pytest.MonkeyPatch) -> None:
-    context, unmet = search_on(corridor()), SimpleNamespace(met=False)
+    context, unmet = search_on(corridor()), SimpleNamespace(met=False, verdict=None)
     monkeypatch.setattr(search, "repair_first_tours", lambda context, groupings: unmet)
     monkeypatch.setattr(search, "has_many_corners", lambda mission: True)
+    monkeypatch.setattr(search, "never_seen", lambda verdict: 0)
     assert search.reduce_team(context, None) is unmet

@@ -32,7 +32,7 @@ from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
-from rota.planners.patrol.verdict import Judge, Verdict, unmet_reason, worst_reached
+from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reason, worst_reached
 from rota.progress import Watch
 
 
@@ -121,7 +121,7 @@ def plan_tours(
     best = method(context)
     if problem.mission is not mission:
         best = as_asked_for(best, mission)
-        if not best.met and not should_stop() and not has_many_corners(mission):
+        if not best.met and not should_stop() and never_seen(best.verdict) is None:
             context = search(set_up_problem(mission))
             best = reduce_team(context, best)
     if context.proves_later:
@@ -187,12 +187,13 @@ def prove_nothing(problem: Problem) -> ProvedBound:
 
 def what_helps(mission: Mission, verdict: Verdict) -> str:
     """What to do where a place of a scanned floor was never seen, with that place; nothing to say elsewhere."""
-    if not has_many_corners(mission) or mission.fleet.entrances is not None or not len(verdict.shown_unmet_m):
+    worst = never_seen(verdict)
+    if worst is None or not has_many_corners(mission) or mission.fleet.entrances is not None:
         return ""
-    x, y = verdict.shown_unmet_m[0]
+    x, y = verdict.shown_unmet_m[verdict.shown_unmet_demand == worst][0]
     return (
-        f"; on a scanned floor fleet.entrances leaves out what is seen only from pockets, and close_gaps_m nooks, like"
-        f" perhaps that at ({x:.2f}, {y:.2f})"
+        f", that at ({x:.2f}, {y:.2f}) for one; on a scanned floor fleet.entrances leaves out what is seen only from"
+        " pockets, and close_gaps_m of the map leaves out nooks"
     )
 
 

@@ -134,6 +134,14 @@ def demanded(demand: DemandOutcome) -> str:
     return "the area" if demand.name == AREA else repr(demand.name)
 
 
+def never_seen(verdict: Verdict) -> int | None:
+    """The index of the demand that a plan misses most, if some of its ground is shown never to be seen; else None."""
+    worst = worst_demand(verdict)
+    if worst is None or not math.isinf(worst.worst_gap_at_least_s):
+        return None
+    return next(k for k, demand in enumerate(verdict.demands) if demand is worst)
+
+
 def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
     worst = worst_demand(verdict)

@@ -29,7 +29,7 @@ def words_for(samples: int, legs: int) -> tuple[int, int]:
 @inlined
 def lowest(bits: Any) -> Any:
     """The place of the lowest bit that is set; some are."""
-    return trailing_zeros(bits)  # type: ignore[call-arg]
+    return trailing_zeros(bits)
 
 
 @inlined

@@ -51,6 +51,8 @@ def keeping_off(problem: Problem, spots: Sequence[BaseGeometry], components: Seq
             if part is not parts[k]:
                 parts[k] = part
                 kept_off.append((k, taken))
+    # another robot that stays may have taken the place
+    waits_m = {k: place_m for k, place_m in waits_m.items() if parts[k].distance(Point(place_m)) < INSET_M}
     if waits_m != dict(problem.waits_m):
         problem = replace(problem, waits_m=tuple(waits_m.items()))
     if all(new is old for new, old in zip(parts, problem.paths.parts, strict=True)):

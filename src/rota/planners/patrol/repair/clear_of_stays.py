@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -41,5 +42,6 @@ def past_where_they_wait(problem: Problem, tours: Sequence[Tour]) -> list[Tour]:
         if tour.component in waits_m and tour.robots == 1 and tour.nest < 0 and tour.robot.turn_radius_m == 0:
             place_m = np.array(waits_m[tour.component])
             if not (tour.vertices_m == place_m).all(axis=1).any():
-                led[k] = with_detour(problem, tour, least_detour(problem, tour.vertices_m, place_m)[0], place_m[None])
+                leg, longer_m = least_detour(problem, tour.vertices_m, place_m)
+                led[k] = with_detour(problem, tour, leg, place_m[None]) if math.isfinite(longer_m) else tour
     return led

@@ -1,11 +1,14 @@
 """Robots with small loops that step aside for others, against distances simulated in small steps."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.planners.patrol.traffic.bodies.driving import BODY_M, closest_m, tour
 
 from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.tours.tour import Tour
+from rota.planners.patrol.traffic.bodies import timing
 from rota.planners.patrol.traffic.bodies.loops import Timed, loop_of
 from rota.planners.patrol.traffic.bodies.stepping_aside import longest_free, near_times, round_between, waiting_place
 from rota.planners.patrol.traffic.bodies.timing import crowds_that_touch, timed_rounds
@@ -57,6 +60,21 @@ def test_others_are_timed_like_any_loop(loops: list[Tour], k: int) -> None:
 def test_nobody_steps_aside_for_who_leaves_no_time(times_s: list[float], places_m: list[tuple[float, float]]) -> None:
     other = Timed(np.array(times_s, float), np.array(places_m, float), 0.0)
     assert round_between(loop_of(POCKET), 1, [(loop_of(PAST_IT), other)], 2 * BODY_M) is None
+
+
+def test_many_that_cannot_step_aside_take_little_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def phases_apart(loops: list[Any], clock: Any, body_radius_m: float) -> None:
+        asked.append(len(loops))
+
+    monkeypatch.setattr(timing, "phases_apart", phases_apart)
+    monkeypatch.setattr(timing, "waits_apart", lambda *_: None)
+    main = tour([(0, 0), (70, 0), (70, 5), (0, 5)], 400.0)  # a headway longer than all of the pockets' periods
+    pockets = [tour([(x, -0.58), (x, -0.7)], 60.0) for x in range(5, 65, 10)]
+    loops = [loop_of(one) for one in (main, *pockets)]
+    assert timing.timed_apart(loops, BODY_M) is None
+    assert len(asked) < 40  # 1957 where each is tried among those left of each
 
 
 def test_times_near_a_line_are_told_to_a_piece_of_a_leg() -> None:

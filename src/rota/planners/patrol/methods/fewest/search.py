@@ -16,6 +16,7 @@ from rota.planners.patrol.methods.fewest.team_size_plan import plan_with_team_si
 from rota.planners.patrol.methods.fewest.team_sizes import coverage_weight_for, smallest_with_slack, sure_team_size
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
+from rota.planners.patrol.verdict import never_seen
 
 SPARED = 2.0  # times the likely team size: lanes that take more robots do not suit the mission, and give up too many
 
@@ -61,8 +62,9 @@ def reduce_team(context: Context, best: Repaired | None) -> Repaired:
     groupings = period_groupings(context.problem, context.settings.allocation.groupings)
     if context.keeps_first_tours:
         repaired = repair_first_tours(context, groupings)
-        # to search for other tours over so many corners takes hours
-        if repaired.met or context.should_stop() or has_many_corners(context.problem.mission):
+        # other tours over so many corners take hours, and see no more than repair has led these to
+        in_vain = has_many_corners(context.problem.mission) and never_seen(repaired.verdict) is not None
+        if repaired.met or context.should_stop() or in_vain:
             return repaired
         context = with_best_bound(context)
     context = replace(context, coverage_weight=coverage_weight_for(groupings, settings))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 import shapely
@@ -16,6 +17,8 @@ from rota.planners.patrol.traffic.bodies.stepping_aside import round_between, wa
 from rota.planners.patrol.traffic.bodies.waits import waits_apart
 
 Floats = NDArray[np.float64]
+
+ASIDE_TRIES = 4  # robots that may step aside for all others are tried one after another, so many of them
 
 
 def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[tuple[Floats, Floats]]:
@@ -72,12 +75,12 @@ def at_full_speed(loop: Loop) -> Timed:
     return Timed(loop.times_s, loop.places_m, 0.0)
 
 
-def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | None:
+def timed_apart(loops: Sequence[Loop], body_radius_m: float, aside_tries: int = ASIDE_TRIES) -> list[Timed] | None:
     """The loops so timed that no two robots ever touch: by phases and directions alone, else with waits; or None.
 
-    Robots in pockets that step aside for others are timed after these.
+    Robots in pockets that step aside for others are timed after these. aside_tries: so many of them are tried.
     """
-    aside = timed_with_one_aside(loops, body_radius_m)
+    aside = timed_with_one_aside(loops, body_radius_m, aside_tries)
     if aside is not None:
         return aside
     if somebody_stays_on_a_route(loops, 2 * body_radius_m):
@@ -90,14 +93,16 @@ def timed_apart(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | No
     return None
 
 
-def timed_with_one_aside(loops: Sequence[Loop], body_radius_m: float) -> list[Timed] | None:
-    """The same where one of the loops can step aside for all others; None where none can."""
-    for k in range(len(loops)):
-        waits_at = waiting_place(loops, k, 2 * body_radius_m)
-        if waits_at is None:
-            continue
+def timed_with_one_aside(loops: Sequence[Loop], body_radius_m: float, tries: int) -> list[Timed] | None:
+    """The same where one of the first loops that can wait steps aside for all others; None where none can.
+
+    Among these others one loop alone is tried, for the time would grow as the factorial of their number.
+    """
+    places = ((k, waiting_place(loops, k, 2 * body_radius_m)) for k in range(len(loops)))
+    can_wait = ((k, waits_at) for k, waits_at in places if waits_at is not None)
+    for k, waits_at in islice(can_wait, tries):
         others = [*loops[:k], *loops[k + 1 :]]
-        timed = timed_apart(others, body_radius_m)
+        timed = timed_apart(others, body_radius_m, 1)
         if timed is None:
             return None  # nor are they kept apart with it
         one = round_between(loops[k], waits_at, list(zip(others, timed, strict=True)), 2 * body_radius_m)
