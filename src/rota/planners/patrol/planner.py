@@ -192,7 +192,7 @@ def what_helps(mission: Mission, verdict: Verdict) -> str:
         return ""
     x, y = verdict.shown_unmet_m[verdict.shown_unmet_demand == worst][0]
     return (
-        f", that at ({x:.2f}, {y:.2f}) for one; on a scanned floor fleet.entrances leaves out what is seen only from"
+        f"; ({x:.2f}, {y:.2f}) is never seen: on a scanned floor fleet.entrances leaves out what is seen only from"
         " pockets, and close_gaps_m of the map leaves out nooks"
     )
 
