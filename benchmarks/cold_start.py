@@ -21,7 +21,7 @@ def cold_start(options: Options) -> Iterator[Row]:
     """All that a first patrol plan and its check compile, by ``rota compile patrol``; then make demo."""
     folder = options.folder / "cold"
     cold_s, warm_s = _cpu_s(folder), _cpu_s(folder)
-    names = [file.name for file in (folder / "rota").glob("*.code")]
+    names = [file.name for file in (folder / "rota").glob("*.kernel")]
     functions = {name.split("-")[0] for name in names}
     measured = f"{len(functions)} functions in {len(names)} compilations, {cold_s - warm_s:.0f} s of CPU"
     yield Row("patrol's first run compiles", ASKED, measured, len(names) == len(functions) and cold_s - warm_s < 102)

@@ -6,6 +6,7 @@ import os
 import pickle
 import subprocess
 import sys
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,28 @@ def test_a_second_process_finds_all_and_other_types_and_settings_are_other_code(
     assert lines_of(started(written, "float32"))[2] == "doubled more root total"  # -1.0 is a float64 as before
     assert lines_of(started(written, NUMBA_BOUNDSCHECK="1"))[2] == everything
     assert lines_of(started(written, NUMBA_OPT="1"))[2] == everything
+
+
+def damaged(data: bytes, how: str) -> bytes:
+    """A file's contents after a fault of the disk, or as somebody else would write them."""
+    if how == "flipped":
+        at = len(data) // 2
+        return data[:at] + bytes([data[at] ^ 4]) + data[at + 1 :]
+    if how == "no pickle":
+        return sha256(b"no pickle").digest() + b"no pickle"
+    if how == "another pickle":
+        other = pickle.dumps((pickle.dumps([("small_kernels", "absent", ())]), b""))
+        return sha256(other).digest() + other
+    return {"emptied": b"", "halved": data[: len(data) // 2]}[how]
+
+
+@pytest.mark.parametrize("how", ["emptied", "halved", "flipped", "no pickle", "another pickle"])
+def test_a_damaged_cache_gives_the_same_and_heals(written: Path, how: str) -> None:
+    first = lines_of(started(written))
+    for file in (written / "cache" / "rota").glob("*.kernel"):
+        file.write_bytes(damaged(file.read_bytes(), how))
+    assert lines_of(started(written)) == first  # all is compiled again
+    assert lines_of(started(written))[2] == ""
 
 
 def test_a_cache_that_is_read_only_is_used(written: Path) -> None:

@@ -1,11 +1,13 @@
 """Compiled code in files that are named by what they hold: any number of processes and checkouts share them.
 
 A name tells the kernel, its sources, its argument types and whatever else changes its code. So a file is never stale,
-never written twice with different contents, and read without an index. `NUMBA_CACHE_DIR` chooses the folder.
+never written twice with different contents, and read without an index. A file begins with the SHA-256 of the rest: one
+that is empty, cut short or changed is deleted, and its kernel compiled again. `NUMBA_CACHE_DIR` chooses the folder.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
 import sys
 import time
@@ -18,11 +20,13 @@ from uuid import uuid4
 
 from rota.compiled.source_stamp import source_stamp
 
-SUFFIX = ".code"
+SUFFIX = ".kernel"
 STAMP_DIGITS = 12
 MOST_BYTES = 512_000_000
 UNUSED_DAYS = 60
 DAY_S = 86_400.0
+LOCK = "lock"
+DIGEST_BYTES = hashlib.sha256().digest_size
 
 
 def cache_folder() -> Path:
@@ -44,17 +48,28 @@ def code_prefix(module: str, function: str, file: Path) -> str:
 
 
 def read_code(name: str) -> bytes | None:
-    """The file of this name; None where there is none. Files in use look new to ``clean``."""
+    """What was written under this name; None where there is nothing, or something else: that is deleted.
+
+    Files in use look new to ``clean``.
+    """
     file = cache_folder() / (name + SUFFIX)
     try:
-        data = file.read_bytes()
-        if time.time() - file.stat().st_mtime > DAY_S:
-            os.utime(file)
-    except PermissionError:  # of utime: a folder that is read only
-        pass
+        kept = file.read_bytes()
     except OSError:
         return None
+    data = kept[DIGEST_BYTES:]
+    if hashlib.sha256(data).digest() != kept[:DIGEST_BYTES]:
+        discard_code(name)
+        return None
+    with suppress(OSError):  # a folder that is read only
+        if time.time() - file.stat().st_mtime > DAY_S:
+            os.utime(file)
     return data
+
+
+def discard_code(name: str) -> None:
+    """Delete the file of this name, if it is there and can be deleted."""
+    _delete(cache_folder() / (name + SUFFIX))
 
 
 def kept_names() -> set[str]:
@@ -71,17 +86,19 @@ def is_writable(folder: Path) -> bool:
 
 
 def write_code(name: str, data: bytes) -> bool:
-    """Keep the file, whole or not at all; False where the folder cannot be written."""
+    """Keep the data, whole or not at all; False where the folder cannot be written."""
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         beside = folder / f"{uuid4().hex}.tmp"
         try:
-            beside.write_bytes(data)
+            with beside.open("wb") as opened:
+                opened.write(hashlib.sha256(data).digest() + data)
+                opened.flush()
+                os.fsync(opened.fileno())  # or a loss of power after the rename may leave an empty file of this name
             beside.replace(folder / (name + SUFFIX))
         except BaseException:
-            with suppress(OSError):
-                beside.unlink()
+            _delete(beside)
             raise
     except OSError:
         return False
@@ -139,7 +156,7 @@ def _lock_file(folder: Path) -> BinaryIO | None:
         return None
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return open(folder / "lock", "ab")
+        return open(folder / LOCK, "ab")
     except OSError:
         return None
 
@@ -155,10 +172,11 @@ def clean(folder: Path, most_bytes: int = MOST_BYTES, now_s: float | None = None
     now_s = time.time() if now_s is None else now_s
     kept = []
     for entry in os.scandir(folder):
-        if not entry.name.endswith((SUFFIX, ".tmp")):
+        if entry.name == LOCK:
             continue
         facts = entry.stat()
         old_days = (now_s - facts.st_mtime) / DAY_S
+        # the others: what a process wrote when it was killed, and files of older versions
         if old_days > (UNUSED_DAYS if entry.name.endswith(SUFFIX) else 1):
             _delete(entry.path)
         else:
@@ -170,6 +188,6 @@ def clean(folder: Path, most_bytes: int = MOST_BYTES, now_s: float | None = None
             _delete(path)
 
 
-def _delete(path: str) -> None:
+def _delete(path: str | Path) -> None:
     with suppress(OSError):
         os.unlink(path)

@@ -38,7 +38,7 @@ from numba.core.untyped_passes import ExtractByteCode
 from numba.np import linalg
 
 from rota.by_reference import Reference
-from rota.compiled.code_cache import code_prefix, held, read_code, write_code
+from rota.compiled.code_cache import code_prefix, discard_code, held, read_code, write_code
 from rota.compiled.source_stamp import source_stamp
 
 Arguments = tuple[types.Type, ...]
@@ -167,10 +167,14 @@ class Kernel(CPUDispatcher):
         if data is None:
             return None
         _ready_to_load(self.targetctx)
-        needs, parts = pickle.loads(data)
-        for module, qualname, arguments in pickle.loads(needs):
-            _named(module, qualname).compile(arguments)
-        result = compiler.CompileResult._rebuild(self.targetctx, *pickle.loads(parts))
+        try:
+            needs, parts = pickle.loads(data)
+            for module, qualname, arguments in pickle.loads(needs):
+                _named(module, qualname).compile(arguments)
+            result = compiler.CompileResult._rebuild(self.targetctx, *pickle.loads(parts))
+        except Exception:  # whatever it is: what does not load is of no use to anybody
+            discard_code(name)
+            return None
         libraries = () if self.noinline else (result.library,)
         self.targetctx.insert_user_function(result.entry_point, result.fndesc, libraries)
         return result
