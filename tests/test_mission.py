@@ -63,6 +63,19 @@ def test_a_name_is_text_that_a_file_can_hold() -> None:
     assert with_zones("\U0001f6a2").zones[0].name == "\U0001f6a2"
 
 
+@pytest.mark.parametrize("mark", ["\n", "\r", "\t", "\x1b", "\x00", "\x7f", "\x9b", "\u2028", "\u202e", "\u2066"])
+def test_names_cannot_write_to_the_terminal(mark: str) -> None:
+    for make in (
+        lambda name: Robot(name=name, speed_m_s=1, sensor=DiscSensor(radius_m=1)),
+        lambda name: Zone(name=name, shape=box(0, 0, 1, 1), period_s=1),
+    ):
+        with pytest.raises(MissionError) as caught:
+            make(f"gate{mark}verdict: met")
+        assert "must be one line of text" in str(caught.value)
+        assert mark not in str(caught.value)
+    Zone(name="Kai 3 – ميناء 港 👩‍🚀", shape=box(0, 0, 1, 1), period_s=1)  # any writing may be used
+
+
 def test_lengths_and_times_that_float64_tells_not_apart_are_refused() -> None:
     for far in (box(0, 0, 1e40, 1), box(0, -1.1e8, 1, 1)):
         with pytest.raises(MissionError, match=r"zone gate: .* coordinates must be within 1e\+08 m of 0"):

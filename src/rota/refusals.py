@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -11,6 +12,8 @@ from typing import Any
 from rota.errors import MissionError
 
 Where = tuple[str | int, ...]
+# control characters, separators of lines and paragraphs, marks of the writing direction, halves of characters
+_STEERING = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 
 _NEEDED = {
     "float_type": "a number",
@@ -100,10 +103,20 @@ def require_positive(where: str, value: float, most: float = sys.float_info.max)
 
 
 def require_text(where: str, name: str) -> None:
-    """Raise MissionError for a name that is empty, or that no file can hold since half a character is in it."""
+    """Raise MissionError for a name that is empty, that no file can hold, or that steers the terminal that shows it.
+
+    Control characters move the cursor or begin a line; marks of the writing direction turn round what stands beside.
+    """
     require(bool(name), where, name, "must not be empty")
     halves = [letter for letter in name if 0xD800 <= ord(letter) <= 0xDFFF]
     require(not halves, where, name, "must be text; lone surrogates are half a character each")
+    allowed = "must be one line of text, without control characters and marks of the writing direction"
+    require(_STEERING.search(name) is None, where, name, allowed)
+
+
+def escaped(text: str) -> str:
+    """The text with ``\\x1b`` and the like in place of what steers a terminal, and of halves of characters."""
+    return _STEERING.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 # ---------------------------------------------------------------- what planners cannot use of a mission

@@ -78,7 +78,7 @@ def test_names_become_harmless(tmp_path: Path) -> None:
     plan = corridor_plan()
     named = tuple(
         replace(robot, name=name)
-        for robot, name in zip(plan.mission.fleet.robots or (), ("../a b\\", "x\nint main"), strict=True)
+        for robot, name in zip(plan.mission.fleet.robots or (), ("../a b\\", "x\\int main"), strict=True)
     )
     trajectories = tuple(replace(t, robot=r.name) for t, r in zip(plan.trajectories, named, strict=True))
     mission = replace(plan.mission, fleet=replace(plan.mission.fleet, robots=named))

@@ -145,9 +145,18 @@ def rectangles(draw: st.DrawFn) -> Polygon:
     return shape if shape.is_valid and shape.area > 0 else box(-0.0, -0.0, 1, 1)
 
 
+def one_line(longest: int) -> st.SearchStrategy[str]:
+    """Names as missions allow them."""
+    letters = st.characters(
+        exclude_categories=("Cc", "Cs", "Zl", "Zp"),
+        exclude_characters="\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069",
+    )
+    return st.text(letters, min_size=1, max_size=longest)
+
+
 @st.composite
 def plans(draw: st.DrawFn) -> Plan:
-    names = draw(st.lists(st.text(min_size=1, max_size=5), min_size=1, max_size=3, unique=True))
+    names = draw(st.lists(one_line(5), min_size=1, max_size=3, unique=True))
     flying = draw(st.booleans())
     sensor = draw(st.builds(DiscSensor, radius_m=length) | st.builds(SquareSensor, side_m=even))
     sensor = DiscSensor(radius_m=1 / 3, half_angle_deg=30) if flying else sensor
@@ -155,7 +164,7 @@ def plans(draw: st.DrawFn) -> Plan:
     area = draw(rectangles())
     swarm = SwarmSettings(controller="reciprocal", altitudes_m=(0.1, 0.7))
     mission = Mission(
-        name=draw(st.text(min_size=1, max_size=9)),
+        name=draw(one_line(9)),
         area=area,
         obstacles=tuple(Obstacle(shape=draw(rectangles()), blocks="motion") for _ in range(draw(st.integers(0, 2)))),
         zones=(Zone(name="all", shape=area, period_s=None if flying else draw(positive | st.none())),),

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import sys
-import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -22,10 +20,11 @@ from rota.command.arguments import (
 )
 from rota.command.compare import compare
 from rota.command.compile import compile_kernels, compiled_first
-from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, OUR_FAULT, TERMINATED, VIOLATED
+from rota.command.ending import exit_code_of, flushed
+from rota.command.exit_codes import DONE, VIOLATED
 from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, write_export
 from rota.command.fly import fly
-from rota.command.interrupt import Terminated, clean_end_on_terminate
+from rota.command.interrupt import clean_end_on_terminate
 from rota.command.link_option import LINKS_LIST
 from rota.command.page import page
 from rota.command.plan import plan_and_write
@@ -37,7 +36,7 @@ from rota.command.swarm_processes import swarm_launch, swarm_node
 from rota.command.sweep import sweep
 from rota.command.terminal import mention_compiling, reading_ahead, say
 from rota.command.watch import watch
-from rota.errors import NoPlanFound, RotaError
+from rota.errors import RotaError
 from rota.exports import export_format
 
 if TYPE_CHECKING:
@@ -56,40 +55,14 @@ app = typer.Typer(
 app.add_typer(study_app, name="study")
 
 
-def main() -> NoReturn:
-    """The ``rota`` program."""
-    sys.exit(run(sys.argv[1:]))
-
-
 def run(arguments: list[str]) -> int:
     """Run the command line; returns the exit code. All messages to people go to stderr."""
     try:
         with clean_end_on_terminate():
             app(arguments, prog_name="rota")
-    except SystemExit as end:
-        by = _interrupt_behind(end)
-        if by is not None:
-            say("interrupted")
-        return TERMINATED if isinstance(by, Terminated) else end.code if isinstance(end.code, int) else DONE
-    except NoPlanFound as outcome:
-        say(f"no plan: {outcome}")
-        return NO_PLAN
-    except RotaError as error:
-        for line in str(error).splitlines():
-            say(f"error: {line}")
-        return BAD_INPUT
-    except Exception as error:
-        traceback.print_exc()
-        say(f"a fault in Rota, not in your input ({type(error).__name__}); please report it with the lines above")
-        return OUR_FAULT
-    return DONE
-
-
-def _interrupt_behind(end: BaseException | None) -> BaseException | None:
-    """The Ctrl-C or SIGTERM that ended the command outside the search, which stops by itself and says so, if any."""
-    while end is not None and not isinstance(end, KeyboardInterrupt):
-        end = end.__cause__ or end.__context__
-    return end
+    except (Exception, SystemExit) as end:
+        return flushed(exit_code_of(end))
+    return flushed(DONE)
 
 
 # ---------------------------------------------------------------- plan
@@ -299,7 +272,3 @@ def options(
     ] = False,
 ) -> None:
     """Options of the program as a whole."""
-
-
-if __name__ == "__main__":
-    main()

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from rota.planner import about
+from rota.refusals import escaped
 
 if TYPE_CHECKING:
     from rota.check.report import Report
@@ -23,8 +24,11 @@ STANDARD_STREAM = "-"  # stands for standard input or output where a file is ask
 
 
 def say(message: str) -> None:
-    """A message on stderr, under the program's name."""
-    print(f"rota: {message}", file=sys.stderr, flush=True)
+    """A message of one line on stderr, under the program's name.
+
+    Paths and what robots answer may hold anything: what would steer the terminal or begin a line is escaped.
+    """
+    print(f"rota: {escaped(message)}", file=sys.stderr, flush=True)
 
 
 class Bar:

@@ -34,7 +34,7 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         if target.exists() and not target.is_file():
             yield target
             return
-        stem = target.stem.encode()[:100].decode(errors="ignore")
+        stem = os.fsdecode(os.fsencode(target.stem)[:100])  # which need not be UTF-8
         partial = target.with_name(f".{stem}.{secrets.token_hex(4)}.part{target.suffix[:20]}")
         try:
             # made like any other new file, so that it gets the same permissions
