@@ -114,8 +114,39 @@ def test_turns_that_no_wall_explains_are_the_clock_s_where_a_floor_is_covered() 
         loop_start_s=12,
     )
     report = check_plan(replace(covering(), trajectories=(way,)))
-    assert report.not_judged == ("1 turns are taken to be by the clock, since no wall explains them",)
+    assert report.not_judged == ("1 turn is taken to be by the clock: no bounce explains it",)
     assert kinds(report) == ["cells never entered"]
+
+
+def test_a_turn_by_the_clock_is_one_turn_and_a_turn_at_another_robot_is_a_bounce() -> None:
+    """A lane of 8 headings at 135 degrees: 45 degrees back in the open are no five bounces."""
+    robots = tuple(Robot(name=name, speed_m_s=0.5, sensor=DiscSensor(radius_m=1), body_radius_m=0.2) for name in "ab")
+    mission = Mission(
+        name="hall", area=box(0, 0, 6, 6), fleet=Fleet(speed_m_s=0.5, sensor=DiscSensor(radius_m=1), robots=robots),
+        planning=BounceSettings(cell_m=1.0, headings=8, bouncing_angles_deg=(135,), task="cover"),
+    )  # fmt: skip
+    eighth = np.pi / 4
+
+    def told(places: object, headings: object, faced: bool = True) -> tuple[str, ...]:
+        way = Trajectory(
+            robot="a", times_s=[0, 4, 8, 12], positions_m=places,  # type: ignore[arg-type]
+            headings_rad=np.array(headings) * eighth if faced else None, loop_start_s=12,
+        )  # fmt: skip
+        return check_plan(Plan(mission=mission, trajectories=(way,))).not_judged
+
+    back = ([[2.5, 1.5], [3.5, 1.5], [3.5, 1.5], [4.5, 0.5]], [0, 0, -1, -1])
+    for faced in (True, False):
+        assert told(*back, faced) == ("1 turn is taken to be by the clock: no bounce explains it",)
+    half = ([[2.5, 1.5], [3.5, 1.5], [3.5, 1.5], [2.5, 1.5]], [0, 0, 4, 4])
+    assert told(*half) == ("4 turns are taken to be by the clock: no bounce explains them",)
+    # the other stands in the way
+    meets = Trajectory(
+        robot="a", times_s=[0, 4, 8, 12], positions_m=[[2.5, 1.5], [3.5, 1.5], [3.5, 1.5], [2.5, 2.5]],
+        headings_rad=np.array([0, 0, 3, 3]) * eighth, loop_start_s=12,
+    )  # fmt: skip
+    stands = Trajectory(robot="b", times_s=[0.0], positions_m=[[4.5, 1.5]])
+    assert check_plan(Plan(mission=mission, trajectories=(meets, stands))).not_judged == ()
+    assert "1 turn " not in str(check_plan(Plan(mission=mission, trajectories=(meets, stands))).not_judged)
 
 
 def test_robots_that_meet_on_the_way_to_their_loops_turn_there() -> None:
@@ -166,8 +197,11 @@ def test_floors_of_too_many_cells_are_not_called_met() -> None:
     assert kinds(report) == ["too many cells to judge"]
 
 
-def in_a_room(places: object, angle_deg: float = 90.0) -> Report:
-    """One disc of 0.5 m without a grid in a room of 10 m x 10 m, round through these places for ever."""
+def in_a_room(places: object, angle_deg: float = 90.0, headings_rad: object = None) -> Report:
+    """One disc of 0.5 m without a grid in a room of 10 m x 10 m, round through these places for ever.
+
+    Where a place comes twice it stands for a second.
+    """
     robot = Robot(name="a", speed_m_s=1.0, sensor=DiscSensor(radius_m=1), body_radius_m=0.5)
     mission = Mission(
         name="room",
@@ -177,10 +211,10 @@ def in_a_room(places: object, angle_deg: float = 90.0) -> Report:
         planning=BounceSettings(cells="none", bouncing_angles_deg=(angle_deg,)),
     )
     way = np.array([*places, places[0]], float)  # type: ignore[misc,index]
-    times = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])
-    return check_plan(
-        Plan(mission=mission, trajectories=(Trajectory(robot="a", times_s=times, positions_m=way, loop_start_s=0),))
-    )
+    lengths = np.hypot(*np.diff(way, axis=0).T)
+    times = np.concatenate([[0], np.cumsum(np.where(lengths > 0, lengths, 1.0))])
+    round_trip = Trajectory(robot="a", times_s=times, positions_m=way, headings_rad=headings_rad, loop_start_s=0)  # type: ignore[arg-type]
+    return check_plan(Plan(mission=mission, trajectories=(round_trip,)))
 
 
 def test_without_cells_a_turn_is_where_the_body_touches_a_wall() -> None:
@@ -194,3 +228,22 @@ def test_without_cells_a_turn_is_where_the_body_touches_a_wall() -> None:
     assert [(v.kind, v.place_m) for v in found] == [("turns where nothing is in the way", (9.4, 0.5))]
     assert set(kinds(in_a_room(along_the_walls, 135.0))) == {"turns where nothing is in the way"}
     assert set(kinds(in_a_room(along_the_walls, 80.0))) == {"turns by another angle"}
+
+
+def test_without_cells_headings_are_judged_where_a_file_gives_them() -> None:
+    diamond = [(5, 0.5), (9.5, 5), (5, 9.5), (0.5, 5)]
+    ways = np.array([1, 3, 5, 7]) * np.pi / 4
+    left = np.append(ways, ways[0])  # turned at once, as each contact comes
+    assert in_a_room(diamond, headings_rad=left).verdict == "met"
+    for wrong in (np.zeros(5), -left, left + 0.01, np.append(ways[0], left[:-1])):
+        assert "faces another way than it drives" in kinds(in_a_room(diamond, headings_rad=wrong))
+    # standing for two seconds at each contact, turning to the left by a quarter; and to the right by three
+    places = [place for place in diamond for _ in (0, 1)]
+    stood = np.repeat(ways, 2)
+    before = np.append(np.roll(stood, 1), stood[-1])
+    assert in_a_room(places, headings_rad=before).verdict == "met"
+    thirds = [place for place in diamond for _ in range(4)]
+    on_the_way = (np.array([0, -1, -2, -3]) * np.pi / 2 + np.roll(ways, 1)[:, None]).ravel()
+    assert set(kinds(in_a_room(thirds, headings_rad=np.append(on_the_way, on_the_way[0])))) == {
+        "turns by another angle"
+    }

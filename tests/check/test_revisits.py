@@ -11,7 +11,7 @@ from shapely import MultiPolygon, Polygon, box
 from rota.check.demands import visits
 from rota.check.pieces import Pieces, convex_pieces, joined, quartered
 from rota.check.revisits import loop_gap, piece_gaps, sights_of, worst_gaps_s
-from rota.check.routes import commensurable_classes, routes_of
+from rota.check.routes import classes_in_step, commensurable_classes, routes_of
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Sensor, SquareSensor
 from rota.plan import Plan, Trajectory
 
@@ -199,6 +199,24 @@ def test_loops_share_a_period_up_to_a_denominator_of_64() -> None:
     np.testing.assert_allclose(parts[[0, 1, 2, 5]] * units[0], [10, 15, 10 * 65 / 64, 20], rtol=1e-9)
     assert commensurable_classes([10.0, 10.0 * 66 / 65])[0].tolist() == [0, 1]
     assert commensurable_classes([10.0, 15.0 * (1 + 3e-9)])[0].tolist() == [0, 1]
+
+
+def test_loops_of_whole_steps_share_a_period_whatever_their_ratio() -> None:
+    step_s = 0.3 * math.sqrt(2) / 0.3
+    steps = np.array([84, 0, 25, 62])
+    classes, parts, units = classes_in_step(steps * step_s, steps * step_s)
+    assert classes[[0, 2, 3]].tolist() == [0, 0, 0]
+    assert classes[1] != 0
+    assert parts[[0, 2, 3]].tolist() == [84, 25, 62]
+    assert units[0] == pytest.approx(step_s, rel=1e-15)
+    # a way of 1e6 s to a loop rounds its times: 1e6 s * 2e-16 is more than 1e-14 of 35 s
+    rounded = np.array([1e6 + 84 * step_s - 1e6, 25 * step_s])
+    assert classes_in_step(rounded, np.array([1e6, 25 * step_s]))[0].tolist() == [0, 0]
+    # what is off by more than rounding would meet in every phase some day
+    off = np.array([6501 * step_s * (1 + 1e-12), 2500 * step_s])
+    assert classes_in_step(off, off)[0].tolist() == [0, 1]
+    fine = np.array([6501, 2500]) * step_s
+    assert classes_in_step(fine, fine)[0].tolist() == [0, 0]
 
 
 def test_visits_count_the_border_of_the_zone() -> None:

@@ -58,8 +58,8 @@ def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> l
 
     if not looping:
         return [wrong("rests where nothing is in the way", len(places) - 1, 0.0, math.degrees(angle_rad), "degrees")]
-    violations = []
     directions = np.arctan2(ways[:, 1], ways[:, 0])
+    violations = _facing_violations(trajectory, moving, directions, lengths)
     for before, after in [*itertools.pairwise(moving), (looping[-1], looping[0])]:
         noise = BOUNCE_TOLERANCE_RAD + 8 * STILL_M * (1 / lengths[before] + 1 / lengths[after])
         turned = float((directions[after] - directions[before]) % math.tau)
@@ -76,7 +76,54 @@ def line_violations(trajectory: Trajectory, walls: Walls, angle_rad: float) -> l
             violations.append(
                 wrong("turns where nothing is in the way", after, degrees, math.degrees(angle_rad), "degrees")
             )
+        elif (swept := _swept_rad(trajectory, before, after)) > count * angle_rad + noise:
+            swept_deg = math.degrees(swept)
+            violations.append(
+                wrong("turns by another angle", after, swept_deg, math.degrees(count * angle_rad), "degrees")
+            )
     return violations
+
+
+def _facing_violations(
+    trajectory: Trajectory, moving: list[int], directions: Floats, lengths: Floats
+) -> list[Violation]:
+    """Ways on which the file's headings are not the way's direction, as they begin or as they end.
+
+    A turn that takes no time may be given with the point at which a way ends, where the next one begins at once.
+    """
+    faced, places, times = trajectory.headings_rad, trajectory.positions_m[:, :2], trajectory.times_s
+    if faced is None:
+        return []
+    violations, goes = [], set(moving)
+    for k in moving:
+        noise = BOUNCE_TOLERANCE_RAD + 4 * STILL_M / lengths[k]
+        following = trajectory.loop_index if k + 1 == len(directions) else k + 1
+        allowed = [directions[k], *([directions[following]] if following in goes else [])]
+        for at, ways in ((k, allowed[:1]), (k + 1, allowed)):
+            off = min(abs(float((faced[at] - way + math.pi) % math.tau - math.pi)) for way in ways)
+            if off > noise:
+                violations.append(
+                    violation(
+                        "faces another way than it drives", trajectory.robot, places[at], times[at], off, noise, "rad"
+                    )
+                )
+                break
+    return violations
+
+
+def _swept_rad(trajectory: Trajectory, before: int, after: int) -> float:
+    """By how much the file's headings turn counterclockwise while the robot stands between two ways; 0: it has none."""
+    faced = trajectory.headings_rad
+    if faced is None:
+        return 0.0
+    across = after <= before  # the seam of the loop
+    stand = (
+        [*range(before + 1, len(faced)), *range(trajectory.loop_index, after + 1)]
+        if across
+        else [*range(before + 1, after + 1)]
+    )
+    turns = np.diff(faced[stand]) % math.tau
+    return float(turns[turns < math.tau - BOUNCE_TOLERANCE_RAD].sum())
 
 
 def _bounces(turned_rad: float, angle_rad: float, noise_rad: float) -> int | None:

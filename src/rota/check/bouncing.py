@@ -80,7 +80,9 @@ def bounce_violations(plan: Plan) -> Bounced:
         x, y = floor.centres_m(missed[:1])[0] if len(missed) else floor.corner_m
         place = (float(x), float(y))
         violations.append(violation("cells never entered", "area", place, None, float(len(missed)), 0.0, "cells"))
-    not_judged = (f"{by_clock} turns are taken to be by the clock, since no wall explains them",) if by_clock else ()
+    are = "turns are" if by_clock != 1 else "turn is"
+    told = f"{by_clock} {are} taken to be by the clock: no bounce explains" + (" them" if by_clock != 1 else " it")
+    not_judged = (told,) if by_clock else ()
     return Bounced(violations=tuple(violations), cells=(len(wanted) - len(missed), len(wanted)), not_judged=not_judged)
 
 
@@ -241,18 +243,38 @@ class _Robot:
             bounces = self._bounces(heading, next_heading)
             step_s = self._trajectory.times_s[leg] - self._trajectory.times_s[stand[0]] if stand else 0.0
             begin_s = float(self._trajectory.times_s[stand[min(nth, len(stand) - 1)] if stand else leg])
-            if bounces is None:
-                by_clock += 1
-                if not self._covers:
-                    self._note_turn("turns by another angle", leg, (next_heading - heading) % count * 360 / count)
+            if bounces is None and not self._covers:
+                self._note_turn("turns by another angle", leg, (next_heading - heading) % count * 360 / count)
                 continue
-            for j in range(bounces):
-                time_s = begin_s if faced is not None else begin_s + step_s * j / bounces
+            free = 0
+            for j in range(bounces or 0):
+                time_s = begin_s if faced is not None else begin_s + step_s * j / (bounces or 1)
                 if not self._stopped(leg, (heading + j * self._bounce) % count, time_s):
-                    by_clock += 1
+                    free += 1
                     if not self._covers:
                         self._note_turn("turns where nothing is in the way", leg, self._bounce * 360 / count)
+            if self._covers and (bounces is None or free or (faced is not None and bounces > 1)):
+                by_clock += self._clock_turns(leg, heading, next_heading, begin_s)
         return by_clock
+
+    def _clock_turns(self, leg: int, heading: int, next_heading: int, time_s: float) -> int:
+        """How many turns by the clock, of one heading step each way, lead to the next heading, in the fewest turns.
+
+        A bounce is such a turn, too, where something is in the way. Of as few turns those with fewest by the clock.
+        """
+        count = len(self._floor.moves)
+        best = {heading: 0}
+        while next_heading not in best:
+            further: dict[int, int] = {}
+            for at, clock in best.items():
+                ways = [((at + 1) % count, clock + 1), ((at - 1) % count, clock + 1)]
+                if self._stopped(leg, at, time_s):
+                    ways.append(((at + self._bounce) % count, clock))
+                for to, turns in ways:
+                    if to not in best:
+                        further[to] = min(further.get(to, turns), turns)
+            best |= further
+        return best[next_heading]
 
     def _bounces(self, heading: int, next_heading: int) -> int | None:
         """How many bounces turn the robot to the next heading, a whole round for the same one; None: no number does."""
@@ -270,7 +292,7 @@ class _Robot:
             self._walls[key] = bool(self._floor.blocked(cell[None], np.array([heading]))[0])
         if self._walls[key]:
             return True
-        if self._covers or time_s >= self._trajectory.loop_start_s or self._rules.contact_free == "trajectory":
+        if not self._covers and (time_s >= self._trajectory.loop_start_s or self._rules.contact_free == "trajectory"):
             return False
         return Around(self._plan, self._floor).meets(self._trajectory, cell, heading, time_s)
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import get_coordinates, get_parts, get_rings, linestrings, points
 
-from rota.check.tolerances import SAME_RATIO
+from rota.check.tolerances import FLOAT_EPS, SAME_RATIO, SAME_STEP
 from rota.mission import DiscSensor
 from rota.plan import Plan
 
@@ -21,6 +21,7 @@ Ints = NDArray[np.int64]
 
 TRANSIENT, LOOP, HOLD = 0, 1, 2
 LARGEST_DENOMINATOR = 64
+MOST_STEPS = 100_000  # of a loop on a grid
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,7 +66,10 @@ def routes_of(plan: Plan) -> Routes:
             kinds.append(HOLD)
         robots += [k] * (len(kinds) - len(robots))
     durations = np.array([trajectory.loop_duration_s for trajectory in plan], np.float64)
-    classes, parts, units = commensurable_classes(durations)
+    rules = plan.mission.planning.bouncing
+    keeps_step = rules is not None and rules.cell_m > 0
+    ends_s = np.array([trajectory.times_s[-1] for trajectory in plan], np.float64)
+    classes, parts, units = classes_in_step(durations, ends_s) if keeps_step else commensurable_classes(durations)
     return Routes(
         legs_m=np.ascontiguousarray(np.vstack(legs)),
         heights_m=np.vstack(heights),
@@ -116,6 +120,28 @@ def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, 
             classes[i], parts[i] = len(units), int(ratio * common)
         units.append(durations_s[head] / common if durations_s[head] > 0 else 1.0)
     return classes, parts, np.array(units, np.float64)
+
+
+def classes_in_step(durations_s: Floats, ends_s: Floats) -> tuple[Ints, Ints, Floats]:
+    """The same of robots that keep in step on a grid, whose loops (k,) are whole numbers of one step.
+
+    All that move are in one class when their loops are 1 to 100,000 of some step, and nothing but rounding is between:
+    a share of 1e-14, which is a millisecond after three thousand years, and of the loops' ends in time (k,). Otherwise
+    see ``commensurable_classes``.
+    """
+    moving = np.flatnonzero(durations_s > 0)
+    if len(moving) < 2:
+        return commensurable_classes(durations_s)
+    loops_s = durations_s[moving]
+    ratios = [Fraction(float(loop_s / loops_s[0])).limit_denominator(MOST_STEPS) for loop_s in loops_s]
+    common = math.lcm(*(ratio.denominator for ratio in ratios))
+    parts = np.array([int(ratio * common) for ratio in ratios], np.float64)
+    noise_s = SAME_STEP * loops_s + 2 * FLOAT_EPS * (ends_s[moving] + ends_s[moving[0]] * loops_s / loops_s[0])
+    if parts.max() > MOST_STEPS or (np.abs(loops_s - loops_s[0] * parts / parts[0]) > noise_s).any():
+        return commensurable_classes(durations_s)
+    classes, whole = np.arange(1, len(durations_s) + 1), np.ones(len(durations_s), np.int64)
+    classes[moving], whole[moving] = 0, parts.astype(np.int64)
+    return classes, whole, np.concatenate([[loops_s[0] / parts[0]], np.ones(len(durations_s))])
 
 
 def _perhaps_alike(durations_s: Floats, one_s: float) -> NDArray[np.bool_]:

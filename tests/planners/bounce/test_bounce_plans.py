@@ -26,7 +26,7 @@ from rota.planners.bounce.limit_cycles import zone_cells
 from rota.planners.bounce.planner import bouncing_robots, covered_by, monitoring_plan, watch_of
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.sentences import rattling_sentence, swept_sentence
-from rota.planners.bounce.trajectories import loops_in_step, pace_of, step_duration_s
+from rota.planners.bounce.trajectories import pace_of, step_duration_s
 
 ROOM = """
 ..........
@@ -85,7 +85,7 @@ def require_drivable(plan: Plan, *, jumps: bool) -> None:
         assert trajectory.headings_rad is not None
         assert (np.hypot(*(trajectory.positions_m[:, None] - cells.centres_m).T).min(axis=0) < 1e-9).all()
         for leg, (dx, dy) in enumerate(np.diff(trajectory.positions_m, axis=0)):
-            turn = trajectory.headings_rad[leg + 1] - trajectory.headings_rad[leg]
+            turn = (trajectory.headings_rad[leg + 1] - trajectory.headings_rad[leg]) % math.tau
             if dx or dy:
                 assert turn == 0
                 assert math.cos(math.atan2(dy, dx) - trajectory.headings_rad[leg]) == pytest.approx(1, abs=1e-12)
@@ -94,7 +94,8 @@ def require_drivable(plan: Plan, *, jumps: bool) -> None:
                 assert np.abs(each_s - allowed_s).min() < 1e-9
             elif turn != 0:
                 assert trajectory.times_s[leg + 1] - trajectory.times_s[leg] == pytest.approx(pace.longest_s)
-                by_clock = jumps and abs(turn) == pytest.approx(math.tau / BounceSettings.of(mission).headings)
+                step = math.tau / BounceSettings.of(mission).headings
+                by_clock = jumps and min(turn, math.tau - turn) == pytest.approx(step)
                 assert by_clock or turn == pytest.approx(bounce)
             else:
                 assert jumps
@@ -358,10 +359,44 @@ def test_bodies_too_wide_to_pass_keep_apart_by_their_swept_distance() -> None:
     assert check_plan(make_plan(wide)).verdict == "met"
 
 
-def test_loops_of_large_ratios_are_made_equally_long() -> None:
-    assert loops_in_step([44, 40]) == [44, 40]
-    assert loops_in_step([77, 80]) == [6160, 6160]
-    assert loops_in_step([65, 1]) == [65, 65]
+TWO_HALLS = """
+.........#....................
+....####.#....................
+....####......................
+..............................
+..............................
+.........#....................
+.........#....................
+#..###################...#####
+...###...####............###..
+.........#....................
+.........#....................
+.........#....................
+.........#....................
+.........#....................
+.........#....................
+.........#....................
+..............................
+..............................
+..............................
+.........#...................."""
+
+
+def test_each_robot_keeps_its_own_loop_however_long_the_common_one_is() -> None:
+    # loops of 84, 25 and 62 steps come together after 65,100: no heading is a sum of as many turns
+    zones = (visit("a", 6000, 1, 1, 8, 11), visit("b", 6000, 11, 1, 29, 11), visit("c", 6000, 1, 14, 8, 19))
+    mission = mission_on(TWO_HALLS, 3, zones, body_radius_m=0.5, turn_rate_rad_s=1.7)
+    plan = make_plan(mission)
+    report = check_plan(plan)
+    assert report.verdict == "met"
+    step_s = step_duration_s(mission, make_cells(mission))
+    steps = [trajectory.loop_duration_s / step_s for trajectory in plan]
+    assert steps == pytest.approx([round(length) for length in steps], rel=1e-12)
+    assert math.lcm(*map(round, steps)) > 64 * max(steps)
+    assert max(len(trajectory.times_s) for trajectory in plan) < max(steps) + 2
+    for trajectory in plan:
+        assert trajectory.headings_rad is not None
+        assert ((trajectory.headings_rad >= 0) & (trajectory.headings_rad < math.tau)).all()
 
 
 def test_what_cannot_be_is_refused_with_its_reason() -> None:

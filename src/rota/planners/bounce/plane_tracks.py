@@ -28,8 +28,8 @@ FRAMES = 8  # headings that starts have, equally spaced
 class Track:
     """One round of a robot on a limit cycle.
 
-    times_s (n,), from 0 to the round's duration; places_m (n, 2), the last the first; headings_rad (n,), unwrapped.
-    visits: for each zone (k, 2), when a round is in it.
+    times_s (n,), from 0 to the round's duration; places_m (n, 2), the last the first; headings_rad (n,) in 0..2 pi,
+    after the turns that end at these times. visits: for each zone (k, 2), when a round is in it.
     """
 
     cycle: PolygonCycle
@@ -66,11 +66,9 @@ class Track:
         """The round for ever, begun ``late_s`` into it."""
         times, first = self.times_s, int(np.searchsorted(self.times_s, late_s, side="right"))
         cut = np.array([np.interp(late_s, times, self.places_m[:, k]) for k in (0, 1)])
-        turned = self.headings_rad[-1] - self.headings_rad[0]
-        facing = float(np.interp(late_s, times, self.headings_rad))
+        facing = self._facing(first - 1, late_s)
         next_round = slice(1, first) if times[first - 1] < late_s else slice(1, first - 1)
         after = np.concatenate([times[first:] - late_s, times[next_round] + self.round_s - late_s])
-        headings = np.concatenate([self.headings_rad[first:], self.headings_rad[next_round] + turned])
         if late_s == 0:
             return Trajectory(
                 robot=robot, times_s=times, positions_m=self.places_m, headings_rad=self.headings_rad, loop_start_s=0.0
@@ -79,9 +77,18 @@ class Track:
             robot=robot,
             times_s=np.concatenate([[0.0], after, [self.round_s]]),
             positions_m=np.vstack([cut, self.places_m[first:], self.places_m[next_round], cut]),
-            headings_rad=np.concatenate([[facing], headings, [facing + turned]]),
+            headings_rad=np.concatenate([[facing], self.headings_rad[first:], self.headings_rad[next_round], [facing]]),
             loop_start_s=0.0,
         )
+
+    def _facing(self, k: int, time_s: float) -> float:
+        """The heading at a time between timed points k and k + 1: it turns on the spot, and never on its way."""
+        heading = float(self.headings_rad[k])
+        if (self.places_m[k] != self.places_m[k + 1]).any():
+            return heading
+        turn = (self.headings_rad[k + 1] - heading) % math.tau
+        share = (time_s - self.times_s[k]) / (self.times_s[k + 1] - self.times_s[k])
+        return float((heading + share * turn) % math.tau)
 
 
 def tracks_of(mission: Mission, robot: Robot, angle_deg: float, zones: Sequence[Zone], seed: int) -> list[Track]:
@@ -103,19 +110,19 @@ def track(cycle: PolygonCycle, robot: Robot, zones: Sequence[MultiPolygon]) -> T
     """A cycle with the robot's times: at its speed from contact to contact, turning counterclockwise at each."""
     corners, headings = cycle.positions_m, cycle.headings_rad
     turns = (headings - np.roll(headings, 1)) % (2 * math.pi)  # at each contact, before leaving it
-    times, places, faced = [0.0], [corners[0]], [0.0 + headings[0]]
+    times, places, faced = [0.0], [corners[0]], [float(headings[0])]
     for k in range(len(corners)):
         following = corners[(k + 1) % len(corners)]
         times.append(times[-1] + math.dist(corners[k], following) / robot.speed_m_s)
         places.append(following)
-        faced.append(faced[-1])
-        turn = float(turns[(k + 1) % len(corners)])
+        faced.append(float(headings[k]))
+        left = float(headings[(k + 1) % len(corners)])
         if robot.turn_rate_rad_s is None:
-            faced[-1] += turn
+            faced[-1] = left
         else:
-            times.append(times[-1] + turn / robot.turn_rate_rad_s)
+            times.append(times[-1] + float(turns[(k + 1) % len(corners)]) / robot.turn_rate_rad_s)
             places.append(following)
-            faced.append(faced[-1] + turn)
+            faced.append(left)
     times_s, places_m = np.array(times), np.array(places)
     return Track(
         cycle=cycle,

@@ -104,8 +104,7 @@ def coverage_plan(bouncing: Bouncing, coverage: Coverage, seed: int) -> Plan:
     times_s = bouncing.pace.times_s(coverage.states, bouncing.cells.headings)
     trajectories = (
         trajectory(
-            robot.name, bouncing.cells, coverage.states[:, k], times_s=times_s, loop_from=coverage.steps,
-            jumps=coverage.jumps == k,
+            robot.name, bouncing.cells, coverage.states[:, k], times_s=times_s, loop_from=coverage.steps
         )
         for k, robot in enumerate(bouncing.robots)
     )  # fmt: skip

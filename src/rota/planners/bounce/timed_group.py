@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rota.planners.bounce.chosen_group import Chosen
 from rota.planners.bounce.monitoring import Watch
-from rota.planners.bounce.trajectories import MOST_JOINT_STEPS, Pace, loops_in_step
+from rota.planners.bounce.trajectories import MOST_JOINT_STEPS, Pace
 
 LEAST_GAIN = 0.1  # share of the common period; for less, shorter steps bring bodies nearer in time and pay too little
 
@@ -65,7 +65,7 @@ def timed_group(pace: Pace, headings: int, chosen: Chosen) -> TimedGroup:
     lasts_s = own_s.max(axis=1)
     least = LEAST_GAIN if len(nodes) > 1 else 0.0
     joint = period == looked_at and 1 - lasts_s.mean() / pace.longest_s > least
-    loops = [period] * len(nodes) if joint else loops_in_step(lengths)
+    loops = [period] * len(nodes) if joint else lengths
     way = np.concatenate([chosen.transient, rounds[:1]])
     way_s = pace.times_s(way, headings)
     states, times_s = [], []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,11 +15,8 @@ from rota.planners.bounce.planner_settings import BounceSettings
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 MOST_JOINT_STEPS = 2_000  # of a common period, up to which its steps have durations of their own
-LARGEST_RATIO = 64  # of two loops' numbers of steps, up to which a plan takes them as commensurable
-LONGEST_LOOP = 100_000  # steps
 SAME_PACE = 1e-9  # share by which two steps of one drive may differ
 
 
@@ -79,32 +75,14 @@ def step_duration_s(mission: Mission, cells: Cells) -> float:
     return max(cells.longest_move_m / min(robot.speed_m_s for robot in robots), *turning_s, 0.0)
 
 
-def loops_in_step(lengths: Sequence[int]) -> list[int]:
-    """Steps (m,) of each robot's loop for cycles of these lengths: a multiple of the cycle's length.
-
-    Loops whose numbers of steps have a ratio of large numbers would count as independent of each other. All loops are
-    then as long as the common period, unless that is longer than LONGEST_LOOP.
-    """
-    together = math.lcm(*lengths)
-    fine = all(max(a, b) // math.gcd(a, b) <= LARGEST_RATIO for a in lengths for b in lengths)
-    return list(lengths) if fine or together > LONGEST_LOOP else [together] * len(lengths)
-
-
-def trajectory(
-    robot: str, cells: Cells, states: Ints, *, times_s: Floats, loop_from: int, jumps: Flags | None = None
-) -> Trajectory:
+def trajectory(robot: str, cells: Cells, states: Ints, *, times_s: Floats, loop_from: int) -> Trajectory:
     """A robot's states (t + 1,) at ``times_s`` (t + 1,) as timed points; see the docstring of ``BounceSettings``.
 
-    loop_from: the step from which the last states repeat; if it is the last step, the robot stays there. jumps: (t,)
-    steps in which the robot turns by the clock, either way; other turns are counterclockwise. Headings are not wrapped:
-    a robot that has turned by 135 degrees three times faces 405 degrees more than before.
+    loop_from: the step from which the last states repeat; if it is the last step, the robot stays there. Headings are
+    those of the cells' moves, in 0..2 pi: however long a loop is, none is a sum of turns.
     """
     cell, heading = np.divmod(states, cells.headings)
     places = cells.centres_m[cell]
-    turns = np.diff(cells.headings_rad[heading]) % math.tau
-    if jumps is not None:
-        turns = np.where(jumps & (turns > math.pi), turns - math.tau, turns)
-    faced = np.concatenate([[0.0], np.cumsum(turns)]) + cells.headings_rad[heading[0]]
     moves = np.diff(cell) != 0
     lasts_s = np.diff(times_s)
     # a drive goes on through points where nothing changes; so does waiting
@@ -116,6 +94,6 @@ def trajectory(
         robot=robot,
         times_s=times_s[kept],
         positions_m=places[kept],
-        headings_rad=faced[kept],
+        headings_rad=cells.headings_rad[heading[kept]],
         loop_start_s=float(times_s[loop_from]),
     )
