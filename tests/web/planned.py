@@ -17,14 +17,19 @@ _made: dict[str, str] = {}
 
 
 def planned_mission(url: str) -> str:
-    """The id of the mission on a server, which is planned there once."""
+    """The id of a mission on a server, which is planned there once; it is not to be changed."""
     if url not in _made:
-        with httpx.Client(base_url=url) as client:
-            mission = client.post("/api/missions", json={"document": SMALL}).raise_for_status().json()["id"]
-            job = client.post("/api/jobs", json={"mission": mission}).raise_for_status().json()["id"]
-            with client.stream("GET", f"/api/jobs/{job}/events", timeout=COMPILING_MS / 1000) as events:
-                for _ in events.iter_lines():
-                    pass  # they end when the job ends
-            assert client.get(f"/api/jobs/{job}").json()["state"] == "done"
-        _made[url] = str(mission)
+        _made[url] = newly_planned(url)
     return _made[url]
+
+
+def newly_planned(url: str) -> str:
+    """The id of another mission that has a plan."""
+    with httpx.Client(base_url=url) as client:
+        mission = client.post("/api/missions", json={"document": SMALL}).raise_for_status().json()["id"]
+        job = client.post("/api/jobs", json={"mission": mission}).raise_for_status().json()["id"]
+        with client.stream("GET", f"/api/jobs/{job}/events", timeout=COMPILING_MS / 1000) as events:
+            for _ in events.iter_lines():
+                pass  # they end when the job ends
+        assert client.get(f"/api/jobs/{job}").json()["state"] == "done"
+    return str(mission)

@@ -102,7 +102,7 @@ class Page {
 
   /** Shapes step back while a plan with its own ground is shown. */
   lookOn() {
-    this.editor.layers.lock(this.tabs.current !== "edit");
+    this.editor.layers.hold("looking on", this.tabs.current !== "edit");
     this.editor.layers.hide(this.watching.player !== null);
     this.live.showPlan();
   }

@@ -68,8 +68,8 @@ export class Editor extends EventTarget {
     this.list.addEventListener("geometry", ({ detail }) => this.store.apply(withGeometry(this.store.document, detail.path, detail.geometry), detail.merge));
     this.list.addEventListener("add", (event) => this.addByNumbers(event.detail));
     this.drawing.addEventListener("drawn", (event) => this.add(event.detail.kind, event.detail.geometry));
-    this.drawing.addEventListener("begin", () => this.layers.lock(true));
-    this.drawing.addEventListener("end", () => this.layers.lock(false));
+    this.drawing.addEventListener("begin", () => this.layers.hold("drawing", true));
+    this.drawing.addEventListener("end", () => this.layers.hold("drawing", false));
     this.drawing.addEventListener("nothing", () => this.choose(null));
     this.drawing.addEventListener("delete", () => this.removeChosen());
     this.drawing.addEventListener("fit", () => this.fit());

@@ -13,7 +13,8 @@ export class ShapeLayers extends EventTarget {
     this.map = map;
     this.group = L.layerGroup().addTo(map);
     this.moving = false;
-    this.locked = false;
+    this.holds = new Set(); // why shapes only look on
+    this.hidden = false;
     this.shown = { frame: null, shapes: [], chosen: null, faulty: new Set(), ground: null, document: {} };
   }
 
@@ -29,26 +30,38 @@ export class ShapeLayers extends EventTarget {
     for (const shape of this.shown.shapes) {
       const layers = this.layersOf(shape, frame);
       layers.forEach((layer) => this.group.addLayer(layer));
-      if (shape.key === chosen && !this.locked && isEditable(shape)) {
+      if (shape.key === chosen && !this.locked && !this.hidden && isEditable(shape)) {
         layers.forEach((layer, k) => this.enable(layer, shape, k));
       }
     }
   }
 
-  /** Whether shapes only look on: while plans are watched, and while one draws. */
-  lock(locked) {
-    if (locked !== this.locked) {
-      this.locked = locked;
+  get locked() {
+    return this.holds.size > 0;
+  }
+
+  /** Shapes only look on for a reason (one draws; a plan is watched) until it is gone. */
+  hold(reason, holds) {
+    if (holds !== this.holds.has(reason)) {
+      if (holds) {
+        this.holds.add(reason);
+      } else {
+        this.holds.delete(reason);
+      }
       this.draw({});
     }
   }
 
-  /** Takes all shapes off the map, or puts them back. */
+  /** Takes all shapes off the map, or puts them back; hands change only what is on the map. */
   hide(hidden) {
-    if (hidden) {
-      this.group.remove();
-    } else {
-      this.group.addTo(this.map);
+    if (hidden !== this.hidden) {
+      this.hidden = hidden;
+      if (hidden) {
+        this.group.remove();
+      } else {
+        this.group.addTo(this.map);
+      }
+      this.draw({});
     }
   }
 
