@@ -33,6 +33,7 @@ from benchmarks.row import Options, Row
 from benchmarks.scanned_floors import FLOORS, corners_of, write_floor
 from benchmarks.shell import python, rota
 from benchmarks.starts import warm_start
+from benchmarks.stopping import stopping
 from benchmarks.sun_cases import sun_cases
 from benchmarks.sun_deploy import sun_deploy
 from benchmarks.sun_frame import sun_frame
@@ -205,6 +206,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "check-legs": check_legs,
     "random-missions": random_missions,
     "anytime": anytime,
+    "stopping": stopping,
     "house": house,
     "suite": suite,
     "watched-fleet": watched_fleet,
@@ -223,5 +225,6 @@ LONG = (
     "scanned-floors",
     "office-floor",
     "city",
+    "stopping",
     "suite",
 )  # a quarter of an hour and more: measured only when named, or with --all

@@ -23,7 +23,8 @@ PATIENCE_S = 900.0  # a command that takes longer is ended, unless told otherwis
 class Run:
     """What one command took and said. ``peak_bytes``: most resident memory of its process.
 
-    cpu_s: processor time of its process. ended_early: it was killed, since patience was at its end.
+    cpu_s: processor time of its process. ended_early: it was killed, since patience was at its end. cpu_s_after: of it
+    what was used after the moment that ``run`` was told to look at; None: it had ended before.
     """
 
     wall_s: float
@@ -33,6 +34,7 @@ class Run:
     err: str
     cpu_s: float = 0.0
     ended_early: bool = False
+    cpu_s_after: float | None = None
 
     def failure(self) -> str:
         """Why it failed, in a few words."""
@@ -46,9 +48,12 @@ def run(
     *,
     environment: Mapping[str, str] | None = None,
     patience_s: float = PATIENCE_S,
+    look_after_s: float | None = None,
+    sends: int = 0,
 ) -> Run:
     """Run ``command`` to its end, and no longer than ``patience_s``; ``environment`` is added to the inherited one.
 
+    look_after_s: when to read its processor time (Linux) and to send it the signal ``sends``, 0: none.
     Python keeps what it compiled, as it does for users: where the shell forbids that, every start would take seconds.
     """
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
@@ -58,6 +63,10 @@ def run(
         )
         patience = threading.Timer(patience_s, process.kill)
         patience.start()
+        used_s: list[float] = []
+        look = threading.Timer(look_after_s or 0.0, lambda: used_s.append(_looked_at(process, sends)))
+        if look_after_s is not None:
+            look.start()
         peak = _PeakMemory(process.pid)
         peak.start()
         # wait4 gives this process's own peak; RUSAGE_CHILDREN would give the largest of all so far
@@ -65,6 +74,7 @@ def run(
         wall_s = time.perf_counter() - started_s
         process.returncode = os.waitstatus_to_exitcode(status)
         patience.cancel()
+        look.cancel()
         peak.join()
         texts = [_text(stream) for stream in (out, err)]
     return Run(
@@ -75,7 +85,16 @@ def run(
         err=texts[1],
         cpu_s=usage.ru_utime + usage.ru_stime,
         ended_early=wall_s >= patience_s,
+        cpu_s_after=usage.ru_utime + usage.ru_stime - used_s[0] if used_s else None,
     )
+
+
+def _looked_at(process: subprocess.Popen[bytes], sends: int) -> float:
+    """Processor seconds that the process has used, with those of its children that have ended; then the signal."""
+    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    if sends:
+        process.send_signal(sends)
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 class _PeakMemory(threading.Thread):
@@ -118,10 +137,16 @@ def _text(stream: IO[bytes]) -> str:
     return stream.read().decode(errors="replace")
 
 
-def rota(*arguments: str | Path, environment: Mapping[str, str] | None = None, patience_s: float = PATIENCE_S) -> Run:
-    """Run the installed ``rota`` program."""
-    program = Path(sysconfig.get_path("scripts")) / "rota"
-    return run([program, *arguments], environment=environment, patience_s=patience_s)
+def rota(
+    *arguments: str | Path,
+    environment: Mapping[str, str] | None = None,
+    patience_s: float = PATIENCE_S,
+    look_after_s: float | None = None,
+    sends: int = 0,
+) -> Run:
+    """Run the installed ``rota`` program, as ``run`` does."""
+    command = [Path(sysconfig.get_path("scripts")) / "rota", *arguments]
+    return run(command, environment=environment, patience_s=patience_s, look_after_s=look_after_s, sends=sends)
 
 
 def python(*arguments: str | Path, patience_s: float = PATIENCE_S) -> Run:

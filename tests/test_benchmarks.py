@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from benchmarks import ablation, many_robots, plan_hashes
 from benchmarks.__main__ import arguments, line_of
 from benchmarks.figures import FIGURES, LONG
@@ -33,7 +34,8 @@ from benchmarks.one_robot import (
 from benchmarks.planning import Planned, worst_ratio
 from benchmarks.random_runs import Outcome, fault, outcomes, summary
 from benchmarks.row import Options, Row
-from benchmarks.shell import Run, python
+from benchmarks.shell import Run, python, run
+from benchmarks.stopping_missions import write_building, write_corridor, write_drones, write_wide_turns
 from benchmarks.sun_cases import CASES, case_row, total_row, write_case
 from benchmarks.swarm_adversarial import LATTICES, closest, dense_states, lattice_states
 from benchmarks.swarm_coverage import mission as swarm_mission, outcome as swarm_outcome
@@ -397,3 +399,24 @@ def test_memory_of_a_command_is_its_own_whatever_this_process_has_had() -> None:
     del had
     small = python("-c", "import time; a = bytearray(b'x') * 30_000_000; time.sleep(0.3)").peak_bytes
     assert 30e6 < small < 200e6
+
+
+def test_the_missions_that_are_stopped_are_as_large_as_they_are_called(tmp_path: Path) -> None:
+    corners = read_mission(write_building(tmp_path)).mission.area
+    assert 1300 < shapely.get_num_coordinates(corners) < 1500
+    assert read_mission(write_corridor(tmp_path)).mission.area.area == 22_000 * 60
+    drones = read_mission(write_drones(tmp_path)).mission
+    assert drones.area.area == 34e4
+    assert [robot.start for robot in drones.fleet.robots or ()] == [(10, 10), (20, 10), (30, 10)]
+    wide = read_mission(write_wide_turns(tmp_path)).mission
+    assert wide.fleet.turn_radius_m == 75
+    assert 2 * wide.fleet.sensor.radius_m == 50
+
+
+def test_the_processor_time_after_a_signal_is_what_the_command_used_since() -> None:
+    busy = "import signal, time\nsignal.signal(15, lambda *_: None)\nsignal.pause()\n"
+    work = "u = time.process_time()\nwhile time.process_time() < u + 0.4: pass"
+    told = run([sys.executable, "-c", busy + work], look_after_s=1.5, sends=signal.SIGTERM, patience_s=60)
+    assert told.code == 0
+    assert told.cpu_s_after is not None
+    assert 0.3 < told.cpu_s_after < 0.7
