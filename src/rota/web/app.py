@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sqlite3
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -18,7 +19,7 @@ from rota.files.sole_user import SoleUser
 from rota.web.jobs.queue import JobQueue
 from rota.web.jobs.watches import WatchDesk
 from rota.web.limits import Limits
-from rota.web.refusal import Refusal
+from rota.web.refusal import Refusal, unkept
 from rota.web.routes import jobs, missions, page, plans, watches
 from rota.web.routes.answers import JsonAnswer
 from rota.web.security import Guard, Security
@@ -73,7 +74,13 @@ def make_app(
                 upload_bytes=given.upload_bytes,
             )
         ],
-        exception_handlers={Refusal: _refused, HTTPException: _http_error, Exception: _fault},
+        exception_handlers={
+            Refusal: _refused,
+            HTTPException: _http_error,
+            sqlite3.Error: _unkept,
+            OSError: _unkept,
+            Exception: _fault,
+        },
         lifespan=life,
     )
 
@@ -94,6 +101,14 @@ async def _http_error(request: Request, error: Exception) -> Response:
     message = {404: "there is nothing at this address", 405: "this is not possible at this address"}
     refusal = Refusal(error.status_code, message.get(error.status_code, error.detail))
     return JsonAnswer(refusal.to_json(), error.status_code, headers=error.headers)
+
+
+async def _unkept(request: Request, error: Exception) -> Response:
+    refusal = unkept(error)
+    if refusal is None:
+        raise error
+    log.error("%s: %s", refusal, error)
+    return await _refused(request, refusal)
 
 
 async def _fault(request: Request, error: Exception) -> Response:

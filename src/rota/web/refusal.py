@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,6 +21,16 @@ class Refusal(RotaError):  # noqa: N818 (it is an answer, not a fault)
     def to_json(self) -> Json:
         """The body of the answer."""
         return {"error": {"message": self.message, "faults": self.faults}}
+
+
+def unkept(error: Exception) -> Refusal | None:
+    """507 where the disk of the data folder has no room, 503 where it cannot be written; None for other faults."""
+    code = getattr(error, "sqlite_errorname", "")
+    if code.startswith("SQLITE_FULL") or (isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)):
+        return Refusal(507, "the disk of the data folder is full: nothing more can be saved until there is room")
+    if code.startswith(("SQLITE_IOERR", "SQLITE_READONLY", "SQLITE_BUSY", "SQLITE_CANTOPEN")):
+        return Refusal(503, f"the data folder cannot be written just now ({error}); see that its disk can")
+    return None
 
 
 def not_found(what: str, key: str) -> Refusal:

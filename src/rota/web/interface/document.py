@@ -16,7 +16,7 @@ from rota.web.interface.values import VALUES, Schema, ref
 from rota.web.refusal import Json
 from rota.web.tasks.context import Context
 
-EVERYWHERE = (400, 401, 403, 429, 503)
+EVERYWHERE = (400, 401, 403, 429, 503, 507)
 _PARAMETER = re.compile(r"\{(\w+)\}")
 
 

@@ -39,9 +39,16 @@ class Operation:
 _SET = ("set", TEXT, "KEY=VALUE, a setting of the format; may be given often")
 _DOCUMENT = {**ANYTHING, "description": "a mission file as JSON"}
 _LIMIT = {**NUMBER, "exclusiveMinimum": 0}
+_REVISION = {**COUNT, "minimum": 1, "description": "the one that is meant; 409 where the mission has changed since"}
 _START_JOB = an_object(
     {"mission": TEXT},
-    {"planner": or_null(TEXT), "effort": or_null(TEXT), "seed": or_null(COUNT), "time_limit_s": or_null(_LIMIT)},
+    {
+        "planner": or_null(TEXT),
+        "effort": or_null(TEXT),
+        "seed": or_null(COUNT),
+        "time_limit_s": or_null(_LIMIT),
+        "revision": or_null(_REVISION),
+    },
 )
 _NEW_MISSION = {
     "oneOf": [
@@ -79,14 +86,17 @@ OPERATIONS = (
         gives=listed(ref("MissionEntry")),
     ),
     Operation(
-        method="POST", path="/api/missions", what="Keep a mission, which may have faults, or an example.", status=201,
+        method="POST", path="/api/missions", status=201,
+        what="Keep a mission, which may have faults, or an example; one that is kept unchanged is not kept again.",
         body=_NEW_MISSION, gives=ref("Mission"), refuses=(404, 409, 413, 415),
     ),
     Operation(method="GET", path="/api/missions/{id}", what="A mission.", gives=ref("Mission"), refuses=(404,)),
     Operation(
         method="PUT", path="/api/missions/{id}", what="Replace a mission; files of an upload come to those it has.",
-        body=an_object({"document": _DOCUMENT}, {"upload": or_null(TEXT), "name": or_null(TEXT)}),
-        gives=ref("Mission"), refuses=(404, 413, 415),
+        body=an_object(
+            {"document": _DOCUMENT}, {"upload": or_null(TEXT), "name": or_null(TEXT), "revision": or_null(_REVISION)},
+        ),
+        gives=ref("Mission"), refuses=(404, 409, 413, 415),
     ),
     Operation(
         method="DELETE", path="/api/missions/{id}", what="Delete a mission; its plans and jobs stay.", status=204,

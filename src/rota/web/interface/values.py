@@ -74,10 +74,11 @@ VALUES: dict[str, Schema] = {
     "ReadMission": an_object(
         {"document": ANYTHING, "attachments": listed(ATTACHMENT), "warnings": listed(TEXT)}, {"upload": TEXT}
     ),
-    "MissionEntry": an_object({"id": TEXT, "name": TEXT, "changed_at": MOMENT, "planner": TEXT}),
+    "MissionEntry": an_object({"id": TEXT, "name": TEXT, "revision": COUNT, "changed_at": MOMENT, "planner": TEXT}),
     "Mission": an_object(
         {
             "id": TEXT,
+            "revision": {**COUNT, "description": "counted up by each change"},
             "name": TEXT,
             "planner": TEXT,
             "document": {
@@ -127,6 +128,7 @@ VALUES: dict[str, Schema] = {
             "effort": or_null(TEXT),
             "seed": COUNT,
             "time_limit_s": or_null(NUMBER),
+            "revision": {**or_null(COUNT), "description": "of the mission when it was asked"},
             "created_at": MOMENT,
             "started_at": or_null(MOMENT),
             "ended_at": or_null(MOMENT),
@@ -154,8 +156,10 @@ VALUES: dict[str, Schema] = {
             "worst_ratio": or_null(NUMBER),
             "length_m": NUMBER,
             "plan_s": or_null(NUMBER),
-            "partial": TRUTH,
+            "partial": {**TRUTH, "description": "its demand is not met, or its search was cut short"},
             "facts": listed(TEXT),
+            "revision": {**or_null(COUNT), "description": "of the mission that it was made of"},
+            "stale": {**listed(TEXT), "description": "what has changed in its mission since; empty: it still holds"},
             "report": ref("Report"),
         },
         "required": ["id", "name", "planner", "robots", "verdict", "length_m", "partial"],

@@ -10,7 +10,7 @@ from collections import deque
 from rota.web.jobs.live import LiveJob
 from rota.web.jobs.runner import JobRunner
 from rota.web.limits import Limits
-from rota.web.refusal import Json, Refusal
+from rota.web.refusal import Json, Refusal, unkept
 from rota.web.store.database import Database, now
 from rota.web.store.jobs import (
     delete_job,
@@ -89,9 +89,9 @@ class JobQueue:
             await self._runner.run(live)
         except asyncio.CancelledError:
             raise
-        except Exception:
+        except Exception as error:
             log.exception("job %s", job)
-            message = "a fault in Rota, not in the mission; the server's log has it"
+            message = str(unkept(error) or "a fault in Rota, not in the mission; the server's log has it")
             await asyncio.to_thread(set_job, self._database, job, state="failed", message=message, ended_at=now())
         finally:
             self._running.pop(job, None)

@@ -58,6 +58,14 @@ def text_or_none(value: Json, field: str, longest: int = 200) -> str | None:
     return given
 
 
+def revision_of(value: Json) -> int | None:
+    """The revision of a mission that a body means, or None where it means whichever there is."""
+    given = value.get("revision")
+    if given is not None and (isinstance(given, bool) or not isinstance(given, int) or given < 1):
+        raise Refusal(400, "revision: a whole number from 1 on is needed")
+    return given
+
+
 def asked_number(request: Request, name: str, least: int, most: int) -> int | None:
     """A whole number of the address, or None where it is missing."""
     given = request.query_params.get(name)

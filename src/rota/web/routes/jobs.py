@@ -15,7 +15,7 @@ from starlette.routing import Route
 from rota.web.jobs.live import Listener
 from rota.web.jobs.queue import JobQueue
 from rota.web.refusal import Json, Refusal
-from rota.web.routes.answers import JsonAnswer, json_of, state_of, text_or_none
+from rota.web.routes.answers import JsonAnswer, json_of, revision_of, state_of, text_or_none
 from rota.web.routes.page import about_of
 from rota.web.store.missions import mission_source
 
@@ -27,7 +27,7 @@ MOST_SEED = 2**63 - 1
 async def create(request: Request) -> Response:
     """Put a job into the queue."""
     state = state_of(request)
-    asked = await json_of(request, "mission", "planner", "effort", "seed", "time_limit_s")
+    asked = await json_of(request, "mission", "planner", "effort", "seed", "time_limit_s", "revision")
     mission = text_or_none(asked, "mission")
     if mission is None:
         raise Refusal(400, "mission: is missing; the id of a mission is needed")
@@ -36,9 +36,12 @@ async def create(request: Request) -> Response:
         "effort": text_or_none(asked, "effort"),
         "seed": _seed(asked.get("seed")),
         "time_limit_s": _time_limit_s(asked.get("time_limit_s"), state.limits.job_time_s),
+        "revision": revision_of(asked),
     }
     await _require_known(request, told)
-    await run_in_threadpool(mission_source, state.database, mission)  # refuses one that there is not
+    await run_in_threadpool(
+        mission_source, state.database, mission, revision_of(asked)
+    )  # refuses one that there is not
     await state.pool.ask("require_plannable", mission=mission, planner=told["planner"], effort=told["effort"])
     job = await state.jobs.add(mission, told)
     return JsonAnswer(job, 201, headers={"location": f"/api/jobs/{job['id']}"})

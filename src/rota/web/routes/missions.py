@@ -11,7 +11,7 @@ from starlette.routing import Route
 
 from rota.web.documents import require_few_vertices
 from rota.web.refusal import Json, Refusal, not_found
-from rota.web.routes.answers import JsonAnswer, body_of, json_of, state_of, text_or_none
+from rota.web.routes.answers import JsonAnswer, body_of, json_of, revision_of, state_of, text_or_none
 from rota.web.routes.downloads import download
 from rota.web.routes.uploads import uploaded_files
 from rota.web.store.missions import (
@@ -75,13 +75,14 @@ async def show(request: Request) -> Response:
 
 
 async def change(request: Request) -> Response:
-    """Replace a mission's document."""
+    """Replace a mission's document; 409 where somebody else changed it since the revision that is named."""
     state = state_of(request)
-    asked = await json_of(request, "document", "upload", "name")
+    asked = await json_of(request, "document", "upload", "name", "revision")
     document = _document(asked, state.limits.vertices)
     changed = await run_in_threadpool(
-        change_mission, state.database, request.path_params["id"], document, upload=text_or_none(asked, "upload")
-    )
+        change_mission, state.database, request.path_params["id"], document, upload=text_or_none(asked, "upload"),
+        revision=revision_of(asked),
+    )  # fmt: skip
     return JsonAnswer(changed)
 
 

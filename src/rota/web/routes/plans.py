@@ -75,21 +75,19 @@ async def playback(request: Request) -> Response:
 
 async def plan_file(request: Request) -> Response:
     """The plan file."""
-    name, packed = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
-    answer = download(await run_in_threadpool(gzip.decompress, packed), f"{name}.rota.json", "application/json")
-    return answer
+    name = await _file_name(request, ".rota.json")
+    packed = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
+    return download(await run_in_threadpool(gzip.decompress, packed), name, "application/json")
 
 
 async def picture(request: Request) -> Response:
     """The plan as a picture."""
-    name, _ = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
-    return download(await _made(request, "picture", "picture"), f"{name}.png", "image/png")
+    return download(await _made(request, "picture", "picture"), await _file_name(request, ".png"), "image/png")
 
 
 async def page(request: Request) -> Response:
     """The plan as one page that plays it."""
-    name, _ = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
-    return download(await _made(request, "page", "page"), f"{name}.html", "text/html")
+    return download(await _made(request, "page", "page"), await _file_name(request, ".html"), "text/html")
 
 
 async def export(request: Request) -> Response:
@@ -99,12 +97,22 @@ async def export(request: Request) -> Response:
     if to not in {known["name"] for known in (await about_of(request))["formats"]}:
         raise not_found("format", to)
     plan = request.path_params["id"]
-    await run_in_threadpool(plan_json, state.database, plan)  # refuses one that there is not
+    shown = await run_in_threadpool(plan_json, state.database, plan)  # refuses one that there is not
     answer, body = await state.pool.ask(
-        "export", plan=plan, format=to, origin=asked.get("origin") or None,
+        "export", plan=plan, format=to, mark=_mark(shown), origin=asked.get("origin") or None,
         start_time=asked.get("start_time") or None, settings=asked.getlist("set"),
     )  # fmt: skip
     return download(body, answer["name"], answer["type"])
+
+
+async def _file_name(request: Request, suffix: str) -> str:
+    shown = await run_in_threadpool(plan_json, state_of(request).database, request.path_params["id"])
+    return f"{shown['name']}{_mark(shown)}{suffix}"
+
+
+def _mark(shown: Json) -> str:
+    """What names of files say of a plan: that its mission has changed since."""
+    return "-stale" if shown["stale"] else ""
 
 
 async def _made(request: Request, key: str, task: str, **given: Any) -> bytes:

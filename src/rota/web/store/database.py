@@ -14,10 +14,9 @@ from pathlib import Path
 from rota.errors import RotaError
 
 FILE_NAME = "rota.sqlite3"
-VERSION = 1  # of the tables, kept in SQLite's user_version
 BUSY_S = 20.0  # how long one process waits while another writes
 
-_TABLES = """
+_FIRST_TABLES = """
 CREATE TABLE files (digest TEXT PRIMARY KEY, content BLOB NOT NULL) WITHOUT ROWID;
 CREATE TABLE uploads (id TEXT PRIMARY KEY, created_at TEXT NOT NULL, files TEXT NOT NULL);
 CREATE TABLE missions (
@@ -43,6 +42,18 @@ CREATE TABLE made (
     PRIMARY KEY (plan, what)
 );
 """
+# a plan keeps what it was made of, so that it can be told when its mission has changed since
+_REVISIONS = """
+ALTER TABLE missions ADD COLUMN revision INTEGER NOT NULL DEFAULT 1;
+ALTER TABLE jobs ADD COLUMN revision INTEGER;
+ALTER TABLE plans ADD COLUMN revision INTEGER;
+ALTER TABLE plans ADD COLUMN document TEXT;
+ALTER TABLE plans ADD COLUMN files TEXT;
+UPDATE plans SET document = (SELECT document FROM jobs WHERE jobs.id = plans.job),
+    files = (SELECT files FROM jobs WHERE jobs.id = plans.job);
+"""
+_STEPS = (_FIRST_TABLES, _REVISIONS)  # each makes the tables of one version of those of the version before
+VERSION = len(_STEPS)  # of the tables, kept in SQLite's user_version
 
 
 class Database:
@@ -63,15 +74,15 @@ class Database:
             raise RotaError(f"{folder}: cannot be used to keep missions and plans: {error}") from error
 
     def _make_tables(self) -> None:
-        """Make the tables of a new database; refuse those of a later version."""
+        """Make the tables of a new database, bring those of an earlier version up to date; refuse a later version."""
         with self.transaction() as cursor:
             version = cursor.execute("PRAGMA user_version").fetchone()[0]
             if version > VERSION:
                 raise RotaError(f"{self.folder}: was written by a later version of Rota; use that one")
-            if version == 0:
-                for statement in filter(str.strip, _TABLES.split(";")):
+            for step in _STEPS[version:]:
+                for statement in filter(str.strip, step.split(";")):
                     cursor.execute(statement)
-                cursor.execute(f"PRAGMA user_version = {VERSION}")
+            cursor.execute(f"PRAGMA user_version = {VERSION}")
 
     def connection(self) -> sqlite3.Connection:
         """This thread's connection; each statement outside a transaction is one by itself."""
@@ -97,7 +108,8 @@ class Database:
         try:
             yield connection
         except BaseException:
-            connection.execute("ROLLBACK")
+            if connection.in_transaction:  # of a full disk SQLite takes it back by itself
+                connection.execute("ROLLBACK")
             raise
         connection.execute("COMMIT")
 
@@ -122,9 +134,14 @@ def new_id() -> str:
 Files = Mapping[str, str]  # digests by name
 
 
+def digest_of(content: bytes) -> str:
+    """What a file is kept by."""
+    return hashlib.sha256(content).hexdigest()
+
+
 def keep_files(cursor: sqlite3.Connection, contents: Mapping[str, bytes]) -> dict[str, str]:
     """Keep files by what they hold, each once however often it is used; returns the digests by name."""
-    digests = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
+    digests = {name: digest_of(content) for name, content in contents.items()}
     cursor.executemany(
         "INSERT OR IGNORE INTO files VALUES (?, ?)", [(digests[name], contents[name]) for name in contents]
     )

@@ -9,7 +9,7 @@ from typing import Any
 from rota.planner_registry import planner_names
 from rota.web.refusal import Json, Refusal, not_found
 from rota.web.store.database import Database, contents_of, new_id, now
-from rota.web.store.missions import clean_files, mission_source, name_of, planner_of
+from rota.web.store.missions import clean_files, mission_source, name_of, planner_of, text_of
 
 OPEN = ("queued", "running")  # the states of jobs that are not over
 
@@ -17,12 +17,14 @@ OPEN = ("queued", "running")  # the states of jobs that are not over
 def new_job(database: Database, mission: str, asked: Json, *, most_queued: int, most: int) -> Json:
     """Keep a new job for a mission as it is now, to be run when its turn comes.
 
-    asked: planner, effort, seed and time_limit_s, each as given or None. Refusal 429 when the queue is full.
+    asked: planner, effort, seed, time_limit_s, and the mission's revision that is meant, each as given or None. Refusal
+    429 when the queue is full, 409 when the mission has another revision.
     """
-    document, files = mission_source(database, mission)
+    document, files, revision = mission_source(database, mission, asked.get("revision"))
     document = as_asked(document, asked.get("planner"))
     planner = planner_of(document)
-    return _insert(database, mission, document, json.dumps(files), {**asked, "planner": planner}, most_queued, most)
+    asked = {**asked, "planner": planner, "revision": revision}
+    return _insert(database, mission, document, json.dumps(files), asked, most_queued, most)
 
 
 def as_asked(document: Json, planner: str | None) -> Json:
@@ -35,7 +37,7 @@ def as_asked(document: Json, planner: str | None) -> Json:
 def job_again(database: Database, job: str, *, most_queued: int, most: int) -> Json:
     """A new job that asks what another one asked, of the mission as it was then."""
     row = _row(database.connection(), job)
-    asked = {key: row[key] for key in ("planner", "effort", "seed", "time_limit_s")}
+    asked = {key: row[key] for key in ("planner", "effort", "seed", "time_limit_s", "revision")}
     return _insert(database, row["mission"], json.loads(row["document"]), row["files"], asked, most_queued, most)
 
 
@@ -51,10 +53,11 @@ def _insert(
             raise Refusal(409, f"{most:,} jobs are kept at most; delete some first")
         cursor.execute(
             "INSERT INTO jobs (id, mission, mission_name, document, files, state, planner, effort, seed, time_limit_s,"
-            " created_at) VALUES (?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?)",
+            " revision, created_at) VALUES (?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?, ?)",
             (
-                job, mission, name_of(document), json.dumps(document, allow_nan=False), files, asked["planner"],
-                asked.get("effort") or _effort_of(document), asked.get("seed") or 0, asked.get("time_limit_s"), now(),
+                job, mission, name_of(document), text_of(document), files, asked["planner"],
+                asked.get("effort") or _effort_of(document), asked.get("seed") or 0, asked.get("time_limit_s"),
+                asked["revision"], now(),
             ),
         )  # fmt: skip
     return job_json(database, job)
@@ -130,7 +133,8 @@ def _shown(row: sqlite3.Row) -> Json:
     best = None
     if row["best_robots"] is not None:
         best = {"robots": row["best_robots"], "met": bool(row["best_met"]), "plan": row["best_plan"]}
-    same = ("id", "mission", "mission_name", "state", "planner", "effort", "seed", "time_limit_s", "created_at")
+    same = ("id", "mission", "mission_name", "state", "planner", "effort", "seed", "time_limit_s", "revision",
+            "created_at")  # fmt: skip
     over = row["state"] not in OPEN
     return {
         **{key: row[key] for key in same},

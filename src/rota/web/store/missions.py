@@ -12,6 +12,7 @@ from rota.web.refusal import Json, Refusal, not_found
 from rota.web.store.database import (
     Database,
     contents_of,
+    digest_of,
     forget_unused_files,
     keep_files,
     new_id,
@@ -61,23 +62,48 @@ def new_mission(
         files = {} if upload is None else _files_of_upload(cursor, upload)
         files |= keep_files(cursor, contents or {})
         cursor.execute(
-            "INSERT INTO missions VALUES (?, ?, ?, ?, ?, ?, ?)",
-            (mission, name_of(document), planner_of(document), _text(document), json.dumps(files), moment, moment),
+            "INSERT INTO missions (id, name, planner, document, files, created_at, changed_at)"
+            " VALUES (?, ?, ?, ?, ?, ?, ?)",
+            (mission, name_of(document), planner_of(document), text_of(document), json.dumps(files), moment, moment),
         )
     return mission_json(database, mission)
 
 
-def change_mission(database: Database, mission: str, document: Json, *, upload: str | None = None) -> Json:
-    """Replace a mission's document; the files of an upload come to those it has."""
+def same_mission(database: Database, document: Json, contents: Mapping[str, bytes]) -> str | None:
+    """The newest mission that has this document and these files; None for none."""
+    digests = json.dumps({name: digest_of(content) for name, content in contents.items()})
+    sql = "SELECT id FROM missions WHERE document = ? AND files = ? ORDER BY changed_at DESC, rowid DESC"
+    row = database.connection().execute(sql, (text_of(document), digests)).fetchone()
+    return None if row is None else row[0]
+
+
+def change_mission(
+    database: Database, mission: str, document: Json, *, upload: str | None = None, revision: int | None = None
+) -> Json:
+    """Replace a mission's document; the files of an upload come to those it has. Each change counts its revision up.
+
+    revision: the one that the document was made from; Refusal 409 where the mission has changed since. None: whichever.
+    What is there already is no change, so that a save can be sent again when its answer was lost.
+    """
     with database.transaction() as cursor:
-        files = json.loads(_row(cursor, mission)["files"])
-        if upload is not None:
-            files |= _files_of_upload(cursor, upload)
-        cursor.execute(
-            "UPDATE missions SET name = ?, planner = ?, document = ?, files = ?, changed_at = ? WHERE id = ?",
-            (name_of(document), planner_of(document), _text(document), json.dumps(files), now(), mission),
-        )
+        row = _row(cursor, mission)
+        kept, text = json.loads(row["files"]), text_of(document)
+        files = kept if upload is None else kept | _files_of_upload(cursor, upload)
+        if text != row["document"] or files != kept:
+            require_revision(row, revision)
+            cursor.execute(
+                "UPDATE missions SET name = ?, planner = ?, document = ?, files = ?, changed_at = ?,"
+                " revision = revision + 1 WHERE id = ?",
+                (name_of(document), planner_of(document), text, json.dumps(files), now(), mission),
+            )
     return mission_json(database, mission)
+
+
+def require_revision(row: sqlite3.Row, revision: int | None) -> None:
+    """Refuse what was made from another revision of a mission than the one that is kept."""
+    if revision is not None and revision != row["revision"]:
+        told = f"the mission was changed elsewhere: its revision is {row['revision']}, not {revision}"
+        raise Refusal(409, told)
 
 
 def delete_mission(database: Database, mission: str) -> None:
@@ -97,7 +123,7 @@ def clean_files(cursor: sqlite3.Connection) -> None:
 def list_missions(database: Database) -> list[Json]:
     """All missions, the one changed last first."""
     rows = database.connection().execute(
-        "SELECT id, name, changed_at, planner FROM missions ORDER BY changed_at DESC, rowid DESC"
+        "SELECT id, name, revision, changed_at, planner FROM missions ORDER BY changed_at DESC, rowid DESC"
     )
     return [dict(row) for row in rows]
 
@@ -109,6 +135,7 @@ def mission_json(database: Database, mission: str) -> Json:
     sizes = sizes_of(connection, json.loads(row["files"]))
     return {
         "id": row["id"],
+        "revision": row["revision"],
         "name": row["name"],
         "planner": row["planner"],
         "document": json.loads(row["document"]),
@@ -118,10 +145,11 @@ def mission_json(database: Database, mission: str) -> Json:
     }
 
 
-def mission_source(database: Database, mission: str) -> tuple[Json, dict[str, str]]:
-    """A mission's document and the digests of its files by name."""
+def mission_source(database: Database, mission: str, revision: int | None = None) -> tuple[Json, dict[str, str], int]:
+    """A mission's document, the digests of its files by name, and its revision; Refusal 409 for one of another."""
     row = _row(database.connection(), mission)
-    return json.loads(row["document"]), json.loads(row["files"])
+    require_revision(row, revision)
+    return json.loads(row["document"]), json.loads(row["files"]), row["revision"]
 
 
 def mission_files(database: Database, mission: str) -> dict[str, bytes]:
@@ -149,5 +177,6 @@ def planner_of(document: Json) -> str:
     return planner[:80] if isinstance(planner, str) else "?"
 
 
-def _text(document: Json) -> str:
+def text_of(document: Json) -> str:
+    """A document as it is kept."""
     return json.dumps(document, allow_nan=False, ensure_ascii=False, separators=(",", ":"))

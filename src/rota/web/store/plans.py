@@ -9,21 +9,31 @@ from dataclasses import dataclass
 from typing import Any
 
 from rota.web.refusal import Json, Refusal, not_found
+from rota.web.store.changes import changes
 from rota.web.store.database import Database, new_id, now
 
 MOST_MADE = 6  # playbacks and pictures kept of a plan
 # a list of plans is read often: it leaves out the report and the plan itself
 _SHOWN = (
     "id", "name", "mission", "job", "planner", "effort", "created_at", "robots", "bound", "bound_reason", "verdict",
-    "worst_ratio", "length_m", "plan_s", "partial", "facts",
+    "worst_ratio", "length_m", "plan_s", "partial", "facts", "revision",
 )  # fmt: skip
+# with what tells whether its mission has changed since; the documents where they differ only, for they may be long
+_LISTED = (
+    f"SELECT {', '.join(f'plans.{name}' for name in _SHOWN)}, plans.files AS made_files, missions.files AS now_files,"
+    " CASE WHEN plans.document IS NOT missions.document THEN plans.document END AS made_document,"
+    " CASE WHEN plans.document IS NOT missions.document THEN missions.document END AS now_document"
+    " FROM plans LEFT JOIN missions ON missions.id = plans.mission"
+)
+_COLUMNS = (*_SHOWN[:-1], "is_better", "report", "content")
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewPlan:
     """A plan to be kept: what lists show, the report as JSON, and the text of the plan file.
 
-    is_better: it is a step of a job that goes on; lists leave it out, and the job's last plan takes its place.
+    partial: it does not meet its demand, or the search for it was cut short. is_better: it is a step of a job that goes
+    on; lists leave it out, and the job's last plan takes its place.
     """
 
     name: str
@@ -58,14 +68,19 @@ def keep_plan(database: Database, plan: NewPlan, *, most: int) -> str:
             plan.bound_reason, plan.verdict, plan.worst_ratio, plan.length_m, plan.plan_s, plan.partial,
             json.dumps(plan.facts), plan.is_better, report, content,
         )  # fmt: skip
-        cursor.execute(f"INSERT INTO plans VALUES ({', '.join('?' * len(row))})", row)
+        cursor.execute(f"INSERT INTO plans ({', '.join(_COLUMNS)}) VALUES ({', '.join('?' * len(row))})", row)
+        cursor.execute(
+            "UPDATE plans SET (revision, document, files) = (SELECT revision, document, files FROM jobs WHERE id = job)"
+            " WHERE id = ?",
+            (key,),
+        )
     return key
 
 
 def finish_plan(database: Database, plan: str) -> None:
-    """Make a plan on the way the plan that lists show, since its job ended with it."""
+    """Make a plan on the way the plan that lists show, since its job was cut short with it."""
     with database.transaction() as cursor:
-        cursor.execute("UPDATE plans SET is_better = 0 WHERE id = ?", (plan,))
+        cursor.execute("UPDATE plans SET is_better = 0, partial = 1 WHERE id = ?", (plan,))
 
 
 def forget_steps(database: Database, job: str, *, but: int) -> None:
@@ -87,19 +102,25 @@ def forget_old_steps(database: Database) -> None:
 def forget_lost_steps(database: Database) -> None:
     """Delete plans found on the way that no job names any more, and list those that an interrupted job ended with."""
     with database.transaction() as cursor:
-        cursor.execute("UPDATE plans SET is_better = 0 WHERE id IN (SELECT plan FROM jobs WHERE plan IS NOT NULL)")
+        cursor.execute(
+            "UPDATE plans SET is_better = 0, partial = 1"
+            " WHERE is_better AND id IN (SELECT plan FROM jobs WHERE plan IS NOT NULL)"
+        )
         cursor.execute("DELETE FROM plans WHERE is_better")
 
 
 def list_plans(database: Database) -> list[Json]:
     """All plans but those on the way of jobs, the newest first."""
-    sql = f"SELECT {', '.join(_SHOWN)} FROM plans WHERE NOT is_better ORDER BY created_at DESC, rowid DESC"
+    sql = f"{_LISTED} WHERE NOT is_better ORDER BY plans.created_at DESC, plans.rowid DESC"
     return [_shown(row) for row in database.connection().execute(sql)]
 
 
 def plan_json(database: Database, plan: str) -> Json:
     """A plan as lists show it."""
-    return _shown(_row(database, plan, ", ".join(_SHOWN)))
+    row = database.connection().execute(f"{_LISTED} WHERE plans.id = ?", (plan,)).fetchone()
+    if row is None:
+        raise not_found("plan", plan)
+    return _shown(row)
 
 
 def plan_report(database: Database, plan: str) -> bytes:
@@ -109,13 +130,13 @@ def plan_report(database: Database, plan: str) -> bytes:
 
 def plan_text(database: Database, plan: str) -> bytes:
     """The text of the plan file."""
-    return gzip.decompress(_row(database, plan, "content")[0])
+    return gzip.decompress(packed_plan(database, plan))
 
 
-def packed_plan(database: Database, plan: str) -> tuple[str, bytes]:
-    """The plan's name, and the text of the plan file packed by gzip."""
-    row = _row(database, plan, "name, content")
-    return row[0], row[1]
+def packed_plan(database: Database, plan: str) -> bytes:
+    """The text of the plan file packed by gzip."""
+    packed: bytes = _row(database, plan, "content")[0]
+    return packed
 
 
 def delete_plan(database: Database, plan: str) -> None:
@@ -157,5 +178,13 @@ def _row(database: Database, plan: str, columns: str) -> sqlite3.Row:
 
 
 def _shown(row: sqlite3.Row) -> Json:
-    values: dict[str, Any] = dict(row)
-    return {**values, "partial": bool(values["partial"]), "facts": json.loads(values["facts"])}
+    values: dict[str, Any] = {name: row[name] for name in _SHOWN}
+    return {**values, "partial": bool(row["partial"]), "facts": json.loads(row["facts"]), "stale": _stale(row)}
+
+
+def _stale(row: sqlite3.Row) -> list[str]:
+    """What has changed in the plan's mission since; nothing where that is gone, or not known."""
+    if row["made_files"] is None or row["now_files"] is None:
+        return []
+    made, now = (json.loads(row[name] or "{}") for name in ("made_document", "now_document"))
+    return changes(made, now, json.loads(row["made_files"]), json.loads(row["now_files"]))

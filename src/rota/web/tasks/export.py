@@ -56,7 +56,7 @@ def settings_json(block: type[Settings]) -> list[Json]:
 
 
 def export(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
-    """A plan in a format; the message tells format, origin, start_time and settings."""
+    """A plan in a format; the message tells format, origin, start_time, settings, and a mark for the file's name."""
     plan = kept_plan(context, given)
     to: str = given["format"]
     try:
@@ -64,7 +64,7 @@ def export(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
         suffix, content = _content(made, to)
     except RotaError as error:
         raise Refusal(422, _OPTION.sub(lambda option: option[1].replace("-", "_"), str(error))) from None
-    name = f"{plan.mission.name}{'' if suffix == SUFFIXES.get(to) else f'-{to}'}{suffix}"
+    name = f"{plan.mission.name}{given['mark']}{'' if suffix == SUFFIXES.get(to) else f'-{to}'}{suffix}"
     return {"name": name, "type": TYPES.get(suffix, "application/octet-stream")}, content
 
 

@@ -83,16 +83,17 @@ class PlanningJob:
         forget_steps(self._context.database, self._job, but=KEPT_STEPS)
         self._tell({"event": "better", "plan": key, "robots": robots, "met": met})
 
-    def _keep(self, plan: Plan, report: Report, facts: tuple[str, ...], *, is_better: bool) -> str:
-        new = new_plan(plan, report, facts, plan_s=time.monotonic() - self._began_s, is_better=is_better)
+    def _keep(self, plan: Plan, report: Report, facts: tuple[str, ...], **more: bool) -> str:
+        new = new_plan(plan, report, facts, plan_s=time.monotonic() - self._began_s, **more)
         source = self._source
         kept = {"mission": source["mission"], "job": self._job, "effort": source["effort"]}
         return keep_plan(self._context.database, NewPlan(**{**vars(new), **kept}), most=self._context.plans)
 
     def _found(self, search: PlanSearch) -> Json:
         """The plan that the check passed."""
-        plan = self._keep(search.plan, search.report, search.facts, is_better=False)
         stopped = self._stop.is_set()
+        cut_short = stopped or search.stopped_early
+        plan = self._keep(search.plan, search.report, search.facts, is_better=False, partial=cut_short)
         message = "stopped: this is the best plan so far" if stopped else None
         if message is None and search.stopped_early:
             message = "the time limit was reached: this is the best plan so far"

@@ -8,7 +8,7 @@ import zipfile
 from typing import Any
 
 from rota.web.refusal import Json, Refusal
-from rota.web.store.missions import keep_upload, mission_files, mission_json, new_mission, upload_contents
+from rota.web.store.missions import keep_upload, mission_files, mission_json, new_mission, same_mission, upload_contents
 from rota.web.tasks.context import Context
 from rota.web.tasks.examples import examples_folder
 from rota.web.tasks.inlined import Inlined, inlined
@@ -24,7 +24,7 @@ def read_upload(context: Context, given: Json, body: bytes) -> tuple[Json, bytes
 
 
 def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
-    """What GET /api/examples/NAME answers; with ``keep`` a mission is made of it, whose id stands in the message."""
+    """What GET /api/examples/NAME answers; with ``keep`` the message has the id of a mission that is it."""
     folder = examples_folder()
     text = (folder / f"{given['name']}.yaml").read_bytes()
     named = {path.name: path.read_bytes() for path in folder.iterdir() if path.name.encode() in text}
@@ -33,8 +33,10 @@ def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, byte
     source = source_of({**named, f"{given['name']}.yaml": text}, first=f"{given['name']}.yaml")
     if given.get("keep"):
         kept = inlined(context, source)
-        made = new_mission(context.database, kept.document, contents=kept.files, most=context.missions)
-        return {"mission": made["id"]}, b""
+        known = same_mission(context.database, kept.document, kept.files)  # as it was opened before
+        if known is None:
+            made = new_mission(context.database, kept.document, contents=kept.files, most=context.missions)
+        return {"mission": known or made["id"]}, b""
     return {}, _encoded(_shown(inlined(context, source)))
 
 

@@ -37,7 +37,7 @@ def validate(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
 
 def require_plannable(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     """Refuse a job for a mission with faults, all told at once; the message says what was asked."""
-    document, _ = mission_source(context.database, given["mission"])
+    document, *_ = mission_source(context.database, given["mission"])
     document = as_asked(document, given["planner"])
     with laid_out(mission_files(context.database, given["mission"])) as folder:
         judged = judged_document(document, folder, context.vertices)

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from rota.errors import MissionError, RotaError
-from rota.web.refusal import Json, Refusal
+from rota.web.refusal import Json, Refusal, unkept
 from rota.web.store.database import Database
 from rota.web.tasks.context import Context
 from rota.web.tasks.memory import limit_memory
@@ -114,9 +114,10 @@ def _serve(context: Context, inbox: Inbox, outbox: Outbox) -> None:
             outbox.send(refused(Refusal(422, str(error))))
         except MemoryError:
             outbox.send(refused(Refusal(413, "this needs more memory than the server gives to one request")))
-        except Exception:
+        except Exception as error:
             traceback.print_exc()
-            outbox.send(refused(Refusal(500, "a fault in Rota, not in what was sent; the server's log has it")))
+            told = "a fault in Rota, not in what was sent; the server's log has it"
+            outbox.send(refused(unkept(error) or Refusal(500, told)))
 
 
 def done(context: Context, message: Json, content: bytes) -> tuple[Json, bytes]:
@@ -150,9 +151,9 @@ def _plan(context: Context, inbox: Inbox, outbox: Outbox, stop: threading.Event)
         outbox.send(PlanningJob(context, message["job"], outbox.send, stop).run())
     except MemoryError:
         outbox.send({"event": "ended", "outcome": "failed", "message": "planning needed more memory than is allowed"})
-    except Exception:
+    except Exception as error:
         traceback.print_exc()
-        told = "a fault in Rota, not in the mission; the server's log has it"
+        told = str(unkept(error) or "a fault in Rota, not in the mission; the server's log has it")
         outbox.send({"event": "ended", "outcome": "failed", "message": told})
 
 
