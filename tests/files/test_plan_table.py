@@ -9,7 +9,9 @@ import numpy as np
 from pyproj import Geod
 from tests.files.two_robots import ORIGIN, ROBOTS, two_robots, with_heights
 
+from rota.files.executed.timed_files import as_csv
 from rota.files.plan_table import csv_text
+from rota.files.spreadsheet_cells import as_cell, from_cell
 from rota.plan import Plan
 
 
@@ -41,6 +43,17 @@ def test_without_an_origin_numpy_reads_the_same_numbers() -> None:
     assert read.dtype.names == ("robot", "t_s", "x_m", "y_m", "in_loop")
     np.testing.assert_array_equal(read["t_s"], np.concatenate([t.times_s for t in plan]))
     np.testing.assert_array_equal(read["y_m"], np.concatenate([t.positions_m[:, 1] for t in plan]))
+
+
+def test_no_name_is_computed_by_a_spreadsheet_and_each_reads_back() -> None:
+    names = ("=1+1", "'=1+1", "+x", "-x", "@SUM(A1)", "\tx", "'x", "it's", "a=b")
+    cells = [as_cell(name) for name in names]
+    assert not [cell for cell in cells if cell[0] in "=+-@\t\r"]
+    assert [from_cell(cell) for cell in cells] == list(names)
+    assert cells[-3:] == ["'x", "it's", "a=b"]
+    plan = two_robots(robots=("=1+1", "'=1+1"))
+    assert list(dict.fromkeys(row["robot"] for row in rows_of(plan))) == ["'=1+1", "''=1+1"]
+    assert [driven.robot for driven in as_csv(plan)] == ["=1+1", "'=1+1"]
 
 
 def test_heights_have_a_column_when_any_robot_has_them() -> None:

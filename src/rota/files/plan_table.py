@@ -8,6 +8,7 @@ import io
 import numpy as np
 
 from rota.files.geodesy import Projection
+from rota.files.spreadsheet_cells import as_cell
 from rota.plan import Plan, Trajectory
 
 
@@ -15,6 +16,7 @@ def csv_text(plan: Plan) -> str:
     """Columns robot, t_s, x_m, y_m, z_m, lat, lon, in_loop; numbers with all digits, so that they read back equal.
 
     z_m is there when any robot has heights, and empty for robots without; lat and lon when the mission has an origin.
+    A robot's name that a spreadsheet would compute has an apostrophe before it.
     in_loop is 1 from ``loop_start_s`` on: those rows are repeated for ever, and the last of them is where the first one
     is. A robot that stays has one row with in_loop 1, its last.
     """
@@ -26,7 +28,8 @@ def csv_text(plan: Plan) -> str:
     writer.writerow(["robot", "t_s", "x_m", "y_m", *heights, *degrees, "in_loop"])
     for trajectory in plan:
         columns = _columns(trajectory, has_heights, projection)
-        writer.writerows([trajectory.robot, *row] for row in zip(*columns, strict=True))
+        robot = as_cell(trajectory.robot)
+        writer.writerows([robot, *row] for row in zip(*columns, strict=True))
     return text.getvalue()
 
 

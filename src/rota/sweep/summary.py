@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rota.files.spreadsheet_cells import as_cells
 from rota.sweep.planned_cells import Row
 
 LEVEL = 0.95
@@ -153,5 +154,6 @@ def summary_csv(found: Sequence[Summary]) -> str:
         means = [each.means.get(name) for name in measures]
         values = [None if mean is None else getattr(mean, part) for mean in means for part in parts]
         counts = [each.outcomes.get(outcome, 0) for outcome in outcomes]
-        writer.writerow([each.mission, each.planner, each.effort, *settings, each.cells, *counts, each.bound, *values])
+        names = as_cells([each.mission, each.planner, each.effort, *settings])
+        writer.writerow([*names, each.cells, *counts, each.bound, *values])
     return stream.getvalue()

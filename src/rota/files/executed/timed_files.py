@@ -14,6 +14,7 @@ from rota.files import gpx_tracks, kml_tour
 from rota.files.geodesy import Projection, projection_of
 from rota.files.geojson import geojson_text
 from rota.files.plan_table import csv_text
+from rota.files.spreadsheet_cells import from_cell
 from rota.files.timed_places import START
 from rota.plan import Floats, Plan, Trajectory
 
@@ -26,7 +27,7 @@ def as_csv(plan: Plan) -> tuple[Trajectory, ...]:
     """All robots as a table of their timed points has them."""
     rows: dict[str, list[dict[str, str]]] = {}
     for row in csv.DictReader(io.StringIO(csv_text(plan))):
-        rows.setdefault(row["robot"], []).append(row)
+        rows.setdefault(from_cell(row["robot"]), []).append(row)
     made = []
     for trajectory in plan:
         own = rows[trajectory.robot]
