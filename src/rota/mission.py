@@ -154,7 +154,8 @@ class Mission:
     ``planning`` chooses the planner by its type, which also says what of a mission it refuses.
 
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
-    than ``AREA``, by which reports call that ground.
+    than ``AREA``, by which reports call that ground. ``holds_within_s``: all robots are in their loops, from when on
+    periods hold, within so many seconds (None: at any time).
     """
 
     name: str
@@ -165,6 +166,7 @@ class Mission:
     period_s: float | None = None
     origin: GeoPoint | None = None
     unseeable: Unseeable = "exclude"
+    holds_within_s: float | None = None
     planning: PlannerSettings = field(default_factory=_default_settings)
     moving_obstacles: tuple[MovingObstacle, ...] = ()
 
@@ -175,6 +177,9 @@ class Mission:
         object.__setattr__(self, "area", _as_multipolygon("area", self.area))
         if self.period_s is not None:
             require_positive("period_s", self.period_s, LONGEST_S)
+        if self.holds_within_s is not None:
+            ok = 0 <= self.holds_within_s <= LONGEST_S
+            require(ok, "holds_within_s", self.holds_within_s, f"must be 0 to {LONGEST_S:g}, or None")
         require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
         counted = Counter(zone.name for zone in self.zones)
         for zone in self.zones:

@@ -6,7 +6,7 @@ from typing import Literal
 
 ViolationKind = Literal[
     # what is asked
-    "gap", "unseeable", "claims that fewer robots cannot do",
+    "gap", "unseeable", "holds too late", "claims that fewer robots cannot do",
     # the fleet
     "no trajectory", "no start left", "start", "moves while away", "sees before it joins",
     "no way there from the entrances",

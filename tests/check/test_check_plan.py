@@ -12,7 +12,16 @@ import pytest
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, box
 
-from rota.check import Report, check_plan, refine, report_schema, report_table, report_to_json, tiled_ground
+from rota.check import (
+    Report,
+    check_plan,
+    met_text,
+    refine,
+    report_schema,
+    report_table,
+    report_to_json,
+    tiled_ground,
+)
 from rota.check.revisits import worst_gaps_s
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
@@ -425,3 +434,53 @@ def test_a_spot_on_the_edge_of_two_views_is_met_where_its_middles_are(wide_m: fl
     )
     stay = [Trajectory(robot=n, times_s=[0.0], positions_m=[p]) for n, p in [("a", (5.0, 0.5)), ("b", (5.0, 9.5))]]
     assert check_plan(Plan(mission=mission, trajectories=tuple(stay))).verdict == verdict
+
+
+def late(wait_s: float) -> Trajectory:
+    """The tour, begun after a wait."""
+    tour = route(TOUR, 10.0)
+    times_s = np.concatenate([[0], wait_s + tour.times_s])
+    return Trajectory(
+        robot="robot-1", times_s=times_s, positions_m=np.vstack([tour.positions_m[:1], tour.positions_m]),
+        loop_start_s=wait_s,
+    )  # fmt: skip
+
+
+def test_met_says_from_when_on() -> None:
+    at_once = check_plan(Plan(mission=field(period_s=60.0), trajectories=(route(TOUR, 10.0),)))
+    assert (at_once.verdict, at_once.holds_from_s) == ("met", 0.0)
+    assert met_text(at_once) == "met, every demand, for ever."
+    assert report_table(at_once).startswith("verdict: met\n")
+    report = check_plan(Plan(mission=field(period_s=60.0), trajectories=(late(1e9),)))
+    assert (report.verdict, report.holds_from_s) == ("met", 1e9)
+    assert met_text(report) == "met, every demand, for ever from t = 1000000000 s on."
+    assert report_table(report).startswith("verdict: met from t = 1000000000 s on\n")
+    assert report_to_json(report)["holds_from_s"] == 1e9
+    violated = check_plan(Plan(mission=field(period_s=5.0), trajectories=(late(1e9),)))
+    assert report_table(violated).startswith("verdict: violated\n")
+
+
+@pytest.mark.parametrize(("within_s", "late_by_s"), [(99.0, 1.0), (100.0, 0.0), (None, 0.0)])
+def test_a_mission_may_bound_when_demands_hold(within_s: float | None, late_by_s: float) -> None:
+    mission = field(period_s=60.0, holds_within_s=within_s)
+    report = check_plan(Plan(mission=mission, trajectories=(late(100.0),)))
+    told = [(v.kind, v.who, v.value - v.limit) for v in report.violations]
+    assert told == ([("holds too late", "robot-1", late_by_s)] if late_by_s else [])
+    assert report.verdict == ("violated" if late_by_s else "met")
+
+
+def test_headings_that_nobody_judges_are_named() -> None:
+    tour = route(TOUR, 10.0)
+    faced = dataclasses.replace(tour, headings_rad=np.zeros(len(tour.times_s)))
+    assert check_plan(Plan(mission=field(), trajectories=(tour,))).not_judged == ()
+    report = check_plan(Plan(mission=field(), trajectories=(faced,)))
+    assert report.not_judged == ("headings: they are judged of robots that bounce",)
+
+
+def test_a_corner_that_is_never_seen_is_no_area_of_zero() -> None:
+    reach = math.hypot(30, 30) * (1 - 1e-7)  # all of the square but its corners
+    mission = field(fleet=Fleet(speed_m_s=1.0, sensor=DiscSensor(radius_m=reach)))
+    stays = Trajectory(robot="robot-1", times_s=[0.0], positions_m=[[30.0, 30.0]])
+    report = check_plan(Plan(mission=mission, trajectories=(stays,)))
+    assert report.verdict == "violated"
+    assert "> 0" in report_table(report).splitlines()[4]

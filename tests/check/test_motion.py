@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapely import MultiPolygon, Polygon, box
 
-from rota.check.motion import motion_violations, segment_distances
+from rota.check.motion import _row_ahead, motion_violations, segment_distances
 from rota.check.report import Violation
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle
 from rota.plan import Plan, Trajectory
@@ -118,6 +118,32 @@ def test_speed(factor: float, wrong: bool) -> None:
         assert found[0].place_m == (3.0, 1.0)
         assert found[0].time_s == 2.0
         assert found[0].value == pytest.approx(factor)
+
+
+@pytest.mark.parametrize(("speed", "wrong"), [(9.9, False), (28.0, True)])
+def test_what_single_legs_may_be_too_fast_does_not_add_up(speed: float, wrong: bool) -> None:
+    # float64 holds times near 9e9 s to 1.9e-6 s, so that a leg of 0.9e-6 s may seem to take no time
+    began_s, tick_s = 9e9, float(np.spacing(9e9))
+    times = began_s + tick_s * np.arange(401)
+    x = 1 + speed * tick_s * np.minimum(np.arange(401), 400 - np.arange(401))
+    found = violations([(1, 1), *((at, 1.0) for at in x)], times=[0, *times], speed=10.0, loop_start=float(times[-1]))
+    assert [v.kind for v in found] == (["speed"] if wrong else [])
+    if wrong:
+        assert found[0].value == pytest.approx(speed, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_ahead_of_the_speed_are_those_of_brute_force(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(200):
+        ahead_m, allowed_m = rng.normal(-0.3, 1, 12), rng.uniform(1, 4, 12)
+        ahead_m[rng.random(12) < 0.1] = -1e12  # a long wait
+        ends = [m for m in range(12) if any(ahead_m[k : m + 1].sum() > allowed_m[m] for k in range(m + 1))]
+        (row,) = _row_ahead(ahead_m, allowed_m) or [None]
+        assert (row is None) == (not ends)
+        if row is not None:
+            assert row[1] == ends[0] + 1
+            assert ahead_m[row[0] : row[1]].sum() > allowed_m[ends[0]]
 
 
 QUARTER = math.pi / 2

@@ -201,6 +201,19 @@ def test_loops_share_a_period_up_to_a_denominator_of_64() -> None:
     assert commensurable_classes([10.0, 15.0 * (1 + 3e-9)])[0].tolist() == [0, 1]
 
 
+@pytest.mark.parametrize("ratios", [(1.0,), (1.0, 1.5, 3.0), (1.0, 63 / 64)])
+def test_a_chain_of_loops_that_are_nearly_alike_is_no_class(ratios: tuple[float, ...]) -> None:
+    # neighbours miss their ratio by 9e-10, which is allowed; the first and the last by 3.6e-7
+    durations_s = np.array([20 * ratios[k % len(ratios)] * (1 + 9e-10 * k) for k in range(401)])
+    classes, parts, _ = commensurable_classes(durations_s)
+    of_one_part_s = durations_s / parts
+    for one in np.unique(classes):
+        inside = of_one_part_s[classes == one]
+        assert inside.max() - inside.min() <= 1.001e-9 * inside.min()
+    assert classes[0] == classes[1]  # unlike what lies further apart
+    assert classes[0] != classes[-1]
+
+
 def test_loops_of_whole_steps_share_a_period_whatever_their_ratio() -> None:
     step_s = 0.3 * math.sqrt(2) / 0.3
     steps = np.array([84, 0, 25, 62])

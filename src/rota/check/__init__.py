@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rota.check.report import DemandVerdict, Report, Violation, report_schema, report_table, report_to_json
+from rota.check.report import DemandVerdict, Report, Violation, report_schema, report_to_json
+from rota.check.report_table import met_text, report_table
 
 if TYPE_CHECKING:
     from rota.mission import Mission
@@ -16,6 +17,7 @@ __all__ = [
     "Violation",
     "check_plan",
     "get_ready",
+    "met_text",
     "report_schema",
     "report_table",
     "report_to_json",

@@ -100,11 +100,12 @@ def check_plan(plan: Plan, *, finest_m: float = FINEST_M) -> Report:
         robots=robots,
         lower_bound_robots=bound,
         cells_entered=bounced.cells,
-        not_judged=bounced.not_judged,
+        not_judged=(*bounced.not_judged, *_unjudged_headings(plan)),
         demands=tuple(verdicts.demands),
         violations=tuple(violations),
         clock_margin_s=margin_s,
         first_coverage_s=first if math.isfinite(first) else None,
+        holds_from_s=max((trajectory.loop_start_s for trajectory in plan), default=0.0),
         **verdicts.places(),
         run_end=plan.run_end,
     )
@@ -221,7 +222,24 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
 def _violations_on_the_way(plan: Plan) -> list[Violation]:
     """What is wrong with the routes themselves, whatever is seen from them."""
     violations = _fleet_violations(plan) + motion_violations(plan) + separation_violations(plan)
+    violations += _late_violations(plan)
     return violations + moving_violations(plan) + presence_violations(plan) + entrance_violations(plan)
+
+
+def _unjudged_headings(plan: Plan) -> tuple[str, ...]:
+    """That nothing is said of headings, where a plan has some and its robots do not bounce."""
+    given = any(trajectory.headings_rad is not None for trajectory in plan)
+    return ("headings: they are judged of robots that bounce",) if given and not plan.mission.planning.bouncing else ()
+
+
+def _late_violations(plan: Plan) -> list[Violation]:
+    """Robots that begin their loops, from when on periods hold, later than the mission allows."""
+    most_s = plan.mission.holds_within_s
+    late = [] if most_s is None else [t for t in plan if t.loop_start_s > most_s * (1 + PERIOD_TOLERANCE)]
+    return [
+        violation("holds too late", t.robot, t.positions_m[t.loop_index, :2], None, t.loop_start_s, most_s or 0.0, "s")
+        for t in late
+    ]
 
 
 def _fleet_violations(plan: Plan) -> list[Violation]:

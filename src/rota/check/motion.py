@@ -253,17 +253,40 @@ def _point_distance(point: Floats, start: Floats, along: Floats) -> tuple[Floats
 
 
 def speed_violations(trajectory: Trajectory, robot: Robot) -> list[Violation]:
-    """Legs faster than the robot by more than 1e-9 of its speed and what float64 times and places can express."""
+    """Legs faster than the robot by more than 1e-9 of its speed and what float64 times and places can express.
+
+    What a leg may be too short in time does not add up: no row of legs, however many, is farther ahead of the robot's
+    speed than 1e-6 m or than the rounding of its two ends in time, whichever is more. Of several rows one is told.
+    """
     steps = np.diff(trajectory.positions_m, axis=0)
     length, time = np.sqrt((steps**2).sum(axis=1)), np.diff(trajectory.times_s)
     noise_m = 4 * FLOAT_EPS * np.abs(trajectory.positions_m).max()
-    noise_s = 2 * FLOAT_EPS * trajectory.times_s[1:]
-    with np.errstate(over="ignore"):  # the fastest robots may go anywhere at once
-        allowed = robot.speed_m_s * (time * (1 + SPEED_TOLERANCE) + noise_s) + noise_m
+    with np.errstate(over="ignore", invalid="ignore"):  # the fastest robots may go anywhere at once
+        most = robot.speed_m_s * time * (1 + SPEED_TOLERANCE) + noise_m
+        grain_m = robot.speed_m_s * 2 * FLOAT_EPS * trajectory.times_s[1:]
+        rows = [(m, m + 1) for m in np.flatnonzero(length > most + grain_m)[:MOST_PER_ROBOT]]
+        rows = rows or _row_ahead(length - most, np.maximum(grain_m, TOUCH_M))
     violations = []
-    for m in np.flatnonzero(length > allowed)[:MOST_PER_ROBOT]:
+    for m, end in rows:
         x, y = trajectory.positions_m[m, :2]
-        value = float(length[m] / time[m])
+        value = float(length[m:end].sum() / time[m:end].sum())
         when = float(trajectory.times_s[m])
         violations.append(violation("speed", robot.name, (x, y), when, value, robot.speed_m_s, "m/s"))
     return violations
+
+
+def _row_ahead(ahead_m: Floats, allowed_m: Floats) -> list[tuple[int, int]]:
+    """The first row of legs, (from, to), that is farther ahead than allowed at its end; none: no row is.
+
+    ahead_m, allowed_m: (m,) by how much each leg is longer than its time allows, and how much a row that ends with it
+    may be. A leg that falls behind by more than any row may be ahead ends all rows; the sums stay small and exact.
+    """
+    if not len(ahead_m):
+        return []
+    ahead_m = np.maximum(ahead_m, -2 * allowed_m.max())
+    sums = np.concatenate([[0.0], np.cumsum(ahead_m)])
+    too_far = np.flatnonzero(sums[1:] - np.minimum.accumulate(sums)[:-1] > allowed_m)
+    if not len(too_far):
+        return []
+    end = int(too_far[0]) + 1
+    return [(int(np.argmin(sums[:end])), end)]

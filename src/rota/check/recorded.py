@@ -86,6 +86,7 @@ def check_recording(
         violations=tuple(verdicts.violations + excluded),
         clock_margin_s=None,
         first_coverage_s=first_s if math.isfinite(first_s) else None,
+        holds_from_s=from_s,
         **verdicts.places(),
         run_end=None,
     )

@@ -1,4 +1,4 @@
-"""The verdict on a plan: types, JSON with a published schema, and a table in plain text."""
+"""The verdict on a plan: types, and JSON with a published schema."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class Violation:
         """One line for people."""
         where = "" if self.place_m is None else f" at ({self.place_m[0]:.3f}, {self.place_m[1]:.3f})"
         when = "" if self.time_s is None else f", t = {self.time_s:.3f} s"
-        value = "never" if math.isinf(self.value) else f"{_number(self.value)} {self.unit}"
-        return f"{self.who}: {self.kind}{where}{when}: {value}, allowed {_number(self.limit)} {self.unit}"
+        value = "never" if math.isinf(self.value) else f"{number_text(self.value)} {self.unit}"
+        return f"{self.who}: {self.kind}{where}{when}: {value}, allowed {number_text(self.limit)} {self.unit}"
 
 
 def violation(
@@ -93,7 +93,9 @@ class DemandVerdict:
 class Report:
     """The independent verdict on a plan: "met" only when every demand is shown met and nothing is violated.
 
-    ``first_coverage_s``: by then all that is demanded has been seen once (an upper bound; None: some is never seen).
+    ``holds_from_s``: all robots are in their loops from then on, and what is met is met in every period that begins
+    later; of a recording, from when on it is judged. ``first_coverage_s``: by then all that is demanded has been seen
+    once (an upper bound; None: some is never seen).
     ``unmet_points_m`` (n, 2) and ``unmet_demand`` (n,): corners and middle of every piece not shown met, and the
     index of its demand in ``demands``. ``shown_unmet_m`` (m, 2) and ``shown_unmet_demand`` (m,): places that were
     looked at by themselves and are unmet, while some of the pieces may be met all the same. ``run_end``: what the plan
@@ -110,6 +112,7 @@ class Report:
     demands: tuple[DemandVerdict, ...]
     violations: tuple[Violation, ...]
     first_coverage_s: float | None
+    holds_from_s: float
     unmet_points_m: NDArray[np.float64] = field(repr=False)
     unmet_demand: NDArray[np.int64] = field(repr=False)
     shown_unmet_m: NDArray[np.float64] = field(repr=False)
@@ -141,6 +144,7 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "cells": None if report.cells_entered is None else dict(zip(CELLS, report.cells_entered, strict=True)),
         "not_judged": list(report.not_judged),
         "first_coverage_s": report.first_coverage_s,
+        "holds_from_s": report.holds_from_s,
         "run_end": None if end is None else {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason},
         "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
         "worst_ratio": _finite(report.worst_ratio),
@@ -217,6 +221,7 @@ def report_schema() -> dict[str, Any]:
         },
         not_judged={"type": "array", "items": TEXT, "description": "what the plan says and the check leaves open"},
         first_coverage_s=SECONDS_OR_NEVER,
+        holds_from_s={**SIZE, "description": "seconds from which on what is met is met in every period"},
         run_end={
             "description": "what the plan says of the end of a swarm's run; null: nothing",
             "oneOf": [
@@ -272,69 +277,7 @@ def _violation_schema() -> dict[str, Any]:
     )
 
 
-def report_table(report: Report) -> str:
-    """The report as plain text: the verdict, one row per demand, then every violation on a line of its own."""
-    claimed = report.lower_bound_robots
-    bound = "not known" if claimed is None else f"{claimed} by the plan's own word"
-    first = "never" if report.first_coverage_s is None else f"within {_number(report.first_coverage_s)} s"
-    extent = f"all seen once: {first}" if report.demands else "nothing is asked of the ground"
-    if report.cells_entered is not None:
-        extent = "cells entered: {} of {}".format(*report.cells_entered)
-    lines = [f"verdict: {report.verdict}", f"robots: {report.robots} (lower bound: {bound}); {extent}"]
-    if report.run_end is not None:
-        lines.append(f"the plan says that its run was {report.run_end.text()}")
-    if report.clock_margin_s is not None:
-        lines.append(clocks_text(report.clock_margin_s))
-    lines += _demand_rows(report) if report.demands else []
-    lines += [f"not judged: {open_claim}" for open_claim in report.not_judged]
-    return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
-
-
-def clocks_text(margin_s: float) -> str:
-    """How far robots' clocks may differ, in words."""
-    if math.isinf(margin_s):
-        return "clocks may differ by any time: bodies never touch"
-    return f"clocks may differ by {_number(math.floor(1e3 * margin_s) / 1e3)} s before bodies touch"
-
-
-def _demand_rows(report: Report) -> list[str]:
-    """An empty line, a table with a row per demand, and what each of them leaves out."""
-    lines = [""]
-    rows = [
-        ("demand", "asks", "period s", "worst gap s", "area m2", "unseen m2", "excluded m2", "undecided", "outcome")
-    ]
-    for d in report.demands:
-        rows.append(
-            (
-                d.name,
-                d.demand,
-                _number(d.period_s),
-                _bracket(d),
-                _number(d.area_m2),
-                _number(d.unseen_area_m2),
-                _number(d.excluded_area_m2),
-                str(d.undecided_cells),
-                d.outcome,
-            )
-        )
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    words = {0, 1, len(rows[0]) - 1}
-    for row in rows:
-        cells = [c.ljust(w) if k in words else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths, strict=True))]
-        lines.append("  ".join(cells).rstrip())
-    for d in report.demands:
-        for x, y, area in d.excluded_places:
-            lines.append(f"nobody can see ({x:.2f}, {y:.2f}) in {d.name}: {_number(area)} m2 excluded")
-    return lines
-
-
-def _bracket(d: DemandVerdict) -> str:
-    """The worst gap as text: one number, or the bracket that holds it."""
-    low, high = _number(d.worst_gap_at_least_s), _number(d.worst_gap_s)
-    return low if low == high else f"{low} to {high}"
-
-
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
     """A number as text with three decimals, or nine digits where it is small; never: inf."""
     if math.isinf(value):
         return "never"

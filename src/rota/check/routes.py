@@ -87,8 +87,9 @@ def routes_of(plan: Plan) -> Routes:
 def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, Ints, Floats]:
     """Classes of loops that share a period: (k,) class, (k,) duration in units of its class, (classes,) units in s.
 
-    Two loops share a period when one is p/q of the other with q <= 64 within 1e-9, or both share one with a third. A
-    robot that stays (duration 0) is alone in its class, with one part.
+    Two loops share a period when one is p/q of the other with q <= 64 within 1e-9, or both share one with a third. No
+    two loops of a class miss the ratio of their parts by more than 1e-9: a loop that would is in another class. A robot
+    that stays (duration 0) is alone in its class, with one part.
     """
     durations = np.asarray(durations_s, np.float64)
     kinds_s, kind_of = np.unique(durations, return_inverse=True)
@@ -103,6 +104,7 @@ def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, 
             units.append(1.0)
             continue
         ratios = {head: Fraction(1)}
+        least_s = most_s = float(durations[head])  # each loop of the class by its ratio: what it makes of the first one
         reached, done = [head], set()
         for i in reached:
             if durations[i] in done:
@@ -110,7 +112,11 @@ def commensurable_classes(durations_s: Sequence[float] | Floats) -> tuple[Ints, 
             done.add(durations[i])
             for j in map(int, np.flatnonzero(_perhaps_alike(kinds_s, durations[i])[kind_of])):
                 ratio = _ratio(durations_s[j], durations_s[i]) if j not in ratios and classes[j] < 0 else None
-                if ratio is not None:
+                if ratio is None:
+                    continue
+                first_s = float(durations[j] / (ratios[i] * ratio))
+                if max(most_s, first_s) - min(least_s, first_s) <= SAME_RATIO * min(least_s, first_s):
+                    least_s, most_s = min(least_s, first_s), max(most_s, first_s)
                     ratios[j] = ratios[i] * ratio
                     reached.append(j)
         common = math.lcm(*(ratio.denominator for ratio in ratios.values()))

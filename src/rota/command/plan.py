@@ -103,7 +103,7 @@ def _write_metrics(histories: list[Any], path: str | None) -> None:
 
 
 def _show_outcome(answer: Answer, report: Report, target: str) -> None:
-    from rota.check import report_table
+    from rota.check import met_text, report_table
     from rota.planner import planner_of
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
@@ -111,7 +111,7 @@ def _show_outcome(answer: Answer, report: Report, target: str) -> None:
         if paragraph is not None:
             console.print(paragraph, markup=False, soft_wrap=True)
     if report.verdict == "met":
-        console.print("Check: met, every demand, for ever." if report.demands else "Check: no violations.")
+        console.print(f"Check: {met_text(report)}")
     else:
         console.print(f"Check: {report.verdict}. The plan does not meet its demand.\n")
         console.print(report_table(report), markup=False, soft_wrap=True)

@@ -50,6 +50,7 @@ fleet:
 
 # What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
 unseeable: exclude
+holds_within_s: null                 # all robots are in their loops, from when on periods hold, so soon; null: any time
 
 planner: patrol                      # or swarm (robots spread and hold), bounce (a bump sensor and a clock)
 patrol:

@@ -249,6 +249,7 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         fleet=fleet_at_its_starts(_fleet(file.fleet), file, ground)[0],
         origin=ground.origin,
         unseeable=file.unseeable,
+        holds_within_s=file.holds_within_s,
         planning=_planning(file),
         moving_obstacles=moving_obstacles(file, ground),
     )

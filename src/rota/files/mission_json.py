@@ -58,6 +58,7 @@ def mission_to_json(mission: Mission) -> Json:
         ],
         "period_s": _number(mission.period_s),
         "unseeable": mission.unseeable,
+        **({} if mission.holds_within_s is None else {"holds_within_s": float(mission.holds_within_s)}),
         "origin": None if origin is None else {"lat": float(origin.lat), "lon": float(origin.lon)},
         "fleet": _fleet_to_json(mission.fleet),
         **_planner_to_json(mission),
@@ -170,6 +171,7 @@ def mission_from_fields(fields: MissionFields) -> Mission:
             fleet=fleet,
             origin=None if fields.origin is None else GeoPoint(lat=fields.origin.lat, lon=fields.origin.lon),
             unseeable=fields.unseeable,
+            holds_within_s=fields.holds_within_s,
             planning=_planning(fields),
             moving_obstacles=tuple(_moving_obstacle(moving) for moving in fields.moving_obstacles),
         )

@@ -189,6 +189,9 @@ class MissionFile(Block):
     moving_obstacles: list[MovingObstacleBlock] = Field(default=[])
     period_s: Duration | None = Field(None, description="for the area outside zones; null: nothing is asked there")
     unseeable: Literal["exclude", "refuse"] = "exclude"
+    holds_within_s: Moment | None = Field(
+        None, description="robots are in their loops, from when on periods hold, within so many seconds; null: any time"
+    )
     zones: list[ZoneBlock] = Field(default=[])
     fleet: FleetBlock
     planner: str = DEFAULT

@@ -146,6 +146,7 @@ class MissionFields(_Strict):
     zones: list[ZoneFields]
     period_s: Period | None
     unseeable: Unseeable
+    holds_within_s: Time | None = None
     origin: OriginFields | None
     fleet: FleetFields
     moving_obstacles: list[MovingObstacleFields] = []

@@ -12,7 +12,8 @@ from html import escape
 from pathlib import Path
 
 import rota
-from rota.check.report import DemandVerdict, Report, report_table
+from rota.check.report import DemandVerdict, Report
+from rota.check.report_table import report_table
 from rota.files.atomic_write import replaced_file, require_suffix
 from rota.plan import Plan
 from rota.plan_summary import RobotRow, bound_sentence, ratio_sentence, robot_rows, robots_sentence, rounded
