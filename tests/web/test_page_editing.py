@@ -44,7 +44,7 @@ def test_what_is_drawn_is_kept_and_undone(page: Any, page_server: Any) -> None:
     click_map(page, (120, 480))
     tool(page, "Entrance", "Point")
     click_map(page, (480, 120))
-    assert "proved" in judged(page)
+    assert "Starts: 1 start is given, and at least 2 robots are needed" in judged(page)
     kept = document(page)
     side = kept["area"][1][0] - kept["area"][0][0]
     assert len(kept["area"]) == 4
@@ -188,10 +188,10 @@ def test_faults_are_told_at_the_field_on_the_shape_and_in_the_list(page: Any) ->
     speed = page.locator("#fleet-form").get_by_label("Speed (m/s)")
     expect(speed).to_have_attribute("aria-invalid", "true")
     told = judged(page)
-    assert "fleet.speed_m_s" in told
+    assert "Fleet, speed: " in told
     page.locator("#tab-plan").click()
     page.locator("#tab-edit").click()
-    page.get_by_role("button", name="fleet.speed_m_s").click()
+    page.locator("#verdict").get_by_role("button", name="Fleet, speed").click()
     expect(speed).to_be_focused()
     speed.fill("5")
     expect(speed).to_have_attribute("aria-invalid", "false")

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+import math
+import re
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 from playwright.sync_api import expect
 from tests.web.conftest import Server, open_page
-from tests.web.drawing import document, draw_polygon, judged, new_mission, open_example, saved
+from tests.web.drawing import (
+    click_map,
+    document,
+    draw_polygon,
+    judged,
+    mission_id,
+    new_mission,
+    open_example,
+    saved,
+    tool,
+)
 
 pytestmark = pytest.mark.browser
 
@@ -35,23 +48,58 @@ def test_bad_files_are_refused_in_plain_words(page: Any, faults: Any, tmp_path: 
     )
     page.locator("#mission-files").set_input_files(bad)
     expect(page.locator("#missions")).to_be_hidden()
-    assert "fleet.speed_m_s" in judged(page)
-    page.get_by_role("button", name="fleet.sensor.radius_m").click()
+    assert "Fleet, speed: " in judged(page)
+    page.locator("#verdict").get_by_role("button", name="Fleet, sensor, radius").click()
     page.keyboard.type("3")
     page.locator("#fleet-form").get_by_label("Speed (m/s)").fill("1")
     page.locator("#mission-form").get_by_label("Period (s)").fill("60")
     expect(page.locator("#verdict")).to_contain_text("proved")
 
 
-def test_a_mission_with_faults_is_not_planned(page: Any, faults: Any) -> None:
-    faults.refusals_expected = True
+def test_a_mission_with_faults_is_not_planned(page: Any, page_server: Any) -> None:
     new_mission(page)
     draw_polygon(page, "Area", *SQUARE)
     page.locator("#fleet-form").get_by_label("Speed (m/s)").fill("0")
-    assert "speed_m_s" in judged(page)
+    assert "Fleet, speed: " in judged(page)
     page.locator("#tab-plan").click()
-    page.get_by_role("button", name="Plan", exact=True).click()
-    expect(page.locator("#jobs .fault").first).to_contain_text("speed_m_s")
+    expect(page.locator("#hindrance")).to_contain_text("Fleet, speed: ")
+    plan = page.get_by_role("button", name="Plan", exact=True)
+    expect(plan).to_have_attribute("aria-disabled", "true")
+    plan.click(force=True)
+    page.locator("#hindrance").get_by_role("button").first.click()
+    expect(page.locator("#fleet-form").get_by_label("Speed (m/s)")).to_be_focused()
+    with httpx.Client(base_url=page_server.url) as client:
+        assert mission_id(page) not in {job["mission"] for job in client.get("/api/jobs").json()}
+
+
+def test_starts_that_no_plan_can_do_with_are_told_and_mended_by_a_dock(page: Any) -> None:
+    open_example(page, "harbour")
+    judged(page)
+    tool(page, "Start", "Point")
+    click_map(page, (400, 300))
+    expect(page.locator("#verdict")).to_contain_text("Starts: 1 start is given, and at least 4 robots are needed")
+    page.locator("#tab-plan").click()
+    expect(page.locator("#hindrance")).to_contain_text("Starts: 1 start is given")
+    page.locator("#hindrance").get_by_role("button", name="All start here (dock)").click()
+    expect(page.locator("#hindrance")).to_be_hidden()
+    expect(page.get_by_role("button", name="Plan", exact=True)).to_have_attribute("aria-disabled", "false")
+    (x0, y0), (x1, y1) = document(page)["fleet"]["start"]["box"]
+    assert (x1 - x0) * math.cos(math.radians(y0)) == pytest.approx(y1 - y0, rel=0.01)  # a square of metres, in degrees
+    page.locator("#tab-edit").click()
+    page.keyboard.press("Control+z")
+    assert "points" in document(page)["fleet"]["start"]
+    tool(page, "Start", "Dock: all start here")
+    click_map(page, (300, 300))
+    assert "box" in document(page)["fleet"]["start"]
+    # outside of the area, and faster than anything
+    tool(page, "Start", "Point")
+    click_map(page, (880, 30))
+    expect(page.locator("#verdict")).to_contain_text(re.compile("Start 1: .* outside the area"))
+    page.locator("#fleet-form").get_by_label("Speed (m/s)").fill("5000")
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    page.locator("#fleet-form").get_by_label("Speed (m/s)").fill("5000")
+    expect(page.locator("#verdict")).to_contain_text("Fleet, speed: 5,000 m/s is 18,000 km/h")
 
 
 REFUSALS = {429: "Too many plans are waiting", 413: "too large", 503: "Try again", 401: "token", 500: "status 500"}

@@ -20,6 +20,7 @@ from rota.web.refusal import Json, Refusal
 from rota.web.store.jobs import as_asked
 from rota.web.store.missions import mission_files, mission_source, upload_contents
 from rota.web.tasks.context import Context, as_document, fault_json, laid_out
+from rota.web.tasks.feasibility import doubtful, hopeless
 from rota.web.tasks.preparing import is_ready
 
 
@@ -43,6 +44,8 @@ def require_plannable(context: Context, given: Json, body: bytes) -> tuple[Json,
         judged = judged_document(document, folder, context.vertices)
     if judged.mission is None:
         raise Refusal(422, "the mission has faults", faults_json(judged))
+    if faults := list(hopeless(judged.mission, 1)):
+        raise Refusal(422, "the mission cannot work", faults)
     if given["effort"] is not None:
         judged.mission.with_effort(given["effort"])
     return {}, b""
@@ -80,9 +83,14 @@ def _answer(judged: JudgedDocument) -> Json:
     mission, faults = judged.mission, faults_json(judged)
     compiling = mission is not None and not is_ready(mission)
     bound = None if mission is None or compiling else _bound(mission, faults)
+    warnings = [fault_json(warning.place, warning.message) for warning in judged.warnings]
+    if mission is not None:
+        least = 1 if bound is None else max(bound["robots"], 1)
+        faults += hopeless(mission, least)
+        warnings += doubtful(mission, least)
     return {
         "faults": faults,
-        "warnings": [fault_json(warning.place, warning.message) for warning in judged.warnings],
+        "warnings": warnings,
         "ground": None if judged.ground is None else ground_json(judged.ground),
         "bound": bound,
         "compiling": compiling,

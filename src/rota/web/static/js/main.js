@@ -14,6 +14,7 @@ import { Jobs } from "./work/jobs.js";
 import { Live } from "./work/live.js";
 import { Missions } from "./work/missions.js";
 import { Plans } from "./work/plans.js";
+import { Readiness } from "./work/readiness.js";
 import { Watching } from "./work/watching.js";
 
 class Page {
@@ -24,6 +25,8 @@ class Page {
     this.tabs = new Tabs(byId("tabs"));
     this.plans = new Plans(byId("plans"));
     this.jobs = new Jobs(byId("jobs"), byId("earlier"), this.editor.keeper);
+    const readiness = new Readiness(byId("plan-now"), this.editor);
+    this.jobs.mayPlan = () => readiness.mayPlan();
     this.missions = new Missions(this.editor.keeper);
     this.downloads = new Downloads(byId("downloads"), about.formats);
     this.watching = new Watching(this.missionMap, byId("player-controls"), byId("watching"));

@@ -2,6 +2,7 @@
 
 import { api, ApiError, connection } from "./api.js";
 import { button, byId, el } from "./dom.js";
+import { faultInWords, textInWords } from "./editor/words.js";
 
 const NOTICE_S = 12;
 const RETRY_S = 3;
@@ -40,10 +41,10 @@ export function messageOf(error) {
     console.error(error);
     return `the page itself failed (${error instanceof Error ? error.message : error})`;
   }
-  const faults = error.faults.slice(0, 5).map((fault) => (fault.field ? `${fault.field}: ${fault.message}` : fault.message));
+  const faults = error.faults.slice(0, 5).map((fault) => faultInWords(fault));
   const more = error.faults.length > 5 ? [`and ${error.faults.length - 5} more`] : [];
   const missing = faults.filter((fault) => !error.message.includes(fault));
-  return missing.length === 0 ? error.message : [error.message, ...missing, ...more].join(" — ");
+  return missing.length === 0 ? textInWords(error.message) : [textInWords(error.message), ...missing, ...more].join(" — ");
 }
 
 /**

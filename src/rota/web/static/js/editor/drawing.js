@@ -8,14 +8,15 @@ const L = window.L;
 export const KINDS = { area: "Area", zone: "Zone", obstacle: "Obstacle", start: "Start", entrance: "Entrance" };
 export const FORMS = { ring: "Polygon", rectangle: "Rectangle", circle: "Circle" };
 /** Forms of the kinds that are places; all others have FORMS. */
-const PLACES = { start: { points: "Point", box: "Box" }, entrance: { points: "Point" } };
-const GEOMAN = { ring: "Polygon", rectangle: "Rectangle", circle: "Circle", points: "Marker", box: "Rectangle" };
+const PLACES = { start: { points: "Point", box: "Box", dock: "Dock: all start here" }, entrance: { points: "Point" } };
+const GEOMAN = { ring: "Polygon", rectangle: "Rectangle", circle: "Circle", points: "Marker", box: "Rectangle", dock: "Marker" };
 const HINTS = {
   ring: "Click the corners one after another. Click the first one again, or press Enter, to close. Backspace takes the last corner back, Escape ends.",
   rectangle: "Click one corner, then the opposite one. Escape ends.",
   box: "Click one corner of the box in which robots start, then the opposite one. Escape ends.",
   circle: "Click the centre, then a point on the circle. Escape ends.",
   points: "Click where a robot starts. Escape ends.",
+  dock: "Click where all robots start side by side, however many there are. Escape ends.",
   entrance: "Click where robots come in: they are only where they can get to from there. Escape ends.",
 };
 
@@ -116,8 +117,12 @@ export class Drawing extends EventTarget {
     if (kind === null) {
       return;
     }
-    const geometry = geometryOfLayer(layer, this.frame, form === "rectangle" ? "ring" : form);
     this.stop();
+    if (form === "dock") {
+      this.dispatchEvent(new CustomEvent("dock", { detail: layer.getLatLng() }));
+      return;
+    }
+    const geometry = geometryOfLayer(layer, this.frame, form === "rectangle" ? "ring" : form);
     this.dispatchEvent(new CustomEvent("drawn", { detail: { kind, geometry } }));
   }
 

@@ -2,6 +2,7 @@
 
 import { byId } from "../dom.js";
 import { notify } from "../notices.js";
+import { dockAt } from "./dock.js";
 import { Drawing, startReadout } from "./drawing.js";
 import { Fields } from "./fields.js";
 import { FleetForm } from "./fleet_form.js";
@@ -13,7 +14,7 @@ import { newMission } from "./new_mission.js";
 import { pathKey, startsWith } from "./paths.js";
 import { PlannerForm } from "./planner_form.js";
 import { ShapeList } from "./shape_list.js";
-import { pointsOf, shapesOf, withGeometry, withNewShape, withoutShape } from "./shapes.js";
+import { listAt, pointsOf, shapesOf, withGeometry, withNewShape, withoutShape } from "./shapes.js";
 import { DocumentStore } from "./store.js";
 import { Validation } from "./validation.js";
 import { startVerdict } from "./verdict.js";
@@ -48,7 +49,7 @@ export class Editor extends EventTarget {
     this.faulty = new Set();
     this.listen();
     startReadout(missionMap.map, this.drawing, byId("readout"));
-    startVerdict(byId("verdict"), this.validation, (path) => this.goTo(path), () => this.isEmpty);
+    startVerdict(byId("verdict"), this.validation, this);
     this.update();
     this.validation.ask();
   }
@@ -68,6 +69,7 @@ export class Editor extends EventTarget {
     this.list.addEventListener("geometry", ({ detail }) => this.store.apply(withGeometry(this.store.document, detail.path, detail.geometry), detail.merge));
     this.list.addEventListener("add", (event) => this.addByNumbers(event.detail));
     this.drawing.addEventListener("drawn", (event) => this.add(event.detail.kind, event.detail.geometry));
+    this.drawing.addEventListener("dock", (event) => this.dockStarts(event.detail));
     this.drawing.addEventListener("begin", () => this.layers.hold("drawing", true));
     this.drawing.addEventListener("end", () => this.layers.hold("drawing", false));
     this.drawing.addEventListener("nothing", () => this.choose(null));
@@ -80,6 +82,19 @@ export class Editor extends EventTarget {
     document.addEventListener("keydown", (event) => this.key(event));
     byId("undo").addEventListener("click", () => this.store.undo());
     byId("redo").addEventListener("click", () => this.store.redo());
+  }
+
+  /** Whether starts are single places, which a dock can take the place of. */
+  get canDock() {
+    return listAt(this.store.document, ["fleet", "start", "points"]).length > 0;
+  }
+
+  /** One box round a place, without one round the first start, with room for all robots that are surely needed. */
+  dockStarts(place = L.latLng(this.frame.toMap(this.store.document.fleet.start.points[0]))) {
+    const { document } = this.store;
+    const robots = this.validation.latest?.bound?.robots ?? 1;
+    this.store.apply(withGeometry(document, ["fleet", "start"], dockAt(place, this.frame, document, robots)));
+    this.choose("fleet/start");
   }
 
   /** Whether shapes come from files that the server has with the mission only. */

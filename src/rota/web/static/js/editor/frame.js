@@ -62,6 +62,15 @@ export class Frame {
     return this.tiled ? [lat, lon] : swapped(toMetres(this.origin, lon, lat));
   }
 
+  /** The place on the map so many metres east and north of another. */
+  beside({ lat, lng }, east_m, north_m) {
+    if (!this.tiled) {
+      return { lat: lat + north_m, lng: lng + east_m };
+    }
+    const [lon, latitude] = toDegrees({ lat, lon: lng }, east_m, north_m);
+    return { lat: latitude, lng: lon };
+  }
+
   /** Metres between two places on the map. */
   distance(a, b) {
     if (!this.tiled) {

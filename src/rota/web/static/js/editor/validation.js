@@ -14,6 +14,7 @@ export class Validation extends EventTarget {
     super();
     this.question = question;
     this.running = null;
+    this.busy = false;
     /** @type {Validity|null} */
     this.latest = null;
     this.later = debounced(() => this.ask());
@@ -56,7 +57,18 @@ export class Validation extends EventTarget {
     this.tell("failed", error);
   }
 
+  /** Resolves when the newest question is answered, and after so long in any case. */
+  settled(within_ms) {
+    return new Promise((resolve) => {
+      const timer = window.setTimeout(resolve, this.busy ? within_ms : 0);
+      for (const end of ["result", "failed"]) {
+        this.addEventListener(end, () => resolve(clearTimeout(timer)), { once: true });
+      }
+    });
+  }
+
   tell(name, detail = null) {
+    this.busy = name === "asking";
     this.dispatchEvent(new CustomEvent(name, { detail }));
   }
 }

@@ -2,6 +2,7 @@
 
 import { button, el } from "../dom.js";
 import { messageOf } from "../notices.js";
+import { faultInWords } from "./words.js";
 
 const MOST_SHOWN = 20;
 const NOTHING_DRAWN = "Draw the area that robots are to watch: press Area above the map, then click its corners.";
@@ -9,14 +10,13 @@ const NOTHING_DRAWN = "Draw the area that robots are to watch: press Area above 
 /**
  * @param {HTMLElement} section
  * @param {import("./validation.js").Validation} validation
- * @param {(path: (string|number)[]) => void} goTo shows the field or the shape of a fault
- * @param {() => boolean} isEmpty whether nothing is drawn yet
+ * @param {import("./editor.js").Editor} editor shows the field or the shape of a fault, and knows what is drawn
  */
-export function startVerdict(section, validation, goTo, isEmpty) {
+export function startVerdict(section, validation, editor) {
   const show = (...boxes) => section.replaceChildren(...boxes);
   validation.addEventListener("asking", () => {
     section.setAttribute("aria-busy", "true");
-    if (isEmpty()) {
+    if (editor.isEmpty) {
       show(box("plain", NOTHING_DRAWN));
     } else if (section.textContent === "" || section.textContent === NOTHING_DRAWN) {
       show(box("plain", "Checking the mission…"));
@@ -28,19 +28,17 @@ export function startVerdict(section, validation, goTo, isEmpty) {
   });
   validation.addEventListener("result", (event) => {
     section.removeAttribute("aria-busy");
-    show(...boxesOf(/** @type {CustomEvent} */ (event).detail, goTo, isEmpty()));
+    show(...boxesOf(/** @type {CustomEvent} */ (event).detail, editor));
   });
 }
 
-function boxesOf(result, goTo, empty) {
-  if (empty) {
+function boxesOf(result, editor) {
+  if (editor.isEmpty) {
     return [box("plain", NOTHING_DRAWN)];
   }
   const boxes = [];
   if (result.faults.length > 0) {
-    const count = result.faults.length;
-    const list = el("ul", {}, ...result.faults.slice(0, MOST_SHOWN).map((fault) => el("li", {}, faultLine(fault, goTo))));
-    boxes.push(box("fault", `${count === 1 ? "One thing keeps" : `${count} things keep`} this mission from being planned:`, list));
+    boxes.push(box("fault", countOf(result.faults), faultList(result.faults, editor)));
   } else if (result.bound !== null && result.bound !== undefined) {
     const robots = result.bound.robots === 1 ? "1 robot" : `${result.bound.robots} robots`;
     boxes.push(box("ok", el("strong", {}, `At least ${robots}, proved: `), result.bound.reason, areaText(result)));
@@ -49,14 +47,33 @@ function boxesOf(result, goTo, empty) {
     boxes.push(box("ok", `The mission can be planned.${more}`, areaText(result)));
   }
   if (result.warnings.length > 0) {
-    boxes.push(box("warn", el("ul", {}, ...result.warnings.map((warning) => el("li", {}, textOf(warning))))));
+    boxes.push(box("warn", faultList(result.warnings, editor)));
   }
   return boxes;
 }
 
-function faultLine(fault, goTo) {
-  const named = fault.field ? `${fault.field}: ${fault.message}` : fault.message;
-  return fault.path.length === 0 ? named : button(named, () => goTo(fault.path), { class: "link" });
+/** How many faults there are, as a beginning of their list. */
+export function countOf(faults) {
+  return `${faults.length === 1 ? "One thing keeps" : `${faults.length} things keep`} this mission from being planned:`;
+}
+
+/** Faults in words, each leading to its field or shape, with what mends it where that is one step. */
+export function faultList(faults, editor) {
+  const lines = faults.slice(0, MOST_SHOWN).map((fault) => el("li", {}, faultLine(fault, editor)));
+  if (faults.some(isOfStarts) && editor.canDock) {
+    lines.push(el("li", {}, button("All start here (dock)", () => editor.dockStarts(), { title: "One box round the first start instead of single places" })));
+  }
+  const more = faults.length - MOST_SHOWN;
+  return el("ul", {}, ...lines, more > 0 ? el("li", {}, `and ${more} more`) : null);
+}
+
+function isOfStarts(fault) {
+  return fault.path?.[0] === "fleet" && fault.path[1] === "start";
+}
+
+function faultLine(fault, editor) {
+  const told = faultInWords(fault, editor.store.document);
+  return (fault.path ?? []).length === 0 ? told : button(told, () => editor.goTo(fault.path), { class: "link" });
 }
 
 function areaText(result) {
@@ -66,10 +83,6 @@ function areaText(result) {
   }
   const shown = free >= 1e4 ? `${(free / 1e4).toFixed(2)} ha` : `${free.toFixed(1)} m²`;
   return el("p", { class: "soft" }, `Free ground: ${shown}.`);
-}
-
-function textOf(warning) {
-  return typeof warning === "string" ? warning : (warning.message ?? String(warning));
 }
 
 function box(kind, ...children) {

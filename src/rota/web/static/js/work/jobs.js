@@ -2,6 +2,7 @@
 
 import { api, ApiError, connection } from "../api.js";
 import { button, el } from "../dom.js";
+import { textInWords } from "../editor/words.js";
 import { confirmed, messageOf, notifyError } from "../notices.js";
 
 const POLL_MS = 2000;
@@ -25,6 +26,7 @@ export class Jobs extends EventTarget {
   constructor(section, earlier, keeper) {
     super();
     this.keeper = keeper;
+    this.mayPlan = async () => true; // asked before a mission is planned
     this.jobs = [];
     this.followed = null; // the id of the job whose events are read
     this.bestPlan = null; // the id of the best plan so far that was told last
@@ -57,6 +59,9 @@ export class Jobs extends EventTarget {
     this.fault.textContent = "";
     this.plan.disabled = true;
     try {
+      if (!(await this.mayPlan())) {
+        return;
+      }
       const mission = await this.keeper.flush();
       const body = { mission, seed: Number(this.seed.value) };
       const limit = this.limit.value === "" ? {} : { time_limit_s: Number(this.limit.value) };
@@ -170,7 +175,7 @@ export class Jobs extends EventTarget {
       }
       parts.push(bar, el("p", {}, describe(job)));
     } else if (job.message) {
-      parts.push(el("p", { class: job.state === "failed" || job.state === "no_plan" ? "fault" : "soft" }, job.message));
+      parts.push(el("p", { class: job.state === "failed" || job.state === "no_plan" ? "fault" : "soft" }, textInWords(job.message)));
     }
     parts.push(el("div", { class: "row" }, ...this.buttons(job)));
     return el("li", { class: "card" }, ...parts);
