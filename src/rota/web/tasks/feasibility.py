@@ -61,7 +61,7 @@ def doubtful(mission: Mission, least_robots: int) -> Iterator[Json]:
                 f"in the shortest period, {shortest_s:.6g} s, a robot drives {way_m:.4g} m: it watches as if it stood"
             )
             yield fault_json((*place, "speed_m_s"), told)
-    if mission.planning.planner == "patrol":
+    if shortest_s is not None:  # what is asked again and again takes loops
         yield from _too_wide_turns(mission)
     fleet = mission.fleet
     if fleet.robots is not None and len(fleet.robots) < least_robots:
@@ -115,7 +115,7 @@ def _inner_radius_m(polygon: Polygon) -> float:
     filled = Polygon(polygon.exterior)
     x0, y0, x1, y1 = filled.bounds
     exact_m = EXACT * min(x1 - x0, y1 - y0)
-    return float(shapely.maximum_inscribed_circle(filled, tolerance=exact_m).length) + exact_m
+    return float(shapely.length(shapely.maximum_inscribed_circle(filled, tolerance=exact_m))) + float(exact_m)
 
 
 def _counted(number: float, one: str, more: str) -> str:
