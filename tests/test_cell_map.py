@@ -34,6 +34,15 @@ def test_smallest_period_rules_and_a_zone_replaces_the_areas_even_by_nothing():
     assert cell_map.extent_m == (0, 100, 0, 100)
 
 
+def test_an_obstacle_that_asks_nothing_outdoes_the_zones():
+    field = Obstacle(shape=box(0, 0, 50, 50), blocks="motion", asks="nothing")
+    zone = Zone(name="z", shape=box(0, 0, 100, 20), period_s=10)
+    mission = Mission(name="m", area=box(0, 0, 100, 100), period_s=40, fleet=FLEET, zones=(zone,), obstacles=(field,))
+    cell_map = cell_map_of(mission, cells=100)
+    assert (cell_map.inside.sum(), cell_map.asked.sum()) == (100, 75)
+    assert cell_map.period_s[0].tolist()[4:] == pytest.approx([np.nan, *[10] * 5], nan_ok=True)
+
+
 def test_cells_in_a_wall_show_what_a_neighbour_shows():
     wall = Obstacle(shape=box(40, 0, 50, 100))
     mission = Mission(name="m", area=box(0, 0, 100, 100), period_s=40, fleet=FLEET, obstacles=(wall,))

@@ -80,7 +80,8 @@ def _within(shape: MultiPolygon, x_m: Floats, y_m: Floats) -> Bools:
 def cell_map_of(mission: Mission, cells: int = 200_000) -> CellMap:
     """The ground of a mission in about ``cells`` cells over its bounding box, at most 1600 along one side.
 
-    A zone's period replaces the area's, also by nothing; among overlapping zones the smallest rules.
+    A zone's period replaces the area's, also by nothing; among overlapping zones the smallest rules. Under obstacles
+    that ask nothing, nothing is asked.
     """
     left, bottom, right, top = mission.area.bounds
     width_m, height_m = right - left, top - bottom
@@ -103,6 +104,9 @@ def cell_map_of(mission: Mission, cells: int = 200_000) -> CellMap:
             np.minimum(smallest_s, zone.period_s, out=smallest_s, where=here)
     rest_s = np.nan if mission.period_s is None else mission.period_s
     period_s = np.where(np.isfinite(smallest_s), smallest_s, np.where(zoned, np.nan, rest_s))
+    for obstacle in mission.obstacles:
+        if obstacle.asks == "nothing":
+            period_s[_within(obstacle.shape, x_m, y_m)] = np.nan
     return CellMap(
         x_m=x_m,
         y_m=y_m,

@@ -41,6 +41,7 @@ from rota.refusals import (
 from rota.start_faults import TOUCH_M as TOUCH_M, start_faults as start_faults
 
 Blocks = Literal["both", "motion", "sight"]
+Asks = Literal["all", "nothing"]
 Demand = Literal["every_point", "visit"]
 Unseeable = Literal["exclude", "refuse"]
 
@@ -76,13 +77,19 @@ class GeoPoint:
 
 @dataclass(frozen=True, kw_only=True)
 class Obstacle:
-    """A shape that blocks motion, sight, or both (a no-fly zone blocks motion only, a hedge sight only)."""
+    """A shape that blocks motion, sight, or both (a no-fly zone blocks motion only, a hedge sight only).
+
+    ``asks`` "all": the ground under it is asked for as anywhere else; "nothing": it is not, whatever the area and the
+    zones ask. Under what blocks sight nothing is asked for in any case.
+    """
 
     shape: MultiPolygon
     blocks: Blocks = "both"
+    asks: Asks = "all"
 
     def __post_init__(self) -> None:
         require(self.blocks in ("both", "motion", "sight"), "blocks", self.blocks, "both, motion or sight")
+        require(self.asks in ("all", "nothing"), "asks", self.asks, "all or nothing")
         object.__setattr__(self, "shape", _as_multipolygon("obstacle", self.shape))
 
     @property
@@ -94,6 +101,11 @@ class Obstacle:
     def blocks_sight(self) -> bool:
         """Whether nothing is seen through or in it."""
         return self.blocks != "motion"
+
+    @property
+    def hides_demand(self) -> bool:
+        """Whether nothing is asked for of the ground under it."""
+        return self.blocks_sight or self.asks == "nothing"
 
 
 @dataclass(frozen=True, kw_only=True)

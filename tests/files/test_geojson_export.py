@@ -32,7 +32,7 @@ def plan(origin: GeoPoint | None = ORIGIN) -> Plan:
     mission = Mission(
         name="harbour",
         area=MultiPolygon([holed, box(400, 0, 500, 100)]),
-        obstacles=(Obstacle(shape=box(200, 200, 210, 230), blocks="motion"),),
+        obstacles=(Obstacle(shape=box(200, 200, 210, 230), blocks="motion", asks="nothing"),),
         zones=(Zone(name="gate", shape=box(-200, -200, -100, -100), period_s=30, demand="visit"),),
         period_s=120,
         origin=origin,
@@ -61,7 +61,8 @@ def test_features_and_their_properties() -> None:
     assert features(document, "area")[0]["properties"] == {"kind": "area", "name": "harbour", "period_s": 120}
     zone = features(document, "zone")[0]["properties"]
     assert zone == {"kind": "zone", "name": "gate", "period_s": 30, "demand": "visit"}
-    assert features(document, "obstacle")[0]["properties"]["blocks"] == "motion"
+    obstacle = features(document, "obstacle")[0]["properties"]
+    assert obstacle == {"kind": "obstacle", "blocks": "motion", "asks": "nothing"}
     loop, stay = features(document, "loop")
     assert loop["properties"] == {
         "kind": "loop",

@@ -147,6 +147,9 @@ def test_holes_circles_and_what_obstacles_block(tmp_path):
     assert mission.area.area == 2400 - 25
     circle, ring = mission.obstacles
     assert (circle.blocks, ring.blocks) == ("motion", "both")
+    assert (circle.asks, ring.asks) == ("all", "all")
+    silent = read(tmp_path, text.replace("blocks: motion", "blocks: motion, asks: nothing")).mission.obstacles[0]
+    assert (silent.blocks, silent.asks, silent.shape) == ("motion", "nothing", circle.shape)
     assert ring.shape.area == 100 - 2
     assert circle.shape.contains(Point(30, 20).buffer(3, quad_segs=500))
     corners = np.asarray(circle.shape.geoms[0].exterior.coords)[:-1]

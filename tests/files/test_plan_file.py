@@ -51,7 +51,11 @@ def harbour() -> Plan:
     mission = Mission(
         name="harbour",
         area=MultiPolygon([holed, box(100, 0, 110, 10)]),
-        obstacles=(Obstacle(shape=box(30, 60, 35, 70)), Obstacle(shape=box(60, 60, 65, 70), blocks="sight")),
+        obstacles=(
+            Obstacle(shape=box(30, 60, 35, 70)),
+            Obstacle(shape=box(60, 60, 65, 70), blocks="sight"),
+            Obstacle(shape=box(60, 75, 65, 80), blocks="motion", asks="nothing"),
+        ),
         zones=(
             Zone(name="gate", shape=box(1, 1, 5, 5), period_s=7.3),
             Zone(name="tank", shape=box(3, 3, 8, 8), period_s=None, demand="visit"),
@@ -334,6 +338,7 @@ CROSSED = [[[[0, 0], [1, 1], [0, 1], [1, 0]]]]
         ("mission.area.0.0.2", [1], r"^mission\.area\[0\]\[0\]\[2\]: .*at least 2"),
         ("mission.obstacles.1.shape", CROSSED, r"^mission\.obstacles\[1\]\.shape: an invalid shape"),
         ("mission.obstacles.0.blocks", "light", r"^mission\.obstacles\[0\]\.blocks: .*'both', 'motion' or 'sight'"),
+        ("mission.obstacles.2.asks", "something", r"^mission\.obstacles\[2\]\.asks: .*'all' or 'nothing'"),
         ("mission.zones.1.shape", [[[[500, 500], [501, 500], [501, 501]]]], r"zone tank: .*outside the area"),
         ("mission.zones.1.name", "gate", r"^mission: zones: 'gate' .*unique"),
         ("mission.origin.lat", 91, r"^mission\.origin\.lat: .*90, not 91"),

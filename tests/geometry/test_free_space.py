@@ -8,6 +8,7 @@ import shapely
 from hypothesis import given, seed, settings, strategies as st
 from shapely import MultiPolygon, Point, Polygon, affinity, box
 
+from rota.check.demands import demands_of
 from rota.errors import MissionError
 from rota.geometry.free_space import (
     border_corners,
@@ -188,6 +189,15 @@ def test_what_blocks_sight_is_not_demanded_and_what_blocks_motion_is():
     found = regions_of(box(0, 0, 10, 10), box(5, 5, 7, 7), fence, hedge, zones=[zone("z", 9, box(0, 0, 6, 6))])
     assert found["z"].shape.area == 36 - 1 - 1
     assert found["area"].shape.area == 100 - 36 - 4 + 1
+
+
+def test_the_planner_and_the_check_ask_nothing_under_an_obstacle_that_asks_nothing():
+    fence = Obstacle(shape=box(1, 1, 5, 5), blocks="motion", asks="nothing")
+    block = Obstacle(shape=box(4, 4, 6, 6), asks="nothing")
+    ground = mission(box(0, 0, 10, 10), fence, block, zones=[zone("z", 9, box(0, 0, 3, 10))])
+    asked = {"z": 30 - 2 * 4, "area": 70 - 2 * 4 - 4 + 1}
+    assert {region.name: region.shape.area for region in demanded_regions(ground)} == pytest.approx(asked)
+    assert {demand.name: demand.region.area for demand in demands_of(ground)} == pytest.approx(asked)
 
 
 def test_a_zone_to_visit_keeps_itself_and_frees_its_ground_from_the_area_only():

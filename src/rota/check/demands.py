@@ -33,8 +33,8 @@ def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
 
     Regions of every_point demands are disjoint: among overlapping zones the smallest period rules, of equal ones the
     first. A zone without a period, or one that asks only for visits, takes its ground from the area's period alone. All
-    regions lie in the area and outside of what blocks sight; a region may be empty. A visit zone's region is the part
-    of the zone in the area.
+    regions lie in the area and outside of what blocks sight or asks nothing; a region may be empty. A visit
+    zone's region is the part of the zone in the area.
     """
     ground_in_sight = open_ground(mission)
     strict = [z for z in mission.zones if z.demand == "every_point" and z.period_s is not None]
@@ -59,8 +59,10 @@ def demands_of(mission: Mission) -> tuple[DemandedGround, ...]:
 
 @functools.lru_cache(maxsize=4)
 def open_ground(mission: Mission) -> Any:
-    """The area without what blocks sight: all that can be demanded."""
-    return difference(mission.area, blocks_sight(mission.obstacles))
+    """The area without what blocks sight and without obstacles that ask nothing: all that can be demanded."""
+    ground = difference(mission.area, blocks_sight(mission.obstacles))
+    left_out = [obstacle.shape for obstacle in mission.obstacles if obstacle.asks == "nothing"]
+    return difference(ground, union_all(left_out)) if left_out else ground
 
 
 def _polygonal(shape: Any) -> MultiPolygon:

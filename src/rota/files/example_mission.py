@@ -22,7 +22,8 @@ coordinates: metres
 area: [[0, 0], [80, 0], [80, 60], [50, 60], [50, 40], [0, 40]]
 
 # Neither entered nor seen through. A ring, or {ring | circle | geojson: ...} with blocks: motion (a no-fly zone,
-# which one can look into) or blocks: sight (a hedge).
+# which one can look into) or blocks: sight (a hedge). The ground under blocks: motion is to be seen like any other,
+# from outside; asks: nothing beside it leaves it out.
 obstacles:
   - [[20, 12], [32, 12], [32, 20], [20, 20]]
   - {circle: {centre: [60, 25], radius_m: 3}, blocks: motion}

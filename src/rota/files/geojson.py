@@ -51,7 +51,8 @@ def plan_to_geojson(plan: Plan) -> Json:
     to_map = _to_map(mission)
     features = [_feature(_shape(mission.area, to_map), kind="area", name=mission.name, period_s=mission.period_s)]
     for obstacle in mission.obstacles:
-        features.append(_feature(_shape(obstacle.shape, to_map), kind="obstacle", blocks=obstacle.blocks))
+        asks = {} if obstacle.asks == "all" else {"asks": obstacle.asks}
+        features.append(_feature(_shape(obstacle.shape, to_map), kind="obstacle", blocks=obstacle.blocks, **asks))
     for zone in mission.zones:
         shape = _shape(zone.shape, to_map)
         features.append(_feature(shape, kind="zone", name=zone.name, period_s=zone.period_s, demand=zone.demand))

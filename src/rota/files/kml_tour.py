@@ -56,6 +56,7 @@ def _add_ground(document: Element, plan: Plan, projection: Projection) -> None:
     _add_shape(ground, "area", mission.name, _asked(mission.period_s), mission.area, projection)
     for number, obstacle in enumerate(mission.obstacles, start=1):
         what = {"both": "motion and sight"}.get(obstacle.blocks, obstacle.blocks)
+        what += "" if obstacle.asks == "all" else ", nothing is asked under it"
         _add_shape(ground, "obstacle", f"obstacle {number}", f"blocks {what}", obstacle.shape, projection)
     for zone in mission.zones:
         _add_shape(ground, "zone", zone.name, _asked(zone.period_s), zone.shape, projection)

@@ -231,7 +231,7 @@ def _demanded(file: MissionFile, ground: Ground) -> MultiPolygon:
     if file.period_s is not None:
         idle = unary_union([zone.shape for zone in ground.zones if zone.period_s is None])
         timed = ground.area.difference(idle).union(timed)
-    return timed.difference(unary_union([obstacle.shape for obstacle in ground.obstacles if obstacle.blocks_sight]))
+    return timed.difference(unary_union([obstacle.shape for obstacle in ground.obstacles if obstacle.hides_demand]))
 
 
 def _rounded_up(value: float) -> float:

@@ -177,8 +177,8 @@ def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: 
             continue
         if not shape.intersects(area):
             noticed.warnings.append(Fault(place, "lies wholly outside the area"))
-        blocks = entry.blocks if isinstance(entry, ObstacleBlock) else "both"
-        obstacles.append(Obstacle(shape=shape, blocks=blocks))
+        block = isinstance(entry, ObstacleBlock)
+        obstacles.append(Obstacle(shape=shape, blocks=entry.blocks, asks=entry.asks) if block else Obstacle(shape=shape))
     return obstacles
 
 

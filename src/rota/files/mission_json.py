@@ -46,7 +46,7 @@ def mission_to_json(mission: Mission) -> Json:
     return {
         "name": mission.name,
         "area": polygons_to_json(mission.area),
-        "obstacles": [{"shape": polygons_to_json(o.shape), "blocks": o.blocks} for o in mission.obstacles],
+        "obstacles": [obstacle_to_json(obstacle) for obstacle in mission.obstacles],
         "zones": [
             {
                 "name": zone.name,
@@ -63,6 +63,12 @@ def mission_to_json(mission: Mission) -> Json:
         "fleet": _fleet_to_json(mission.fleet),
         **_planner_to_json(mission),
     }
+
+
+def obstacle_to_json(obstacle: Obstacle) -> Json:
+    """An obstacle, with what it asks only where that is nothing."""
+    asks = {} if obstacle.asks == "all" else {"asks": obstacle.asks}
+    return {"shape": polygons_to_json(obstacle.shape), "blocks": obstacle.blocks, **asks}
 
 
 def _planner_to_json(mission: Mission) -> Json:
@@ -154,7 +160,7 @@ def mission_from_fields(fields: MissionFields) -> Mission:
     for k, obstacle in enumerate(fields.obstacles):
         shape = _polygons(obstacle.shape, f"mission.obstacles[{k}].shape")
         with named_field(f"mission.obstacles[{k}]"):
-            obstacles.append(Obstacle(shape=shape, blocks=obstacle.blocks))
+            obstacles.append(Obstacle(shape=shape, blocks=obstacle.blocks, asks=obstacle.asks))
     zones = []
     for k, zone in enumerate(fields.zones):
         shape = _polygons(zone.shape, f"mission.zones[{k}].shape")

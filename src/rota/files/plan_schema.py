@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, create_mo
 
 from rota.files.settings_schema import settings_field
 from rota.limits import LARGEST_M, LONGEST_S
-from rota.mission import Blocks, Demand, Unseeable
+from rota.mission import Asks, Blocks, Demand, Unseeable
 from rota.plan import EndReason
 from rota.planner import loadable_planners, planner_named
 from rota.planner_registry import PLANNERS, planner_names
@@ -111,6 +111,7 @@ class ObstacleFields(_Strict):
 
     shape: Polygons
     blocks: Blocks
+    asks: Asks = "all"
 
 
 class ZoneFields(_Strict):

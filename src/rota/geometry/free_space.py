@@ -110,11 +110,11 @@ def demanded_regions(mission: Mission) -> tuple[DemandedRegion, ...]:
     """What must be seen how often: a region per zone in the mission's order, then the rest of the area, named "area".
 
     Regions that must be seen point by point are disjoint: where zones overlap the smallest period rules, between equal
-    ones the earlier zone. They are cut to the area and end at what blocks sight. A zone without a period asks nothing
-    and takes its ground out of the rest. A zone to visit keeps all of itself that lies in the area, whatever overlaps
-    it, and takes its ground out of the rest as well. Regions left empty are absent.
+    ones the earlier zone. They are cut to the area and end at what blocks sight and at obstacles that ask nothing. A
+    zone without a period asks nothing and takes its ground out of the rest. A zone to visit keeps all of itself that
+    lies in the area, whatever overlaps it, and takes its ground out of the rest as well. Regions left empty are absent.
     """
-    hidden = _sight_blockers(mission)
+    hidden = _polygons(shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.hides_demand]))
     shapes: dict[str, MultiPolygon] = {}
     taken: list[BaseGeometry] = [hidden]
     watched = [zone for zone in mission.zones if zone.demand == "every_point" and zone.period_s is not None]

@@ -93,7 +93,12 @@ VALUES: dict[str, Schema] = {
     "Ground": an_object(
         {
             "area": _SHAPE,
-            "obstacles": listed(an_object({"shape": _SHAPE, "blocks": {"enum": ["both", "motion", "sight"]}})),
+            "obstacles": listed(
+                an_object(
+                    {"shape": _SHAPE, "blocks": {"enum": ["both", "motion", "sight"]}},
+                    {"asks": {"enum": ["all", "nothing"], "description": "absent: all"}},
+                )
+            ),
             "zones": listed(
                 an_object(
                     {

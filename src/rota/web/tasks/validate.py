@@ -11,7 +11,7 @@ from shapely import unary_union
 from rota.errors import RotaError
 from rota.files.mission_file import JudgedDocument, judge_document
 from rota.files.mission_ground import Ground
-from rota.files.mission_json import polygons_to_json
+from rota.files.mission_json import obstacle_to_json, polygons_to_json
 from rota.mission import Mission
 from rota.planner import planner_of
 from rota.polygons import polygons_of
@@ -118,7 +118,7 @@ def _free_m2(mission: Mission) -> float:
 def _asked_m2_s(mission: Mission) -> float:
     """Square metres to be seen in each second: the sum of ground over its period, the shortest where zones overlap."""
     zones = sorted(mission.zones, key=lambda zone: zone.period_s or float("inf"))
-    free = mission.area.difference(unary_union([o.shape for o in mission.obstacles if o.blocks_sight]))
+    free = mission.area.difference(unary_union([o.shape for o in mission.obstacles if o.hides_demand]))
     asked, taken = 0.0, shapely.MultiPolygon()
     for zone in zones:
         ground = polygons_of(zone.shape.intersection(free)).difference(taken)
@@ -134,7 +134,7 @@ def ground_json(ground: Ground | Mission) -> Json:
     origin = ground.origin
     return {
         "area": polygons_to_json(ground.area),
-        "obstacles": [{"shape": polygons_to_json(o.shape), "blocks": o.blocks} for o in ground.obstacles],
+        "obstacles": [obstacle_to_json(obstacle) for obstacle in ground.obstacles],
         "zones": [
             {"name": z.name, "period_s": z.period_s, "demand": z.demand, "shape": polygons_to_json(z.shape)}
             for z in ground.zones

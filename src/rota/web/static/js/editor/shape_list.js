@@ -95,16 +95,18 @@ export class ShapeList extends EventTarget {
     return [];
   }
 
-  /** What an obstacle blocks; one written as a bare ring becomes a block with a ring. */
+  /** What an obstacle blocks, and whether its ground is asked for; one written as a bare ring becomes a block with a ring. */
   blocks(shape) {
-    const options = { both: "motion and sight", motion: "motion only", sight: "sight only" };
+    const options = { both: "motion and sight", motion: "motion only", nothing: "motion only; nothing is asked under it", sight: "sight only" };
     const select = el("select", {}, ...Object.entries(options).map(([value, name]) => el("option", { value }, name)));
     select.addEventListener("change", () => {
       const { document } = this.fields.store;
       const before = document.obstacles[shape.path[1]];
-      this.fields.set(shape.path, { ...(Array.isArray(before) ? { ring: before } : before), blocks: select.value });
+      const { asks, ...block } = Array.isArray(before) ? { ring: before } : before;
+      this.fields.set(shape.path, { ...block, ...(select.value === "nothing" ? { blocks: "motion", asks: "nothing" } : { blocks: select.value }) });
     });
-    return this.fields.custom([...shape.path, "blocks"], "Blocks", select, (value) => (select.value = value ?? "both"));
+    const shown = (value) => (this.fields.store.document.obstacles?.[shape.path[1]]?.asks === "nothing" && value === "motion" ? "nothing" : value ?? "both");
+    return this.fields.custom([...shape.path, "blocks"], "Blocks", select, (value) => (select.value = shown(value)));
   }
 
   coordinates(shape) {
