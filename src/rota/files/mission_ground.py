@@ -178,7 +178,9 @@ def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: 
         if not shape.intersects(area):
             noticed.warnings.append(Fault(place, "lies wholly outside the area"))
         block = isinstance(entry, ObstacleBlock)
-        obstacles.append(Obstacle(shape=shape, blocks=entry.blocks, asks=entry.asks) if block else Obstacle(shape=shape))
+        obstacles.append(
+            Obstacle(shape=shape, blocks=entry.blocks, asks=entry.asks) if block else Obstacle(shape=shape)
+        )
     return obstacles
 
 
