@@ -105,3 +105,22 @@ def test_what_a_mission_asks_is_told_in_numbers(client: TestClient) -> None:
     assert told["free_m2"] == pytest.approx(35)
     assert told["asked_m2_s"] == pytest.approx(35 / 60)
     assert told["compiling"] or told["bound"]["robots"] == 1
+
+
+@pytest.mark.parametrize(
+    "files",
+    [
+        {"field.geojson": b'{"type": "FeatureCollection", "features": []}'},
+        {"field.geojson": b'{"type": "Polygon", "coordinates": [['},
+        {"floor.yaml": b"image: lost.png\nresolution: 0.05\norigin: [0, 0, 0]\n"},
+        {"floor.yaml": b"image: floor.png\nresolution: 0.05\norigin: [0, 0, 0]\n", "floor.png": b"no picture"},
+    ],
+)
+def test_files_are_named_in_errors_as_they_were_given(client: TestClient, files: dict[str, bytes]) -> None:
+    answer = client.post("/api/missions/read", files=[("files", file) for file in files.items()])
+    assert answer.status_code == 422
+    assert "rota-" not in answer.text
+    assert any(name in answer.text for name in files)
+    named = {**SQUARE, "area": {"geojson": "gone.geojson"}}
+    (fault,) = faults(client, named)
+    assert fault["message"].startswith("gone.geojson: no such file")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -13,6 +14,8 @@ from rota.files.yaml_text import Document, Place, field_path
 from rota.web.names import safe_name
 from rota.web.refusal import Json
 from rota.web.store.database import Database
+
+_LAID_OUT = re.compile(r"[^\s'\"(\[]*[/\\]rota-\w{8}[/\\]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,4 +44,9 @@ def as_document(value: Any) -> Document:
 
 def fault_json(place: Place, message: str) -> Json:
     """A fault as the interface tells it: the field in words, its path, and what is wrong with it."""
-    return {"field": field_path(place), "path": list(place), "message": message}
+    return {"field": field_path(place), "path": list(place), "message": as_given(message)}
+
+
+def as_given(message: str) -> str:
+    """A message with the names of files as they were given, without the folders in which they were laid out."""
+    return _LAID_OUT.sub("", message)

@@ -19,7 +19,7 @@ from typing import BinaryIO
 from rota.errors import MissionError, RotaError
 from rota.web.refusal import Json, Refusal, unkept
 from rota.web.store.database import Database
-from rota.web.tasks.context import Context
+from rota.web.tasks.context import Context, as_given
 from rota.web.tasks.memory import limit_memory
 
 TASKS = {
@@ -129,7 +129,8 @@ def done(context: Context, message: Json, content: bytes) -> tuple[Json, bytes]:
 
 def refused(refusal: Refusal) -> Json:
     """A refusal as a message."""
-    return {"refused": {"status": refusal.status, "message": refusal.message, "faults": refusal.faults}}
+    faults = [{**fault, "message": as_given(fault["message"])} for fault in refusal.faults]
+    return {"refused": {"status": refusal.status, "message": as_given(refusal.message), "faults": faults}}
 
 
 def _plain_faults(error: MissionError) -> list[Json]:

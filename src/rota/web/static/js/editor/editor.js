@@ -33,7 +33,7 @@ export class Editor extends EventTarget {
     this.store = new DocumentStore(newMission("mission"));
     this.keeper = new Keeper(this.store);
     this.fields = new Fields(this.store);
-    this.validation = new Validation(() => ({ document: this.store.document, mission: this.keeper.id }));
+    this.validation = new Validation(() => ({ document: this.store.document, mission: this.keeper.id, ...this.uploaded }));
     this.layers = new ShapeLayers(missionMap.map);
     this.drawing = new Drawing(missionMap.map, byId("tools"), byId("hint"));
     this.forms = [
@@ -61,7 +61,8 @@ export class Editor extends EventTarget {
   listen() {
     this.store.addEventListener("change", (event) => this.changed(event.detail));
     this.validation.addEventListener("result", (event) => this.judged(event.detail));
-    this.keeper.addEventListener("named", () => this.needsFiles && this.validation.soon());
+    this.keeper.addEventListener("named", () => this.needsFiles && this.validation.ask());
+    this.keeper.addEventListener("state", () => this.keeper.state === "failed" && this.needsFiles && this.validation.soon());
     this.layers.addEventListener("choose", (event) => this.choose(event.detail));
     this.layers.addEventListener("change", (event) => this.store.apply(withGeometry(this.store.document, event.detail.path, event.detail.geometry)));
     this.list.addEventListener("choose", (event) => this.choose(event.detail === this.chosen ? null : event.detail));
@@ -113,7 +114,22 @@ export class Editor extends EventTarget {
     keep(this.keeper);
     this.store.load(document);
     this.fit();
-    this.validation.ask();
+    if (this.hasItsFiles) {
+      this.validation.ask();
+    } else {
+      this.validation.wait();
+    }
+  }
+
+  /** What was uploaded with a mission that the server does not keep yet. */
+  get uploaded() {
+    const { id, source } = this.keeper;
+    return id === null && source.upload !== undefined ? { upload: source.upload } : {};
+  }
+
+  /** Whether the server can find the files that the mission names: those of an example come when it is kept. */
+  get hasItsFiles() {
+    return !this.needsFiles || this.keeper.id !== null || this.keeper.source.example === undefined;
   }
 
   changed(why) {
@@ -160,10 +176,12 @@ export class Editor extends EventTarget {
     const isAbout = (fault, shape) => startsWith(fault.path, shape.path) && !["name", "period_s", "demand"].includes(String(fault.path[shape.path.length]));
     this.faulty = new Set(shapesOf(this.store.document).filter((shape) => result.faults.some((fault) => isAbout(fault, shape))).map((shape) => shape.key));
     this.drawShapes();
-    if (this.waitsForFit && this.needsFiles && result.ground) {
-      this.fit();
+    if (this.waitsForFit && (result.ground || !this.needsFiles)) {
+      this.waitsForFit = false;
+      if (this.needsFiles) {
+        this.fit();
+      }
     }
-    this.waitsForFit = false;
   }
 
   choose(key) {

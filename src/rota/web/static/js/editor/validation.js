@@ -9,7 +9,7 @@ const COMPILING_MS = 2000; // the proved bound comes when Rota has compiled itse
 /** @typedef {{faults: import("../api.js").Fault[], warnings: string[], ground: any, bound: any, free_m2: any, asked_m2_s: any}} Validity */
 
 export class Validation extends EventTarget {
-  /** @param {() => {document: any, mission: string|null}} question */
+  /** @param {() => {document: any, mission: string|null, upload?: string}} question */
   constructor(question) {
     super();
     this.question = question;
@@ -26,15 +26,23 @@ export class Validation extends EventTarget {
     this.later(wait_ms);
   }
 
+  /** Asks nothing yet: what the mission needs is not there; whoever waits for it asks then. */
+  wait() {
+    this.later.cancel();
+    this.running?.abort();
+    this.running = null;
+    this.tell("asking");
+  }
+
   async ask() {
     this.later.cancel();
     this.tell("asking");
     this.running?.abort();
     const running = new AbortController();
     this.running = running;
-    const { document, mission } = this.question();
+    const { document, mission, ...more } = this.question();
     try {
-      const body = mission === null ? { document } : { document, mission };
+      const body = mission === null ? { document, ...more } : { document, mission };
       const answer = await api.validate(body, running.signal);
       if (running === this.running) {
         this.latest = answer;
