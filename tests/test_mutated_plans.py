@@ -28,7 +28,10 @@ from rota.limits import LARGEST_M
 from rota.mission import Mission
 from rota.plan import Plan
 
-DOCUMENTS = [plan_to_json(plan) for plan in small_plans()]
+# without the digest of the mission, which would refuse most mutations at once
+DOCUMENTS = [
+    {key: value for key, value in plan_to_json(plan).items() if key != "mission_sha256"} for plan in small_plans()
+]
 SCHEMA = jsonschema.Draft202012Validator(report_schema())
 LARGEST_AREA_M2 = 1e5  # that these tests let the check look at, since larger ground takes it minutes
 # line and column, the field, the byte, or that it is the whole file

@@ -663,6 +663,27 @@ def test_it_runs_as_a_module() -> None:
     assert (done.returncode, done.stdout) == (0, "rota 0.1.0\n")
 
 
+def test_a_plan_is_judged_for_another_mission(yard: Path, plan_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_plan(replace(answer(read_mission(yard).mission), seed=7), plan_path)
+    assert run(["check", str(plan_path), "--mission", "yard.yaml"]) == 0
+    told = capsys.readouterr()
+    assert "lower bound: 1 by the plan's own word" in told.out
+    assert told.err == ""
+    (yard.parent / "other.yaml").write_text(
+        YARD.replace("speed_m_s: 1", "speed_m_s: 0.5").replace("name: yard", "name: b")
+    )
+    assert run(["check", str(plan_path), "--mission", "other.yaml"]) == 1
+    told = capsys.readouterr()
+    assert "violation: robot-1: speed" in told.out
+    assert "lower bound: not known" in told.out
+    assert told.err == "rota: the plan was made for another mission than other.yaml: fleet speed 1 → 0.5 m/s\n"
+    (yard.parent / "far.yaml").write_text(
+        YARD.replace("[0, 0], [10, 0], [10, 10], [0, 10]", "[9e6, 0], [9.1e6, 0], [9e6, 9]")
+    )
+    assert run(["check", str(plan_path), "--mission", "far.yaml"]) == 2
+    assert "away from the area" in capsys.readouterr().err
+
+
 def test_help_names_formats_and_exit_codes_and_cuts_no_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["--help"]) == 0
     listed = capsys.readouterr().out

@@ -264,7 +264,7 @@ def test_points_to_start_from_travel_with_the_plan_and_plans_of_before_have_no_s
     with pytest.raises(PlanError, match="exactly one of box and points"):
         plan_from_json(document)
     del document["mission"]["fleet"]["start"], document["mission"]["patrol"]["period_margin"]
-    del document["mission"]["patrol"]["range_margin_m"]
+    del document["mission"]["patrol"]["range_margin_m"], document["mission_sha256"]
     old = plan_from_json(document).mission
     assert old.fleet.start is None
     assert (PatrolSettings.of(old).period_margin, PatrolSettings.of(old).range_margin_m) == (0, 0)
@@ -325,6 +325,7 @@ CROSSED = [[[[0, 0], [1, 1], [0, 1], [1, 0]]]]
         ("seed", 1.5, r"^seed: .*integer"),
         ("lower_bound_robots", -1, r"^lower_bound_robots: .*greater than or equal to 0, not -1"),
         ("robots", {}, r"^robots: .*list"),
+        ("mission_sha256", "abc", r"^mission_sha256: .*pattern"),
         ("mission.zones", ..., r"^mission\.zones: Field required"),
         ("mission.perod_s", 4, r"^mission\.perod_s: unknown key; did you mean period_s\?"),
         ("mission.period_s", "40", r"^mission\.period_s: .*number, not '40'"),
@@ -372,6 +373,17 @@ def test_a_bad_field_is_named(place: str, value: Any, message: str) -> None:
         plan_from_json(set_at(plan_to_json(harbour()), place, value))
 
 
+def test_a_mission_that_was_changed_after_planning_is_refused() -> None:
+    document = plan_to_json(harbour())
+    changed = set_at(document, "mission.period_s", 1e6)
+    with pytest.raises(PlanError, match=r"^mission_sha256: .* was changed after the plan was made"):
+        plan_from_json(changed)
+    assert plan_from_json(set_at(changed, "mission_sha256", ...)).mission.period_s == 1e6  # as a file may come without
+    # other programs order keys otherwise and write whole numbers without a point
+    rewritten = json.dumps(document, sort_keys=True, indent=1).replace(".0,", ",")
+    assert plan_from_text(rewritten, "f") == harbour()
+
+
 def test_all_faults_are_told_at_once_with_the_file(tmp_path: Path) -> None:
     document = set_at(set_at(plan_to_json(harbour()), "seed", "x"), "mission.period_s", -3)
     path = tmp_path / "bad.json"
@@ -388,7 +400,7 @@ def test_all_faults_are_told_at_once_with_the_file(tmp_path: Path) -> None:
     ("text", "message"),
     [
         (b"", r"^f:1:1: not JSON: Expecting value"),
-        (plan_text(harbour()).encode()[:160], r"^f:6:50: not JSON"),
+        (plan_text(harbour()).encode()[:160], r"^f:4:24: not JSON"),
         (b'{"rota_plan": 1, "seed": NaN}', r"^f: NaN is no number"),
         (b'{"rota_plan": 1, "seed": -Infinity}', r"^f: -Infinity is no number"),
         (b'{"rota_plan": "\xff"}', r"^f: byte 15 is not UTF-8"),

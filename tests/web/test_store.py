@@ -12,8 +12,8 @@ from tests.files.two_robots import two_robots
 from tests.web.serving import SQUARE, Json, job_when, kept, serving, started
 
 from rota.check import check_plan
+from rota.files.mission_changes import changes
 from rota.web.store import database as tables
-from rota.web.store.changes import changes
 from rota.web.store.database import Database
 from rota.web.store.jobs import interrupt_jobs
 from rota.web.store.plans import forget_lost_steps, keep_plan, list_plans

@@ -26,6 +26,7 @@ from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, wr
 from rota.command.fly import fly
 from rota.command.interrupt import clean_end_on_terminate
 from rota.command.link_option import LINKS_LIST
+from rota.command.other_mission import plan_for_mission
 from rota.command.page import page
 from rota.command.plan import plan_and_write
 from rota.command.ros2 import ros2
@@ -135,6 +136,10 @@ app.command()(compare)
 def check(
     plan: PlanPath,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+    mission: Annotated[
+        Path | None,
+        typer.Option(metavar="MISSION", help="Judge the plan for this mission file, not for the mission in the plan."),
+    ] = None,
     executed: Annotated[
         str | None,
         typer.Option(metavar="FORMAT", help="Check the plan as the files of rota export --to FORMAT drive it."),
@@ -152,6 +157,8 @@ def check(
     from rota.command.executed import table_of_worst
 
     answer, made = read_plan_argument(plan), None
+    if mission is not None:
+        answer = plan_for_mission(answer, mission)
     if executed is not None:
         made = plan_as_executed(answer, executed, in_phase_every, origin)
     elif in_phase_every is not None or origin is not None:

@@ -14,6 +14,7 @@ from shapely import MultiPolygon, Polygon, unary_union
 
 from rota.errors import MissionError
 from rota.files.geodesy import require_degrees
+from rota.files.json_text import unique_keys
 from rota.files.local_file import read_text
 from rota.files.rings import open_ring, polygon_fault, ring_fault
 from rota.polygons import polygons_of
@@ -105,7 +106,7 @@ def _load(path: Path) -> Any:
 
     text = read_text(path, "a GeoJSON file")
     try:
-        return json.loads(text, parse_constant=refuse, parse_int=_whole)
+        return json.loads(text, parse_constant=refuse, parse_int=_whole, object_pairs_hook=unique_keys)
     except json.JSONDecodeError as error:
         raise MissionError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:

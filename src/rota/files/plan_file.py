@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from rota.errors import MissionError, PlanError
 from rota.files.atomic_write import write_atomically
+from rota.files.json_text import digest_of, unique_keys
 from rota.files.local_file import read_bytes
 from rota.files.mission_json import mission_from_fields, mission_to_json
 from rota.files.plan_faults import named_field, plan_faults
@@ -52,16 +53,17 @@ def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
     """The plan as plain dicts, lists, strings and numbers, as the plan file holds it."""
     mark: Json = {} if meets_demand else {"meets_demand": False}
     reason = {} if plan.lower_bound_reason is None else {"lower_bound_reason": plan.lower_bound_reason}
-    end = plan.run_end
+    end, mission = plan.run_end, mission_to_json(plan.mission)
     ended = {} if end is None else {"run_end": {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason}}
     return {
         "rota_plan": PLAN_VERSION,
         "seed": int(plan.seed),
+        "mission_sha256": digest_of(mission),
         "lower_bound_robots": None if plan.lower_bound_robots is None else int(plan.lower_bound_robots),
         **reason,
         **mark,
         **ended,
-        "mission": mission_to_json(plan.mission),
+        "mission": mission,
         "robots": [_trajectory_to_json(trajectory) for trajectory in plan.trajectories],
     }
 
@@ -94,7 +96,7 @@ def plan_from_text(text: str | bytes, source: str) -> Plan:
     """Read the text of a plan file; ``source`` names it in errors. Raises PlanError."""
     try:
         decoded = text.decode("utf-8-sig") if isinstance(text, bytes) else text
-        document = json.loads(decoded, parse_constant=_refuse_constant)
+        document = json.loads(decoded, parse_constant=_refuse_constant, object_pairs_hook=unique_keys)
     except UnicodeDecodeError as error:
         raise PlanError(f"{source}: byte {error.start} is not UTF-8; a plan file is needed ({MADE_BY})") from error
     except json.JSONDecodeError as error:
@@ -131,6 +133,13 @@ def plan_from_json(document: object) -> Plan:
     except ValidationError as error:
         raise PlanError("\n".join(plan_faults(error))) from error
     mission = mission_from_fields(fields.mission)
+    digest = digest_of(document["mission"])
+    if fields.mission_sha256 not in (None, digest):
+        raise PlanError(
+            f"mission_sha256: {fields.mission_sha256[:12]}... is not that of the mission, {digest[:12]}...: the mission"
+            " was changed after the plan was made. Plan it again, or remove mission_sha256 to have the plan judged for"
+            " the mission as it is now"
+        )
     trajectories = tuple(_trajectory(robot, f"robots[{k}]") for k, robot in enumerate(fields.robots))
     with named_field("run_end"):
         end = None if fields.run_end is None else RunEnd(**fields.run_end.model_dump())

@@ -189,6 +189,13 @@ class PlanFields(_Strict):
 
     rota_plan: Literal[1]
     seed: int
+    mission_sha256: Annotated[
+        str | None,
+        Field(
+            pattern="^[0-9a-f]{64}$",
+            description="of the mission as JSON with sorted keys, no white space, all numbers as floats; absent: open",
+        ),
+    ] = None
     lower_bound_robots: Annotated[int, Field(ge=0)] | None
     lower_bound_reason: Annotated[
         str | None, Field(min_length=1, description="why no plan has fewer robots; absent: not told")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from rota.files.json_text import unique_keys
 from rota.files.yaml_text import MOST_NESTED
 from rota.web.refusal import Json, Refusal
 
@@ -16,7 +17,7 @@ def document_from(text: bytes) -> Json:
         raise Refusal(400, f"{constant} is no number of JSON; numbers must be finite")
 
     try:
-        document = json.loads(text, parse_constant=refuse)
+        document = json.loads(text, parse_constant=refuse, object_pairs_hook=unique_keys)
     except RecursionError:
         raise Refusal(400, f"the JSON is nested too deep; {MOST_NESTED} levels are allowed") from None
     except ValueError as error:  # also bytes that are no UTF-8, and endless numbers

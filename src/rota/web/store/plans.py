@@ -8,8 +8,8 @@ import sqlite3
 from dataclasses import dataclass
 from typing import Any
 
+from rota.files.mission_changes import changes
 from rota.web.refusal import Json, Refusal, not_found
-from rota.web.store.changes import changes
 from rota.web.store.database import Database, new_id, now
 
 MOST_MADE = 6  # playbacks and pictures kept of a plan

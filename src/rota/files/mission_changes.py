@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rota.planner_registry import planner_names
-from rota.web.refusal import Json
+
+Json = dict[str, Any]
 
 # names change nothing of a plan; lists show the planner of each plan
 _NO_CHANGE = ("rota", "name", "planner")
