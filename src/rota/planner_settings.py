@@ -39,7 +39,8 @@ class Setting:
 
     options: of text. least, above, most, below: bounds that always hold, with or without the bound itself. written:
     the least and the most that a mission file may say, None: no other than these. optional: null is a value. empty: a
-    mission file may say null for the default. newer: plan files of older versions lack it.
+    mission file may say null for the default. newer: plan files of older versions lack it. word: of a list, a text that
+    may stand in its place; in Python that is the empty tuple.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Setting:
     written: Bounds | None = None
     empty: bool = False
     newer: bool = False
+    word: str | None = None
 
     def bounds(self, in_mission_file: bool) -> dict[str, float]:
         """What numbers must keep to, by pydantic's names: ge, gt, le, lt."""
@@ -88,6 +90,8 @@ class Setting:
             yield (), value, fault
 
     def _list_faults(self, value: Any, in_mission_file: bool) -> Iterator[tuple[Where, Any, Fault]]:
+        if self.word is not None and (value == self.word or value == ()):
+            return
         if not isinstance(value, list | tuple):
             yield (), value, Fault("tuple_type" if self.kind == "pair" else "list_type", {})
         elif self.kind == "pair" and len(value) > 2:
@@ -147,6 +151,7 @@ class Settings:
                 message = refusal(fault.kind, part, fault.given, fault.given.get("message", ""))
                 raise MissionError(f"{self.place}.{path_of((item.name, *where))}: {message}")
             if item.kind in ("pair", "list") and value is not None:
+                value = () if item.word is not None and value == item.word else value
                 value = tuple(float(number) for number in value)
                 object.__setattr__(self, item.name, value)
             values[item.name] = value

@@ -34,6 +34,7 @@ from rota.mission import (
     Zone,
 )
 from rota.planner import planner_named
+from rota.planner_settings import settings_of
 
 Json = dict[str, Any]
 
@@ -74,8 +75,10 @@ def obstacle_to_json(obstacle: Obstacle) -> Json:
 def _planner_to_json(mission: Mission) -> Json:
     """The planner's name and settings, and what moves in the way of a swarm."""
     # lists in place of tuples, as reading gives them
+    words = {item.name: item.word for item in settings_of(type(mission.planning))}
     values = {
-        key: list(value) if isinstance(value, tuple) else value for key, value in asdict(mission.planning).items()
+        key: (list(value) or words[key]) if isinstance(value, tuple) else value
+        for key, value in asdict(mission.planning).items()
     }
     settings = {"planner": mission.planning.planner, mission.planning.planner: values}
     if not mission.planning.heeds_moving_obstacles:

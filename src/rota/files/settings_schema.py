@@ -81,6 +81,8 @@ def _faults(item: Setting, value: Any, in_mission_file: bool) -> Iterator[InitEr
 def _value(item: Setting, value: Any, in_mission_file: bool) -> Any:
     if item.block is not None:
         return item.block(**_values(item.block, value, in_mission_file))
+    if item.word is not None and value == item.word:
+        return ()
     return float(value) if item.kind == "number" and value is not None else value
 
 
@@ -130,4 +132,7 @@ def _type(item: Setting, in_mission_file: bool) -> JsonSchema:
     number = {"type": "integer" if item.kind == "whole" else "number", **bounds}
     if item.kind == "pair":
         return {"type": "array", "items": number, "minItems": 2, "maxItems": 2}
-    return {"type": "array", "items": number, "minItems": 1} if item.kind == "list" else number
+    if item.kind != "list":
+        return number
+    listed = {"type": "array", "items": number, "minItems": 1}
+    return listed if item.word is None else {"anyOf": [{"const": item.word}, listed]}

@@ -148,7 +148,9 @@ def test_as_few_robots_as_possible_are_enough() -> None:
     # for a shorter period one turns on the spot at each end
     plan = make_plan(mission_on("......", None, tuple(replace(z, period_s=20) for z in zones), **settings))
     assert [trajectory.loop_length_m for trajectory in plan] == [0, 0]
-    assert rattling_sentence(plan) == "robot-1, robot-2 stay in one cell and turn there for ever: a limit cycle, too."
+    told = rattling_sentence(plan)
+    assert told is not None
+    assert told.startswith("robot-1, robot-2 stay in one cell and turn there for ever: a limit cycle, too")
     # two lanes need two
     both = (visit("north", 26, 0, 2, 1, 3), visit("south", 26, 0, 0, 1, 1))
     assert len(make_plan(mission_on("......\n######\n......", None, both, **settings)).trajectories) == 2

@@ -114,7 +114,9 @@ def test_zones_that_no_attracting_cycle_enters_are_named() -> None:
 def test_what_is_told_of_it(pair: Plan, answer: Answer) -> None:
     (fact,) = answer.facts
     assert "2 on a cycle of 16 contacts" in fact
-    assert errors_sentence(pair) is None
+    unstated = errors_sentence(pair)
+    assert unstated is not None
+    assert unstated.startswith("With turns off by up to 1 degree (the mission states no turning_error_deg), robots")
     off = replace(
         pair, mission=replace(pair.mission, planning=replace(BounceSettings.of(pair.mission), turning_error_deg=2.0))
     )

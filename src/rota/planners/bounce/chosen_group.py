@@ -17,18 +17,21 @@ from rota.planners.bounce.bounce_map import joint_states, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import SettlingRoom, steps_to_cycles
 from rota.planners.bounce.enumeration import JointGroups, enumerate_groups, nodes_of, printed
-from rota.planners.bounce.group_search import best_group
+from rota.planners.bounce.group_search import Searched, best_group
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import LimitCycles, zone_cells
 from rota.planners.bounce.monitoring import Watch, canonical
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.bounce.rattles import rattling_nodes
 from rota.planners.bounce.starts import start_cells, start_headings
 
+Flags = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
 MOST_HEADINGS = 4096  # joint headings that are tried from given starts
 MOST_SETTLING = 20_000  # steps in which robots are to come to their cycles
 MOST_ENUMERATED = 20_000_000  # joint states up to which basins are exact; beyond, they are sampled
+FEW_NODES = 2_000  # partial teams looked at for a candidate of robust teams
 MOST_JUDGED = 20_000  # groups of Algorithm 2; of more, it is not told how many watch all zones
 SAMPLES, SAMPLED_STEPS = 2000, 2000  # random starts, and the steps in which they are to come to cycles
 
@@ -89,10 +92,42 @@ def choose_group(
         return _of_printed(watch, team, mission, cells)
     if settings.purpose == "basin":
         return _largest_basin(watch, team, mission, cells, seed)
-    enough = 1.0 if settings.purpose == "periods" else 0.0
-    outcome = best_group(watch, enough=enough, should_stop=should_stop)
+    if settings.purpose == "worst_gap":
+        outcome = best_group(watch, should_stop=should_stop)
+    else:
+        outcome = _meeting_periods(watch, rattling_nodes(watch.cycles, cells, _widest_m(robots)), should_stop)
     chosen = None if outcome.group is None else begin_there(watch, outcome.group.nodes, outcome.group.ratio)
     return Choice(chosen=chosen, proved=outcome.proved, unproved=outcome.unproved)
+
+
+def _widest_m(robots: Sequence[Robot]) -> float:
+    """The radius of the widest body."""
+    return max(robot.body_radius_m for robot in robots)
+
+
+def first_groups(watch: Watch) -> Iterator[tuple[int, ...]]:
+    """The group with the shortest worst gap that is soon found."""
+    found = best_group(watch, most_nodes=FEW_NODES)
+    if found.group is not None:
+        yield found.group.nodes
+
+
+def _meeting_periods(watch: Watch, rattling: Flags, should_stop: Callable[[], bool]) -> Searched:
+    """A group that meets all periods, with as few robots on rattles as is soon found; else the best.
+
+    rattling: (p,) periodic states on rattles. A group without any is looked for first where the first group has some,
+    then one in which robots take them last.
+    """
+    found = best_group(watch, enough=1.0, should_stop=should_stop)
+    if found.group is None or not rattling[list(found.group.nodes)].any():
+        return found
+    for allowed, last in ((~rattling, None), (None, rattling)):
+        other = best_group(watch, enough=1.0, should_stop=should_stop, allowed=allowed, last=last)
+        if other.group is None or max(other.group.ratio, 1.0) > max(found.group.ratio, 1.0):
+            continue
+        if rattling[list(other.group.nodes)].sum() < rattling[list(found.group.nodes)].sum():
+            return other
+    return found
 
 
 def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Choice:
@@ -132,17 +167,25 @@ def _may_go_together(cycles: LimitCycles, nodes: tuple[int, ...]) -> bool:
     return all(cycles.compatible[p, q] for p, q in itertools.combinations(nodes, 2))
 
 
-def _best_of(watch: Watch, groups: Iterator[tuple[int, ...]], purpose: str) -> Chosen | None:
-    """The first group that meets all periods; or the one with the smallest worst ratio."""
+def _best_of(
+    watch: Watch, groups: Iterator[tuple[int, ...]], purpose: str, rattling: Flags | None = None
+) -> Chosen | None:
+    """The first group that meets all periods; or the one with the smallest worst ratio.
+
+    rattling: (p,) periodic states on rattles; of groups that meet all periods the first with the fewest of them.
+    """
     best: Chosen | None = None
+    fewest = 0
     for nodes in groups:
         if not _may_go_together(watch.cycles, nodes):
             continue
-        ratio = watch.ratio(nodes)
-        if best is None or ratio < best.ratio:
+        ratio, rattles = watch.ratio(nodes), 0 if rattling is None else int(rattling[list(nodes)].sum())
+        if best is None or (ratio < best.ratio and best.ratio > 1) or (ratio <= 1 and rattles < fewest):
+            best, fewest = begin_there(watch, nodes, ratio), rattles
+        elif purpose == "worst_gap" and ratio < best.ratio:
             best = begin_there(watch, nodes, ratio)
-            if purpose != "worst_gap" and ratio <= 1:
-                return best
+        if purpose != "worst_gap" and best.ratio <= 1 and fewest == 0:
+            return best
     return best if best is not None and math.isfinite(best.ratio) else None
 
 
@@ -152,17 +195,21 @@ def _best_of(watch: Watch, groups: Iterator[tuple[int, ...]], purpose: str) -> C
 def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, seed: int) -> Choice:
     """The group with the largest basin among those that meet all periods, exactly or by random starts.
 
-    Where none meets all periods, the group with the smallest worst ratio.
+    Where none meets all periods, the group with the smallest worst ratio. One without robots on rattles goes before.
     """
     m, s = len(team.bumped), len(team.x)
+    rattling = rattling_nodes(
+        watch.cycles, cells, _widest_m(mission.fleet.robots or (mission.fleet.equal_robot("any"),))
+    )
     if joint_states(s, m) <= MOST_ENUMERATED:
         zones = [zone for zone in mission.zones if zone.period_s is not None]
         listed = enumerate_groups(
             team, zone_cells(cells, zones), cells.headings, contact_free=BounceSettings.of(mission).contact_free
         )
-        return Choice(chosen=_best_of(watch, _by_basin(watch.cycles, listed), "basin"), proved=True)
+        chosen = _best_of(watch, _by_basin(watch.cycles, listed), "basin", rattling)
+        return Choice(chosen=chosen, proved=True)
     hits = sampled_basins(watch, team, free=BounceSettings.of(mission).contact_free == "trajectory", seed=seed)
-    chosen = _best_of(watch, iter([nodes for nodes, _ in hits]), "basin")
+    chosen = _best_of(watch, iter([nodes for nodes, _ in hits]), "basin", rattling)
     return Choice(chosen=chosen, proved=False, unproved=f"only {SAMPLES:,} random starts were tried")
 
 
@@ -194,20 +241,42 @@ def sampled_basins(
 # ---------------------------------------------------------------- from given starts
 
 
-def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Choice:
-    """The best way from the given cells (and headings, if these are given too) to cycles without contact."""
-    settings, best, headings_given = BounceSettings.of(mission), None, start_headings(mission, len(at))
-    for facing in _headings(headings_given, cells.headings, len(at), seed):
-        states = [cell * cells.headings + h for cell, h in zip(at, facing, strict=True)]
+def ways_from_starts(
+    watch: Watch,
+    team: Team,
+    at: Sequence[int],
+    settings: BounceSettings,
+    seed: int,
+    facings: list[int] | None = None,
+) -> Iterator[Chosen]:
+    """Ways from cells to cycles without contact on which each zone is visited, for joint headings as they are tried.
+
+    facings: the headings at the starts; None: as the robots like.
+    """
+    headings = settings.headings
+    for facing in _headings(facings, headings, len(at), seed):
+        states = [cell * headings + h for cell, h in zip(at, facing, strict=True)]
         way = _settled(watch.cycles, team, states, settings.contact_free == "trajectory")
         if way is None:
             continue
         nodes = nodes_of(watch.cycles, way[-1])
         ratio = watch.ratio(nodes)
-        if math.isfinite(ratio) and (best is None or ratio < best.ratio):
-            best = Chosen(cycles=watch.cycles, nodes=nodes, transient=way[:-1], ratio=ratio)
-            if ratio <= 1 and settings.purpose != "worst_gap":
-                break
+        if math.isfinite(ratio):
+            yield Chosen(cycles=watch.cycles, nodes=nodes, transient=way[:-1], ratio=ratio)
+
+
+def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Choice:
+    """The best way from the given cells (and headings, if these are given too) to cycles without contact."""
+    settings, best, headings_given = BounceSettings.of(mission), None, start_headings(mission, len(at))
+    radius_m = _widest_m(mission.fleet.robots or (mission.fleet.equal_robot("any"),))
+    rattling, fewest = rattling_nodes(watch.cycles, cells, radius_m), 0
+    for way in ways_from_starts(watch, team, at, settings, seed, headings_given):
+        rattles = int(rattling[list(way.nodes)].sum())
+        shorter = best is None or (way.ratio < best.ratio and (settings.purpose == "worst_gap" or best.ratio > 1))
+        if shorter or (settings.purpose != "worst_gap" and way.ratio <= 1 and rattles < fewest):
+            best, fewest = way, rattles
+        if best is not None and best.ratio <= 1 and fewest == 0 and settings.purpose != "worst_gap":
+            break
     facings = cells.headings ** len(at)
     if headings_given is None and facings > MOST_HEADINGS:
         unproved = f"{MOST_HEADINGS:,} of {facings:,} ways to face at the starts were tried"

@@ -49,7 +49,13 @@ class _Gaps:
 
 
 def best_group(
-    watch: Watch, *, enough: float = 0.0, most_nodes: int = MOST_NODES, should_stop: Callable[[], bool] | None = None
+    watch: Watch,
+    *,
+    enough: float = 0.0,
+    most_nodes: int = MOST_NODES,
+    should_stop: Callable[[], bool] | None = None,
+    allowed: Flags | None = None,
+    last: Flags | None = None,
 ) -> Searched:
     """The group with the smallest worst ratio of gap to period, of those found; see ``Searched`` for what is known.
 
@@ -57,14 +63,15 @@ def best_group(
     alone is often enough in each zone. Then come all others, zone by zone: a robot is given to the zone that fewest can
     help, as long as the other robots may make the team better than the best. A robot that is to leave gaps of at most g
     steps covers the g steps of its round after each visit. All robots together must cover all of a zone's time. After
-    ``most_nodes`` partial teams the search ends.
+    ``most_nodes`` partial teams the search ends. allowed: (p,) periodic states that a group may hold; None: all. last:
+    (p,) those that are tried after all others.
     """
-    search = _Search(watch, enough, most_nodes, should_stop)
+    search = _Search(watch, enough, most_nodes, should_stop, allowed, last)
     search.by_single_robots()
     if search.best is None and not search.stopped() and _there_is_none(watch):
         return Searched(group=None, proved=True)
     if not search.done():
-        search.extend({}, np.ones(len(watch.cycles.state), np.bool_), 1)
+        search.extend({}, search.allowed, 1)
     unproved = search.unproved()
     if search.best is None:
         return Searched(group=None, proved=unproved is None, unproved=unproved)
@@ -89,7 +96,15 @@ class _Search:
     go with. left: partial teams that may still be looked at.
     """
 
-    def __init__(self, watch: Watch, enough: float, most_nodes: int, should_stop: Callable[[], bool] | None) -> None:
+    def __init__(
+        self,
+        watch: Watch,
+        enough: float,
+        most_nodes: int,
+        should_stop: Callable[[], bool] | None,
+        allowed: Flags | None,
+        last: Flags | None,
+    ) -> None:
         self.watch, self.enough, self.left, self._should_stop = watch, enough, most_nodes, should_stop
         self.most_nodes = most_nodes
         self.best: tuple[float, tuple[int, ...]] | None = None
@@ -104,6 +119,8 @@ class _Search:
         self.alone = np.array(worst, np.float64).reshape(len(firsts), self.zones) / watch.period_steps
         self._single = single
         self._covers: tuple[float, Floats] = (math.nan, np.empty(0))
+        self.allowed = np.ones(len(cycles.state), np.bool_) if allowed is None else allowed
+        self.last = np.zeros(len(cycles.state), np.bool_) if last is None else last
         self.conflicts = (~cycles.compatible).sum(axis=1)
 
     # ---------------------------------------------------------------- one robot alone for each zone
@@ -137,7 +154,7 @@ class _Search:
     def _team_within(self, limit: float, most: int) -> bool:
         """Whether ``most`` partial teams or fewer lead to a team in which single robots keep the limit in each zone."""
         budget = [most]
-        return self._give({}, np.ones(len(self.watch.cycles.state), np.bool_), list(range(self.zones)), limit, budget)
+        return self._give({}, self.allowed, list(range(self.zones)), limit, budget)
 
     def _give(self, chosen: dict[int, int], free: Flags, zones: list[int], limit: float, budget: list[int]) -> bool:
         """Whether a team is found, which is then noted. zones: those that no chosen robot watches within the limit.
@@ -157,7 +174,7 @@ class _Search:
             good = self.alone[cycles.cycle[candidates]][:, zones] <= limit
             rarest = int(np.argmin(good.sum(axis=0)))
             candidates, good = candidates[good[:, rarest]], good[good[:, rarest]]
-            order = np.lexsort((self.conflicts[candidates], -good.sum(axis=1)))
+            order = np.lexsort((self.conflicts[candidates], -good.sum(axis=1), self.last[candidates]))
         else:
             order = self._roomiest(candidates, room)
         for node in candidates[order]:
@@ -180,7 +197,7 @@ class _Search:
         """The order in which candidates leave most room to others."""
         compatible = self.watch.cycles.compatible
         inside = (~compatible[np.ix_(candidates, np.flatnonzero(room))]).sum(axis=1)
-        return np.argsort(inside, kind="stable")
+        return np.lexsort((inside, self.last[candidates]))
 
     # ---------------------------------------------------------------- all teams
 
@@ -239,7 +256,8 @@ class _Search:
         usable = enough.all(axis=1) if robots == 1 else enough[:, int(np.argmin(enough.sum(axis=0)))]
         chosen = np.flatnonzero(usable)
         worth = helps[chosen].sum(axis=1)
-        return candidates[chosen[np.lexsort((self.conflicts[candidates[chosen]], -worth))]], True
+        order = np.lexsort((self.conflicts[candidates[chosen]], -worth, self.last[candidates[chosen]]))
+        return candidates[chosen[order]], True
 
     def _limits(self) -> Longs:
         """(z,) steps that a gap may have in a team better than the best."""

@@ -317,10 +317,10 @@ def run_inexact(rim, crew, duration_s, starts, seeds, lattice, zones, results):
     """Let a team drive once for each row of ``starts`` (r, m, 3): x, y, heading; seeds: (r,).
 
     rim: ``RimElements``; crew, lattice, zones: the named tuples above. results, written: entered_s (r, n), when any
-    centre first entered each cell, inf: not in duration_s; watched_s (r, z), see ``_watch``. A run without zones ends
-    when all cells were entered.
+    centre first entered each cell, inf: not in duration_s; watched_s (r, z), see ``_watch``; met_s (r,), when two
+    bodies first touched, inf: never. A run without zones ends when all cells were entered.
     """
-    entered_s, watched_s = results
+    entered_s, watched_s, met_s = results
     runs, m, n_zones, speed = starts.shape[0], starts.shape[1], len(zones.periods_s), crew.speed_m_s
     x, y, heading = np.empty(m), np.empty(m), np.empty(m)
     robots = Robots(x, y, heading, np.empty(m), np.empty(m), np.empty(m, np.bool_), np.empty(m), np.empty((m, 2)))
@@ -328,7 +328,7 @@ def run_inexact(rim, crew, duration_s, starts, seeds, lattice, zones, results):
     watching = Watching(np.empty(64), np.empty((MOST_VISITS, 2)), np.empty(n_zones))
     for r in range(runs):
         random[0] = seeds[r]
-        entered_s[r, :], watched_s[r, :], watching.known_until[:] = inf, 0.0, 0.0
+        entered_s[r, :], watched_s[r, :], watching.known_until[:], met_s[r] = inf, 0.0, 0.0, inf
         left, now_s = entered_s.shape[1], 0.0
         x[:], y[:], heading[:] = starts[r, :, 0], starts[r, :, 1], starts[r, :, 2]
         for i in range(m):
@@ -344,5 +344,7 @@ def run_inexact(rim, crew, duration_s, starts, seeds, lattice, zones, results):
             _watch_zones(robots, speed, now_s, then_s, zones, duration_s, watching, watched_s[r])
             left -= _drive(robots, speed, now_s, then_s, lattice, entered_s[r])
             now_s = then_s
+            if event < 0 and now_s < duration_s:
+                met_s[r] = min(met_s[r], now_s)
             if event >= 0 or now_s < duration_s:
                 _act(event, (first, second), now_s, rim, robots, crew, random)

@@ -15,9 +15,12 @@ from rota.planners.bounce.inexact_turns import Crew, Estimate, InexactRuns, Turn
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.trajectories import step_duration_s
 
-RUNS = 1000
+RUNS, LEAST_RUNS = 1000, 100
+MOST_WORK = 1.5e9  # looks at a wall or corner in all runs of a plan, beyond which there are fewer runs
+STATED_ERROR_DEG = 1.0  # of each turn, where the mission states none
 PERIODS = 10.0  # of the longest one, for which robots that monitor are followed
 LEAST_TURN_S = 1e-3  # of robots that turn at once
+SHARES = (0.1, 0.5, 0.9)  # of the runs, by which the first contact is told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,32 +36,77 @@ class Kept:
     inexact: Estimate
 
 
-def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
+@dataclass(frozen=True, kw_only=True)
+class Inexact:
+    """What ``runs`` simulated runs of ``lasting_s`` seconds leave of a plan, each turn off by up to ``error_deg``.
+
+    met_s: by when two bodies first touched in SHARES of the runs, inf: not while they lasted; None for a robot alone.
+    """
+
+    error_deg: float
+    runs: int
+    lasting_s: float
+    kept: tuple[Kept, ...]
+    met_s: tuple[float, ...] | None
+
+    @property
+    def least_share(self) -> float:
+        """The least of the shares that are kept."""
+        return min((kept.inexact.value for kept in self.kept), default=0.0)
+
+
+def with_errors(plan: Plan, *, most_runs: int = RUNS, exact: bool = True) -> Inexact:
     """What is left of a plan with turns off by up to the mission's ``turning_error_deg``, uniformly.
 
     Robots drive at their slowest one's speed from the plan's first places and headings on, turn at every contact and
     never by a clock: they do what the paper's robots do, not what the plan's times say. On a grid a turn takes a step.
+    A mission that states no error is simulated with one of STATED_ERROR_DEG. exact: with exact turns as well, for
+    comparison, which is one run; without it the same numbers stand for both.
     """
     mission, settings = plan.mission, BounceSettings.of(plan.mission)
-    crew, starts = _crew(plan), _starts(plan)
-    errors = (TurningError(), TurningError(angle_rad=math.radians(settings.turning_error_deg)))
-    if settings.task == "cover":
-        cells, until_s = make_cells(mission), max(float(trajectory.times_s[-1]) for trajectory in plan)
-        both_runs = [run_crew(crew, error, starts, duration_s=until_s, seed=plan.seed, cells=cells) for error in errors]
-        exact, inexact = (runs.mean_seen(until_s) for runs in both_runs)
-        return (Kept(name=None, exact=exact, inexact=inexact),)
+    crew = _crew(plan)
+    error_deg = settings.turning_error_deg or STATED_ERROR_DEG
+    error = TurningError(angle_rad=math.radians(error_deg))
     zones = [(zone.shape, zone.period_s) for zone in mission.zones if zone.period_s is not None]
-    lasting_s = PERIODS * max(period_s for _, period_s in zones)
+    covers = settings.task == "cover"
+    lasting_s = max(t.times_s[-1] for t in plan) if covers else PERIODS * max(period_s for _, period_s in zones)
+    runs = _runs_within(crew, float(lasting_s), most_runs)
 
-    def watched(error: TurningError) -> InexactRuns:
-        return run_crew(crew, error, starts, duration_s=lasting_s, seed=plan.seed, zones=zones)
+    def simulated(error: TurningError, runs: int) -> InexactRuns:
+        cells = make_cells(mission) if covers else None
+        return run_crew(
+            crew, error, _starts(plan, runs), duration_s=float(lasting_s), seed=plan.seed, cells=cells,
+            zones=() if covers else zones,
+        )  # fmt: skip
 
-    exact_shares, shares = (watched(error).watched_shares() for error in errors)
-    names = [zone.name for zone in mission.zones if zone.period_s is not None]
-    return tuple(
-        Kept(name=name, exact=trajectory, inexact=other)
-        for name, trajectory, other in zip(names, exact_shares, shares, strict=True)
-    )
+    inexact = simulated(error, runs)
+    without = simulated(TurningError(), 1) if exact else inexact
+    if covers:
+        kept: tuple[Kept, ...] = (
+            Kept(name=None, exact=without.mean_seen(lasting_s), inexact=inexact.mean_seen(lasting_s)),
+        )
+    else:
+        names = [zone.name for zone in mission.zones if zone.period_s is not None]
+        kept = tuple(
+            Kept(name=name, exact=one, inexact=other)
+            for name, one, other in zip(names, without.watched_shares(), inexact.watched_shares(), strict=True)
+        )
+    met_s = inexact.contact_quantiles_s(SHARES) if len(plan.trajectories) > 1 else None
+    return Inexact(error_deg=error_deg, runs=runs, lasting_s=float(lasting_s), kept=kept, met_s=met_s)
+
+
+def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
+    """The shares of ``with_errors``."""
+    return with_errors(plan).kept
+
+
+def _runs_within(crew: Crew, lasting_s: float, most: int) -> int:
+    """How many runs take MOST_WORK, by the mean length of a chord of the ground; LEAST_RUNS at least, or ``most``."""
+    ground = crew.rim.free
+    chord_m = math.pi * ground.area / ground.length
+    bounces = len(crew.bounces_rad) * lasting_s / (chord_m / crew.speed_m_s + crew.turn_s)
+    looks = max(2 * bounces * len(crew.rim.kinds), 1.0)
+    return min(most, max(min(LEAST_RUNS, most), int(MOST_WORK / looks)))
 
 
 def _crew(plan: Plan) -> Crew:
@@ -85,10 +133,10 @@ def _turn_s(mission: Mission, plan: Plan) -> float:
     return max([LEAST_TURN_S, *(longest_rad / rate for rate in rates if rate is not None)])
 
 
-def _starts(plan: Plan) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """(RUNS, m, 3) x, y in metres and heading in radians of each robot at the plan's start, the same in each run."""
+def _starts(plan: Plan, runs: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """(runs, m, 3) x, y in metres and heading in radians of each robot at the plan's start, the same in each run."""
     poses = [
         (*trajectory.positions_m[0, :2], 0.0 if trajectory.headings_rad is None else trajectory.headings_rad[0])
         for trajectory in plan
     ]
-    return np.repeat(np.array([poses], dtype=np.float64), RUNS, axis=0)
+    return np.repeat(np.array([poses], dtype=np.float64), runs, axis=0)

@@ -75,11 +75,13 @@ class InexactRuns:
     """What r runs came to. entered_s: (r, n) when each cell was first entered by any centre, inf: never.
 
     watched: (r, z) share of the time, after each zone's first period, in which it had been visited within its period.
+    met_s: (r,) when two bodies first touched, inf: not while it lasted.
     """
 
     duration_s: float
     entered_s: Floats
     watched: Floats
+    met_s: Floats
 
     def seen(self, after_s: float) -> Floats:
         """(n,) share of the runs in which each cell had been entered by then."""
@@ -98,6 +100,11 @@ class InexactRuns:
     def cover_times_s(self) -> Floats:
         """(r,) when each run had entered all cells, inf: not while it lasted."""
         return np.asarray(self.entered_s.max(axis=1))
+
+    def contact_quantiles_s(self, shares: Sequence[float]) -> tuple[float, ...]:
+        """By when two bodies had first touched in each of these shares of the runs; inf: in fewer while they lasted."""
+        ordered = np.sort(self.met_s)
+        return tuple(float(ordered[max(math.ceil(share * len(ordered)) - 1, 0)]) for share in shares)
 
     def watched_shares(self) -> tuple[Estimate, ...]:
         """For each zone the share of the time in which it had been visited within its period."""
@@ -160,7 +167,7 @@ def run_crew(
     all_sides = np.ascontiguousarray(np.concatenate([np.empty((0, 4)), *sides]))
     periods_s = np.array([period_s for _, period_s in zones], dtype=np.float64)
     entered_s = np.empty((runs, 0 if cells is None else cells.count))
-    watched_s = np.empty((runs, len(zones)))
+    watched_s, met_s = np.empty((runs, len(zones))), np.empty(runs)
     starts = np.ascontiguousarray(starts, dtype=np.float64)
 
     shape = BOUNDED if error.shape == "bounded" else GAUSSIAN
@@ -170,7 +177,7 @@ def run_crew(
     def part(k: int) -> None:
         """Simulate one chunk of the runs, from the k-th on."""
         chosen = slice(k, k + CHUNK)
-        results = entered_s[chosen], watched_s[chosen]
+        results = entered_s[chosen], watched_s[chosen], met_s[chosen]
         run_inexact(
             crew.rim.compiled,
             driving,
@@ -185,7 +192,7 @@ def run_crew(
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(part, range(0, runs, CHUNK)))
     lasting_s = np.maximum(duration_s - periods_s, 1e-9)
-    return InexactRuns(duration_s=duration_s, entered_s=entered_s, watched=watched_s / lasting_s)
+    return InexactRuns(duration_s=duration_s, entered_s=entered_s, watched=watched_s / lasting_s, met_s=met_s)
 
 
 def _lattice(cells: Cells | None) -> Lattice:

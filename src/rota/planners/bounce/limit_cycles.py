@@ -160,5 +160,5 @@ def require_watchable(cycles: LimitCycles, sees: Flags, names: Sequence[str]) ->
     if unwatched:
         raise MissionError(
             f"zones {', '.join(unwatched)}: no limit cycle of any robot enters them, so no team can watch them; other"
-            " bouncing angles (bounce.bouncing_angles_deg), headings or cells are needed"
+            " bouncing angles (bounce.bouncing_angles_deg: any tries all), headings or cells are needed"
         )

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from rota.plan import Plan
-from rota.planners.bounce.inexact_plan import RUNS, kept_with_errors
+from rota.planners.bounce.inexact_plan import SHARES, Inexact, with_errors
 from rota.planners.bounce.plane_monitoring import PlaneTeam
 from rota.planners.bounce.planner_settings import BounceSettings
 
@@ -33,23 +33,35 @@ def clocks_sentence(plan: Plan, report: Report) -> str | None:
 
 
 def errors_sentence(plan: Plan) -> str | None:
-    """What simulation leaves of the plan when turns are off; None where the mission names no turning error."""
-    if BounceSettings.of(plan.mission).turning_error_deg == 0 or not plan.trajectories:
+    """What simulation leaves of the plan when turns are off, and when bodies first touch; None without robots."""
+    if not plan.trajectories:
         return None
-    parts = []
-    for kept in kept_with_errors(plan):
+    parts, inexact = [], with_errors(plan)
+    for kept in inexact.kept:
         share = f"{_percent(kept.inexact.value)} \u00b1 {_percent(kept.inexact.error)} %"
         exact = f"with exact turns {_percent(kept.exact.value)} %"
         if kept.name is None:
             parts.append(f"enter {share} of the cells in the plan's time ({exact})")
         else:
             parts.append(f"have visited {kept.name} within its period {share} of the time ({exact})")
-    error = f"{BounceSettings.of(plan.mission).turning_error_deg:g} degrees"
+    error = f"{inexact.error_deg:g} degree" + "s" * (inexact.error_deg != 1)
+    example = "" if BounceSettings.of(plan.mission).turning_error_deg else " (the mission states no turning_error_deg)"
     return (
-        f"With turns off by up to {error}, robots that turn at every contact and by no clock "
+        f"With turns off by up to {error}{example}, robots that turn at every contact and by no clock "
         + ", ".join(parts)
-        + f"; {RUNS:,} simulated runs in the plane, 95 % intervals."
+        + ("" if inexact.met_s is None else f"; {_contact(inexact)}")
+        + f"; {inexact.runs:,} simulated runs in the plane, 95 % intervals."
     )
+
+
+def _contact(inexact: Inexact) -> str:
+    """When bodies first touch in 10, 50 and 90 % of the runs."""
+    assert inexact.met_s is not None
+    late = f"later than {inexact.lasting_s:,.0f}"
+    if math.isinf(inexact.met_s[0]):
+        return f"in less than {SHARES[0]:.0%} of the runs their bodies touch within {inexact.lasting_s:,.0f} s"
+    told = " / ".join(late if math.isinf(met_s) else f"{met_s:,.0f}" for met_s in inexact.met_s)
+    return f"their bodies first touch after {told} s ({' / '.join(f'{100 * share:.0f}' for share in SHARES)} % of runs)"
 
 
 def _percent(share: float) -> str:

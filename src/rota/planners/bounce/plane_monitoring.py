@@ -20,6 +20,7 @@ from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
 from rota.planners.bounce.plane_tracks import Track, tracks_of
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.bounce.robust_team import CANDIDATES, most_robust
 from rota.planners.bounce.starts import robots_of
 
 MOST_FEWEST = 12  # robots that are tried when the mission asks for as few as possible
@@ -48,7 +49,7 @@ def plan_in_plane(
     best: PlaneTeam | None = None
     for k, count in enumerate(counts):
         progress(k / len(counts), f"{count or len(mission.fleet.robots or ())} robots")
-        team = free_team(mission, seed=seed, count=count, should_stop=should_stop)
+        team = free_team(mission, seed=seed, count=count, should_stop=should_stop, progress=progress)
         if team is not None and (best is None or team.ratio < best.ratio):
             best = team
         if (best is not None and best.ratio <= 1) or should_stop():
@@ -63,9 +64,14 @@ def plan_in_plane(
 
 
 def free_team(
-    mission: Mission, *, seed: int, count: int | None = None, should_stop: Callable[[], bool] = lambda: False
+    mission: Mission,
+    *,
+    seed: int,
+    count: int | None = None,
+    should_stop: Callable[[], bool] = lambda: False,
+    progress: Callable[[float, str], None] = lambda share, doing: None,
 ) -> PlaneTeam | None:
-    """The team with the smallest worst ratio of gap to period, or the first that meets all periods, as asked.
+    """The team with the smallest worst ratio of gap to period, the first that meets all periods, or the most robust.
 
     count: robots, of a fleet of as few as possible. None where no team visits all zones without contact. Raises
     MissionError for zones that no attracting limit cycle of any robot enters.
@@ -74,7 +80,13 @@ def free_team(
     tracks, owners = _tracks(mission, robots, seed)
     search = _Search(mission, robots, tracks, owners, should_stop)
     search.extend((), 0)
-    return search.best
+    meeting = sorted((team for team in search.found if team.ratio <= 1), key=lambda team: team.ratio)
+    if BounceSettings.of(mission).purpose != "robust" or not meeting:
+        return search.best
+    chosen = np.unique(np.linspace(0, len(meeting) - 1, CANDIDATES).round().astype(int))
+    teams: list[PlaneTeam] = [meeting[k] for k in chosen]
+    plans = [Plan(mission=mission, trajectories=tuple(_trajectories(team)), seed=seed) for team in teams]
+    return teams[most_robust(plans, progress, should_stop)]
 
 
 def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[list[Track], list[int]]:
@@ -93,7 +105,7 @@ def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[lis
     if missed:
         raise MissionError(
             f"zones {', '.join(missed)}: no attracting limit cycle of any robot enters them; other bouncing angles"
-            " (bounce.bouncing_angles_deg), or cells (bounce.cells: grid), are needed"
+            " (bounce.bouncing_angles_deg: any tries some), or cells (bounce.cells: grid), are needed"
         )
     return tracks, owners
 
@@ -125,6 +137,7 @@ class _Search:
         self.periods_s = [zone.period_s for zone in mission.zones if zone.period_s is not None]
         self.enough = 1.0 if BounceSettings.of(mission).purpose == "periods" else 0.0
         self.best: PlaneTeam | None = None
+        self.found: list[PlaneTeam] = []
         self.left = MOST_TEAMS
         self.apart = _apart(tracks, [robots[owner].body_radius_m for owner in owners])
         self.known: dict[tuple[int, int], bool] = {}
@@ -136,9 +149,10 @@ class _Search:
             return
         k = len(on)
         if k == len(self.robots):
-            ratio = self.ratio(on)
-            if math.isfinite(ratio) and (self.best is None or ratio < self.best.ratio):
-                self.best = PlaneTeam(robots=self.robots, tracks=tuple(self.tracks), on=on, ratio=ratio)
+            team = PlaneTeam(robots=self.robots, tracks=tuple(self.tracks), on=on, ratio=self.ratio(on))
+            self.found.append(team)
+            if math.isfinite(team.ratio) and (self.best is None or team.ratio < self.best.ratio):
+                self.best = team
             return
         first = least if k and self.kinds[k] == self.kinds[k - 1] else 0
         for t in range(first, len(self.tracks)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.physics_sentences import cycles_sentence
 from rota.planners.bounce.plane_monitoring import plan_in_plane
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.bounce.robust_team import candidates, most_robust
 from rota.planners.bounce.sentences import entered_sentence, groups_sentence, pace_sentence, proof_sentence
 from rota.planners.bounce.starts import random_starts, robots_of, start_cells
 from rota.planners.bounce.timed_group import TimedGroup, timed_group
@@ -151,7 +152,7 @@ def plan_monitoring(
     For as few robots as possible, teams of 1, 2, ... are tried until one meets all periods. Raises NoPlanFound when no
     team that watches all zones is found; a team that visits them too seldom is given all the same.
     """
-    cells = make_cells(mission)
+    cells, settings = make_cells(mission), BounceSettings.of(mission)
     counts = [None] if mission.fleet.robots is not None else list(range(1, MOST_FEWEST + 1))
     best: tuple[Bouncing, Watch, Choice, TimedGroup] | None = None
     unproved: str | None = None
@@ -162,6 +163,9 @@ def plan_monitoring(
         choice = choose_group(watch, bouncing.team, mission, bouncing.robots, cells, seed=seed, should_stop=should_stop)
         unproved = unproved or choice.unproved
         if choice.chosen is not None:
+            if settings.purpose == "robust":
+                choice = robust_choice(bouncing, watch, choice, seed, progress, should_stop)
+            assert choice.chosen is not None
             best = bouncing, watch, choice, timed_group(bouncing.pace, cells.headings, choice.chosen)
             if best[3].ratio(watch, choice.chosen, [z.period_s for z in mission.zones if z.period_s is not None]) <= 1:
                 break
@@ -175,6 +179,22 @@ def plan_monitoring(
     facts = (groups, proof_sentence(mission, choice), pace_sentence(timed.own_s, timed.lasts_s))
     plan = monitoring_plan(bouncing, choice.chosen, seed, timed)
     return Answer(plan=plan, facts=tuple(fact for fact in facts if fact is not None))
+
+
+def robust_choice(
+    bouncing: Bouncing,
+    watch: Watch,
+    choice: Choice,
+    seed: int,
+    progress: Callable[[float, str], None],
+    should_stop: Callable[[], bool],
+) -> Choice:
+    """The choice with another group that meets all periods, if one keeps more of its visits when turns are off."""
+    settings = BounceSettings.of(bouncing.mission)
+    starts = [cell for cell in start_cells(bouncing.cells, bouncing.robots) if cell is not None]
+    groups = candidates(watch, bouncing.team, choice.chosen, starts, settings, seed)
+    plans = [monitoring_plan(bouncing, group, seed) for group in groups]
+    return replace(choice, chosen=groups[most_robust(plans, progress, should_stop)])
 
 
 def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:

@@ -14,7 +14,7 @@ from rota.refusals import Where, every_period, fleet_blocks, inner, listed_robot
 BounceTask = Literal["monitor", "cover"]
 BounceMethod = Literal["improved", "as_printed"]
 BounceCells = Literal["grid", "none"]
-Purpose = Literal["periods", "worst_gap", "basin"]
+Purpose = Literal["periods", "worst_gap", "basin", "robust"]
 HEADINGS = (4, 8, 12, 16, 20, 24, 32)
 
 OF_TASK = {"purpose": "monitor", "contact_free": "monitor", "most_steps": "cover"}
@@ -39,7 +39,8 @@ class BounceSettings(PlannerSettings):
     a move to a cell near by. 4 or 8 are equally spaced; of more the moves are a little off, so that no turn has quite
     the same angle, and (2, 1) and longer ones pass over cells that do not count as entered. What is blocked stays, and
     turns counterclockwise by its bouncing angle: ``bouncing_angles_deg`` has one for all robots or one for each,
-    multiples of the heading step. ``start_headings_deg``: likewise; None: the planner chooses.
+    multiples of the heading step; "any", in Python (), tries all and takes the best. ``start_headings_deg``: likewise;
+    None: the planner chooses.
 
     ``task``: "monitor" the zones by cycles without contact (Algorithm 2), or "cover" the area once (Algorithm 1).
     ``method``: "improved" takes products of single cycles and searches among jumps; "as_printed" is the paper's own.
@@ -47,14 +48,16 @@ class BounceSettings(PlannerSettings):
     between robots: on the published "grid" (same target cell, or moves with equal midpoints), or by "swept" distance
     besides, as bodies need that are wider than the grid allows. ``contact_free``: the "cycle" only, or the whole
     "trajectory" from the start. ``purpose``, of plans that monitor: zones' "periods" met, the shortest "worst_gap"
-    in its share of a period, or the largest "basin" of attraction. ``most_steps``: at most as many to cover the area.
+    in its share of a period, the largest "basin" of attraction, or "robust": most of the visits kept, and bodies apart
+    for longest, when turns are off by ``turning_error_deg``. ``most_steps``: at most as many to cover the area.
 
     ``cells`` "none": no grid; robots that monitor follow attracting limit cycles of straight lines and exact contacts,
     from starts that the planner chooses; ``cell_m`` is 0 then, and so is every setting that only a grid has at its
     default. ``turning_error_deg``: each turn is off by up to so much, uniformly; the plan stays, and what becomes of it
-    is simulated and told. ``clock_drift``: the share by which each robot's clock may run fast or slow. A common signal
-    sets all clocks every ``clock_signal_s``, None: at the start only; with both, plans that monitor keep bodies apart
-    however far clocks drift from each other in between, by up to 2 * clock_drift * clock_signal_s.
+    is simulated and told (of 1 degree where none is stated). ``clock_drift``: the share by which each robot's clock may
+    run fast or slow. A common signal sets all clocks every ``clock_signal_s``, None: at the start only; with both,
+    plans that monitor keep bodies apart however far clocks drift from each other in between, by up to 2 * clock_drift *
+    clock_signal_s.
 
     All robots keep in step: a step lasts as long as the move, or turn, of the robot that needs longest for it.
     """
@@ -67,7 +70,9 @@ class BounceSettings(PlannerSettings):
     method: BounceMethod = setting("improved", "as_printed is the paper's own")
     headings: int = setting(8, f"one of {', '.join(map(str, HEADINGS))}; beyond 8 angles vary a little")
     bouncing_angles_deg: tuple[float, ...] = setting(
-        (135.0,), "counterclockwise, one for all robots or one for each; multiples of 360 / headings"
+        (135.0,),
+        "counterclockwise, one for all robots or one for each; multiples of 360 / headings; any: all are tried",
+        word="any",
     )
     start_headings_deg: tuple[float, ...] | None = setting(
         None, "counterclockwise from x, one for all robots or one for each; null: as the planner likes"
@@ -138,6 +143,11 @@ class BounceSettings(PlannerSettings):
             yield ("clock_signal_s",), f"{shown(signal_s)} is not allowed; {allowed}"
         if values.get("cells", "grid") == "none":
             yield from _of_a_grid_only(values)
+        elif values.get("purpose") == "robust" and values.get("method", "improved") == "as_printed":
+            yield (
+                ("purpose",),
+                "robust is not allowed; Algorithm 2 as printed knows no errors: periods, worst_gap or basin",
+            )
         headings = values.get("headings", 8)
         if headings not in HEADINGS:
             message = f"{headings} is not allowed; one of {', '.join(map(str, HEADINGS))} is needed"
@@ -172,7 +182,7 @@ class BounceSettings(PlannerSettings):
             yield ("fleet", "start"), message
         for name in ("bouncing_angles_deg", "start_headings_deg"):
             angles = inner(data, "bounce", name)
-            if isinstance(angles, list | tuple) and len(angles) not in (1, count):
+            if isinstance(angles, list | tuple) and angles and len(angles) not in (1, count):
                 each = f" or one for each of {count}" if count is not None else ""
                 yield ("bounce", name), f"{len(angles)} angles are not allowed; one for all robots{each} is needed"
         if task == "monitor":
@@ -196,7 +206,7 @@ def _of_a_grid_only(values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:
             value = values[name]
             yield (name,), f"{list(value) if isinstance(value, tuple) else value} is not allowed; {allowed}"
     if values.get("purpose", "periods") == "basin":
-        yield ("purpose",), "basin is not allowed; with cells: none only periods or worst_gap"
+        yield ("purpose",), "basin is not allowed; with cells: none only periods, worst_gap or robust"
 
 
 def _angle_faults(headings: int, values: Mapping[str, Any]) -> Iterator[tuple[Where, str]]:

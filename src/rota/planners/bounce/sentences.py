@@ -13,6 +13,7 @@ from rota.planners.bounce.coverage import Coverage
 from rota.planners.bounce.group_count import TooMany, count_groups
 from rota.planners.bounce.monitoring import Watch
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.bounce.rattles import rattling_robots
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ def groups_sentence(watch: Watch, robots: int) -> str:
     many = f"{groups:,} periodic group" + ("s" if groups != 1 else "")
     if robots == 1:
         return f"1 robot has {many} in which every zone is visited."
-    return f"{robots} robots have {many} in which every zone is visited and no two meet."
+    return f"{robots} robots have {many} in which every zone is visited and no two meet, as long as turns are exact."
 
 
 def proof_sentence(mission: Mission, choice: Choice) -> str | None:
@@ -84,9 +85,19 @@ def swept_sentence(plan: Plan) -> str:
 
 
 def rattling_sentence(plan: Plan) -> str | None:
-    """Which robots never leave their places on their loops but turn there for ever; None: none does."""
-    names = [t.robot for t in plan if t.loop_duration_s > 0 and t.loop_length_m == 0]
-    if not names:
+    """Which robots hardly leave their places on their loops, or go to and fro on one line; None: none does."""
+    found = rattling_robots(plan)
+    if not found:
         return None
-    predicate = "stay in one cell and turn" if len(names) > 1 else "stays in one cell and turns"
-    return f"{', '.join(names)} {predicate} there for ever: a limit cycle, too."
+    still = [name for name, extent_m in found.items() if extent_m == 0]
+    moving = [f"{name} over {extent_m:.2g} m" for name, extent_m in found.items() if extent_m > 0]
+    parts = []
+    if still:
+        predicate = "stay in one cell and turn" if len(still) > 1 else "stays in one cell and turns"
+        parts.append(f"{', '.join(still)} {predicate} there for ever")
+    if moving:
+        parts.append(f"{', '.join(moving)} {'rattle' if len(moving) > 1 else 'rattles'} to and fro for ever")
+    return (
+        f"{'; '.join(parts)}: a limit cycle, too, but one that the first inexact turn may end; another bouncing angle"
+        " or a robot more may do without."
+    )
