@@ -77,7 +77,7 @@ QUICK = SearchSettings(
     fixed_team=FixedTeamSettings(screened=6, tries=4, nearness=1.025, new_allocations=False),
     sweeping=SweepingSettings(tries=2, angles=3),
     districts=DistrictSettings(enough=1.1, piece_moves=300),
-    shortening=ShorteningSettings(attempts=shortening_attempts(1600), further=(), rounds=14),
+    shortening=ShorteningSettings(attempts=shortening_attempts(1600), further=(), rounds=14, most_work=4.5e6),
 )
 
 NORMAL = SearchSettings(
@@ -103,7 +103,10 @@ NORMAL = SearchSettings(
     sweeping=SweepingSettings(tries=2, angles=6),
     districts=DistrictSettings(enough=1.05, piece_moves=1_200),
     shortening=ShorteningSettings(
-        attempts=shortening_attempts(6000), further=(ShorteningAttempt((lukewarm_stage(6000),)),), rounds=16
+        attempts=shortening_attempts(6000),
+        further=(ShorteningAttempt((lukewarm_stage(6000),)),),
+        rounds=16,
+        most_work=2e7,
     ),
 )
 
@@ -130,7 +133,10 @@ HIGH = SearchSettings(
     sweeping=SweepingSettings(tries=8, angles=12),
     districts=DistrictSettings(enough=1.0, piece_moves=4_800, searches_built_up=True),
     shortening=ShorteningSettings(
-        attempts=shortening_attempts(18000), further=2 * (ShorteningAttempt((lukewarm_stage(18000),)),), rounds=16
+        attempts=shortening_attempts(18000),
+        further=2 * (ShorteningAttempt((lukewarm_stage(18000),)),),
+        rounds=16,
+        most_work=8e7,
     ),
 )
 

@@ -95,6 +95,11 @@ class ShorteningAttempt(NamedTuple):
     stages: tuple[ShorteningStage, ...]
     bold: bool = False
 
+    @property
+    def moves(self) -> int:
+        """Of all its annealings, for each reach of ideal loop."""
+        return sum(stage.moves for stage in self.stages)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ShorteningSettings:
@@ -105,6 +110,10 @@ class ShorteningSettings:
     coarse, fine: the samples of annealing; with range that is taken much shorter robots would weave.
     reserve, budget_penalty: the annealing leaves this share of the budgets to the repair; of a metre over a budget.
     rounds, over_budget_limit: of the repair, as ``RepairSettings`` has them.
+    most_work: moves of all attempts together, rounds of repair counted as moves. Counted and not timed, so that the
+        same seed gives the same plan on any machine. An attempt that would take more is left out.
+    round_moves: what a round of repair counts, for each reach of ideal loop.
+    least_rounds: an attempt with fewer rounds of repair left is not worth its annealing.
     largest: ground of more reaches of ideal loop than this is left as it is.
     turn_reaches: reaches of the sensor that a turn by one radian costs where fewest turns are preferred.
     bending, bending_steps: linear programs of the repair, for which every metre counts; how many in one round.
@@ -114,6 +123,9 @@ class ShorteningSettings:
     attempts: tuple[ShorteningAttempt, ...]
     further: tuple[ShorteningAttempt, ...]
     rounds: int
+    most_work: float
+    round_moves: int = 200
+    least_rounds: int = 6
     coarse: SamplingSettings = SamplingSettings(per_reach=4, shrink=0.1, most_samples=150_000)
     fine: SamplingSettings = SamplingSettings(per_reach=12, shrink=0.5, most_samples=150_000)
     reserve: float = 0.03

@@ -10,6 +10,7 @@ from shapely import MultiPolygon, box
 from tests.planners.patrol.searching import search_on
 
 from rota.check import check_plan
+from rota.check.report import Report
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan
 from rota.planners.patrol.context import Context
@@ -19,7 +20,7 @@ from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, plan_of
 from rota.planners.patrol.shortening import search
 from rota.planners.patrol.shortening.measures import is_better, loops_m, rounds_of, turning_rad
-from rota.planners.patrol.shortening.search import shortened_further, with_better_loops
+from rota.planners.patrol.shortening.search import reaches, repaired_for_length, shortened_further, with_better_loops
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -76,6 +77,45 @@ def test_loops_become_much_shorter_and_still_pass(found: Repaired, shorter: Repa
 def test_the_same_seed_gives_the_same_loops(context: Context, found: Repaired, shorter: Repaired) -> None:
     again = with_better_loops(context, found)
     np.testing.assert_array_equal(again.tours[0].vertices_m, shorter.tours[0].vertices_m)
+
+
+@pytest.mark.parametrize(("moves", "made"), [(4050.5, [1]), (4049.5, [2]), (1550.5, [2]), (1450.5, [2]), (1349.5, [])])
+def test_the_larger_the_ground_the_less_is_tried(
+    context: Context, found: Repaired, monkeypatch: pytest.MonkeyPatch, moves: float, made: list[int]
+) -> None:
+    def annealed(own: Context, _tours: object, stages: tuple[ShorteningStage, ...], **_: object) -> Repaired:
+        tried.append((stages[0].moves, own.settings.shortening.rounds))
+        return found
+
+    tried: list[tuple[int, int]] = []
+    monkeypatch.setattr(search, "annealed_and_repaired", annealed)
+    stages = [ShorteningStage(n, 1 / 8, 1 / 500, 4.0) for n in (3000, 300)]
+    own = with_attempts(context, tuple(ShorteningAttempt((stage,)) for stage in stages))
+    shortening = replace(
+        own.settings.shortening, most_work=moves * reaches(own.problem), rounds=10, round_moves=150, least_rounds=7
+    )
+    with_better_loops(replace(own, settings=replace(own.settings, shortening=shortening)), found)
+    # by hand: 3000 + 7 x 150 = 4050 and 300 + 7 x 150 = 1350 at least, 300 + 10 x 150 = 1800 at most
+    rounds = {4050: 7, 4049: 10, 1550: 8, 1450: 7}
+    assert tried == [((3000, 300)[one - 1], rounds[int(moves)]) for one in made]
+
+
+def test_an_attempt_ends_once_its_loops_are_too_long(context: Context, found: Repaired) -> None:
+    judged: list[Plan] = []
+
+    def judge(plan: Plan) -> Report:
+        judged.append(plan)
+        return replace(
+            check_plan(plan), verdict="violated", unmet_points_m=np.array([[0.5, 0.5 + len(judged)]]),
+            unmet_demand=np.zeros(1, dtype=np.int64),
+        )  # fmt: skip
+
+    own = replace(context, judge=judge)
+    short = [replace(found.tours[0], vertices_m=np.array([[1.5, 1.5], [22.5, 1.5], [22.5, 16.5], [1.5, 16.5]]))]
+    repaired_for_length(own, found.tours, short)  # more than twice as long from the start
+    assert len(judged) == 1
+    repaired_for_length(own, short, found.tours)
+    assert len(judged) > 2
 
 
 def test_loops_that_turn_least(context: Context, found: Repaired) -> None:

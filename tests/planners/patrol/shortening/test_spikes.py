@@ -11,8 +11,9 @@ from tests.planners.patrol.searching import search_on
 
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.planner_settings import PatrolSettings
-from rota.planners.patrol.shortening.spikes import detours, spikes, without
+from rota.planners.patrol.shortening.spikes import detours, samples_near, spikes, unseen_m2, without
 from rota.planners.patrol.tours.tour import Tour
 
 HALL = Mission(
@@ -39,6 +40,20 @@ def test_a_detour_over_ground_that_others_see_is_a_spike(context: Context) -> No
     (straight,) = without([tour], [spike])
     assert len(straight.vertices_m) == len(tour.vertices_m) - 1
     assert spikes(context.problem, [straight]) == []
+
+
+def test_what_a_detour_alone_sees_is_told_by_the_samples_near_it(context: Context) -> None:
+    problem = context.problem
+    tour = tour_by(context, (2.0, 5.0), (2.2, 5.0), (8.0, 5.1), (2.2, 5.2), (2.2, 8.0), (1.8, 8.0))
+    points, samples = prepared_with(problem, no_points())
+    for spike in detours(problem, [tour]):
+        near = samples_near(problem, tour, spike, points, samples)
+        assert near is not None
+        assert len(near.x) < len(samples.x)
+        straight = without([tour], [spike])
+        lost_m2 = [unseen_m2(problem, straight, some) - unseen_m2(problem, [tour], some) for some in (samples, near)]
+        assert lost_m2[0] > 0
+        assert lost_m2[1] == pytest.approx(lost_m2[0])
 
 
 def test_a_spike_over_the_seam_of_its_tour(context: Context) -> None:

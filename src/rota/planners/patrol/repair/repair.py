@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -100,12 +100,14 @@ def repair_until_feasible(
     may_add: bool,
     rounds: int,
     annealed: bool = False,
+    is_in_vain: Callable[[list[Tour]], bool] = lambda _: False,
 ) -> Repaired:
     """Repair the tours until the judge passes their plan, they exceed their budgets, or ``rounds`` are over.
 
     may_add: a tour that exceeds its budget gets another robot.
     annealed: the tours see nearly everything and are about as short as they can be; linear programs find the rest.
-    Returns the last state.
+    is_in_vain: whether tours after a round are no use, whatever the judge says of them; it is then not asked again.
+    Returns the last state that was judged.
     """
     settings = context.settings.repair
     bends = annealed and can_bend(context.problem)
@@ -124,6 +126,8 @@ def repair_until_feasible(
             tours = seeing_missed(context, tours, extra[np.arange(asked_before, len(extra))], seed=context.seed)
         else:
             tours = seeing_all(context, tours, extra, may_add=may_add, bends=bends, seed=context.seed + turn - 1)
+        if turn > 1 and is_in_vain(tours):
+            break
         excess = over_budget_share(tours)
         goes_on_over_budget = bends and excess <= settings.over_budget_limit
         repaired = judged(context, tours, extra, turn, bends=bends, eased_by=2 * excess if goes_on_over_budget else 0.0)

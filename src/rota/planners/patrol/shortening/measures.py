@@ -8,6 +8,7 @@ from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.tours.tour import Tour, driven, nests, tour_length_m, turns_rad
 
 GAIN = 1e-6  # share by which loops must be shorter to count as such
+HOPELESS = 1.005  # times as long: later rounds of repair take half a percent back, hardly ever more
 
 
 def loops_m(tours: Sequence[Tour]) -> float:
@@ -26,6 +27,11 @@ def rounds_of(tours: Sequence[Tour]) -> list[int]:
     for hub, *petals in nests(tours):
         rounds[hub] = max(1, sum(len(tours[k].vertices_m) > 1 for k in petals))
     return rounds
+
+
+def is_too_long(tours: Sequence[Tour], old: Sequence[Tour]) -> bool:
+    """Whether loops are so much longer than others that more rounds of repair will hardly make them shorter."""
+    return loops_m(tours) > HOPELESS * loops_m(old)
 
 
 def is_better(new: Repaired, old: Repaired, *, fewest_turns: bool) -> bool:

@@ -7,6 +7,7 @@ they are hot, where few samples are enough; then finer ones take over.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -17,12 +18,12 @@ from rota.planners.patrol.ground.extra_points import metres_worth, no_points
 from rota.planners.patrol.ground.problem import Problem, points_of_regions
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import known_walls, laid_out
-from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningStage
+from rota.planners.patrol.loop_settings import SamplingSettings, ShorteningSettings, ShorteningStage
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.bending import layout
 from rota.planners.patrol.repair.bending.search import can_bend
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
-from rota.planners.patrol.shortening.measures import is_better, rounds_of
+from rota.planners.patrol.shortening.measures import is_better, is_too_long, rounds_of
 from rota.planners.patrol.shortening.spikes import spikes, without
 from rota.planners.patrol.shortening.turning import as_if_turning_cost, as_they_were
 from rota.planners.patrol.tours.tour import Tour
@@ -34,7 +35,8 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     Each attempt begins with the tours found: the first ones with much heat, which gives them another shape where the
     budgets leave room for one, the last with little. Loops that became shorter so are shortened further, unless some
     are nested or turns cost something. Ground where turning takes time or the limit of sight is asked for is left as it
-    is, for no linear program closes the gaps there; and so is very large ground.
+    is, for no linear program closes the gaps there; and so is very large ground. The larger the ground, the fewer
+    attempts its ``most_work`` allows, and the last ones take least.
     """
     settings, problem = context.settings.shortening, context.problem
     if not can_bend(problem) or reaches(problem) > settings.largest:
@@ -42,28 +44,56 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
     fewest_turns = PatrolSettings.of(problem.mission).prefer == "fewest_turns"
     may_be_bold = not fewest_turns and not has_nests(found.tours)
     attempts = [attempt for attempt in settings.attempts if may_be_bold or not attempt.bold]
+    left = settings.most_work / reaches(problem)
     for turn, attempt in enumerate(attempts):
         if context.should_stop():
             break
+        rounds = rounds_within(settings, attempt.moves, left)
+        if not rounds:
+            continue
+        left -= attempt.moves + rounds * settings.round_moves
         context.progress(0.91 + 0.04 * turn / len(attempts), "looking for shorter loops")
         shorter = annealed_and_repaired(
-            context, found.tours, attempt.stages, fewest_turns=fewest_turns, seed=context.seed + 10 * turn
+            with_rounds(context, rounds),
+            found.tours,
+            attempt.stages,
+            fewest_turns=fewest_turns,
+            seed=context.seed + 10 * turn,
         )
         if is_better(shorter, found, fewest_turns=fewest_turns):
-            found = shortened_further(context, shorter) if may_be_bold else shorter
+            found = shortened_further(context, shorter, left=left) if may_be_bold else shorter
             break
-    return without_spikes(context, found, fewest_turns=fewest_turns)
+    rounds = rounds_within(settings, 0, left)
+    return without_spikes(with_rounds(context, rounds), found, fewest_turns=fewest_turns) if rounds else found
 
 
-def shortened_further(context: Context, found: Repaired) -> Repaired:
-    """The plan with its loops annealed again, without the heat that would give them another shape."""
-    attempts = context.settings.shortening.further
-    for turn, attempt in enumerate(attempts):
-        if context.should_stop():
+def rounds_within(settings: ShorteningSettings, moves: int, left: float) -> int:
+    """Rounds of repair for which ``left`` has room beside so many moves, both for a reach; 0 where too few are left."""
+    rounds = min(settings.rounds, int((left - moves) // settings.round_moves))
+    return rounds if rounds >= min(settings.least_rounds, settings.rounds) else 0
+
+
+def with_rounds(context: Context, rounds: int) -> Context:
+    """The same search with at most so many rounds of repair in an attempt at shorter loops."""
+    shortening = replace(context.settings.shortening, rounds=rounds)
+    return replace(context, settings=replace(context.settings, shortening=shortening))
+
+
+def shortened_further(context: Context, found: Repaired, *, left: float = math.inf) -> Repaired:
+    """The plan with its loops annealed again, without the heat that would give them another shape.
+
+    left: the work that there may be, as moves for each reach of ideal loop.
+    """
+    settings = context.settings.shortening
+    for turn, attempt in enumerate(settings.further):
+        rounds = settings.rounds if math.isinf(left) else rounds_within(settings, attempt.moves, left)
+        if context.should_stop() or not rounds:
             break
-        context.progress(0.95 + 0.02 * turn / len(attempts), "making the loops shorter yet")
-        seed = context.seed + 10 * (len(context.settings.shortening.attempts) + turn)
-        shorter = annealed_and_repaired(context, found.tours, attempt.stages, fewest_turns=False, seed=seed)
+        left -= attempt.moves + rounds * settings.round_moves
+        context.progress(0.95 + 0.02 * turn / len(settings.further), "making the loops shorter yet")
+        seed = context.seed + 10 * (len(settings.attempts) + turn)
+        own = with_rounds(context, rounds)
+        shorter = annealed_and_repaired(own, found.tours, attempt.stages, fewest_turns=False, seed=seed)
         if is_better(shorter, found, fewest_turns=False):
             found = shorter
     return found
@@ -74,7 +104,7 @@ def without_spikes(context: Context, plan: Repaired, *, fewest_turns: bool) -> R
     found = spikes(context.problem, plan.tours)
     if not found or context.should_stop():
         return plan
-    straight = repaired_for_length(context, without(plan.tours, found))
+    straight = repaired_for_length(context, without(plan.tours, found), plan.tours)
     return straight if is_better(straight, plan, fewest_turns=fewest_turns) else plan
 
 
@@ -95,11 +125,14 @@ def annealed_and_repaired(
             sampling = settings.coarse if stage.coarse else settings.fine
             samples[stage.coarse] = sampled_anew(context.problem, tours, sampling)
         tried = annealed_for_length(context, tried, samples[stage.coarse], stage, seed=seed + turn)
-    return repaired_for_length(context, as_they_were(tried, tours))
+    return repaired_for_length(context, as_they_were(tried, tours), tours)
 
 
-def repaired_for_length(context: Context, tours: list[Tour]) -> Repaired:
-    """The tours after repairs by linear programs for which every metre counts; met or not."""
+def repaired_for_length(context: Context, tours: list[Tour], old: list[Tour]) -> Repaired:
+    """The tours after repairs by linear programs for which every metre counts; met or not.
+
+    old: those that they are to be shorter than; once they are too long the repair ends.
+    """
     settings = context.settings.shortening
     repair = replace(
         context.settings.repair,
@@ -107,7 +140,10 @@ def repaired_for_length(context: Context, tours: list[Tour]) -> Repaired:
         over_budget_limit=settings.over_budget_limit,
     )  # fmt: skip
     own = replace(context, settings=replace(context.settings, bending=settings.bending, repair=repair))
-    return repair_until_feasible(own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True)
+    return repair_until_feasible(
+        own, tours, no_points(), may_add=False, rounds=settings.rounds, annealed=True,
+        is_in_vain=lambda tours: is_too_long(tours, old),
+    )  # fmt: skip
 
 
 def annealed_for_length(

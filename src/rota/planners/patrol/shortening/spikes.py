@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from rota.geometry.kernels import free_segments
@@ -14,6 +15,7 @@ from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.ground.extra_points import UNSEEN_WEIGHT, no_points, prepared_with
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.ground.sample_kernels import Samples
+from rota.planners.patrol.ground.samples import SamplePoints, known_walls, laid_out
 from rota.planners.patrol.tours.tour import Tour, hubs_and_petals
 
 Floats = NDArray[np.float64]
@@ -34,21 +36,37 @@ class Spike(NamedTuple):
 
 
 def spikes(problem: Problem, tours: Sequence[Tour]) -> list[Spike]:
-    """The spikes of the tours, none with a corner of another; what a spike alone sees is measured on samples.
+    """The spikes of the tours, none with a corner of another; what one alone sees is measured on the samples near it.
 
     A spike has one to three corners. The way past them is at least twice as long as straight on, by a quarter of the
     reach or more, and they see less than a tenth of what a lane would see that is as long as the detour.
     """
-    _, samples = prepared_with(problem, no_points())
-    seen_before = unseen_m2(problem, tours, samples)
+    points, samples = prepared_with(problem, no_points())
     found: list[Spike] = []
     for spike in sorted(detours(problem, tours), key=lambda detour: -detour.saved_m):
         if any(_meet(spike, other, len(tours[spike.tour].vertices_m)) for other in found):
             continue
-        lost_m2 = unseen_m2(problem, without(tours, [spike]), samples) - seen_before
+        near = samples_near(problem, tours[spike.tour], spike, points, samples)
+        if near is None:
+            lost_m2 = 0.0
+        else:
+            lost_m2 = unseen_m2(problem, without(tours, [spike]), near) - unseen_m2(problem, tours, near)
         if lost_m2 < NEXT_TO_NOTHING * spike.saved_m * problem.swath_m:
             found.append(spike)
     return found
+
+
+def samples_near(problem: Problem, tour: Tour, spike: Spike, points: SamplePoints, samples: Samples) -> Samples | None:
+    """The samples that the spike, or the way past it, may see; None: none. What else is seen stays as it is."""
+    way_m = np.take(tour.vertices_m, np.arange(spike.first - 1, spike.first + spike.corners + 1), axis=0, mode="wrap")
+    far_m = max(problem.robot.sensor.reach_m, float(samples.visit_m.max(initial=0.0)))
+    inside = ((points.xy_m >= way_m.min(axis=0) - far_m) & (points.xy_m <= way_m.max(axis=0) + far_m)).all(axis=1)
+    near = np.flatnonzero(inside)
+    near = near[shapely.distance(shapely.linearrings(way_m), shapely.points(points.xy_m[near])) <= far_m]
+    if not len(near):
+        return None
+    known, weight = known_walls(samples, near), samples.weight[near]
+    return laid_out(points[near], problem.walls, problem.robot, weight=weight, known=known)[1]
 
 
 def detours(problem: Problem, tours: Sequence[Tour]) -> Iterator[Spike]:
