@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rota.planners.patrol.initial.first_tours import lane_order
-from rota.planners.patrol.initial.order_kernels import improve_tour, nearest_neighbour_tour, reverse_places
+from rota.planners.patrol.initial.order_kernels import improve_once, nearest_neighbour_tour, reverse_places
 from rota.planners.patrol.initial.visiting_order import short_order
 
 Floats = NDArray[np.float64]
@@ -78,6 +78,23 @@ def test_shapes_other_than_the_plane() -> None:
         assert length(d, order) <= 1.4 * shortest(d)
 
 
+def test_rounding_of_large_distances_is_no_gain() -> None:
+    # ends of lanes in pairs that must stay together, 22 km of them: 1e-9 m is less than sums of such distances are off
+    x = np.repeat(np.arange(367) * 60.0 + 0.1, 2)
+    d = np.abs(x[:, None] - x[None])
+    pairs = np.arange(0, len(x), 2)
+    d[pairs, pairs + 1] = d[pairs + 1, pairs] = -1e3 * (1 + d.max())
+    passes = itertools.count()
+    order, calls = short_order(d, lambda: next(passes) > 100), next(passes)
+    assert calls < 50  # it ended by itself
+    assert length(d, order) == pytest.approx(2 * x.max() - 0.2 + 367 * d.min())
+
+
+def test_what_is_to_stop_keeps_the_order_so_far() -> None:
+    d = apart(np.random.default_rng(5).uniform(0, 100, (50, 2)))
+    assert short_order(d, lambda: True).tolist() == nearest_neighbour_tour(d).tolist()
+
+
 def test_places_on_one_spot() -> None:
     places = np.repeat([[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]], 6, axis=0)
     d = apart(np.random.default_rng(2).permutation(places))
@@ -101,11 +118,12 @@ def test_improving_keeps_a_permutation_and_never_lengthens() -> None:
             near = np.ascontiguousarray(np.argsort(far, axis=1, kind="stable")[:, :neighbours].astype(np.int64))
             order = rng.permutation(n).astype(np.int64)
             before = length(d, order)
-            improve_tour(d, near, order)
+            while improve_once(d, near, 1e-9, order):
+                assert length(d, order) < before
             assert sorted(order.tolist()) == list(range(n))
             after = length(d, order)
             assert after <= before + 1e-9
-            improve_tour(d, near, order)
+            assert not improve_once(d, near, 1e-9, order)
             assert length(d, order) == after  # nothing more to gain
 
 

@@ -28,33 +28,36 @@ def nearest_neighbour_tour(d: Any) -> Any:
 
 
 @kernel
-def improve_tour(d: Any, near: Any, order: Any) -> None:
-    """2-opt and or-opt over neighbour lists (n, k) until neither shortens the closed tour; changes ``order``."""
+def improve_once(d: Any, near: Any, least: float, order: Any) -> bool:
+    """2-opt and or-opt over neighbour lists (n, k) at every place in turn; changes ``order``, or is False.
+
+    least: the gain in metres above which an exchange counts; what rounding may feign must be less, or there is no end.
+    """
     n = order.shape[0]
     place = np.empty(n, dtype=np.int64)
     for i in range(n):
         place[order[i]] = i
-    again = n >= 4
-    while again:
-        again = False
+    shorter = False
+    if n >= 4:
         for a in range(n):
-            if two_opt_at(a, d, near, order, place) or or_opt_at(a, d, near, order, place):
-                again = True
+            if two_opt_at(a, d, near, least, order, place) or or_opt_at(a, d, near, least, order, place):
+                shorter = True
+    return shorter
 
 
 @kernel
-def two_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
-    """Replace the edge after or before place a by one to a neighbour, if that shortens the tour."""
+def two_opt_at(a: int, d: Any, near: Any, least: float, order: Any, place: Any) -> bool:
+    """Replace the edge after or before place a by one to a neighbour, if that gains more than ``least``."""
     n = order.shape[0]
     for way in (1, -1):
         b = order[(place[a] + way) % n]
         for m in range(near.shape[1]):
             c = near[a, m]
             gain = d[a, b] - d[a, c]
-            if gain <= 1e-9:
+            if gain <= least:
                 break
             e = order[(place[c] + way) % n]
-            if gain + d[c, e] - d[b, e] > 1e-9:
+            if gain + d[c, e] - d[b, e] > least:
                 if way > 0:
                     reverse_places(place[b], place[c], order, place)
                 else:
@@ -79,8 +82,8 @@ def reverse_places(first: int, last: int, order: Any, place: Any) -> None:
 
 
 @kernel
-def or_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
-    """Move the stretch of one to three places that begins at a next to a neighbour of a, if that shortens the tour."""
+def or_opt_at(a: int, d: Any, near: Any, least: float, order: Any, place: Any) -> bool:
+    """Move the one to three places that begin at a next to a neighbour of a, if that gains more than ``least``."""
     n = order.shape[0]
     for long in range(1, 4):
         if n < long + 3:
@@ -91,7 +94,7 @@ def or_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
             saved = d[before, a] + d[z, after] - d[before, after]
             for m in range(near.shape[1]):
                 c = near[a, m]
-                if saved - d[a, c] <= 1e-9:
+                if saved - d[a, c] <= least:
                     break
                 if (way * (place[c] - place[a])) % n < long:
                     continue  # c is in the stretch itself
@@ -99,7 +102,7 @@ def or_opt_at(a: int, d: Any, near: Any, order: Any, place: Any) -> bool:
                     e = order[(place[c] + side) % n]
                     if (way * (place[e] - place[a])) % n < long:
                         continue
-                    if saved - d[a, c] - d[z, e] + d[c, e] > 1e-9:
+                    if saved - d[a, c] - d[z, e] + d[c, e] > least:
                         move_stretch(a, long, way, c, e, order, place)
                         return True
     return False

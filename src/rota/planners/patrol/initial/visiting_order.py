@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.patrol.initial.order_kernels import improve_tour, nearest_neighbour_tour
+from rota.planners.patrol.initial.order_kernels import improve_once, nearest_neighbour_tour
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 NEIGHBOURS = 12
+LEAST_GAIN_M = 1e-9
+ROUNDING = 4 * np.finfo(np.float64).eps  # of the largest distance: by how much sums of four may be off
 
 
-def short_order(distance_m: Floats) -> Ints:
+def short_order(distance_m: Floats, should_stop: Callable[[], bool] = lambda: False) -> Ints:
     """Order (n,) of a short closed tour over n places, given their distances (n, n) in metres, symmetric and finite.
 
-    Nearest neighbour, then 2-opt and or-opt over the nearest places until neither helps; n <= 3 is any order.
+    Nearest neighbour, then 2-opt and or-opt over the nearest places until neither helps, or until it is to stop; n <= 3
+    is any order.
     """
     n = len(distance_m)
     if n <= 3:
@@ -25,7 +30,10 @@ def short_order(distance_m: Floats) -> Ints:
         raise ValueError("every place must be reachable from every other: the distances hold inf or nan")
     distance_m = np.ascontiguousarray(distance_m, dtype=np.float64)
     order: Ints = nearest_neighbour_tour(distance_m)
-    improve_tour(distance_m, nearest_places(distance_m, NEIGHBOURS), order)
+    near = nearest_places(distance_m, NEIGHBOURS)
+    least_m = max(LEAST_GAIN_M, ROUNDING * float(np.abs(distance_m).max()))
+    while not should_stop() and improve_once(distance_m, near, least_m, order):
+        pass
     return order
 
 

@@ -109,8 +109,7 @@ def repair_until_feasible(
     is_in_vain: whether tours after a round are no use, whatever the judge says of them; it is then not asked again.
     Returns the last state that was judged.
     """
-    settings = context.settings.repair
-    bends = annealed and can_bend(context.problem)
+    settings, bends = context.settings.repair, annealed and can_bend(context.problem)
     stuck, reroutes, unmet_before = 0, 0, -1
     if may_add and context.problem.is_ragged:
         problem, tours = clear_of_who_stays(context.problem, tours)
