@@ -14,6 +14,7 @@ from benchmarks.check_legs import check_legs
 from benchmarks.city import city
 from benchmarks.cold_start import cold_start
 from benchmarks.create2_sketch import create2_sketch
+from benchmarks.damaged_cache import damaged_cache
 from benchmarks.export_formats import export_formats
 from benchmarks.house import house, suite
 from benchmarks.known_plans import known_plans
@@ -167,6 +168,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "fig13": fig13_warm,
     "fig13-cold": fig13_cold,
     "cold-start": cold_start,
+    "damaged-cache": damaged_cache,
     "parcel-nl": parcel_nl,
     "cumberland": cumberland,
     "scanned-floors": scanned_floors,

@@ -39,8 +39,12 @@ MADE_BY = "'rota watch --log' writes one"
 
 
 def plan_hash(plan: Plan) -> str:
-    """SHA-256 of a plan's file as Rota writes it, in hexadecimal digits."""
-    return hashlib.sha256(plan_text(plan).encode()).hexdigest()
+    """SHA-256 of a plan's file as Rota writes it, in hexadecimal digits, without the line of the mission's own digest.
+
+    Versions that wrote no such line have left logs, too.
+    """
+    lines = plan_text(plan).splitlines(keepends=True)
+    return hashlib.sha256("".join(line for line in lines if '"mission_sha256"' not in line).encode()).hexdigest()
 
 
 class LogWriter:
