@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 from tests.web.serving import SQUARE, Json, kept, serving
@@ -53,7 +55,7 @@ def test_a_mission_brings_the_shapes_of_its_geojson_where_they_can_be_edited(cli
     found = read(client, "parcel.yaml", "parcel.geojson")
     (field, pond) = json.loads((EXAMPLES / "parcel.geojson").read_text())["features"][:2]
     assert found["document"]["area"]["ring"] == field["geometry"]["coordinates"][0][:-1]
-    assert found["document"]["obstacles"] == [{"ring": pond["geometry"]["coordinates"][0][:-1]}]
+    assert found["document"]["obstacles"] == [{"ring": pond["geometry"]["coordinates"][0][:-1], "name": "pond"}]
     assert found["attachments"] == []
     ground = client.post("/api/validate", json={"document": found["document"]}).json()["ground"]
     area = read_mission(EXAMPLES / "parcel.yaml").mission.area.geoms[0]
@@ -63,9 +65,81 @@ def test_a_mission_brings_the_shapes_of_its_geojson_where_they_can_be_edited(cli
 def test_a_parcel_alone_becomes_a_mission(client: TestClient) -> None:
     found = read(client, "parcel.geojson")
     assert found["document"]["coordinates"] == "wgs84"
-    assert len(found["document"]["obstacles"]) == 1
     assert "guesses" in found["warnings"][0]
     assert faults(client, found["document"]) == []
+    # all features are the area, as they are in a mission that names no feature
+    assert "obstacles" not in found["document"]
+    pond = json.loads((EXAMPLES / "parcel.geojson").read_text())["features"][1]
+    assert [feature["name"] for feature in found["features"]] == ["field", "pond"]
+    shown, given = (
+        np.array(ring) for ring in (found["features"][1]["shape"][0][0], pond["geometry"]["coordinates"][0])
+    )
+    assert np.ptp(shown, axis=0) == pytest.approx(np.ptp(given, axis=0), rel=0.05)
+
+
+def square(west: float, south: float, side: float, **properties: Any) -> Json:
+    ring = [[west, south], [west + side, south], [west + side, south + side], [west, south + side], [west, south]]
+    return {"type": "Feature", "properties": properties, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+
+
+def collection(*features: Json) -> bytes:
+    return json.dumps({"type": "FeatureCollection", "features": features}).encode()
+
+
+PORT, QUAY = square(13.08, 54.36, 0.004, name="port"), square(13.081, 54.3605, 0.001, name="quay")
+ISLE = square(13.09, 54.36, 0.001, name="isle", period_s=70)
+
+
+@pytest.mark.parametrize("order", [["a.geojson", "b.geojson"], ["b.geojson", "a.geojson"]])
+def test_features_of_several_files_are_all_the_area_in_any_order(client: TestClient, order: list[str]) -> None:
+    contents = {"a.geojson": collection(QUAY), "b.geojson": collection(PORT, ISLE)}
+    answer = client.post("/api/missions/read", files=[("files", (name, contents[name])) for name in order])
+    assert answer.status_code == 200
+    assert [(feature["file"], feature["name"]) for feature in answer.json()["features"]] == [
+        ("a.geojson", "quay"),
+        ("b.geojson", "port"),
+        ("b.geojson", "isle"),
+    ]
+    read_ = answer.json()
+    ground = client.post("/api/validate", json={"document": read_["document"], "upload": read_["upload"]}).json()
+    sides = sorted(
+        round(max(x for x, _ in rings[0]) - min(x for x, _ in rings[0])) for rings in ground["ground"]["area"]
+    )
+    # the port with the quay in it, and the isle: their degrees at this latitude, in metres
+    metres = math.cos(math.radians(54.36)) * 111_320
+    assert sides == [pytest.approx(0.001 * metres, rel=0.01), pytest.approx(0.004 * metres, rel=0.01)]
+
+
+def test_each_feature_is_what_it_is_taken_for(client: TestClient) -> None:
+    files = [("files", ("two.geojson", collection(PORT, QUAY, ISLE, QUAY)))]
+    found = client.post("/api/missions/read?as=aozo", files=files).json()
+    document = found["document"]
+    assert "features" not in found
+    assert document["area"]["ring"] == PORT["geometry"]["coordinates"][0][:-1]
+    assert [obstacle["name"] for obstacle in document["obstacles"]] == ["quay", "quay 2"]
+    assert document["obstacles"][0]["ring"] == QUAY["geometry"]["coordinates"][0][:-1]
+    assert (document["zones"][0]["name"], document["zones"][0]["period_s"]) == ("isle", 70)
+    left = client.post("/api/missions/read?as=a-o-", files=files).json()["document"]
+    assert [obstacle["name"] for obstacle in left["obstacles"]] == ["isle"]
+    assert "zones" not in left
+    for wrong, told in {
+        "oooo": "no feature is the area",
+        "a": "a letter for each",
+        "axoz": "a letter for each",
+    }.items():
+        answer = client.post(f"/api/missions/read?as={wrong}", files=files)
+        assert answer.status_code in (400, 422)
+        assert told in answer.text
+
+
+def test_files_that_nothing_is_made_of_are_told(client: TestClient) -> None:
+    found = read(client, "parcel.yaml", "parcel.geojson", **{"other.geojson": collection(PORT)})
+    assert [text for text in found["warnings"] if "other.geojson is not used" in text]
+    assert not [text for text in found["warnings"] if "parcel.geojson" in text]
+    found = read(client, "building_map.yaml", "building_map.png", **{"other.geojson": collection(PORT)})
+    assert [text for text in found["warnings"] if "not used" in text] == [
+        "other.geojson is not used: the mission does not name it"
+    ]
 
 
 def test_a_ros_map_becomes_a_mission_with_its_picture_wherever_that_lay(client: TestClient) -> None:

@@ -127,6 +127,7 @@ class ObstacleBlock(Shape):
 
     model_config = ConfigDict(json_schema_extra=one_of("ring", "outer", "circle", "geojson"))
 
+    name: Text | None = Field(None, description="for people")
     blocks: Literal["both", "motion", "sight"] = "both"
     asks: Literal["all", "nothing"] = Field(
         "all", description="all: the ground under blocks: motion is asked for as anywhere else; nothing: it is not"

@@ -80,6 +80,7 @@ OPERATIONS = (
     Operation(
         method="POST", path="/api/missions/read", uploads=True, gives=ref("ReadMission"), refuses=(413, 415, 422),
         what="Files as a document to be edited: a mission with what it names, GeoJSON, or a ROS map with its picture.",
+        query=(("as", TEXT, "of GeoJSON a letter for each feature: a area, o obstacle, z zone, - left out"),),
     ),
     Operation(
         method="GET", path="/api/missions", what="All missions, the one changed last first.",

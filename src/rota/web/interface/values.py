@@ -72,7 +72,14 @@ VALUES: dict[str, Schema] = {
     ),
     "Example": an_object({"name": TEXT, "title": TEXT}),
     "ReadMission": an_object(
-        {"document": ANYTHING, "attachments": listed(ATTACHMENT), "warnings": listed(TEXT)}, {"upload": TEXT}
+        {"document": ANYTHING, "attachments": listed(ATTACHMENT), "warnings": listed(TEXT)},
+        {
+            "upload": TEXT,
+            "features": {
+                **listed(an_object({"name": TEXT, "file": TEXT, "m2": NUMBER, "shape": _SHAPE})),
+                "description": "of GeoJSON, all of which is the area: ask again with what each is",
+            },
+        },
     ),
     "MissionEntry": an_object({"id": TEXT, "name": TEXT, "revision": COUNT, "changed_at": MOMENT, "planner": TEXT}),
     "Mission": an_object(

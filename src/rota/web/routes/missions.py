@@ -39,10 +39,10 @@ async def example(request: Request) -> Response:
 
 
 async def read(request: Request) -> Response:
-    """Uploaded files as a document to be edited."""
+    """Uploaded files as a document to be edited; ``as`` tells what the features of GeoJSON files are."""
     state = state_of(request)
     upload = await uploaded_files(request, state.limits.upload_files)
-    _, body = await state.pool.ask("read", upload=upload)
+    _, body = await state.pool.ask("read", upload=upload, roles=request.query_params.get("as"))
     return JsonAnswer(body)
 
 

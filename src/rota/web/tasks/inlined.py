@@ -73,14 +73,16 @@ def _features(entry: Any, folder: Path) -> tuple[Feature, ...]:
 
 
 def _obstacles(entry: Any, folder: Path) -> Iterator[Any]:
-    """An obstacle for each polygon of the file."""
+    """An obstacle for each polygon of the file, with the name of its feature."""
     features = _features(entry, folder)
     if not features or not _fits([feature.shape for feature in features]):
         yield entry
         return
     more = {key: value for key, value in entry.items() if key not in ("geojson", "feature")}
-    for polygon in polygons_of(unary_union([feature.shape for feature in features])).geoms:
-        yield {**_written(polygon), **more}
+    for feature in features:
+        name = {} if feature.name is None else {"name": feature.name}
+        for polygon in feature.shape.geoms:
+            yield {**_written(polygon), **name, **more}
 
 
 def _zones(entry: Any, folder: Path) -> Iterator[Any]:

@@ -18,9 +18,11 @@ from rota.web.tasks.sources import source_of
 def read_upload(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:
     """What POST /api/missions/read answers; ``upload`` names the files."""
     contents = upload_contents(context.database, given["upload"])
-    read = inlined(context, source_of(contents))
+    source = source_of(contents, roles=given["roles"])
+    read = inlined(context, source)
+    choices = {"features": source.features} if source.features else {}
     # what the mission needs of the files, with paths in them that lead to each other
-    return {}, _encoded({**_shown(read), "upload": keep_upload(context.database, read.files)})
+    return {}, _encoded({**_shown(read), **choices, "upload": keep_upload(context.database, read.files)})
 
 
 def read_example(context: Context, given: Json, body: bytes) -> tuple[Json, bytes]:

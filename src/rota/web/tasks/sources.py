@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,26 +11,30 @@ from rota.files.occupancy_map import free_place
 from rota.files.yaml_text import parse_text
 from rota.web.refusal import Json, Refusal
 from rota.web.tasks.context import laid_out
+from rota.web.tasks.features import GUESSED, features_of, listed, mission_of
 
 _GEOJSON = ("FeatureCollection", "Feature", "Polygon", "MultiPolygon", "GeometryCollection")
 _PICTURES = (".png", ".pgm", ".bmp", ".jpg", ".jpeg", ".gif", ".tif", ".tiff")
 _IMAGE_LINE = re.compile(rb"(?m)^image:[ \t]*(?P<quote>[\"']?)(?P<path>[^\"'#\r\n]*?)(?P=quote)[ \t]*(#.*)?\r?$")
-_GUESSED = "the fleet and the period are guesses: set them before you plan"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """A mission's document as it was written, the files that go with it by name, and what its author should know."""
+    """A mission's document as it was written, the files that go with it by name, and what its author should know.
+
+    features: of GeoJSON files, when their author has to say what each is.
+    """
 
     document: Json
     files: dict[str, bytes]
     warnings: list[str] = field(default_factory=list)
+    features: list[Json] = field(default_factory=list)
 
 
-def source_of(contents: dict[str, bytes], *, first: str | None = None) -> Source:
+def source_of(contents: dict[str, bytes], *, first: str | None = None, roles: str | None = None) -> Source:
     """The mission among files; one is made for GeoJSON or a ROS map. Refusal where neither is possible.
 
-    first: the file that is the mission, where that is known.
+    first: the file that is the mission, where that is known. roles: of the features of GeoJSON files (``features``).
     """
     if first is not None:
         return _mission(first, _parsed(first, contents[first]), contents)
@@ -42,10 +45,12 @@ def source_of(contents: dict[str, bytes], *, first: str | None = None) -> Source
         raise Refusal(400, f"these are several missions: {', '.join(named['mission'])}; give one")
     if named["mission"]:
         return _mission(named["mission"][0], values[named["mission"][0]], contents)
+    if len(named["map"]) > 1:
+        raise Refusal(400, f"these are several maps: {', '.join(named['map'])}; give one with its picture")
     if named["map"]:
         return _of_map(named["map"][0], contents)
     if named["geojson"]:
-        return _of_geojson(named["geojson"][0], values[named["geojson"][0]], contents)
+        return _of_geojson(named["geojson"], contents, roles)
     if named["plan"]:
         raise Refusal(400, f"{named['plan'][0]} is a plan, not a mission; add it to the plans")
     pictures = [name for name in contents if name.lower().endswith(_PICTURES)]
@@ -95,7 +100,11 @@ def _mission(name: str, value: Any, contents: dict[str, bytes]) -> Source:
             if isinstance(block, dict) and isinstance(block.get(key), str):
                 last = block[key].replace("\\", "/").rsplit("/", 1)[-1]
                 block[key] = last if last in others else block[key]
-    return Source(document=value, files={other: _with_image(content, others) for other, content in others.items()})
+    files = {other: _with_image(content, others) for other, content in others.items()}
+    text = str(blocks)
+    used = {other for other in files if repr(other) in text}
+    used |= {other for other in files for sheet in used if other.encode() in files[sheet]}
+    return Source(document=value, files=files, warnings=_unused(contents, {name, *used}))
 
 
 def _listed(value: Json, key: str) -> list[Any]:
@@ -132,31 +141,22 @@ def _of_map(name: str, contents: dict[str, bytes]) -> Source:
         },
         "planner": "patrol",
     }
-    return Source(document=document, files=files, warnings=[_GUESSED])
+    used = {name, *(other for other in files if other.encode() in files[name])}
+    return Source(document=document, files=files, warnings=[GUESSED, *_unused(contents, used)])
 
 
-def _of_geojson(name: str, value: Any, contents: dict[str, bytes]) -> Source:
-    """A mission whose area is the polygon of a GeoJSON file; of several features the largest, the others obstacles."""
-    from rota.files.geojson_shapes import read_features
+def _of_geojson(names: list[str], contents: dict[str, bytes], roles: str | None) -> Source:
+    """A mission of the features of GeoJSON files."""
+    found = features_of(contents, names)
+    document, files = mission_of(found, roles)
+    unused = _unused(contents, {*names})
+    choices = listed(found) if roles is None and len(found.features) > 1 else []
+    return Source(document=document, files=files, warnings=[GUESSED, *found.warnings, *unused], features=choices)
 
-    with laid_out({name: contents[name]}) as folder:
-        features = read_features(folder / name).features
-    document: Json = {"rota": 1, "name": _stem(name), "coordinates": "wgs84", "area": {"geojson": name}}
-    warnings = [_GUESSED]
-    sizes = [feature.shape.area for feature in features]
-    names = [feature.name for feature in features]
-    largest = sizes.index(max(sizes))
-    if len(features) > 1 and all(names) and len(set(names)) == len(names):
-        document["area"] = {"geojson": name, "feature": names[largest]}
-        document["obstacles"] = [{"geojson": name, "feature": other} for other in names if other != names[largest]]
-        warnings.append(f"{names[largest]} is taken as the area, the other features as obstacles")
-    latitude = features[largest].shape.centroid.y
-    side_m = math.sqrt(sizes[largest] * math.cos(math.radians(latitude))) * 111_195
-    document["period_s"] = 600
-    radius_m = float(f"{max(side_m / 20, 0.5):.1g}")
-    document["fleet"] = {"robots": "fewest", "speed_m_s": 5, "sensor": {"shape": "disc", "radius_m": radius_m}}
-    document["planner"] = "patrol"
-    return Source(document=document, files={name: contents[name]}, warnings=warnings)
+
+def _unused(contents: dict[str, bytes], used: set[str]) -> list[str]:
+    """A warning of each file that nothing is made of."""
+    return [f"{name} is not used: the mission does not name it" for name in sorted(set(contents) - used)]
 
 
 def _stem(name: str) -> str:

@@ -117,7 +117,7 @@ export const api = {
   examples: () => json("/api/examples"),
   example: (name) => json(`/api/examples/${at(name)}`),
 
-  readMission: (files) => ask("/api/missions/read", { method: "POST", body: form(files, "files") }).then((r) => r.json()),
+  readMission: (files, roles = null) => ask(`/api/missions/read${roles === null ? "" : `?as=${at(roles)}`}`, { method: "POST", body: form(files, "files") }).then((r) => r.json()),
   missions: () => json("/api/missions"),
   mission: (id) => json(`/api/missions/${at(id)}`),
   createMission: (body) => json("/api/missions", "POST", body),

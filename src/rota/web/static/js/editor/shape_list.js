@@ -4,6 +4,7 @@ import { button, el } from "../dom.js";
 import { coordinateTable } from "./coordinate_table.js";
 import { FORMS, KINDS, isPlaces } from "./drawing.js";
 import { keepingFocus } from "./fields.js";
+import { pathKey, withValue } from "./paths.js";
 import { isEditable, pointsOf, shapesOf } from "./shapes.js";
 
 const MOST_OPEN_ZONES = 60; // beyond, only the chosen zone shows its fields
@@ -30,7 +31,7 @@ export class ShapeList extends EventTarget {
     const { document } = this.fields.store;
     const shapes = shapesOf(document);
     this.chosen = chosen;
-    const parts = shapes.map((shape) => [shape.key, shape.geometry.type, pointsOf(shape.geometry).length, shape.kind === "zone" ? "" : shape.name]);
+    const parts = shapes.map((shape) => [shape.key, shape.geometry.type, pointsOf(shape.geometry).length, ["zone", "obstacle"].includes(shape.kind) ? "" : shape.name]);
     const built = JSON.stringify([chosen, document.coordinates, parts, chosen === null ? 0 : this.coordinatesOf(shapes, chosen)]);
     if (built !== this.built) {
       this.built = built;
@@ -90,7 +91,7 @@ export class ShapeList extends EventTarget {
       return [el("div", { class: "fields" }, fields.text([...path, "name"], "Name"), period, demand)];
     }
     if (shape.kind === "obstacle" && isEditable(shape)) {
-      return [el("div", { class: "fields" }, this.blocks(shape))];
+      return [el("div", { class: "fields" }, this.obstacleName(shape), this.blocks(shape))];
     }
     return [];
   }
@@ -107,6 +108,18 @@ export class ShapeList extends EventTarget {
     });
     const shown = (value) => (this.fields.store.document.obstacles?.[shape.path[1]]?.asks === "nothing" && value === "motion" ? "nothing" : value ?? "both");
     return this.fields.custom([...shape.path, "blocks"], "Blocks", select, (value) => (select.value = shown(value)));
+  }
+
+  /** An obstacle's name; one written as a bare ring becomes a block with a ring. */
+  obstacleName(shape) {
+    const path = [...shape.path, "name"];
+    const input = el("input", { type: "text", autocomplete: "off", placeholder: `Obstacle ${shape.path[1] + 1}` });
+    input.addEventListener("input", () => {
+      const before = this.fields.store.document.obstacles[shape.path[1]];
+      const { name, ...block } = Array.isArray(before) ? { ring: before } : before;
+      this.fields.store.apply(withValue(this.fields.store.document, shape.path, { ...block, ...(input.value === "" ? {} : { name: input.value }) }), pathKey(path));
+    });
+    return this.fields.custom(path, "Name", input, (value) => (input.value = typeof value === "string" ? value : ""));
   }
 
   coordinates(shape) {

@@ -26,7 +26,7 @@ export function shapesOf(document) {
     }
   };
   add("area", ["area"], "Area", document.area);
-  listAt(document, ["obstacles"]).forEach((block, k) => add("obstacle", ["obstacles", k], `Obstacle ${k + 1}`, block));
+  listAt(document, ["obstacles"]).forEach((block, k) => add("obstacle", ["obstacles", k], textOr(block?.name, `Obstacle ${k + 1}`), block));
   listAt(document, ["zones"]).forEach((block, k) => add("zone", ["zones", k], textOr(block?.name, `Zone ${k + 1}`), block));
   add("start", ["fleet", "start"], "Starts", document.fleet?.start);
   add("entrance", ENTRANCES, "Entrances", { points: document.fleet?.entrances });

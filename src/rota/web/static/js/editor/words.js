@@ -32,8 +32,7 @@ export function pathInWords(path, document = null) {
     return joined("area", detailsOf(path.slice(1)));
   }
   if (first in LISTS && typeof second === "number") {
-    const name = first === "zones" ? document?.zones?.[second]?.name : undefined;
-    return joined(named(LISTS[first], second, name), detailsOf(path.slice(2)));
+    return joined(named(LISTS[first], second, document?.[first]?.[second]?.name), detailsOf(path.slice(2)));
   }
   if (first !== "fleet") {
     return path.map(wordOf).join(", ");

@@ -3,8 +3,10 @@
 import { api } from "../api.js";
 import { button, byId, el, saveBlob } from "../dom.js";
 import { confirmed, messageOf, notify, notifyError } from "../notices.js";
+import { chosenRoles } from "./features.js";
 
 const FIRST_EXAMPLES = ["harbour", "parcel", "building", "coast"];
+const HEAD_BYTES = 4096;
 
 export class Missions extends EventTarget {
   /** @param {import("../editor/keeper.js").Keeper} keeper */
@@ -56,7 +58,7 @@ export class Missions extends EventTarget {
       this.openFiles(files);
     });
     const save = button("Save this mission as a file", () => this.download(), { id: "save-yaml" });
-    const words = "Mission (.yaml), GeoJSON, or a ROS map (.yaml and its image together); dropping them on the page does the same";
+    const words = "Mission (.yaml), GeoJSON, a ROS map (.yaml and its image together), or a plan (.rota.json); dropping them on the page does the same";
     return el("div", { class: "field" }, el("label", { for: "mission-files" }, words), input, el("div", { class: "row" }, save));
   }
 
@@ -88,15 +90,28 @@ export class Missions extends EventTarget {
     }
   }
 
-  /** Reads files on the server; faults are told in the dialog. */
-  async openFiles(files) {
+  /** Reads files on the server; faults are told in the dialog. Plans among them go to the plans. */
+  async openFiles(given) {
+    const kinds = await Promise.all(given.map(isPlan));
+    given.filter((_, k) => kinds[k]).forEach((plan) => this.dispatchEvent(new CustomEvent("plan", { detail: plan })));
+    const files = given.filter((_, k) => !kinds[k]);
     if (files.length === 0) {
+      if (given.length > 0) {
+        this.dialog.close();
+      }
       return;
     }
     this.fault.textContent = "Reading…";
     try {
-      const read = await api.readMission(files);
+      let read = await api.readMission(files);
       this.fault.textContent = "";
+      if ((read.features ?? []).length > 0) {
+        const roles = await chosenRoles(read.features);
+        if (roles === null) {
+          return;
+        }
+        read = await api.readMission(files, roles);
+      }
       const source = read.upload === undefined || read.upload === null ? {} : { upload: read.upload };
       await this.leaveTo("read", { document: read.document, warnings: read.warnings ?? [], source });
     } catch (error) {
@@ -168,13 +183,17 @@ export class Missions extends EventTarget {
       const files = [...(event.dataTransfer?.files ?? [])];
       if (files.length === 0) {
         notify("Only files can be dropped here.", { error: true });
-      } else if (files.length === 1 && files[0].name.endsWith(".rota.json")) {
-        this.dispatchEvent(new CustomEvent("plan", { detail: files[0] }));
       } else {
         this.openFiles(files);
       }
     });
   }
+}
+
+/** Whether a file is a plan: by its name, or by what it begins with. */
+async function isPlan(file) {
+  const head = file.name.toLowerCase().endsWith(".json") ? await file.slice(0, HEAD_BYTES).text().catch(() => "") : "";
+  return file.name.endsWith(".rota.json") || head.includes('"rota_plan"');
 }
 
 /** A moment of the server in local words. */
