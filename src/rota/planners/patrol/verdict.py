@@ -146,7 +146,7 @@ def worst_reached(verdict: Verdict) -> str:
     """The demand that a plan misses most, and by how much."""
     worst = worst_demand(verdict)
     if worst is None or worst.worst_gap_s <= worst.period_s:
-        return touching(verdict) or "the check finds the routes themselves at fault"
+        return touching(verdict) or excluded(verdict) or "the check finds the routes themselves at fault"
     what, period_s = demanded(worst), worst.period_s
     if math.isinf(worst.worst_gap_at_least_s):
         return f"some of {what} is never seen"
@@ -154,6 +154,14 @@ def worst_reached(verdict: Verdict) -> str:
         gap_s = worst.worst_gap_at_least_s
         return f"in {what} the worst gap is {gap_s:.6g} s, {gap_s / period_s:.3f} times its period"
     return f"in {what} it is not proven that every gap is within its period of {period_s:.6g} s"
+
+
+def excluded(verdict: Verdict) -> str | None:
+    """How much more ground nobody can see than a plan may leave out; None when it is not more."""
+    for fault in verdict.violations:
+        if fault.kind == "unseeable":
+            return f"nobody can see {fault.value:.6g} m2 of what is asked, and {fault.limit:.6g} m2 may be left out"
+    return None
 
 
 def touching(verdict: Verdict) -> str | None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
+from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
@@ -19,7 +20,7 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.ground.samples import SamplePoints, joined, known_walls, laid_out, region_points
 from rota.planners.patrol.ground.sight import Sight
 from rota.planners.patrol.ground.standing import clear_body_m, space_for, thin_m
-from rota.planners.patrol.ground.unseeable import refuse_unseeable
+from rota.planners.patrol.ground.unseeable import refuse_much_unseeable, refuse_unseeable
 from rota.planners.patrol.ground.viewpoints import (
     Viewpoints,
     places_that_see_all,
@@ -102,17 +103,22 @@ class Problem:
         return 2 * self.reach_m
 
 
-def set_up_problem(mission: Mission) -> Problem:
+def set_up_problem(mission: Mission, *, is_whole: bool = True) -> Problem:
     """Lay out everything the search needs.
 
+    is_whole: False for a part of a mission, which may hold all the ground that nobody sees of the whole.
+
     Raises NoPlanFound when the robots can stand nowhere, or in no place of a zone to visit, and when more can be seen
-    from nowhere than the mission allows.
+    from nowhere than the mission allows, or nothing at all can be seen.
     """
     robot = common_robot(mission.fleet)
     margin_m = range_margin(inner_reach_m(robot.sensor))
     regions = demanded_regions(mission)
     space, sure_space, at_limit = space_for(mission, regions, robot, margin_m)
     walls = sight_walls(mission)
+    sure_sight = Sight(sure_space, walls, robot, 0.0)
+    if is_whole:
+        refuse_much_unseeable(mission, regions, sure_sight)
     sampling = EFFORTS[PatrolSettings.of(mission).effort].sampling
     if mission.fleet.robots is not None:  # the least ratio of a fixed team comes no lower with finer samples
         sampling = replace(sampling, few_samples=0)
@@ -126,10 +132,12 @@ def set_up_problem(mission: Mission) -> Problem:
     points, hopeless = surely_seen(points, space, sure_space, walls, robot)
     seen = places_that_see_all(points, Sight(space, walls, robot, margin_m))
     beside = np.append(seen.unseeable, len(points) + np.arange(len(hopeless)))
-    refuse_unseeable(mission, joined([seen.points, hopeless]), beside, regions)
+    refuse_unseeable(mission, joined([seen.points, hopeless]), beside, regions, sure_sight)
     points, samples = seen.points, seen.samples
     if len(seen.unseen):
         kept = np.setdiff1d(np.arange(len(points)), seen.unseen)
+        if not len(kept):
+            raise NoPlanFound("nothing of what is asked can be seen from where robots can be")
         points, samples, _ = laid_out(points[kept], walls, robot, known=known_walls(samples, kept))
     paths = ShortestPaths(space)
     return Problem(

@@ -2,45 +2,195 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion
-from rota.mission import Mission
+from rota.mission import Mission, inner_reach_m
+from rota.planners.patrol.ground.limits_of_sight import area_in_range
+from rota.planners.patrol.ground.nearest_places import nearest_places
 from rota.planners.patrol.ground.samples import SamplePoints
+from rota.planners.patrol.ground.sight import Sight
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
+HAIR = 5e-4  # of the reach: ground beyond it that is not as wide is rounding of arcs
+LOOKS = 300  # pieces that are looked at for what walls hide: for a guess
+ROUNDS = 3  # in which the edge of that is looked at more closely, for a figure
+UNSURE = 0.6  # of what is allowed: a guess below it will do
+FEW_WALLS = 2_000  # ground that is clear of them all is soon worked out
+
+
+class Unseeable(NamedTuple):
+    """Ground that nobody sees, and how many m2 that is; the shape may be a little more or less."""
+
+    shape: BaseGeometry
+    m2: float
+
+
+def refuse_much_unseeable(mission: Mission, regions: tuple[DemandedRegion, ...], sight: Sight) -> None:
+    """Raise NoPlanFound when nobody can see more than a plan may leave out; told before anything takes long.
+
+    sight: from where robots surely come to. What is out of range is known to the last digit; what walls hide is
+    counted in pieces, first in few.
+    """
+    asked = _asked(regions)
+    far, allowed_m2 = out_of_range(asked, sight), MOST_EXCLUDED * asked.area
+    is_refused = mission.unseeable == "refuse" and not far.is_empty
+    hidable = _hidable(asked, sight, allowed_m2 - far.area)
+    if not is_refused:
+        if far.area + hidable.area <= allowed_m2:
+            return
+        if far.area + hidden_ground(hidable, sight, LOOKS).m2 <= UNSURE * allowed_m2:
+            return
+    found = _both(far, hidden_ground(hidable, sight, LOOKS, ROUNDS))
+    if is_refused or found.m2 > allowed_m2:
+        raise NoPlanFound(_refusal(mission, found, asked.area))
 
 
 def refuse_unseeable(
-    mission: Mission, points: SamplePoints, hopeless: Ints, regions: tuple[DemandedRegion, ...]
+    mission: Mission, points: SamplePoints, hopeless: Ints, regions: tuple[DemandedRegion, ...], sight: Sight
 ) -> None:
-    """Raise NoPlanFound when the points that nobody can see are refused by the mission, or are too much of it."""
-    asked_shapes = [region.shape for region in regions if region.demand == "every_point"]
-    inside = hopeless[points.shrink_m[hopeless] > 0]  # the lattice; border points stand for no ground of their own
-    # squares of the lattice stick out of narrow ground: only what lies on demanded ground is lost
-    half_m = np.sqrt(points.area_m2[inside]) / 2
-    x, y = points.xy_m[inside].T
-    squares = shapely.union_all(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
-    lost_m2 = float(shapely.area(shapely.intersection(squares, shapely.union_all(asked_shapes))))
-    asked_m2 = sum(shape.area for shape in asked_shapes)
-    share = lost_m2 / asked_m2 if asked_m2 > 0 else 0.0
-    if share <= MOST_EXCLUDED and (mission.unseeable == "exclude" or not len(hopeless)):
+    """Raise NoPlanFound when nobody can see some of the points, and the mission refuses that; they are told."""
+    if mission.unseeable != "refuse" or not len(hopeless):
         return
-    blobs = shapely.get_parts(
-        shapely.union_all(
-            shapely.buffer(shapely.points(points.xy_m[hopeless]), 1e-9 + np.sqrt(points.area_m2[hopeless]))
-        )
-    )
-    blobs = sorted(blobs, key=lambda blob: -float(blob.area))[:5]
-    places = ", ".join(f"({blob.centroid.x:.2f}, {blob.centroid.y:.2f})" for blob in blobs)
+    asked = _asked(regions)
+    found = _both(out_of_range(asked, sight), hidden_ground(_hidable(asked, sight), sight, LOOKS, ROUNDS))
+    if found.shape.is_empty:
+        round_m = 1e-9 + np.sqrt(points.area_m2[hopeless]) / 2
+        found = found._replace(shape=shapely.union_all(shapely.buffer(shapely.points(points.xy_m[hopeless]), round_m)))
+    raise NoPlanFound(_refusal(mission, found, asked.area))
+
+
+def out_of_range(asked: BaseGeometry, sight: Sight) -> BaseGeometry:
+    """The ground that no place where robots can be has in range, whatever walls there are."""
+    hair_m = HAIR * inner_reach_m(sight.robot.sensor)
+    parts = _parts(shapely.difference(asked, area_in_range(sight.space, sight.robot, 0.0)))
+    return shapely.union_all([part for part in parts if not part.buffer(-hair_m).is_empty])
+
+
+def hidden_ground(hidable: BaseGeometry, sight: Sight, looks: int, rounds: int = 0) -> Unseeable:
+    """What walls hide from all places where robots can be, of ground that they may hide.
+
+    looks: pieces into which the ground is cut, about; a piece is hidden if a place on it is. rounds: so many times
+    those at the edge of what is hidden are cut into four.
+    """
+    shapes: list[BaseGeometry] = []
+    m2 = 0.0
+    boxes = _boxes_on(hidable, float(np.sqrt(hidable.area / looks)))
+    for turn in range(rounds + 1):
+        pieces = shapely.intersection(hidable, boxes)
+        some = shapely.area(pieces) > 0
+        boxes, pieces = boxes[some], pieces[some]
+        hidden = _are_hidden(pieces, sight)
+        at_edge = _beside_others(boxes, hidden) if turn < rounds else np.zeros(len(boxes), dtype=np.bool_)
+        shapes += list(pieces[hidden & ~at_edge])
+        m2 += float(shapely.area(pieces[hidden & ~at_edge]).sum())
+        boxes = _quarters(boxes[at_edge])
+    return Unseeable(shapely.union_all(shapes), m2)
+
+
+def _are_hidden(pieces: NDArray[np.object_], sight: Sight) -> NDArray[np.bool_]:
+    """Whether walls hide a place on each of the pieces (n,) from all places in range."""
+    if not len(pieces):
+        return np.zeros(0, dtype=np.bool_)
+    places_m = shapely.get_coordinates(shapely.point_on_surface(pieces))
+    _, ranges_m = nearest_places(places_m, sight.space, sight.walls, sight.robot)
+    return np.asarray(ranges_m > inner_reach_m(sight.robot.sensor))
+
+
+def _both(far: BaseGeometry, hidden: Unseeable) -> Unseeable:
+    """What is out of range and what is hidden."""
+    return Unseeable(shapely.union_all([far, hidden.shape]), float(far.area) + hidden.m2)
+
+
+def _asked(regions: tuple[DemandedRegion, ...]) -> BaseGeometry:
+    """All ground of which every point must be seen."""
+    return shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
+
+
+def _hidable(asked: BaseGeometry, sight: Sight, enough_m2: float = 0.0) -> BaseGeometry:
+    """The ground in range that walls may hide: robots do not stand on it, and a wall is in reach.
+
+    It may be more, as long as it is not more than is enough.
+    """
+    space, walls, robot, _ = sight
+    if not len(walls):
+        return shapely.MultiPolygon()
+    ground = shapely.intersection(shapely.difference(asked, space), area_in_range(space, robot, 0.0))
+    if ground.area > enough_m2 and len(walls) <= FEW_WALLS:
+        near = shapely.buffer(shapely.linestrings(walls.reshape(-1, 2, 2)), 1.01 * robot.sensor.reach_m)
+        ground = shapely.intersection(ground, shapely.union_all(near))
+    return ground
+
+
+def _boxes_on(ground: BaseGeometry, side_m: float) -> NDArray[np.object_]:
+    """The squares of a lattice that meet the ground, which may be strips far from each other; none for no ground."""
+    if not side_m > 0:
+        return np.zeros(0, dtype=object)
+    shapely.prepare(ground)
+    x0, y0, x1, y1 = ground.bounds
+    boxes = np.array([shapely.box(x0, y0, x0 + max(x1 - x0, y1 - y0), y0 + max(x1 - x0, y1 - y0))])
+    while shapely.bounds(boxes[:1])[0, 2] - shapely.bounds(boxes[:1])[0, 0] > 1.5 * side_m:
+        boxes = _quarters(boxes)
+        boxes = boxes[shapely.intersects(ground, boxes)]
+    return boxes
+
+
+def _quarters(boxes: NDArray[np.object_]) -> NDArray[np.object_]:
+    """The four quarters of each of the boxes (n,)."""
+    x0, y0, x2, y2 = shapely.bounds(boxes).reshape(-1, 4).T
+    x1, y1 = (x0 + x2) / 2, (y0 + y2) / 2
+    corners = [(x0, y0, x1, y1), (x1, y0, x2, y1), (x0, y1, x1, y2), (x1, y1, x2, y2)]
+    return np.concatenate([shapely.box(*sides) for sides in corners])
+
+
+def _beside_others(boxes: NDArray[np.object_], kind: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether each of the boxes (n,) touches one of the other kind."""
+    one, other = shapely.STRtree(boxes).query(boxes, predicate="intersects")
+    found = np.zeros(len(boxes), dtype=np.bool_)
+    found[one[kind[one] != kind[other]]] = True
+    return found
+
+
+def _parts(shape: BaseGeometry) -> list[BaseGeometry]:
+    """The polygons of a shape."""
+    return [part for part in shapely.get_parts(shapely.get_parts(np.atleast_1d(shape))) if part.geom_type == "Polygon"]
+
+
+def _refusal(mission: Mission, found: Unseeable, asked_m2: float) -> str:
+    """How much nobody sees, where, what is allowed, and what to do about it."""
+    parts = sorted(_parts(found.shape), key=lambda part: -float(part.area))[:5]
+    middles = [part.point_on_surface() for part in parts]
+    places = ", ".join(f"({middle.x:.2f}, {middle.y:.2f})" for middle in middles)
+    entrances = mission.fleet.entrances
+    where = "a robot can stand" if entrances is None else "a robot can come to from fleet.entrances"
+    lost = f"about {found.m2:.2f} m2 ({found.m2 / asked_m2:.1%}" if found.m2 >= 0.01 else "less than 0.01 m2 (0.0%"
     allowed = "unseeable: refuse allows none" if mission.unseeable == "refuse" else f"{MOST_EXCLUDED:.0%} is allowed"
-    where = "a robot can stand" if mission.fleet.entrances is None else "a robot can come to from fleet.entrances"
-    lost = f"about {lost_m2:.2f} m2 ({share:.1%}" if lost_m2 >= 0.01 else "less than 0.01 m2 (0.0%"
-    raise NoPlanFound(
+    return (
         f"{lost} of what is asked) cannot be seen from anywhere {where}, for instance round {places}; {allowed}"
+        f"; {_what_helps(mission, found)}"
     )
+
+
+def _what_helps(mission: Mission, found: Unseeable) -> str:
+    """What leaves the unseeable ground out, or brings robots nearer to it."""
+    no_fly = [o.shape for o in mission.obstacles if o.blocks == "motion" and o.asks == "all"]
+    under_m2 = float(shapely.intersection(found.shape, shapely.union_all(no_fly)).area)
+    helps = []
+    if under_m2 > found.shape.area / 100:
+        share = min(1.0, under_m2 / found.shape.area)
+        helps.append(
+            f"{share:.0%} of it is under obstacles with blocks: motion, whose ground is asked for unless asks: nothing"
+            " stands beside that"
+        )
+    if mission.fleet.entrances is not None:
+        helps.append("a place in each room that robots live in, among fleet.entrances, lets them see that room")
+    return "; ".join([*helps, "a zone with period_s: null leaves ground out"])

@@ -66,3 +66,9 @@ def test_the_reason_names_what_is_missed_most(name: str, at_least_s: float, at_m
     met = SimpleNamespace(name="met", period_s=10.0, worst_gap_at_least_s=9.0, worst_gap_s=9.5)
     asked = SimpleNamespace(name=name, period_s=40.0, worst_gap_at_least_s=at_least_s, worst_gap_s=at_most_s)
     assert worst_reached(SimpleNamespace(demands=(met, asked), violations=())) == words
+
+
+def test_the_reason_names_what_nobody_can_see() -> None:
+    fault = SimpleNamespace(kind="unseeable", value=301.25, limit=300.0)
+    words = "nobody can see 301.25 m2 of what is asked, and 300 m2 may be left out"
+    assert worst_reached(SimpleNamespace(demands=(), violations=(fault,))) == words

@@ -51,13 +51,13 @@ def by_districts(context: Context, search: DistrictSearch, missions: list[Missio
 def tours_alone(context: Context, search: DistrictSearch, mission: Mission, seed: int) -> list[Tour]:
     """The tours that the search finds for one district's mission, whatever the context's problem is.
 
-    None where nobody can see enough of it from within: the repair of the whole will lead robots there. None either
+    None where nobody can see any of it from within: the repair of the whole will lead robots there. None either
     once the search is to end.
     """
     if context.should_stop():
         return []
     try:
-        problem = set_up_problem(mission)
+        problem = set_up_problem(mission, is_whole=False)
     except NoPlanFound:
         return []
     bound = prove_bound(problem)
