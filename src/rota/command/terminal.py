@@ -5,15 +5,17 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 from rota.planner import about
+from rota.progress import SteadyProgress
 from rota.refusals import escaped
 
 if TYPE_CHECKING:
@@ -31,18 +33,29 @@ def say(message: str) -> None:
     print(f"rota: {escaped(message)}", file=sys.stderr, flush=True)
 
 
+class TimeLeft(ProgressColumn):
+    """About how long it takes yet, as far as the share done tells."""
+
+    def render(self, task: Task) -> Text:
+        """The column of a task now."""
+        left_s = task.fields["steady"].left_s(task.elapsed or 0.0)
+        return Text("" if left_s is None else f"about {about(max(10 * round(left_s / 10), 10))} left")
+
+
 class Bar:
     """Progress for people: on a terminal only."""
 
-    def __init__(self, progress: Progress | None) -> None:
+    def __init__(self, progress: Progress | None, clock: Callable[[], float] = time.monotonic) -> None:
         self._progress = progress
-        self._task = None if progress is None else progress.add_task("planning", total=1.0)
-        self._began_s = time.monotonic()
+        self._clock, self._began_s = clock, clock()
+        self._steady = SteadyProgress()
+        self._task = None if progress is None else progress.add_task("planning", total=1.0, steady=self._steady)
 
     def show(self, fraction: float, doing: str) -> None:
-        """What the planner calls."""
+        """What the planner calls; the share that is shown never falls."""
         if self._progress is not None and self._task is not None:
-            self._progress.update(self._task, completed=fraction, description=doing)
+            share = self._steady.tell(fraction, self._clock() - self._began_s)
+            self._progress.update(self._task, completed=share, description=doing)
 
     def show_better(self, plan: Plan, report: Report) -> None:
         """A plan that is better than all before it: its robots and the seconds until it was found, above the bar.
@@ -50,7 +63,7 @@ class Bar:
         Only plans that the check passes are shown, and only where the number of robots is what is looked for.
         """
         if self._progress is not None and report.verdict == "met" and plan.mission.fleet.robots is None:
-            found_s, robots = time.monotonic() - self._began_s, len(plan.trajectories)
+            found_s, robots = self._clock() - self._began_s, len(plan.trajectories)
             self._progress.console.print(f"{found_s:7.1f} s  {robots} robot{'s' * (robots != 1)}", highlight=False)
 
     def announce_stop(self, by: str, outcome: str = "with the best plan so far") -> None:
@@ -66,7 +79,7 @@ def progress_bar() -> Iterator[Bar]:
     if not sys.stderr.isatty():
         yield Bar(None)
         return
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(), TimeLeft())
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         yield Bar(progress)
 

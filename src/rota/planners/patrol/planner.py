@@ -22,7 +22,7 @@ from rota.planners.patrol.ground.standing import has_many_corners
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
-from rota.planners.patrol.methods.fewest.search import reduce_team
+from rota.planners.patrol.methods.fewest.search import reduce_team, share_of_progress
 from rota.planners.patrol.methods.fixed_team.planner import plan_fixed_team
 from rota.planners.patrol.methods.large.search import is_wide, perfect_lanes
 from rota.planners.patrol.methods.method import load_method
@@ -34,6 +34,8 @@ from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, req
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
 from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reason, worst_reached
 from rota.progress import Watch
+
+SEARCHED = 0.5  # of the time, once robots are fewest: shorter loops take about as long as the search
 
 
 def plan_patrol(
@@ -115,6 +117,9 @@ def plan_tours(
         )  # fmt: skip
 
     context = search(problem)
+    goes_on = context.anneals and not context.keeps_first_tours and mission.fleet.robots is None
+    if goes_on:
+        context = replace(context, progress=share_of_progress(progress, 0, SEARCHED))
     method = load_method(PatrolSettings.of(mission).method)
     if mission.fleet.robots is not None:
         return [plan_fixed_team(context, asked, method)]
@@ -131,7 +136,7 @@ def plan_tours(
         best = swept(context, QUICK) or best
     if not best.met:
         raise NoPlanFound(unmet_reason(best.plan, best.verdict) + what_helps(mission, best.verdict), best=best.plan)
-    goes_on = context.anneals and not context.keeps_first_tours
+    context = replace(context, progress=share_of_progress(progress, SEARCHED, 0.97))
     best, better = with_loops_improved(context, best) if goes_on else (best, best)
     return [best.plan] if better is best else [better.plan, best.plan]
 

@@ -144,7 +144,17 @@ VALUES: dict[str, Schema] = {
             "created_at": MOMENT,
             "started_at": or_null(MOMENT),
             "ended_at": or_null(MOMENT),
-            "progress": an_object({"fraction": NUMBER, "doing": TEXT, "elapsed_s": NUMBER}),
+            "progress": an_object(
+                {
+                    "fraction": {**NUMBER, "description": "of the work, 0..1; it never falls"},
+                    "doing": TEXT,
+                    "elapsed_s": NUMBER,
+                    "left_s": {
+                        **or_null(NUMBER),
+                        "description": "about so long yet, by the rate so far; null: unknown",
+                    },
+                }
+            ),
             "best": or_null(an_object({"robots": or_null(COUNT), "met": TRUTH, "plan": or_null(TEXT)})),
             "message": or_null(TEXT),
             "plan": or_null(TEXT),

@@ -6,6 +6,7 @@ import asyncio
 import time
 from collections import deque
 
+from rota.progress import SteadyProgress
 from rota.web.refusal import Json
 
 MOST_BETTER = 100  # plans that a listener who is slow can be behind
@@ -22,9 +23,10 @@ class Listener:
 class LiveJob:
     """A job that waits or runs here."""
 
-    def __init__(self, job: str) -> None:
+    def __init__(self, job: str, time_limit_s: float | None) -> None:
         self.job = job
-        self.fraction, self.doing = 0.0, ""
+        self.doing = ""
+        self._progress = SteadyProgress(time_limit_s)
         self.best: Json | None = None
         self.began_s: float | None = None
         self.stopping = False
@@ -34,7 +36,7 @@ class LiveJob:
 
     def begin(self) -> None:
         """From now on time counts."""
-        self.began_s = time.monotonic()
+        self.began_s, self.doing = time.monotonic(), "starting"
 
     @property
     def elapsed_s(self) -> float:
@@ -43,7 +45,8 @@ class LiveJob:
 
     def progress(self, fraction: float, doing: str) -> None:
         """How far it has come."""
-        self.fraction, self.doing = fraction, doing
+        self._progress.tell(fraction, self.elapsed_s)
+        self.doing = doing
         self.tell()
 
     def found(self, better: Json) -> None:
@@ -66,5 +69,12 @@ class LiveJob:
     def shown(self, kept: Json, place_in_queue: int | None) -> Json:
         """The job as it is kept, with what is known here."""
         doing = "stopping" if self.stopping else self.doing
-        progress = {"fraction": self.fraction, "doing": doing, "elapsed_s": round(self.elapsed_s, 3)}
+        elapsed_s = self.elapsed_s
+        left_s = self._progress.left_s(elapsed_s)
+        progress = {
+            "fraction": self._progress.share,
+            "doing": doing,
+            "elapsed_s": round(elapsed_s, 3),
+            "left_s": None if left_s is None or self.stopping else round(left_s, 1),
+        }
         return {**kept, "progress": progress, "best": self.best or kept["best"], "place_in_queue": place_in_queue}

@@ -43,8 +43,8 @@ class JobQueue:
         interrupted = await asyncio.to_thread(self._take_over)
         if interrupted:
             log.warning("%d jobs were interrupted when the last server ended", interrupted)
-        for job in await asyncio.to_thread(queued_jobs, self._database):
-            self._enqueue(job)
+        for job, time_limit_s in await asyncio.to_thread(queued_jobs, self._database):
+            self._enqueue(job, time_limit_s)
         if not self._running:
             await self._runner.prepare()
 
@@ -68,11 +68,11 @@ class JobQueue:
         return self._enqueue_and_show(made)
 
     def _enqueue_and_show(self, job: Json) -> Json:
-        self._enqueue(job["id"])
+        self._enqueue(job["id"], job["time_limit_s"])
         return self.with_progress(job)
 
-    def _enqueue(self, job: str) -> None:
-        self._live[job] = LiveJob(job)
+    def _enqueue(self, job: str, time_limit_s: float | None) -> None:
+        self._live[job] = LiveJob(job, time_limit_s)
         self._waiting.append(job)
         self._start_what_may_run()
 

@@ -88,10 +88,10 @@ def list_jobs(database: Database) -> list[Json]:
     return [_shown(row) for row in rows]
 
 
-def queued_jobs(database: Database) -> list[str]:
-    """The jobs that wait, in their turn."""
-    rows = database.connection().execute("SELECT id FROM jobs WHERE state = 'queued' ORDER BY created_at, rowid")
-    return [row[0] for row in rows]
+def queued_jobs(database: Database) -> list[tuple[str, float | None]]:
+    """The jobs that wait, in their turn, each with its time limit in seconds."""
+    sql = "SELECT id, time_limit_s FROM jobs WHERE state = 'queued' ORDER BY created_at, rowid"
+    return [(row[0], row[1]) for row in database.connection().execute(sql)]
 
 
 def set_job(database: Database, job: str, **values: Any) -> None:
@@ -140,7 +140,7 @@ def _shown(row: sqlite3.Row) -> Json:
         **{key: row[key] for key in same},
         "started_at": row["started_at"],
         "ended_at": row["ended_at"],
-        "progress": {"fraction": 1.0 if over else 0.0, "doing": "", "elapsed_s": row["elapsed_s"]},
+        "progress": {"fraction": 1.0 if over else 0.0, "doing": "", "elapsed_s": row["elapsed_s"], "left_s": None},
         "best": best,
         "message": row["message"],
         "plan": row["plan"],

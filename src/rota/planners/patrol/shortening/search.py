@@ -52,7 +52,7 @@ def with_better_loops(context: Context, found: Repaired) -> Repaired:
         if not rounds:
             continue
         left -= attempt.moves + rounds * settings.round_moves
-        context.progress(0.91 + 0.04 * turn / len(attempts), "looking for shorter loops")
+        context.progress(0.6 * turn / len(attempts), "looking for shorter loops")
         shorter = annealed_and_repaired(
             with_rounds(context, rounds),
             found.tours,
@@ -90,7 +90,7 @@ def shortened_further(context: Context, found: Repaired, *, left: float = math.i
         if context.should_stop() or not rounds:
             break
         left -= attempt.moves + rounds * settings.round_moves
-        context.progress(0.95 + 0.02 * turn / len(settings.further), "making the loops shorter yet")
+        context.progress(0.6 + 0.3 * turn / len(settings.further), "making the loops shorter yet")
         seed = context.seed + 10 * (len(settings.attempts) + turn)
         own = with_rounds(context, rounds)
         shorter = annealed_and_repaired(own, found.tours, attempt.stages, fewest_turns=False, seed=seed)

@@ -42,6 +42,7 @@ const WORDS = {
   413: "The file is too large for this server.",
   429: "Too many plans are waiting. Wait until one is done, or stop one.",
   503: "The process that worked on it ended. Try again.",
+  507: "The server's disk is full.",
 };
 
 async function failure(response) {
@@ -121,7 +122,7 @@ export const api = {
   missions: () => json("/api/missions"),
   mission: (id) => json(`/api/missions/${at(id)}`),
   createMission: (body) => json("/api/missions", "POST", body),
-  saveMission: (id, document) => json(`/api/missions/${at(id)}`, "PUT", { document }),
+  saveMission: (id, document, revision) => json(`/api/missions/${at(id)}`, "PUT", { document, revision }),
   deleteMission: (id) => json(`/api/missions/${at(id)}`, "DELETE"),
   missionFile: (id, suffix) => `/api/missions/${at(id)}/mission.${suffix}`,
   validate: (body, signal) => json(`/api/validate?tab=${TAB}`, "POST", body, { signal }),

@@ -15,6 +15,7 @@ import { Live } from "./work/live.js";
 import { Missions } from "./work/missions.js";
 import { Plans } from "./work/plans.js";
 import { Readiness } from "./work/readiness.js";
+import { staleNote } from "./work/stale.js";
 import { Watching } from "./work/watching.js";
 
 class Page {
@@ -33,11 +34,17 @@ class Page {
     this.live = new Live(byId("live"), about.links ?? [], () => ({ plan: this.watching.shown, player: this.watching.player }));
     this.plan = null; // the id of the plan that is chosen
     this.better = null; // the id of the best plan so far, while a job of this mission runs
+    this.soFar = null; // that plan as lists show it
     this.listen();
   }
 
   listen() {
     const { editor, jobs, missions, plans } = this;
+    editor.keeper.addEventListener("state", () => this.keeperMoved());
+    byId("take-theirs").addEventListener("click", () => this.reload());
+    byId("keep-mine").addEventListener("click", () => editor.keeper.keepMine().catch(() => undefined));
+    window.addEventListener("focus", () => this.lookElsewhere());
+    document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && this.lookElsewhere());
     showSaved(editor.keeper, byId("saved"), messageOf);
     editor.keeper.addEventListener("named", () => {
       this.writeAddress();
@@ -56,9 +63,11 @@ class Page {
     jobs.addEventListener("started", () => this.choosePlan(null));
     jobs.addEventListener("better", (event) => this.showBetter(event.detail));
     jobs.addEventListener("ended", (event) => this.jobEnded(event.detail));
+    jobs.addEventListener("outdated", () => this.lookElsewhere());
+    jobs.addEventListener("listed", () => this.isPlanned !== plans.isPlanning && this.tellPlanning());
     jobs.addEventListener("watch", (event) => this.watch(event.detail));
     plans.addEventListener("watch", (event) => this.watch(event.detail));
-    plans.addEventListener("listed", () => this.better === null && this.downloads.show(plans.find(this.plan)));
+    plans.addEventListener("listed", () => this.tellPlan());
     plans.addEventListener("deleting", (event) => event.detail === this.plan && this.watching.stopLoading());
     plans.addEventListener("deleted", (event) => event.detail === this.plan && this.choosePlan(null));
     this.tabs.addEventListener("change", () => this.tabShown());
@@ -73,14 +82,64 @@ class Page {
 
   open(document, keep) {
     this.choosePlan(null);
+    this.jobs.forget();
     this.editor.load(document, keep);
     this.tabs.show("edit");
-    this.plans.refresh(this.editor.keeper.id);
     this.writeAddress();
+    this.showPlans();
   }
 
   openKept(mission) {
-    this.open(mission.document, (keeper) => keeper.opened(mission.id, mission.document));
+    this.open(mission.document, (keeper) => keeper.opened(mission.id, mission.document, mission.revision));
+  }
+
+  /** Lists the plans of the mission that was opened, and shows the best of them, or of the job that plans it now. */
+  async showPlans() {
+    const { id, opening } = this.editor.keeper;
+    await this.plans.refresh(id);
+    if (opening !== this.editor.keeper.opening || this.plan !== null) {
+      return;
+    }
+    this.jobs.tellAgain();
+    if (this.jobs.activeOf(id) === null && this.plans.best !== null) {
+      await this.showChosen(this.plans.best.id);
+    }
+  }
+
+  /** The mission as it is on the server, where it was changed elsewhere. */
+  async reload() {
+    const { keeper } = this.editor;
+    try {
+      const mission = await api.mission(keeper.id);
+      if (mission.id === keeper.id) {
+        this.editor.load(mission.document, () => keeper.opened(mission.id, mission.document, mission.revision));
+        await this.plans.refresh();
+      }
+    } catch (error) {
+      notify(`The mission cannot be loaded again: ${messageOf(error)}`, { error: true });
+    }
+  }
+
+  /** Somebody comes back to this page: another may have changed the mission meanwhile, where all is saved here. */
+  async lookElsewhere() {
+    const { keeper } = this.editor;
+    const { id, revision } = keeper;
+    if (id === null || keeper.state !== "saved") {
+      return;
+    }
+    const found = (await api.missions().catch(() => [])).find((mission) => mission.id === id);
+    if (found !== undefined && found.revision > revision && keeper.id === id && keeper.revision === revision && keeper.state === "saved") {
+      await this.reload();
+      notify("The mission was changed elsewhere; it is shown as it is now.");
+    }
+  }
+
+  keeperMoved() {
+    if (this.editor.keeper.state !== "saved") {
+      this.plans.doubt();
+    } else if (this.plans.unsure) {
+      this.plans.refresh();
+    }
   }
 
   /** A mission from files or an example: it is kept at once, so that its files are with it. */
@@ -94,6 +153,9 @@ class Page {
     const { current } = this.tabs;
     const watches = current === "watch" || current === "plan" || current === "take";
     this.editor.drawing.stop();
+    if (this.editor.keeper.state === "unsaved") {
+      this.editor.keeper.flush().catch(() => undefined); // plans are told apart from the mission as it is now
+    }
     if (!watches) {
       this.watching.clear();
     } else if (this.plan !== null || this.better !== null) {
@@ -120,15 +182,52 @@ class Page {
   choosePlan(id) {
     this.plan = id;
     this.better = null;
+    this.soFar = null;
     this.plans.choose(id);
-    this.downloads.show(this.plans.find(id));
     if (id === null) {
       this.watching.clear();
       this.lookOn();
     }
+    this.tellPlanning();
   }
 
+  /** Chooses a plan, and shows it where plans are looked at. */
+  async showChosen(id) {
+    this.choosePlan(id);
+    this.writeAddress();
+    if (this.tabs.current !== "edit") {
+      await this.showPlan(id, this.watching.player === null);
+    }
+  }
+
+  /** Tells of the plan that is chosen, or the best so far, whether it holds. */
+  tellPlan() {
+    const { plans } = this;
+    const found = plans.find(this.plan) ?? this.soFar;
+    const unsure = plans.unsure && found?.mission === plans.mission;
+    this.watching.describe(staleNote(found, unsure));
+    this.downloads.show(found, { unsure, isPlanning: plans.isPlanning });
+  }
+
+  /** Whether a job plans the mission that is open, or will. */
+  get isPlanned() {
+    return this.jobs.activeOf(this.editor.keeper.id) !== null;
+  }
+
+  /** Tells of the job that plans the mission which is open, if there is one. */
+  tellPlanning() {
+    const isPlanning = this.isPlanned;
+    this.plans.showPlanning(isPlanning, this.soFar);
+    this.watching.tell(isPlanning);
+    this.tellPlan();
+  }
+
+  /** Watches a plan; null: the best so far, whichever that is. */
   async watch(id) {
+    if (id === null) {
+      this.go("watch");
+      return;
+    }
     this.choosePlan(id);
     this.tabs.show("watch");
     this.writeAddress();
@@ -140,8 +239,14 @@ class Page {
       return;
     }
     this.better = plan;
-    // what there is so far can be taken away too
-    api.plan(plan).then((found) => this.better === plan && this.downloads.show({ ...found, partial: true })).catch(() => undefined);
+    // what there is so far stands among the plans, and can be taken away too
+    const told = api.plan(plan).then((found) => {
+      if (this.better === plan) {
+        this.soFar = { ...found, partial: true };
+        this.tellPlanning();
+      }
+    });
+    told.catch(() => undefined);
     if (this.tabs.current !== "edit") {
       await this.showPlan(plan, this.watching.player === null);
     }
@@ -149,12 +254,10 @@ class Page {
 
   async jobEnded(job) {
     await this.plans.refresh();
-    if (job.plan === null || this.plan !== null || job.mission !== this.editor.keeper.id) {
-      return;
-    }
-    this.choosePlan(job.plan);
-    if (this.tabs.current !== "edit") {
-      await this.showPlan(job.plan, this.watching.player === null);
+    if (job.plan !== null && this.plan === null && job.mission === this.editor.keeper.id) {
+      await this.showChosen(job.plan);
+    } else {
+      this.tellPlanning();
     }
   }
 
@@ -184,7 +287,7 @@ class Page {
     } catch (error) {
       notify(`The mission of the address cannot be opened: ${messageOf(error)}`, { error: true });
     }
-    await Promise.all([this.plans.refresh(this.editor.keeper.id), this.jobs.refresh()]);
+    await Promise.all([plan === null ? null : this.plans.refresh(this.editor.keeper.id), this.jobs.refresh()]);
     if (plan !== null && this.plans.find(plan) !== null) {
       this.choosePlan(plan);
     }
@@ -193,6 +296,8 @@ class Page {
     }
     if (plan !== null && this.plan === plan && this.tabs.current !== "edit") {
       await this.showPlan(plan, true);
+    } else if (this.plan === null) {
+      await this.showPlans();
     }
     this.writeAddress();
   }

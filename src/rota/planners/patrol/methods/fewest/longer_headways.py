@@ -44,7 +44,7 @@ def with_longer_headways(context: Context, best: Repaired) -> Repaired:
             easier = with_time_in_sight(context, seen_m)
         except NoPlanFound:
             break  # a sensor that reaches less far leaves too much out of sight
-        context.progress(0.95, f"trying {best.robots - 1} robots farther apart")
+        context.progress(0.9, f"trying {best.robots - 1} robots farther apart")
         smaller = one_fewer(easier, on_other_terms(best, context.problem, easier.problem))
         if smaller is None:
             break

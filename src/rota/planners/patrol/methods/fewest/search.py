@@ -18,6 +18,7 @@ from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.verdict import never_seen
 
+WORK: dict[Effort, float] = {"quick": 1.0, "normal": 2.0, "high": 6.0}  # time that each takes, measured on the harbour
 SPARED = 2.0  # times the likely team size: lanes that take more robots do not suit the mission, and give up too many
 
 
@@ -30,9 +31,11 @@ def fewest_robots(context: Context, best: Repaired | None = None) -> Repaired:
     asked = context.problem.mission
     names = list(EFFORTS)
     efforts = names[: names.index(PatrolSettings.of(asked).effort) + 1]
-    for turn, effort in enumerate(efforts):
+    whole, done = sum(WORK[effort] for effort in efforts), 0.0
+    for effort in efforts:
         own = context if effort == PatrolSettings.of(asked).effort else with_less_effort(context, effort)
-        best = reduce_team(replace(own, progress=share_of_progress(context.progress, turn, len(efforts))), best)
+        begun, done = done, done + WORK[effort] / whole
+        best = reduce_team(replace(own, progress=share_of_progress(context.progress, begun, done)), best)
         if context.should_stop() or (best.met and best.robots <= context.enough_robots):
             break
     assert best is not None
@@ -45,9 +48,9 @@ def with_less_effort(context: Context, effort: Effort) -> Context:
     return replace(context, problem=problem, settings=EFFORTS[effort])
 
 
-def share_of_progress(progress: Callable[[float, str], None], turn: int, turns: int) -> Callable[[float, str], None]:
-    """Progress told within one of several equal turns."""
-    return lambda share, what: progress((turn + share) / turns, what)
+def share_of_progress(progress: Callable[[float, str], None], begin: float, end: float) -> Callable[[float, str], None]:
+    """Progress told within a part of the whole."""
+    return lambda share, what: progress(begin + (end - begin) * share, what)
 
 
 def reduce_team(context: Context, best: Repaired | None) -> Repaired:
@@ -97,9 +100,10 @@ def search_downwards(context: Context, groupings: list[PeriodGrouping], best: Re
     enough = context.enough_robots
     while best.met and robots > enough and not context.should_stop():
         robots -= 1
-        context.progress(0.4 + 0.5 * (first - robots) / (first - enough), f"trying {robots} robots")
+        begin, end = (0.4 + 0.6 * (first - tried) / (first - enough) for tried in (robots + 1, robots))
+        own = replace(context, progress=share_of_progress(context.progress, begin, end))
         least_slack = context.settings.allocation.least_slack
-        smaller = plan_with_team_size(context, groupings, robots, least_slack=least_slack)
+        smaller = plan_with_team_size(own, groupings, robots, least_slack=least_slack)
         if smaller is None or smaller.robots >= best.robots:
             break  # a repair may post robots of their own
         best = smaller
@@ -114,8 +118,9 @@ def search_upwards(context: Context, groupings: list[PeriodGrouping], robots: in
     while steps < settings.single_steps or robots < sure:
         if best is not None and best.met and robots >= best.robots:
             return best
-        context.progress(0.1 + 0.3 * (robots - first) / max(sure, robots + 1 - first), f"trying {robots} robots")
-        larger = plan_with_team_size(context, groupings, robots, least_slack=1.0)
+        begin, end = (0.1 + 0.3 * (tried - first) / max(sure, tried + 1 - first) for tried in (robots, robots + 1))
+        own = replace(context, progress=share_of_progress(context.progress, begin, end))
+        larger = plan_with_team_size(own, groupings, robots, least_slack=1.0)
         if larger is not None:
             return larger
         if context.should_stop():

@@ -12,6 +12,7 @@ from rota.planners.patrol.methods.fewest.racing import first_to_pass
 from rota.planners.patrol.methods.fewest.screening import screened
 from rota.planners.patrol.repair.repair import Repaired
 
+SCREENED, ANNEALED = 0.1, 0.4  # of the time of a try
 SEEDS_APART = 7_000_000  # of one try from those of the next
 
 
@@ -24,9 +25,14 @@ def plan_with_team_size(
     """
     settings = context.settings.allocation
     candidates = allocations(context.problem, groupings, robots, settings, least_slack=least_slack)
-    for turn in range(tries(context, candidates)):
+    turns = tries(context, candidates)
+    for turn in range(turns):
         seed = context.seed + 1000 * robots + SEEDS_APART * turn
-        searches = annealed_in_full(context, screened(context, candidates, seed=seed), seed=seed)
+        context.progress(turn / turns, f"trying {robots} robots")
+        chosen = screened(context, candidates, seed=seed)
+        context.progress((turn + SCREENED) / turns, f"trying {robots} robots: annealing their tours")
+        searches = annealed_in_full(context, chosen, seed=seed)
+        context.progress((turn + ANNEALED) / turns, f"trying {robots} robots: repairing their tours")
         found = first_to_pass(context, searches, seed=seed)
         if found is not None or context.should_stop():
             return found

@@ -43,7 +43,7 @@ def plan_fixed_team(context: Context, asked: Mission, method: Method) -> Plan:
     if PatrolSettings.of(mission).effort == "quick" or not context.anneals:
         return plan_with_effort(context, asked, method)
     try:
-        quick = replace(with_less_effort(context, "quick"), progress=share_of_progress(context.progress, 0, 4))
+        quick = replace(with_less_effort(context, "quick"), progress=share_of_progress(context.progress, 0, 0.25))
         first = replace(plan_with_effort(quick, asked, method), mission=mission)
     except NoPlanFound:
         return plan_with_effort(context, asked, method)

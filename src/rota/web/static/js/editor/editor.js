@@ -112,6 +112,8 @@ export class Editor extends EventTarget {
     this.faulty = new Set();
     this.waitsForFit = true;
     keep(this.keeper);
+    this.validation.forget();
+    this.fields.showFaults([]);
     this.store.load(document);
     this.fit();
     if (this.hasItsFiles) {

@@ -20,6 +20,15 @@ export class Validation extends EventTarget {
     this.later = debounced(() => this.ask());
   }
 
+  /** Another mission: nothing is known of it, and no answer to a question before counts. */
+  forget() {
+    this.later.cancel();
+    this.running?.abort();
+    this.running = null;
+    this.latest = null;
+    this.tell("forgotten");
+  }
+
   /** Asks soon; what was asked before does not count any more. */
   soon(wait_ms = WAIT_MS) {
     this.tell("asking");
@@ -44,7 +53,7 @@ export class Validation extends EventTarget {
     try {
       const body = mission === null ? { document, ...more } : { document, mission };
       const answer = await api.validate(body, running.signal);
-      if (running === this.running) {
+      if (running === this.running && document === this.question().document) {
         this.latest = answer;
         this.tell("result", answer);
         if (answer.compiling) {
@@ -52,7 +61,7 @@ export class Validation extends EventTarget {
         }
       }
     } catch (error) {
-      if (running === this.running && !(error instanceof DOMException)) {
+      if (running === this.running && document === this.question().document && !(error instanceof DOMException)) {
         this.failed(error);
       }
     }

@@ -22,6 +22,7 @@ export function startVerdict(section, validation, editor) {
       show(box("plain", "Checking the mission…"));
     }
   });
+  validation.addEventListener("forgotten", () => show());
   validation.addEventListener("failed", (event) => {
     section.removeAttribute("aria-busy");
     show(box("fault", `The mission could not be checked: ${messageOf(/** @type {CustomEvent} */ (event).detail)}`));

@@ -3,6 +3,7 @@
 import { api } from "../api.js";
 import { button, el, saveBlob } from "../dom.js";
 import { messageOf } from "../notices.js";
+import { isStale, staleNote } from "./stale.js";
 
 const OWN = [
   { file: "plan.rota.json", name: "Plan file", what: "all of the plan; rota check, draw and export read it" },
@@ -19,25 +20,35 @@ export class Downloads {
     this.formats = formats;
     this.plan = null;
     this.title = el("p", {});
+    this.note = el("div", {});
     this.fault = el("p", { class: "fault", role: "alert" });
     this.origin = el("input", { type: "text", id: "origin", placeholder: "54.36, 13.08", autocomplete: "off" });
     this.start = el("input", { type: "datetime-local", step: "1", id: "start-time" });
     this.body = el("div", { class: "plain" });
-    section.append(el("h2", {}, "Take away"), this.title, this.fault, this.body);
+    section.append(el("h2", {}, "Take away"), this.title, this.note, this.fault, this.body);
   }
 
-  /** Shows what can be taken of a plan; null for none. */
-  show(plan) {
+  /** Shows what can be taken of a plan, null for none; `unsure`: its mission has edits that are not saved yet. */
+  show(plan, { unsure = false, isPlanning = false } = {}) {
+    const isAnother = plan?.id !== this.plan?.id;
     this.plan = plan;
     this.fault.textContent = "";
     if (plan === null) {
-      this.title.textContent = "There is no plan yet: make one in step 2, or choose one there.";
+      this.title.textContent = isPlanning ? "Planning goes on: the first plan can be taken as soon as it is found." : "There is no plan yet: make one in step 2.";
       this.body.replaceChildren();
       return;
     }
     const which = plan.partial ? "the best plan so far of" : "the plan";
-    const goesOn = plan.partial ? " Preliminary: better ones may still be found." : "";
-    this.title.textContent = `Of ${which} ${plan.name}: ${plan.robots} robots, ${plan.verdict}.${goesOn}`;
+    const goesOn = plan.partial ? " A longer search may find a better one." : "";
+    const robots = plan.robots === 1 ? "1 robot" : `${plan.robots} robots`;
+    const verdict = unsure || isStale(plan) ? "" : `, ${plan.verdict}`;
+    const note = staleNote(plan, unsure);
+    const names = note === null || unsure ? [] : [el("p", { class: "soft" }, "Names of files say so: -stale.")];
+    this.title.replaceChildren(`Of ${which} ${plan.name}: ${robots}${verdict}.${goesOn}`);
+    this.note.replaceChildren(...(note === null ? [] : [note, ...names]));
+    if (!isAnother && this.body.childElementCount > 0) {
+      return; // what was typed stays
+    }
     const field = (label, input, help) => el("div", { class: "field" }, el("label", { for: input.id }, label), input, el("span", { class: "field-help" }, help));
     const asked = el(
       "div",

@@ -3,9 +3,11 @@
 import { api, ApiError, connection } from "../api.js";
 import { button, el } from "../dom.js";
 import { textInWords } from "../editor/words.js";
-import { confirmed, messageOf, notifyError } from "../notices.js";
+import { confirmed, messageOf, notify, notifyError } from "../notices.js";
 
 const POLL_MS = 2000;
+const TICK_MS = 1000;
+const TOLD = "rota-interrupted"; // the newest job of which was told that it was interrupted
 const ACTIVE = ["queued", "running"];
 const WORDS = {
   queued: "waiting",
@@ -45,6 +47,34 @@ export class Jobs extends EventTarget {
     earlier.append(this.earlierBox);
     connection.addEventListener("back", () => this.refresh());
     window.setInterval(() => this.jobs.some(isActive) && this.refresh(), POLL_MS);
+    window.setInterval(() => this.tick(), TICK_MS);
+  }
+
+  /** Time goes on also while nothing is told. */
+  tick() {
+    for (const words of this.list.querySelectorAll("[data-job]")) {
+      const job = this.jobs.find((other) => other.id === words.getAttribute("data-job"));
+      if (job !== undefined && isActive(job)) {
+        words.textContent = describe(job);
+      }
+    }
+  }
+
+  /** The job that plans a mission now or next; null for none. */
+  activeOf(mission) {
+    const own = this.jobs.filter((job) => isActive(job) && mission !== null && job.mission === mission);
+    return own.find((job) => job.state === "running") ?? own[0] ?? null;
+  }
+
+  /** Another mission is open: what was refused before is not about it. */
+  forget() {
+    this.fault.textContent = "";
+  }
+
+  /** Tells once more of the best plan so far, since another mission is open. */
+  tellAgain() {
+    this.bestPlan = null;
+    this.tellBetter(this.jobs.find((job) => job.id === this.followed));
   }
 
   form() {
@@ -63,11 +93,14 @@ export class Jobs extends EventTarget {
         return;
       }
       const mission = await this.keeper.flush();
-      const body = { mission, seed: Number(this.seed.value) };
+      const body = { mission, revision: this.keeper.revision, seed: Number(this.seed.value) };
       const limit = this.limit.value === "" ? {} : { time_limit_s: Number(this.limit.value) };
       this.followNew(await api.startJob({ ...body, ...limit }));
     } catch (error) {
       this.fault.textContent = `Planning could not begin: ${messageOf(error)}`;
+      if (error instanceof ApiError && error.status === 409) {
+        this.dispatchEvent(new Event("outdated"));
+      }
     } finally {
       this.plan.disabled = false;
     }
@@ -103,8 +136,9 @@ export class Jobs extends EventTarget {
     try {
       const jobs = await api.jobs();
       const before = new Map(this.jobs.map((job) => [job.id, job]));
-      this.jobs = jobs;
+      this.jobs = jobs.map(received);
       this.draw();
+      this.tellInterrupted();
       jobs.filter((job) => !isActive(job) && before.has(job.id) && isActive(before.get(job.id))).forEach((job) => this.ended(job));
       const waiting = jobs.find((job) => job.state === "running") ?? jobs.find(isActive);
       const followed = jobs.find((job) => job.id === this.followed);
@@ -118,7 +152,18 @@ export class Jobs extends EventTarget {
     }
   }
 
-  put(job) {
+  /** Tells once that the newest job was interrupted, however long ago. */
+  tellInterrupted() {
+    const [newest] = this.jobs;
+    if (newest?.state === "interrupted" && window.localStorage.getItem(TOLD) !== newest.id) {
+      window.localStorage.setItem(TOLD, newest.id);
+      const kept = newest.plan === null ? "There was no plan yet." : "The best plan until then is kept.";
+      notify(`Planning of ${newest.mission_name} was interrupted when the server ended. ${kept} Run it again in step 2.`, { error: true });
+    }
+  }
+
+  put(told) {
+    const job = received(told);
     const before = this.jobs.find((other) => other.id === job.id);
     this.jobs = before === undefined ? [job, ...this.jobs] : this.jobs.map((other) => (other.id === job.id ? job : other));
     this.draw();
@@ -141,13 +186,14 @@ export class Jobs extends EventTarget {
     const active = this.jobs.find((job) => job.id === this.followed && isActive(job));
     this.announce(active);
     const focused = document.activeElement?.getAttribute("data-mark");
-    const isShown = (job, k) => isActive(job) || (k === 0 && job.plan === null);
+    const isShown = (job, k) => isActive(job) || (k === 0 && (job.plan === null || job.state === "interrupted"));
     const shown = this.jobs.filter(isShown);
     const others = this.jobs.filter((job, k) => !isShown(job, k));
     this.list.replaceChildren(...shown.map((job) => this.row(job)));
     this.earlier.replaceChildren(...others.map((job) => this.row(job)));
     this.earlierHead.textContent = `Earlier jobs (${others.length})`;
     this.earlierBox.hidden = others.length === 0;
+    this.dispatchEvent(new Event("listed"));
     if (focused) {
       [this.list, this.earlier].map((list) => list.querySelector(`[data-mark="${CSS.escape(focused)}"]`)).find(Boolean)?.focus();
     }
@@ -173,7 +219,7 @@ export class Jobs extends EventTarget {
       if (job.state === "running" && typeof fraction === "number" && fraction > 0) {
         bar.value = fraction;
       }
-      parts.push(bar, el("p", {}, describe(job)));
+      parts.push(bar, el("p", { "data-job": job.id }, describe(job)));
     } else if (job.message) {
       parts.push(el("p", { class: job.state === "failed" || job.state === "no_plan" ? "fault" : "soft" }, textInWords(job.message)));
     }
@@ -212,6 +258,11 @@ export class Jobs extends EventTarget {
   }
 }
 
+/** A job with the moment when it was told. */
+function received(job) {
+  return { ...job, at_ms: performance.now() };
+}
+
 function isActive(job) {
   return ACTIVE.includes(job.state);
 }
@@ -223,8 +274,25 @@ function describe(job) {
     return typeof place === "number" && place > 1 ? `Waiting: number ${place} in the queue.` : "Waiting: next in the queue.";
   }
   const { progress } = job;
-  const share = typeof progress?.fraction === "number" ? `${Math.round(progress.fraction * 100)} %` : "";
-  const best = job.best === null || job.best === undefined ? "no plan yet" : `best so far ${job.best.robots} robots${job.best.met === false ? " (periods not met)" : ""}`;
-  const elapsed = typeof progress?.elapsed_s === "number" ? `${Math.round(progress.elapsed_s)} s` : "";
-  return [share, progress?.doing, elapsed, best].filter(Boolean).join(" · ");
+  const share = progress.fraction > 0 ? `${Math.floor(progress.fraction * 100)} %` : "";
+  const best = job.best === null ? "no plan yet" : `best so far ${job.best.robots === 1 ? "1 robot" : `${job.best.robots} robots`}${job.best.met === false ? " (periods not met)" : ""}`;
+  const since_s = (performance.now() - job.at_ms) / 1000;
+  const elapsed_s = progress.elapsed_s + since_s;
+  return [share, progress.doing || "starting", spanText(elapsed_s), leftText(progress, since_s), best].filter(Boolean).join(" · ");
+}
+
+function spanText(seconds) {
+  return seconds < 99.5 ? `${Math.round(seconds)} s` : `${Math.floor(seconds / 60)} min ${Math.floor(seconds % 60)} s`;
+}
+
+/** About how long it goes on yet; nothing while it has told too little of itself. */
+function leftText({ left_s, elapsed_s }, since_s) {
+  if (left_s === null) {
+    return elapsed_s + since_s < 3 ? "" : "time left unknown";
+  }
+  const left = left_s - since_s;
+  if (left < 10) {
+    return "a few seconds left";
+  }
+  return left < 90 ? `about ${Math.ceil(left / 10) * 10} s left` : `about ${Math.round(left / 60)} min left`;
 }

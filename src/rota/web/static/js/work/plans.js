@@ -3,6 +3,7 @@
 import { api } from "../api.js";
 import { button, el } from "../dom.js";
 import { confirmed, messageOf, notify } from "../notices.js";
+import { changesText, isStale, verdictBadge } from "./stale.js";
 
 const HELP = {
   "At least": "No plan with fewer robots exists; that is proved.",
@@ -18,6 +19,10 @@ export class Plans extends EventTarget {
     this.plans = [];
     this.mission = null;
     this.chosen = null;
+    this.soFar = null; // the best plan of a job that runs
+    this.isPlanning = false; // whether a job of the mission waits or runs
+    this.unsure = false; // whether the mission has edits that no list knows of yet
+    this.asked = 0;
     this.everywhere = el("input", { type: "checkbox", id: "all-plans" });
     this.everywhere.addEventListener("change", () => this.draw());
     this.fault = el("p", { class: "fault", role: "alert" });
@@ -37,15 +42,48 @@ export class Plans extends EventTarget {
 
   /** Lists again; `mission` is the one that is open. */
   async refresh(mission = this.mission) {
-    this.mission = mission;
+    if (mission !== this.mission) {
+      this.mission = mission;
+      this.draw();
+    }
+    this.asked += 1;
+    const number = this.asked;
     try {
-      this.plans = await api.plans();
+      const plans = await api.plans();
+      if (number !== this.asked) {
+        return; // asked again since
+      }
+      this.plans = plans;
+      this.unsure = false;
       this.fault.textContent = "";
     } catch (error) {
       this.fault.textContent = `Plans cannot be listed: ${messageOf(error)}`;
     }
     this.draw();
     this.dispatchEvent(new Event("listed"));
+  }
+
+  /** Of plans of a mission that is being changed nobody knows yet whether they hold. */
+  doubt() {
+    if (!this.unsure && this.shown.length > 0) {
+      this.unsure = true;
+      this.draw();
+      this.dispatchEvent(new Event("listed"));
+    }
+  }
+
+  /** The plan that is shown when none was chosen: the newest that holds and is met, or the newest; null for none. */
+  get best() {
+    const own = this.plans.filter((plan) => plan.mission !== null && plan.mission === this.mission);
+    return own.find((plan) => !isStale(plan) && plan.verdict === "met") ?? own[0] ?? null;
+  }
+
+  /** The best plan so far of a job of this mission, null for none; and whether such a job waits or runs. */
+  showPlanning(isPlanning, soFar) {
+    if (isPlanning !== this.isPlanning || soFar !== this.soFar) {
+      [this.isPlanning, this.soFar] = [isPlanning, soFar];
+      this.draw();
+    }
   }
 
   /** The plans of the mission that is open, and others if asked for; the newest first. */
@@ -63,33 +101,39 @@ export class Plans extends EventTarget {
   }
 
   draw() {
-    const { shown } = this;
-    if (shown.length === 0) {
+    const { shown, soFar } = this;
+    if (shown.length === 0 && soFar === null) {
       const others = this.plans.length > 0 ? " There are plans of other missions." : "";
-      this.table.replaceChildren(el("p", { class: "soft" }, `No plan of this mission yet.${others}`));
+      const words = this.isPlanning ? "The first plan stands here as soon as it is found." : `No plan of this mission yet.${others}`;
+      this.table.replaceChildren(el("p", { class: "soft" }, words));
       return;
     }
     const heads = ["Plan", "Robots", "At least", "Worst ratio", "Length", "Found in", ""].map((text) => el("th", { scope: "col", title: HELP[text] }, text));
-    const rows = shown.map((plan) => this.row(plan));
+    const rows = [...(soFar === null ? [] : [soFar]), ...shown].flatMap((plan) => this.rows(plan));
     this.table.replaceChildren(el("table", {}, el("thead", {}, el("tr", {}, ...heads)), el("tbody", {}, ...rows)));
   }
 
-  row(plan) {
-    const chosen = plan.id === this.chosen;
+  /** A plan's row, and below it, where it is stale, why. */
+  rows(plan) {
+    const isSoFar = plan === this.soFar;
+    const chosen = plan.id === this.chosen || (isSoFar && this.chosen === null);
     const name = this.everywhere.checked || !plan.planner ? plan.name : [plan.planner, plan.effort].filter(Boolean).join(", ");
-    const watch = button(name, () => this.dispatchEvent(new CustomEvent("watch", { detail: plan.id })), { class: "link", "aria-pressed": String(chosen), "aria-label": `Watch ${name}, ${plan.robots} robots` });
-    const verdict = el("span", { class: `state state-${plan.verdict === "met" ? "met" : "failed"}` }, plan.verdict ?? "?");
+    const watch = button(name, () => this.dispatchEvent(new CustomEvent("watch", { detail: isSoFar ? null : plan.id })), { class: "link", "aria-pressed": String(chosen), "aria-label": `Watch ${name}, ${plan.robots} robots` });
+    const verdict = verdictBadge(plan, this.unsure && plan.mission === this.mission);
     const cells = [
       String(plan.robots),
       plan.bound === null ? "–" : String(plan.bound),
-      typeof plan.worst_ratio === "number" ? plan.worst_ratio.toFixed(3) : "never seen",
-      typeof plan.length_m === "number" ? lengthText(plan.length_m) : "–",
+      ratioText(plan),
+      plan.length_m > 0 ? lengthText(plan.length_m) : "–",
       typeof plan.plan_s === "number" ? `${plan.plan_s.toFixed(1)} s` : "–",
     ].map((text) => el("td", {}, text));
     const label = `${name}, ${plan.robots} robots`;
-    const actions = el("td", {}, button("✕", () => this.remove(plan), { class: "quiet", "aria-label": `Delete ${label}`, title: "Delete" }));
-    const first = el("td", {}, watch, " ", verdict, plan.partial ? el("span", { class: "state" }, "so far") : null);
-    return el("tr", { "data-chosen": String(chosen) }, first, ...cells, actions);
+    const actions = el("td", {}, isSoFar ? null : button("✕", () => this.remove(plan), { class: "quiet", "aria-label": `Delete ${label}`, title: "Delete" }));
+    const short = plan.partial ? el("span", { class: "state", title: isSoFar ? "" : "The search was cut short, or the demand is not met" }, "so far") : null;
+    const first = el("td", {}, watch, " ", verdict, " ", short);
+    const row = el("tr", { "data-chosen": String(chosen) }, first, ...cells, actions);
+    const why = () => el("tr", { class: "why", "data-chosen": String(chosen) }, el("td", { colspan: cells.length + 2 }, changesText(plan)));
+    return isStale(plan) && !this.unsure ? [row, why()] : [row];
   }
 
   async remove(plan) {
@@ -120,6 +164,14 @@ export class Plans extends EventTarget {
       this.fault.textContent = `${file.name}: ${messageOf(error)}`;
     }
   }
+}
+
+/** Robots that stand still keep nobody waiting, and swarms have no periods. */
+function ratioText(plan) {
+  if (plan.worst_ratio === 0) {
+    return "–";
+  }
+  return typeof plan.worst_ratio === "number" ? plan.worst_ratio.toFixed(3) : "never seen";
 }
 
 function lengthText(metres) {

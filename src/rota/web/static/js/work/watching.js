@@ -23,7 +23,25 @@ export class Watching {
     this.shown = null; // the plan's id
     this.frame = null; // of the editor
     this.running = null;
-    title.textContent = "No plan is chosen: make one in step 2, or choose one there.";
+    this.notice = null; // above the player
+    this.tell(false);
+  }
+
+  /** What stands here while there is no plan; a mission that is being planned will have one. */
+  tell(isPlanning) {
+    this.words = isPlanning ? "Planning goes on: the first plan plays here as soon as it is found." : "There is no plan yet: make one in step 2.";
+    this.describe(this.notice);
+  }
+
+  /** Tells what is to be known of the plan above its player. */
+  describe(note) {
+    this.notice = note;
+    this.controls.toggleAttribute("data-stale", note !== null && this.player !== null);
+    if (this.player === null) {
+      this.title.replaceChildren(this.running === null ? this.words : "…");
+    } else {
+      this.title.replaceChildren(...(note === null ? [] : [note]));
+    }
   }
 
   /**
@@ -38,6 +56,7 @@ export class Watching {
     this.running?.abort();
     const running = new AbortController();
     this.running = running;
+    this.describe(this.notice);
     try {
       // the player is loaded when there is something to play
       const [buffer, { Playback }, { Player }] = await Promise.all([
@@ -70,7 +89,7 @@ export class Watching {
       const place = this.placing(origin);
       this.player = new Player({ playback, map: this.missionMap.map, controls: this.controls, project: (x, y) => L.latLng(place(x, y)), opacity: this.frame.tiled ? SHEER : 1 });
     }
-    this.title.textContent = "";
+    this.describe(this.notice);
     if (fit) {
       const [x0, y0, x1, y1] = playback.header.bounds_m;
       const place = this.placing(origin);
@@ -100,5 +119,6 @@ export class Watching {
     this.player?.destroy();
     this.player = null;
     this.shown = null;
+    this.describe(null);
   }
 }
