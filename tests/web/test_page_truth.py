@@ -132,7 +132,7 @@ def test_the_verdict_of_one_mission_never_stands_beside_another(page: Any, page_
     before.fulfill(json={"faults": [], "warnings": [], "ground": None, "bound": {"robots": 77, "reason": "late"},
                           "compiling": False, "free_m2": 1.0, "asked_m2_s": 1.0})  # fmt: skip
     one_of(page, held, but=before).continue_()
-    expect(page.locator("#verdict")).to_contain_text("period_s: 0 is not allowed")
+    expect(page.locator("#verdict")).to_contain_text("Period: 0 is not allowed")
     page.unroute("**/api/validate*")
     assert not [text for text in page.evaluate("window.seen") if "77" in text]
 
