@@ -19,6 +19,7 @@ from rota.planners.patrol.efforts import EFFORTS, QUICK
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.ground.standing import has_many_corners
+from rota.planners.patrol.ground.tight_corners import require_corners_in_reach
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
@@ -57,6 +58,7 @@ def plan_patrol(
     tight = with_reserve(mission)
     require_ways_in(mission)
     require_room(mission)
+    require_corners_in_reach(mission)
     try:
         plans = plan_tours(
             without_starts(tight), asked=mission, seed=seed, judge=judge, progress=progress,

@@ -1,0 +1,62 @@
+"""Ground in corners too tight for robots that turn along arcs: no loop leads near enough to see it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+from shapely import MultiPolygon
+from shapely.geometry.base import BaseGeometry
+
+from rota.errors import NoPlanFound
+from rota.geometry.free_space import demanded_regions
+from rota.mission import Mission
+from rota.planners.patrol.initial.standing import MOST_TRAVEL
+from rota.polygons import polygons_of
+
+ARC_CORNERS = 64  # of a quarter of a circle
+TO_SPARE = 0.01  # of the radius: the corners of arcs driven as straight legs lie up to 0.5 % of it outside
+LEAST_SHARE = 1e-5  # of the sensor's disc: less ground is rounding
+
+
+def require_corners_in_reach(mission: Mission) -> None:
+    """NoPlanFound, with the place and what helps, where loops of arcs leave ground in corners out of reach.
+
+    A path of no tighter arcs that stays in convex ground stays in the union of the discs of that radius within it: to
+    cut into a corner beyond the disc that touches both its sides it would have to turn more tightly. Nobody is nearer
+    than that to ground in corners of the area's convex hull. Robots that have hardly any time to move stand, and may
+    stand there.
+    """
+    fleet = mission.fleet
+    robots = fleet.robots or (fleet.equal_robot("any"),)
+    radius_m = min(robot.turn_radius_m for robot in robots)
+    reach_m = max(robot.sensor.reach_m for robot in robots)
+    regions = [region for region in demanded_regions(mission) if region.demand == "every_point"]
+    shortest_m = min((region.period_s for region in regions), default=0.0) * min(robot.speed_m_s for robot in robots)
+    if radius_m == 0 or shortest_m <= MOST_TRAVEL * reach_m:
+        return
+    hull, body_m = mission.area.convex_hull, min(robot.body_radius_m for robot in robots)
+    middles = shapely.buffer(hull, -(radius_m + body_m))
+    if middles.is_empty:
+        return  # no disc fits in: whatever moves there has no loop at all
+    driven_m = radius_m * (1 + TO_SPARE) / math.cos(math.pi / 4 / ARC_CORNERS)
+    near = shapely.buffer(middles, driven_m + reach_m, quad_segs=ARC_CORNERS)
+    asked = shapely.union_all([region.shape for region in regions])
+    left = polygons_of(shapely.difference(asked, near), LEAST_SHARE * math.pi * reach_m**2)
+    if not left.is_empty:
+        raise NoPlanFound(_told(left, asked, middles, radius_m=radius_m, reach_m=reach_m))
+
+
+def _told(left: MultiPolygon, asked: BaseGeometry, middles: BaseGeometry, *, radius_m: float, reach_m: float) -> str:
+    """How much is out of reach, where, by how much, and what helps."""
+    corners_m = shapely.get_coordinates(left)
+    away_m = shapely.distance(middles, shapely.points(corners_m)) - radius_m
+    farthest = int(np.argmax(away_m))
+    (x, y), share = corners_m[farthest], left.area / asked.area
+    return (
+        f"about {left.area:.2f} m2 ({share:.2%} of what is asked) lies in corners that no loop comes near, for instance"
+        f" at ({x:.2f}, {y:.2f}): with a turn_radius_m of {radius_m:g} robots come no nearer than"
+        f" {away_m[farthest]:.1f} m, and sensors reach {reach_m:g} m; cut the corners off the area, or give a smaller"
+        " radius or a longer reach"
+    )
