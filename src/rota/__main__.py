@@ -13,6 +13,7 @@ def main() -> NoReturn:
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
         from rota.command.cli import run
+        from rota.command.ending import leave
     except Exception as error:  # Python would end with 1, which says that a plan does not meet its demand
         fault = f"{type(error).__name__}: {error}"
         print(
@@ -20,7 +21,7 @@ def main() -> NoReturn:
             file=sys.stderr,
         )
         sys.exit(70)
-    sys.exit(run(sys.argv[1:]))
+    leave(run(sys.argv[1:]))
 
 
 if __name__ == "__main__":

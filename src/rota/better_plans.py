@@ -21,14 +21,17 @@ OnBetter = Callable[["Plan", "Report"], None]
 class BetterPlans:
     """Tells every plan of the whole mission that is better than all before it, in the order of ``progress_curve``.
 
+    ``best``: the last one told, with its report.
+
     Planners also try other periods, missions without starts, and equal robots in place of those that the fleet names.
     Such a plan is checked again for the mission as it is asked: always until a plan meets it, and then only if the plan
     met what it was tried for with fewer robots. A plan for more robots than the fleet names is not told.
     """
 
-    def __init__(self, mission: Mission, tell: OnBetter) -> None:
+    def __init__(self, mission: Mission, tell: OnBetter | None) -> None:
         self._mission, self._tell = mission, tell
-        self._best: SearchState | None = None
+        self._state: SearchState | None = None  # of the best
+        self.best: tuple[Plan, Report] | None = None
         self._lock = threading.Lock()
 
     def judged(self, plan: Plan, report: Report) -> None:
@@ -46,13 +49,14 @@ class BetterPlans:
                     return
                 plan, report = own, check_plan(own)
             state = checked_state(plan, report)
-            if self._best is None or rank(state) < rank(self._best):
-                self._best = state
-                self._tell(plan, report)
+            if self._state is None or rank(state) < rank(self._state):
+                self._state, self.best = state, (plan, report)
+                if self._tell is not None:
+                    self._tell(plan, report)
 
     def _worth_a_check(self, plan: Plan, report: Report) -> bool:
         """Whether a plan for other demands may be better than the best for those that are asked."""
-        best = self._best
+        best = self._state
         return best is None or not best.met or (report.verdict == "met" and len(plan.trajectories) < best.robots)
 
 

@@ -17,6 +17,7 @@ from rota.mission import Mission
 from rota.plan import Plan
 from rota.planner import planner_named, planner_of
 from rota.planner_registry import DEFAULT
+from rota.stopping import StopRule
 
 if TYPE_CHECKING:
     from rota.check.report import Report
@@ -83,8 +84,9 @@ def compare_methods(
     """Plan ``mission`` with each of its planner's methods, or of those given, in their order; check the outcomes.
 
     seed: the same for all. progress: called with a fraction 0..1 and what is being done. should_stop: asked now and
-    then; True makes the methods that are left give what they have at once. A method that finds no plan is an outcome
-    with a reason. Raises MissionError for no methods, a method given twice, or one that is not known.
+    then; True makes the methods that are left give what they have at once, all in the time that one of them has. A
+    method that finds no plan is an outcome with a reason. Raises MissionError for no methods, a method given twice, or
+    one that is not known.
     """
     tell = progress or (lambda fraction, doing: None)
     methods = named_methods(mission, None) if methods is None else methods
@@ -94,6 +96,7 @@ def compare_methods(
         if list(methods).count(method) > 1:
             raise MissionError(f"methods: {method!r} is given twice")
     asked = [mission.with_method(method) for method in methods]
+    stop = StopRule(should_stop=should_stop)  # once for all: what a stop leaves is not given to each of them
     tell(0.0, "loading")
     load_compiled_loops(methods, mission.planning.planner)
     outcomes = []
@@ -102,7 +105,7 @@ def compare_methods(
         def told(fraction: float, doing: str, k: int = k) -> None:
             tell((k + fraction) / len(asked), f"{methods[k]}: {doing}")
 
-        outcomes.append(outcome_of(by_method, seed=seed, progress=told, should_stop=should_stop))
+        outcomes.append(outcome_of(by_method, seed=seed, progress=told, should_stop=stop))
     return tuple(outcomes)
 
 
@@ -131,8 +134,6 @@ def outcome_of(
     should_stop: Callable[[], bool] | None,
 ) -> MethodOutcome:
     """Plan the mission by the method of its settings; a search that fails is an outcome too."""
-    from rota.check import check_plan
-
     method = mission.planning.method or ""
     started_s = time.perf_counter()
     try:
@@ -142,7 +143,9 @@ def outcome_of(
     except RotaError as failure:
         planning_s = time.perf_counter() - started_s
         best = failure.best if isinstance(failure, NoPlanFound) and isinstance(failure.best, Plan) else None
-        report = check_plan(best) if best is not None else None
+        report: Report | None = failure.report if isinstance(failure, NoPlanFound) else None  # type: ignore[assignment]
+        if report is None:  # the check was stopped
+            best = None
         return MethodOutcome(method=method, plan=best, report=report, planning_s=planning_s, reason=str(failure))
     planning_s = time.perf_counter() - started_s
     return MethodOutcome(

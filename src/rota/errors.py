@@ -35,7 +35,8 @@ class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
 
     ``best`` is the best plan found all the same (a ``rota.plan.Plan``), or None. ``facts``: what the planner knows
     beside it, as sentences. ``checkpoint``: of a run that ended before it came to rest (a
-    ``rota.checkpoint.Checkpoint``), or None.
+    ``rota.checkpoint.Checkpoint``), or None. ``report``: the check's on the best plan (a ``rota.check.Report``); None
+    where the search was stopped before the check came to its end.
     """
 
     def __init__(
@@ -44,8 +45,10 @@ class NoPlanFound(RotaError):  # noqa: N818 (it is an outcome, not a fault)
         best: object | None = None,
         checkpoint: object | None = None,
         facts: tuple[str, ...] = (),
+        report: object | None = None,
     ) -> None:
         self.best = best
         self.checkpoint = checkpoint
         self.facts = facts
+        self.report = report
         super().__init__(reason)

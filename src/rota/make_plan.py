@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import suppress
@@ -12,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from rota.better_plans import BetterPlans, OnBetter, checked_state
 from rota.errors import MissionError, NoPlanFound
-from rota.planner import Answer, Request, planner_of
+from rota.planner import Answer, Planner, Request, planner_of
 from rota.progress import Watch
+from rota.stopping import OwnThread, StopRule
 
 if TYPE_CHECKING:
     from rota.check.report import Report
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], None]
 ShouldStop = Callable[[], bool]
+EARLY = " (stopped early)"  # the end of what NoPlanFound says of a search that was stopped
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,51 +76,91 @@ def search_plan(
     resume: Checkpoint | None = None,
     observe: Callable[[Any], None] | None = None,
     on_better: OnBetter | None = None,
+    on_candidate: Callable[[Plan], None] | None = None,
     executor: Executor | None = None,
 ) -> PlanSearch:
     """Plan ``mission`` with the planner that its settings name, and check the outcome.
 
+    The search and the check run in a thread of their own, from which all callbacks come, while this one waits.
+
     seed: the same seed gives the same plan, unless the search is stopped early. time_limit_s: seconds after which the
     planner is asked to stop; it then gives the best plan so far. progress: called with a fraction 0..1 and what is
-    being done. should_stop: asked now and then; True stops like the time limit. watch: called with every state that
-    the search comes to, from several threads; it changes nothing of what is found. resume: a swarm's run to go on with;
-    the outcome is the plan of the same run without a stop, bit for bit. observe: called with what every step of a swarm
-    in the plane came to (``History``), those since the stop of one that goes on. on_better: called with each plan, and
-    its report, that is better than all before it (``BetterPlans``), from one thread at a time; the plan may not meet
-    its demand yet. It changes nothing of what is found. executor: workers for what can be done side by side (patrol's
-    annealings and repairs), from ``rota.engines``; None: this process alone. The plan is the same, sooner. What is done
-    there tells ``watch`` nothing, and ``on_better`` only what passed.
+    being done. should_stop: asked now and then; True stops like the time limit. A search that has not come to its end
+    after ``stopping.GRACE_S`` of processor time more is left, and its best plan so far is the outcome. watch: called
+    with every state that the search comes to, from several threads; it changes nothing of what is found. resume: a
+    swarm's run to go on with; the outcome is the plan of the same run without a stop, bit for bit. observe: called with
+    what every step of a swarm in the plane came to (``History``), those since the stop of one that goes on. on_better:
+    called with each plan, and its report, that is better than all before it (``BetterPlans``), from one thread at a
+    time; the plan may not meet its demand yet. It changes nothing of what is found. on_candidate: called with each plan
+    of the mission before its check begins, which may take long. executor: workers for what can be done side by side
+    (patrol's annealings and repairs), from ``rota.engines``; None: this process alone. The plan is the same, sooner.
+    What is done there tells ``watch`` nothing, and ``on_better`` only what passed.
 
-    Raises NoPlanFound (with the best plan there is) when no plan passes the check; MissionError for a time limit that
-    is not greater than 0 or a mission that the planner cannot use; CheckpointError for a run of another one or seed.
+    Raises NoPlanFound (with the best plan there is, and its report) when no plan passes the check; MissionError for a
+    time limit that is not greater than 0 or a mission that the planner cannot use; CheckpointError for a run of another
+    one or seed.
     """
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
-    judge = _Judge(mission, watch, on_better)
-    stop = _StopRule(time_limit_s, should_stop)
     planner = planner_of(mission)
-    judge.get_ready()
     if not mission.planning.makes_runs and (resume is not None or observe is not None):
         what = "makes no runs that can be gone on with" if resume is not None else "has no steps to measure"
         raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
+    shared = should_stop if isinstance(should_stop, StopRule) and time_limit_s is None else None
+    stop = shared or StopRule(time_limit_s, should_stop)
+    own = OwnThread(lambda: _searched(planner, request, judge))
+
+    watch, observe, on_better, on_candidate = (
+        None if each is None else _while_awaited(own, each) for each in (watch, observe, on_better, on_candidate)
+    )
+    may_stop = time_limit_s is not None or should_stop is not None
+    better = BetterPlans(mission, on_better) if may_stop or on_better is not None else None
+    judge = _Judge(mission, watch, better, on_candidate)
     request = Request(
-        mission=mission, seed=seed, judge=judge, progress=progress or _no_progress, should_stop=stop, watch=watch,
-        checkpoint=resume, observe=observe, executor=executor,
+        mission=mission, seed=seed, judge=judge, progress=_while_awaited(own, progress or _no_progress),
+        should_stop=stop, watch=watch, checkpoint=resume, observe=observe, executor=executor,
     )  # fmt: skip
+    found = own.result(stop.is_spent)
+    return found if found is not None else judge.left()
+
+
+def _while_awaited(own: OwnThread[PlanSearch], callback: Callable[..., None]) -> Callable[..., None]:
+    """The callback, which is not called any more once nobody waits for the search."""
+
+    def tell(*what: object) -> None:
+        own.require_awaited()
+        callback(*what)
+
+    return tell
+
+
+def _searched(planner: Planner, request: Request, judge: _Judge) -> PlanSearch:
+    """The planner's answer, and the check's report on it, which every NoPlanFound has as well."""
+    stop = request.should_stop
+    assert isinstance(stop, StopRule)
+    judge.get_ready()
     try:
         answer = planner.plan(request)
     except NoPlanFound as failure:
+        passed = judge.passed if stop.stopped else None
+        if passed is not None:
+            return passed
+        if failure.best is not None and failure.report is None:
+            failure.report = judge(failure.best)  # type: ignore[arg-type]
         if stop.stopped:
             raise NoPlanFound(
-                f"{failure} (stopped early)", best=failure.best, checkpoint=failure.checkpoint, facts=failure.facts
-            ) from failure
+                f"{failure}{EARLY}", best=failure.best, checkpoint=failure.checkpoint, facts=failure.facts,
+                report=failure.report,
+            ) from failure  # fmt: skip
         raise
     report = judge(answer.plan)
     if report.verdict != "met":
+        if stop.stopped and judge.passed is not None:
+            return judge.passed
         reason = f"the best plan found is not shown to meet the demand: {_judged(report)}"
         raise NoPlanFound(
-            reason + (" (stopped early)" if stop.stopped else ""),
-            best=answer.plan, checkpoint=answer.checkpoint, facts=answer.facts,
+            reason + (EARLY if stop.stopped else ""),
+            best=answer.plan, checkpoint=answer.checkpoint, facts=answer.facts, report=report,
         )  # fmt: skip
     return PlanSearch(answer=answer, report=report, stopped_early=stop.stopped)
 
@@ -134,16 +175,21 @@ def _judged(report: Report) -> str:
 class _Judge:
     """The check as a planner sees it; remembers its last report, since the plan judged last is mostly the one given."""
 
-    def __init__(self, mission: Mission, watch: Watch | None, on_better: OnBetter | None) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        watch: Watch | None,
+        better: BetterPlans | None,
+        on_candidate: Callable[[Plan], None] | None,
+    ) -> None:
         self._last: tuple[Plan, Report] | None = None
-        self._better = None if on_better is None else BetterPlans(mission, on_better)
-        self._mission = mission
-        self._watch = watch
+        self._unchecked: Plan | None = None  # whose check has begun
+        self._mission, self._watch, self._better, self._on_candidate = mission, watch, better, on_candidate
         self._ready = threading.Thread(target=_made_ready, args=(mission,), daemon=True)
 
     def __reduce__(self) -> tuple[type[_Judge], tuple[object, ...]]:
         """Sent to another process it judges there, and tells nobody."""
-        return _Judge, (self._mission, None, None)
+        return _Judge, (self._mission, None, None, None)
 
     def get_ready(self) -> None:
         """Begin the check's work on the mission alone, while the planner makes its first plan."""
@@ -159,13 +205,38 @@ class _Judge:
             # on the way planners try longer periods, of which the bound that the plan claims says nothing
             claims = plan.mission is self._mission
             judged = plan if claims else replace(plan, lower_bound_robots=None, lower_bound_reason=None)
+            if claims:
+                self._unchecked = plan
+                if self._on_candidate is not None:
+                    self._on_candidate(plan)
             self._last = last = (plan, check_plan(judged))
+            self._unchecked = None
             # plans for parts of the area tell nothing of how far the whole has come
             if self._watch is not None and plan.mission.area == self._mission.area:
                 self._watch(checked_state(*last))
             if self._better is not None:
                 self._better.judged(*last)
         return last[1]
+
+    @property
+    def passed(self) -> PlanSearch | None:
+        """The best plan that passed, of a search that may be stopped, as the outcome of one that was; or None."""
+        best = None if self._better is None else self._better.best
+        if best is None or best[1].verdict != "met":
+            return None
+        return PlanSearch(answer=Answer(plan=best[0]), report=best[1], stopped_early=True)
+
+    def left(self) -> PlanSearch:
+        """The outcome of a search that was left: its best plan so far, or NoPlanFound with the best there is."""
+        if self.passed is not None:
+            return self.passed
+        plan, report = (self._better and self._better.best) or (self._unchecked, None)
+        reason = "the search did not come to an end in time after it was to stop"
+        if report is not None:
+            reason += f"; the best plan so far is not shown to meet the demand: {_judged(report)}"
+        elif plan is not None:
+            reason += "; its best plan so far was not checked to the end"
+        raise NoPlanFound(reason + EARLY, best=plan, report=report)
 
 
 def _made_ready(mission: Mission) -> None:
@@ -174,21 +245,6 @@ def _made_ready(mission: Mission) -> None:
 
     with suppress(Exception):  # what is wrong with the mission, the check tells
         get_ready(mission)
-
-
-class _StopRule:
-    """True once the time is up or the caller says so, and from then on; ``stopped`` tells whether it was asked so."""
-
-    def __init__(self, time_limit_s: float | None, should_stop: ShouldStop | None) -> None:
-        self._deadline_s = None if time_limit_s is None else time.monotonic() + time_limit_s
-        self._should_stop = should_stop
-        self.stopped = False
-
-    def __call__(self) -> bool:
-        if not self.stopped:
-            late = self._deadline_s is not None and time.monotonic() >= self._deadline_s
-            self.stopped = late or (self._should_stop is not None and self._should_stop())
-        return self.stopped
 
 
 def _no_progress(fraction: float, doing: str) -> None:

@@ -316,17 +316,21 @@ def test_ctrl_c_without_a_passing_plan_writes_only_with_best(
 
     use(planner)
     assert run(["plan", "yard.yaml"]) == 130
-    assert "interrupted before a plan passed the check; nothing is written" in capsys.readouterr().err
-    assert os.listdir() == ["yard.yaml"]
+    err = capsys.readouterr().err
+    assert "interrupted before a plan passed the check; no plan is written" in err
+    assert "the best plan so far is in yard.partial.rota.json, marked as not meeting its demand" in err
+    assert sorted(os.listdir()) == ["yard.partial.rota.json", "yard.yaml"]
+    assert json.loads(Path("yard.partial.rota.json").read_text())["meets_demand"] is False
     assert run(["plan", "yard.yaml", "--best"]) == 130
     assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
+    assert sorted(os.listdir()) == ["yard.rota.json", "yard.yaml"]
 
 
 STOPPED_AT = """
 import importlib, os, signal, sys
 from rota.command.cli import run
 make_plan = importlib.import_module("rota.make_plan")
-ask, planner_of, asked = make_plan._StopRule.__call__, make_plan.planner_of, 0
+ask, planner_of, asked = make_plan.StopRule.__call__, make_plan.planner_of, 0
 def counted(self):
     global asked
     asked += 1
@@ -337,7 +341,7 @@ def begun(mission):
     if sys.argv[1] == "0":
         os.kill(os.getpid(), signal.SIGTERM)
     return planner_of(mission)
-make_plan._StopRule.__call__, make_plan.planner_of = counted, begun
+make_plan.StopRule.__call__, make_plan.planner_of = counted, begun
 sys.exit(run(["plan", "mission.yaml"]))
 """
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -382,26 +386,89 @@ def test_sigterm_stops_a_search_and_keeps_what_there_is(mission: str, asked: int
     assert check_plan(read_plan("mission.rota.json")).verdict == "met"
 
 
-def test_a_search_that_does_not_stop_is_ended(yard: Path) -> None:
-    script = (
-        "import importlib, os, signal, sys\n"
-        "from rota.command import interrupt\n"
-        "from rota.command.cli import run\n"
-        "interrupt.GRACE_S = 1\n"
-        "from rota.planner import Planner\n"
-        "class Deaf(Planner):\n"
-        "  settings = None\n"
-        "  def plan(self, request):\n"
-        "    os.kill(os.getpid(), signal.SIGTERM)\n"
-        "    while True:\n"
-        "        pass\n"
-        "for module in ('rota.planner', 'rota.make_plan'):\n"
-        "  importlib.import_module(module).planner_of = lambda mission: Deaf()\n"
-        "sys.exit(run(['plan', 'yard.yaml']))\n"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False, timeout=60)
-    assert done.returncode == -signal.SIGALRM
+DEAF = """
+import importlib, os, signal, sys, time
+from rota import stopping
+from rota.command.cli import run
+from rota.command.ending import leave
+from rota.files.mission_file import read_mission
+from rota.plan import Plan, Trajectory
+from rota.planner import Planner
+stopping.GRACE_S, asked = 0.3, []
+class Deaf(Planner):
+    settings = None
+    def sentences(self, answer, report):
+        return ()
+    def plan(self, request):
+        asked.append(request)
+        for leg_s in {judged}:
+            way = Trajectory(robot="robot-1", times_s=[0, leg_s, 2 * leg_s], positions_m=[[3, 5], [7, 5], [3, 5]])
+            request.judge(Plan(mission=request.mission, trajectories=(way,)))
+        {stop}
+        while True:
+            pass
+for module in ("rota.planner", "rota.make_plan", "rota.command.plan"):
+    setattr(importlib.import_module(module), "planner_of", lambda mission: Deaf())
+if {stall}:
+    import rota.check
+    def stall(plan):
+        request = asked[0]
+        {stop}
+        while True:
+            pass
+    rota.check.check_plan = stall
+leave(run(["plan", "yard.yaml", *sys.argv[1:]]))
+"""
+
+
+TIME_IS_UP, SIGTERM, SIGHUP = "request.should_stop.stop()", "os.kill(os.getpid(), 15)", "os.kill(os.getpid(), 1)"
+
+
+def deaf(*options: str, judged: str = "()", stall: bool = False, stop: str = TIME_IS_UP) -> Any:
+    """A search that never asks whether to stop, after plans of these times for a leg; stall: nor does the check."""
+    script = DEAF.format(judged=judged, stall=stall, stop=stop)
+    command = [sys.executable, "-c", script, *options]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+
+@pytest.mark.parametrize(("stop", "code"), [(TIME_IS_UP, 3), (SIGTERM, 143), (SIGHUP, 129)])
+def test_a_search_that_does_not_stop_is_left_without_a_plan(stop: str, code: int, yard: Path) -> None:
+    done = deaf(stop=stop)
+    assert done.returncode == code, done.stderr
+    assert "no plan: the search did not come to an end in time after it was to stop" in done.stderr
     assert os.listdir() == ["yard.yaml"]
+
+
+def test_the_best_plan_of_a_search_that_is_left_is_written(yard: Path) -> None:
+    done = deaf(judged="(1, 4)")
+    assert done.returncode == 0, done.stderr
+    assert "Check: met" in done.stdout
+    assert "stopped early by the time limit: this is the best plan so far" in done.stderr
+    assert check_plan(read_plan("yard.rota.json")).verdict == "met"
+    assert sorted(os.listdir()) == ["yard.rota.json", "yard.yaml"]
+
+
+def test_a_plan_that_fails_is_left_beside_or_with_best_in_its_place(yard: Path) -> None:
+    done = deaf(judged="(1,)")
+    assert done.returncode == 3, done.stderr
+    assert "the check says 'violated'" in done.stderr
+    assert "the best plan so far is in yard.partial.rota.json" in done.stderr
+    done = deaf("--best", judged="(1,)")
+    assert done.returncode == 3, done.stderr
+    assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
+    assert sorted(os.listdir()) == ["yard.rota.json", "yard.yaml"]
+
+
+def test_a_check_that_does_not_end_never_says_met(yard: Path) -> None:
+    done = deaf(judged="(4,)", stall=True)
+    assert done.returncode == 3, done.stderr
+    assert "its best plan so far was not checked to the end" in done.stderr
+    assert json.loads(Path("yard.partial.rota.json").read_text())["meets_demand"] is False
+    done = deaf("--best", judged="(4,)", stall=True)
+    assert done.returncode == 3, done.stderr
+    assert "Check: not checked to the end." in done.stdout
+    assert "met" not in done.stdout
+    assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
 
 
 def test_sigterm_outside_the_search_leaves_no_half_of_a_file(
@@ -455,6 +522,8 @@ def test_the_second_signal_ends_at_once_and_leaves_the_old_file(end: str, yard: 
         "  settings = None\n"
         "  def plan(self, request):\n"
         f"    os.kill(os.getpid(), signal.{end})\n"
+        f"    while signal.getsignal(signal.{end}) != signal.SIG_DFL:\n"
+        "      pass\n"
         "    sys.stderr.write('still here\\n')\n"
         f"    os.kill(os.getpid(), signal.{end})\n"
         "    sys.stderr.write('deaf\\n')\n"
@@ -804,6 +873,6 @@ def test_a_run_that_misses_its_demand_is_kept_without_a_plan(
     err = capsys.readouterr().err
     assert "--resume few.rota-run" in err
     assert "no plan: the best plan found is not shown to meet the demand" in err
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["few.rota-run", "few.yaml"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["few.partial.rota.json", "few.rota-run", "few.yaml"]
     assert run(["plan", "few.yaml", "-o", "-"]) == 3
     assert "a plan that goes to stdout leaves no run to go on with" in capsys.readouterr().err

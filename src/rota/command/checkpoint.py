@@ -17,8 +17,13 @@ def checkpoint_path(plan_path: str, resumed: str | None) -> str | None:
     """Where a run is kept: where it was resumed from, or beside its plan; None for a plan that goes to stdout."""
     if resumed is not None or plan_path == "-":
         return resumed
+    return stem_of(plan_path) + CHECKPOINT_SUFFIX
+
+
+def stem_of(plan_path: str) -> str:
+    """A plan file's path without its suffix, of which ``.rota.json`` is one."""
     stem = plan_path.removesuffix(PLAN_SUFFIX)
-    return (stem if stem != plan_path else os.path.splitext(plan_path)[0]) + CHECKPOINT_SUFFIX
+    return stem if stem != plan_path else os.path.splitext(plan_path)[0]
 
 
 def keep_checkpoint(checkpoint: Checkpoint, plan_path: str, resumed: str | None) -> None:

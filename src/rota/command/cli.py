@@ -39,6 +39,7 @@ from rota.command.terminal import mention_compiling, reading_ahead, say
 from rota.command.watch import watch
 from rota.errors import RotaError
 from rota.exports import export_format
+from rota.stopping import OwnThread
 
 if TYPE_CHECKING:
     from rota.plan import Plan
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Plan timed routes for teams of robots that must keep watching a whole area, and check every plan.",
     epilog="Exit codes: 0 done, 1 demand not met (check), 2 bad input, 3 no plan found, 70 our fault, 130 Ctrl-C,"
-    " 143 SIGTERM.",
+    " 143 SIGTERM, 129 SIGHUP.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -164,7 +165,11 @@ def check(
     elif in_phase_every is not None or origin is not None:
         raise RotaError(f"{'--origin' if in_phase_every is None else '--in-phase-every'}: is for --executed only")
     mention_compiling(*compiled_for_check(answer.mission))
-    report = check_plan(answer if made is None else made.plan)
+    try:
+        report = OwnThread(lambda: check_plan(answer if made is None else made.plan)).awaited()
+    except KeyboardInterrupt:
+        say("the plan is not checked to the end")
+        raise
     table = report_table if made is None else table_of_worst
     typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else table(report))
     if made is not None and report.verdict == "violated":

@@ -11,13 +11,15 @@ import os
 import sys
 import traceback
 from contextlib import suppress
+from typing import NoReturn
 
 import typer
 
-from rota.command.exit_codes import BAD_INPUT, DONE, INTERRUPTED, NO_PLAN, NOBODY_READS, OUR_FAULT, TERMINATED, VIOLATED
-from rota.command.interrupt import Terminated
+from rota.command.exit_codes import BAD_INPUT, DONE, NO_PLAN, NOBODY_READS, OUR_FAULT, VIOLATED
+from rota.command.interrupt import signalled_code
 from rota.command.terminal import say
 from rota.errors import NoPlanFound, RotaError
+from rota.stopping import work_left_running
 
 # what the machine lacks, whatever Rota does: room on the disk, a disk that works, files that may be open
 OF_THE_MACHINE = {
@@ -61,7 +63,7 @@ def _code_of_exit(end: SystemExit) -> int:
     by = next((cause for cause in behind if isinstance(cause, KeyboardInterrupt)), None)
     if by is not None:
         say("interrupted")
-        return TERMINATED if isinstance(by, Terminated) else INTERRUPTED
+        return signalled_code(by)
     code = DONE if end.code is None else end.code
     meant = code != VIOLATED or (len(behind) > 1 and isinstance(behind[1], typer.Exit))
     if isinstance(code, int) and meant:
@@ -91,6 +93,16 @@ def flushed(code: int) -> int:
         _forget_output()
         return exit_code_of(error)
     return code
+
+
+def leave(code: int) -> NoReturn:
+    """End the program with this code, at once where work that nobody waits for any more still runs."""
+    if not work_left_running():
+        sys.exit(code)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code)
 
 
 def _without_reader() -> int:

@@ -4,5 +4,5 @@ from __future__ import annotations
 
 # BAD_INPUT also for files that cannot be read or written
 DONE, VIOLATED, BAD_INPUT, NO_PLAN, OUR_FAULT = 0, 1, 2, 3, 70
-INTERRUPTED, TERMINATED = 130, 143  # by Ctrl-C, by SIGTERM: 128 and the number of the signal, as shells have it
+SIGNALLED = 128  # and the signal's number, as shells have it: 130 by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP
 NOBODY_READS = 141  # SIGPIPE: the program that read the output has ended

@@ -9,7 +9,8 @@ from rich.console import Console
 
 from rota.command.checkpoint import keep_checkpoint
 from rota.command.exit_codes import DONE, NO_PLAN
-from rota.command.terminal import STANDARD_STREAM, progress_bar, say
+from rota.command.partial_plan import PartialPlan
+from rota.command.terminal import STANDARD_STREAM, Bar, progress_bar, say
 from rota.errors import NoPlanFound
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from rota.check import Report
     from rota.checkpoint import Checkpoint
-    from rota.command.interrupt import StopFlag
+    from rota.make_plan import PlanSearch
     from rota.mission import Mission
     from rota.plan import Plan
     from rota.planner import Answer
@@ -37,52 +38,90 @@ def plan_and_write(
 
     metrics: where the measures of every step of a swarm are written to, as CSV. executor: as ``search_plan`` takes it.
     """
-    from rota.check import check_plan
     from rota.command.interrupt import stop_on_interrupt
     from rota.make_plan import search_plan
+
+    histories: list[Any] = []  # the measures of every step
+    partial, bar = PartialPlan(target), Bar(None)
+
+    def better(plan: Plan, report: Report) -> None:
+        partial.keep_better(plan, report)
+        bar.show_better(plan, report)
+
+    with stop_on_interrupt(lambda by: bar.announce_stop(by)) as stop:
+        found: PlanSearch | NoPlanFound
+        try:
+            with progress_bar() as bar:
+                found = search_plan(
+                    mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop,
+                    resume=resume[1], observe=None if metrics is None else histories.append, on_better=better,
+                    on_candidate=partial.keep_candidate, executor=executor,
+                )  # fmt: skip
+        except NoPlanFound as failure:
+            found = failure
+        except BaseException:
+            partial.tell()
+            raise
+        ended = stop.exit_code  # what comes from here on is too late to stop anything
+        if isinstance(found, NoPlanFound):
+            code = _without_plan(found, target, ended, best, resume[0], partial)
+            _write_metrics(histories, metrics)
+            return code
+        _write_outcome(found.answer, found.report, target, resume[0], partial, meets_demand=True)
+        _write_metrics(histories, metrics)
+    if ended:
+        say("interrupted: this is the best plan so far")
+    elif found.stopped_early:
+        say("stopped early by the time limit: this is the best plan so far")
+    return ended or DONE
+
+
+def _without_plan(
+    failure: NoPlanFound, target: str, ended: int, best: bool, resumed: str | None, partial: PartialPlan
+) -> int:
+    """What there is after a search that found no plan: with ``--best`` its best one, else that beside the target."""
     from rota.planner import Answer
 
-    reason = None
-    histories: list[Any] = []  # the measures of every step
-    with progress_bar() as bar, stop_on_interrupt(bar.announce_stop) as stop:
-        try:
-            search = search_plan(
-                mission, seed=seed, time_limit_s=time_limit_s, progress=bar.show, should_stop=stop, resume=resume[1],
-                observe=None if metrics is None else histories.append, on_better=bar.show_better, executor=executor,
-            )  # fmt: skip
-            answer, report, early = search.answer, search.report, search.stopped_early
-        except NoPlanFound as failure:
-            reason, early = failure, False
-            checkpoint: Checkpoint | None = failure.checkpoint  # type: ignore[assignment]
-            if not best or failure.best is None:
-                _write_metrics(histories, metrics)
-                if checkpoint is not None:
-                    keep_checkpoint(checkpoint, target, resume[0])
-                return _say_no_plan(failure, stop, "no plan" if checkpoint is not None else "nothing")
-            answer = Answer(plan=failure.best, facts=failure.facts, checkpoint=checkpoint)  # type: ignore[arg-type]
-            report = check_plan(answer.plan)
-    _write_plan(answer.plan, target, meets_demand=reason is None)
-    _write_metrics(histories, metrics)
+    checkpoint: Checkpoint | None = failure.checkpoint  # type: ignore[assignment]
+    plan: Plan | None = failure.best  # type: ignore[assignment]
+    report: Report | None = failure.report  # type: ignore[assignment]
+    if best and plan is not None:
+        answer = Answer(plan=plan, facts=failure.facts, checkpoint=checkpoint)
+        _write_outcome(answer, report, target, resumed, partial, meets_demand=False)
+        if ended:
+            say("interrupted: this is the best plan so far")
+        say(f"no plan: {failure}")
+        misses = "it was not checked to the end" if report is None else "it does NOT meet its demand"
+        say(f"this is the best plan found; {misses} and its file is marked so")
+        return ended or NO_PLAN
+    if plan is not None:
+        partial.keep(plan, meets_demand=False)
+    if checkpoint is not None:
+        keep_checkpoint(checkpoint, target, resumed)
+    if ended:
+        say("interrupted before a plan passed the check; no plan is written")
+    say(f"no plan: {failure}")
+    partial.tell()
+    if plan is not None:
+        say("--best writes the best plan found, which does not meet its demand")
+    return ended or NO_PLAN
+
+
+def _write_outcome(
+    answer: Answer,
+    report: Report | None,
+    target: str,
+    resumed: str | None,
+    partial: PartialPlan,
+    *,
+    meets_demand: bool,
+) -> None:
+    """Write the plan, tell what it comes to, and keep a run that can be gone on with."""
+    _write_plan(answer.plan, target, meets_demand=meets_demand)
+    partial.remove()
     _show_outcome(answer, report, target)
     if answer.checkpoint is not None:
-        keep_checkpoint(answer.checkpoint, target, resume[0])
-    if stop.raised:
-        say("interrupted: this is the best plan so far")
-    elif early:
-        say("stopped early by the time limit: this is the best plan so far")
-    if reason is not None:
-        say(f"no plan: {reason}")
-        say("this is the best plan found; it does NOT meet its demand and its file is marked so")
-    return stop.exit_code or (DONE if reason is None else NO_PLAN)
-
-
-def _say_no_plan(failure: NoPlanFound, stop: StopFlag, what: str) -> int:
-    if stop.raised:
-        say(f"interrupted before a plan passed the check; {what} is written")
-    say(f"no plan: {failure}")
-    if failure.best is not None:
-        say("--best writes the best plan found, which does not meet its demand")
-    return stop.exit_code or NO_PLAN
+        keep_checkpoint(answer.checkpoint, target, resumed)
 
 
 def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
@@ -102,15 +141,18 @@ def _write_metrics(histories: list[Any], path: str | None) -> None:
         write_atomically(str(path), history.csv())
 
 
-def _show_outcome(answer: Answer, report: Report, target: str) -> None:
+def _show_outcome(answer: Answer, report: Report | None, target: str) -> None:
     from rota.check import met_text, report_table
     from rota.planner import planner_of
 
     console = Console(stderr=target == STANDARD_STREAM, highlight=False)
-    for paragraph in planner_of(answer.plan.mission).sentences(answer, report):
+    planner = planner_of(answer.plan.mission)
+    for paragraph in answer.facts if report is None else planner.sentences(answer, report):
         if paragraph is not None:
             console.print(paragraph, markup=False, soft_wrap=True)
-    if report.verdict == "met":
+    if report is None:
+        console.print("Check: not checked to the end.")
+    elif report.verdict == "met":
         console.print(f"Check: {met_text(report)}")
     else:
         console.print(f"Check: {report.verdict}. The plan does not meet its demand.\n")

@@ -42,7 +42,10 @@ from rota.compiled.code_cache import code_prefix, discard_code, held, read_code,
 from rota.compiled.source_stamp import source_stamp
 
 Arguments = tuple[types.Type, ...]
-OWN_OPTIONS: dict[str, Any] = {"nopython": True, "boundscheck": None, "_nrt": True, "error_model": "python"}
+# nogil: whoever waits for a thread that runs a kernel goes on meanwhile, and hears signals
+OWN_OPTIONS: dict[str, Any] = {
+    "nopython": True, "nogil": True, "boundscheck": None, "_nrt": True, "error_model": "python",
+}  # fmt: skip
 SETTINGS = (
     "BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT", "EXTEND_VARIABLE_LIFETIMES",
     "FULL_TRACEBACKS", "USING_SVML", "LLVM_REFPRUNE_PASS", "LLVM_REFPRUNE_FLAGS",

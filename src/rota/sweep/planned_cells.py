@@ -85,7 +85,8 @@ def searched(task: Task) -> tuple[Plan | None, Row]:
     try:
         found = search_plan(task.mission, seed=task.seed, time_limit_s=task.time_limit_s, observe=observe)
     except NoPlanFound as failure:
-        best = failure.best if isinstance(failure.best, Plan) else None
+        # without a report its check was stopped, and another would take as long
+        best = failure.best if isinstance(failure.best, Plan) and failure.report is not None else None
         stopped = str(failure).endswith("(stopped early)")
         return best, {"outcome": "no plan", "reason": str(failure), "stopped_early": stopped}
     except RotaError as error:

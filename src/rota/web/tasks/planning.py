@@ -101,12 +101,11 @@ class PlanningJob:
 
     def _no_plan(self, failure: NoPlanFound) -> Json:
         """The best plan that does not meet its demand, if there is one."""
-        from rota.check import check_plan
-
         plan, robots = None, None
         best: Plan | None = failure.best  # type: ignore[assignment]
-        if best is not None:
-            plan = self._keep(best, check_plan(best), failure.facts, is_better=False)
+        report: Report | None = failure.report  # type: ignore[assignment]
+        if best is not None and report is not None:  # None: not checked to the end
+            plan = self._keep(best, report, failure.facts, is_better=False)
             robots = len(best.trajectories)
         elif self._best is not None:
             plan, robots = self._best
