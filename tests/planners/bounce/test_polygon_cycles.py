@@ -61,6 +61,8 @@ def test_turning_by_a_right_angle_ends_along_the_walls() -> None:
     rim = make_rim(box(0, 0, 4, 3), 0.5)
     (cycle,) = limit_cycles(rim, BounceRule(angle_rad=QUARTER), *random_starts(rim, 300, 1, EIGHT[::2])).cycles
     assert (cycle.period, cycle.multiplier, cycle.stability, cycle.share) == (4, 0.0, "attracting", 1.0)
+    assert cycle.grazes  # all along the walls: a heading into one of them is blocked at once
+    assert not cycle.holds
     assert cycle.length_m == pytest.approx(2 * (3 + 2))
 
 

@@ -13,7 +13,7 @@ from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.rattles import rattling_robots
 from rota.planners.bounce.robust_team import most_robust
 
-IN_PLANE_DEG = (60.0, 75.0, 90.0, 105.0, 120.0, 135.0, 150.0)
+IN_PLANE_DEG = (60.0, 80.0, 90.0, 100.0, 112.5, 120.0, 135.0, 140.0, 150.0)
 
 
 @dataclass(frozen=True, kw_only=True)

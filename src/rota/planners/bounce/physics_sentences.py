@@ -10,6 +10,9 @@ from rota.planners.bounce.inexact_plan import SHARES, Inexact, with_errors
 from rota.planners.bounce.plane_monitoring import PlaneTeam
 from rota.planners.bounce.planner_settings import BounceSettings
 
+SMALL_MARGIN_S = 0.5  # of clocks, below which people are warned
+USUAL_DRIFT = 0.005  # of a small board's ceramic resonator
+
 if TYPE_CHECKING:
     from rota.planner import Report
 
@@ -23,13 +26,26 @@ def clocks_sentence(plan: Plan, report: Report) -> str | None:
         return "Clocks may differ by any time: bodies never touch."
     sentence = f"Clocks may differ by {math.floor(1e3 * margin_s) / 1e3:.3g} s before bodies touch"
     if settings.clock_drift == 0:
-        return sentence + "."
+        return f"{sentence}.{_alarm(margin_s, settings.task == 'monitor')}"
     drift = f"clocks off by up to {100 * settings.clock_drift:.3g} %"
     if settings.clock_signal_s is not None:
         apart = f"by {settings.clock_margin_s:.3g} s at most, from one signal to the next"
         return f"{sentence}; {drift} do {apart}, {settings.clock_signal_s:g} s later."
     lasts_s = margin_s / (2 * settings.clock_drift)
     return f"{sentence}; {drift} may do so {lasts_s:.3g} s after a common start, without a signal in between."
+
+
+def _alarm(margin_s: float, monitors: bool) -> str:
+    """What so small a margin means for clocks as cheap boards have them; nothing where it is not small."""
+    if margin_s >= SMALL_MARGIN_S:
+        return ""
+    lasts_s = margin_s / (2 * USUAL_DRIFT)
+    return (
+        f" Careful: that is next to nothing. Two clocks that are {100 * USUAL_DRIFT:g} % off, one fast and one slow,"
+        f" use it up in {lasts_s:.3g} s."
+        + " bounce.clock_drift and bounce.clock_signal_s choose a team with a margin."
+        * monitors
+    )
 
 
 def errors_sentence(plan: Plan) -> str | None:
@@ -79,5 +95,7 @@ def cycles_sentence(team: PlaneTeam) -> str:
         parts.append(
             f"{robots} on a cycle of {track.cycle.period} contacts, {track.round_s:.1f} s, to which"
             f" {track.cycle.share:.0%} of random starts come and which leaves {left} of a small displacement per round"
+            + " but leaves contacts along a wall, where rounding alone may throw a robot off"
+            * track.cycle.grazes
         )
     return "Robots follow attracting limit cycles: " + "; ".join(parts) + "."

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from rota.mission import Mission, Robot
 from rota.plan import Plan, Trajectory
 from rota.planners.bounce.plane_tracks import Track, tracks_of
 from rota.planners.bounce.planner_settings import BounceSettings
+from rota.planners.bounce.rattles import is_rattle
 from rota.planners.bounce.robust_team import CANDIDATES, most_robust
 from rota.planners.bounce.starts import robots_of
 
@@ -79,7 +80,12 @@ def free_team(
     robots = robots_of(mission, count)
     tracks, owners = _tracks(mission, robots, seed)
     search = _Search(mission, robots, tracks, owners, should_stop)
-    search.extend((), 0)
+    for narrowed in _kinds_of_tracks(tracks):
+        # cycles that hold first; the others where these do not serve
+        search.allowed = narrowed
+        search.extend((), 0)
+        if search.best is not None and search.best.ratio <= 1:
+            break
     meeting = sorted((team for team in search.found if team.ratio <= 1), key=lambda team: team.ratio)
     if BounceSettings.of(mission).purpose != "robust" or not meeting:
         return search.best
@@ -110,6 +116,14 @@ def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[lis
     return tracks, owners
 
 
+def _kinds_of_tracks(tracks: list[Track]) -> Iterator[NDArray[np.bool_]]:
+    """Which tracks (t,) may be used: those that hold and are no rattles; all that hold; all."""
+    holds = np.array([track.cycle.holds for track in tracks], np.bool_)
+    rattles = np.array([is_rattle(track.places_m, track.body_radius_m) for track in tracks], np.bool_)
+    narrowings = {mask.tobytes(): mask for mask in (holds & ~rattles, holds, np.ones_like(holds))}
+    yield from (mask for mask in narrowings.values() if mask.any())
+
+
 def _kinds(mission: Mission, robots: tuple[Robot, ...]) -> list[int]:
     """For each robot the first robot that has the same angle, speed, turn rate and body."""
     angles = BounceSettings.of(mission).bouncing_angles_deg
@@ -138,6 +152,7 @@ class _Search:
         self.enough = 1.0 if BounceSettings.of(mission).purpose == "periods" else 0.0
         self.best: PlaneTeam | None = None
         self.found: list[PlaneTeam] = []
+        self.allowed = np.ones(len(tracks), np.bool_)
         self.left = MOST_TEAMS
         self.apart = _apart(tracks, [robots[owner].body_radius_m for owner in owners])
         self.known: dict[tuple[int, int], bool] = {}
@@ -156,7 +171,7 @@ class _Search:
             return
         first = least if k and self.kinds[k] == self.kinds[k - 1] else 0
         for t in range(first, len(self.tracks)):
-            if self.owners[t] == self.kinds[k] and self.may_join(on, t):
+            if self.allowed[t] and self.owners[t] == self.kinds[k] and self.may_join(on, t):
                 self.extend((*on, t), t)
 
     def may_join(self, on: tuple[int, ...], t: int) -> bool:

@@ -21,7 +21,7 @@ from rota.planners.bounce.polygon_cycles import PolygonCycle, limit_cycles, rand
 Floats = NDArray[np.float64]
 
 STARTS, BOUNCES, LONGEST = 1500, 1200, 128  # random starts, contacts until a cycle is looked for, and in a cycle
-FRAMES = 8  # headings that starts have, equally spaced
+FRAMES = 24  # headings that starts have, equally spaced
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,6 +33,7 @@ class Track:
     """
 
     cycle: PolygonCycle
+    body_radius_m: float
     times_s: Floats
     places_m: Floats
     headings_rad: Floats
@@ -126,6 +127,7 @@ def track(cycle: PolygonCycle, robot: Robot, zones: Sequence[MultiPolygon]) -> T
     times_s, places_m = np.array(times), np.array(places)
     return Track(
         cycle=cycle,
+        body_radius_m=robot.body_radius_m,
         times_s=times_s,
         places_m=places_m,
         headings_rad=np.array(faced),

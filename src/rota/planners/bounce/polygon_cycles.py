@@ -12,7 +12,16 @@ import shapely
 
 from rota.errors import MissionError
 from rota.planners.bounce.polygon import BounceRule, Floats, Ints, Rim, bounce_path, require_room
-from rota.planners.bounce.polygon_kernels import SETTLED, STUCK, WALL, CyclesReached, Discs, cycles_reached, follow
+from rota.planners.bounce.polygon_kernels import (
+    SETTLED,
+    STUCK,
+    WALL,
+    CyclesReached,
+    Discs,
+    cycles_reached,
+    follow,
+    is_blocked,
+)
 
 Stability = Literal["attracting", "half-stable", "neutral", "repelling"]
 _SAME_SLOPE = 1e-7
@@ -20,6 +29,7 @@ _CORNER_M = 1e-7  # a disc so near to a second wall or corner touches both
 _ASIDE_M = 1e-5  # by which robots are displaced to see what becomes of it
 _ROUNDS = (4, 12)  # after which it is looked how far off they are
 _MEMBERS = 16  # of a neutral family that are looked at
+_GRAZING_RAD = 1e-6  # by which a heading is put off to see whether the way out is free then
 _SAME_SHARE = 0.01  # by which a distance that stays may differ
 
 
@@ -32,7 +42,8 @@ class PolygonCycle:
     headings held; where a contact is in a corner, the map has a kink and this is the slope of one side. ``stability``:
     what becomes of small displacements: all fade, all stay, some grow and none fades, or ("half-stable") some fade and
     others do not, as may be at a kink. ``share`` of the starts that come to it (or to its family), +- ``share_error``
-    (one standard error).
+    (one standard error). ``grazes``: some contact is left along a wall that is touched there, as an impact at 45
+    degrees is after a turn by 135; a heading off by rounding may then be blocked, and a turn more ends the cycle.
     """
 
     arcs_m: Floats
@@ -43,6 +54,12 @@ class PolygonCycle:
     stability: Stability
     share: float
     share_error: float
+    grazes: bool
+
+    @property
+    def holds(self) -> bool:
+        """Whether it takes in small displacements, and rounding alone throws no robot off."""
+        return self.stability == "attracting" and not self.grazes
 
     @property
     def period(self) -> int:
@@ -178,6 +195,16 @@ def _cycle(
         stability=stability,
         share=share,
         share_error=math.sqrt(share * (1 - share) / starts),
+        grazes=rule.bounce == "turn" and _grazes(rim, places_m, headings),
+    )
+
+
+def _grazes(rim: Rim, places_m: Floats, headings: Floats) -> bool:
+    """Whether a heading (p,), a little off on leaving its contact (p, 2), would be blocked there."""
+    return any(
+        is_blocked(rim.compiled, float(x), float(y), math.cos(heading + off), math.sin(heading + off))
+        for (x, y), heading in zip(places_m, headings.tolist(), strict=True)
+        for off in (-_GRAZING_RAD, _GRAZING_RAD)
     )
 
 
