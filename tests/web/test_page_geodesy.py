@@ -34,3 +34,36 @@ def test_metres_and_degrees_are_those_of_proj(page: Any) -> None:
     degrees, metres = page.evaluate(IN_THE_PAGE, [{"lat": 54.362, "lon": 13.084}, [[0, 0]], [[13.084, 54.362]]])
     assert degrees == [[13.084, 54.362]]
     assert metres == [[0, 0]]
+
+
+IN_WORDS = """async (texts) => {
+  const { placeOf } = await import("/static/js/editor/places.js");
+  return texts.map(placeOf);
+}"""
+RUEGEN, SYDNEY = (54.36, 13.08), (-33.9, 151.2)
+WRITTEN = {
+    "54.36, 13.08": RUEGEN,
+    "54.36 13.08": RUEGEN,
+    "54,36; 13,08": RUEGEN,
+    "54.36N 13.08E": RUEGEN,
+    "13.08 E, 54.36 N": RUEGEN,
+    "54°21'36\"N 13°4'48\"E": RUEGEN,
+    "54° 21′ 36″ N, 13° 4′ 48″ E": RUEGEN,
+    "N 54° 21.6' E 013° 04.8'": RUEGEN,
+    "54 21 36 N 13 4 48 E": RUEGEN,
+    "geo:54.36,13.08": RUEGEN,
+    "https://www.openstreetmap.org/#map=17/54.36/13.08": RUEGEN,
+    "https://www.google.com/maps/@54.36,13.08,17z": RUEGEN,
+    "-33.9, 151.2": SYDNEY,
+    "33.9S 151.2E": SYDNEY,
+    "151.2, -33.9": SYDNEY,
+}
+NO_PLACES = ["", "harbour", "54.36", "99, 99", "1, 2, 3", "54N 13N", "54°61'N 13°E", "54.36, 181"]
+
+
+def test_places_are_read_as_people_write_them(page: Any) -> None:
+    read = page.evaluate(IN_WORDS, [*WRITTEN, *NO_PLACES])
+    for (text, place), found in zip(WRITTEN.items(), read, strict=False):
+        assert found is not None, text
+        assert (found["lat"], found["lon"]) == pytest.approx(place, abs=1e-9), text
+    assert read[len(WRITTEN) :] == [None] * len(NO_PLACES)

@@ -10,7 +10,7 @@ import httpx
 import pytest
 from playwright.sync_api import expect
 from tests.web.conftest import HAND_MS, Server, open_page
-from tests.web.drawing import COMPILING_MS, document, draw_two, judged, open_example, saved
+from tests.web.drawing import COMPILING_MS, document, draw_two, judged, new_mission, open_example, saved
 from tests.web.planned import planned_mission
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]  # fleets that fly in real time, and a server with tiles
@@ -53,7 +53,8 @@ def test_a_link_that_does_not_take_its_settings_says_so(page: Any, page_server: 
 
 @pytest.fixture(scope="module")
 def tiled_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    server = Server(tmp_path_factory.mktemp("tiled") / "data", "--tile-url", TILES + "/{z}/{x}/{y}.png")
+    tiles = ["--tile-url", TILES + "/{z}/{x}/{y}.png", "--tile-attribution", "© OpenStreetMap contributors <b>"]
+    server = Server(tmp_path_factory.mktemp("tiled") / "data", *tiles)
     yield server
     server.close()
 
@@ -61,6 +62,7 @@ def tiled_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 def test_missions_on_the_globe_lie_on_tiles(chromium: Any, tiled_server: Server) -> None:
     context = chromium.new_context(viewport={"width": 1280, "height": 800})
     context.set_default_timeout(HAND_MS)
+    expect.set_options(timeout=HAND_MS)
     asked: list[str] = []
     page = context.new_page()
     page.route(
@@ -68,10 +70,31 @@ def test_missions_on_the_globe_lie_on_tiles(chromium: Any, tiled_server: Server)
         lambda route: (asked.append(route.request.url), route.fulfill(body=DOT, content_type="image/png")),
     )
     open_page(page, tiled_server)
-    assert asked == []  # a mission in metres lies nowhere
-    open_example(page, "harbour")
+    # a new mission begins on the map, wherever somebody goes
     expect(page.locator(".leaflet-tile").first).to_be_attached()
     assert asked
+    attribution = page.locator(".attribution")
+    expect(attribution).to_have_text("© OpenStreetMap contributors <b>")
+    expect(attribution.get_by_role("link")).to_have_attribute("href", "https://www.openstreetmap.org/copyright")
+    page.get_by_label("Go to").fill("nowhere")
+    page.keyboard.press("Enter")
+    expect(page.locator("#go-to-fault")).to_contain_text("Latitude, longitude")
+    page.get_by_label("Go to").fill("54°21'36\"N 13°4'48\"E")
+    page.keyboard.press("Enter")
+    draw_two(page, "Area", "Rectangle", (300, 300), (500, 500))
+    kept = document(page)
+    assert kept["coordinates"] == "wgs84"
+    box = page.locator("#map").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    expect(page.locator("#readout")).to_have_text(re.compile(r"^54\.36\d+° N, 13\.0[78]\d+° E"))
+    for lon, lat in kept["area"]:
+        assert lon == pytest.approx(13.08, abs=0.02)
+        assert lat == pytest.approx(54.36, abs=0.02)
+    judged(page)
+    new_mission(page)  # begins where one looked last
+    draw_two(page, "Area", "Rectangle", (300, 300), (500, 500))
+    assert document(page)["area"] == kept["area"]
+    open_example(page, "harbour")
     before = document(page)["zones"]
     judged(page)
     draw_two(page, "Zone", "Rectangle", (300, 300), (330, 330))

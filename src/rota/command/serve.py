@@ -24,6 +24,9 @@ def serve(
     tile_url: Annotated[
         str | None, typer.Option(metavar="URL", help="Map tiles, with {z}, {x} and {y}; default none.")
     ] = None,
+    tile_attribution: Annotated[
+        str | None, typer.Option(metavar="TEXT", help="Whose tiles they are; default for OpenStreetMap.")
+    ] = None,
     processes: Annotated[
         int | None, typer.Option(min=1, max=64, metavar="NUMBER", help="Plans at once; default half of the cores.")
     ] = None,
@@ -39,6 +42,7 @@ def serve(
         host=host,
         port=port,
         tile_url=tile_url,
+        tile_attribution=tile_attribution,
         processes=processes or max(1, (os.cpu_count() or 1) // 2),
     )
     serving.run(say, open_page=open_page)

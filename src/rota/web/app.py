@@ -25,6 +25,7 @@ from rota.web.routes.answers import JsonAnswer
 from rota.web.security import Guard, Security
 from rota.web.state import State
 from rota.web.store.database import Database
+from rota.web.tiles import Tiles
 from rota.web.workers.pool import Pool
 
 log = logging.getLogger(__name__)
@@ -32,7 +33,7 @@ POOL_SIZE = 2
 
 
 def make_app(
-    data: Path, guard: Guard, limits: Limits | None = None, tile_url: str | None = None, *, prepares: bool = True
+    data: Path, guard: Guard, limits: Limits | None = None, tiles: Tiles | None = None, *, prepares: bool = True
 ) -> Starlette:
     """The server of a data folder, which it holds from now until it ends.
 
@@ -50,7 +51,7 @@ def make_app(
         pool = Pool(POOL_SIZE, str(data), given)
         queue = JobQueue(database, given, prepares=prepares)
         desk = WatchDesk(str(data), given)
-        app.state.rota = State(database=database, pool=pool, jobs=queue, watches=desk, limits=given, tile_url=tile_url)
+        app.state.rota = State(database=database, pool=pool, jobs=queue, watches=desk, limits=given, tiles=tiles)
         try:
             await queue.open()
             if prepares:
@@ -69,7 +70,7 @@ def make_app(
             Middleware(
                 Security,
                 guard=guard,
-                tile_url=tile_url,
+                tiles=tiles,
                 json_bytes=given.document_bytes,
                 upload_bytes=given.upload_bytes,
             )

@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rota.web.refusal import Refusal
 from rota.web.routes.answers import JsonAnswer
+from rota.web.tiles import Tiles
 
 COOKIE = "rota-token"
 CHANGING = ("POST", "PUT", "PATCH", "DELETE")
@@ -90,9 +91,9 @@ def _cookie(headers: Headers) -> str | None:
 class Security:
     """Middleware that lets through what the guard allows, bodies up to a size, and puts headers on every answer."""
 
-    def __init__(self, app: ASGIApp, guard: Guard, tile_url: str | None, json_bytes: int, upload_bytes: int) -> None:
+    def __init__(self, app: ASGIApp, guard: Guard, tiles: Tiles | None, json_bytes: int, upload_bytes: int) -> None:
         self._app, self._guard = app, guard
-        self._headers = _headers(tile_url)
+        self._headers = _headers(tiles)
         self._json_bytes, self._upload_bytes = json_bytes, upload_bytes
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -158,15 +159,12 @@ def _limited(receive: Receive, headers: Headers, most: int) -> Receive:
     return receive_limited
 
 
-def _headers(tile_url: str | None) -> dict[str, str]:
+def _headers(tiles: Tiles | None) -> dict[str, str]:
     """What every answer says to browsers: nothing from elsewhere, nothing inline, nobody frames the page."""
-    tiles = ""
-    if tile_url is not None:
-        parts = urlsplit(tile_url.replace("{s}.", "*."))
-        tiles = f" {parts.scheme}://{parts.netloc}"
+    images = "" if tiles is None else f" {tiles.origin}"
     policy = (
         "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; font-src 'self'; "
-        f"manifest-src 'self'; img-src 'self' data: blob:{tiles}; base-uri 'none'; form-action 'self'; "
+        f"manifest-src 'self'; img-src 'self' data: blob:{images}; base-uri 'none'; form-action 'self'; "
         "frame-ancestors 'none'"
     )
     return {

@@ -13,7 +13,6 @@ import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import urlsplit
 
 import uvicorn
 
@@ -22,6 +21,7 @@ from rota.web.app import make_app
 from rota.web.limits import Limits
 from rota.web.patience import PatientProtocol
 from rota.web.security import LOOPBACK, Guard
+from rota.web.tiles import tiles_of
 
 Say = Callable[[str], None]
 MOST_CONNECTIONS = 1000
@@ -37,12 +37,13 @@ class Serving:
     host: str = "127.0.0.1"
     port: int = 8321
     tile_url: str | None = None
+    tile_attribution: str | None = None
     processes: int = 1
     limits: Limits | None = None
 
     def run(self, say: Say, *, open_page: bool = False) -> None:
         """Serve until Ctrl-C or SIGTERM. RotaError for an address, folder or tile address that cannot be used."""
-        _require_tile_url(self.tile_url)
+        tiles = tiles_of(self.tile_url, self.tile_attribution)
         listening = self._listening()
         address = listening.getsockname()
         port = address[1]
@@ -51,7 +52,7 @@ class Serving:
         hosts = {f"{name}:{port}" for name in names} | (names if port == HTTP_PORT else set())  # browsers leave out 80
         guard = Guard(hosts=frozenset(hosts), token=token, any_address=f":{port}" if self.host in ANY_HOST else None)
         limits = self.limits or Limits(planning_jobs=self.processes)
-        app = make_app(self.data, guard, limits, self.tile_url)
+        app = make_app(self.data, guard, limits, tiles)
         shown = _name(address[0] if self.host not in ANY_HOST else socket.gethostname())
         page = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")
         config = uvicorn.Config(
@@ -124,14 +125,3 @@ def is_loopback(host: str) -> bool:
 def _name(host: str) -> str:
     """A host as addresses write it."""
     return f"[{host}]" if ":" in host else host.lower()
-
-
-def _require_tile_url(url: str | None) -> None:
-    """Refuse what is no address of tiles."""
-    if url is None:
-        return
-    parts = urlsplit(url)
-    marks = all(mark in url for mark in ("{z}", "{x}", "{y}"))
-    bad = any(letter in url for letter in " ;,'\"\r\n")
-    if parts.scheme not in ("http", "https") or not parts.netloc or not marks or bad:
-        raise RotaError(f"--tile-url: {url!r} is not allowed; https://HOST/PATH with {{z}}, {{x}} and {{y}} is needed")

@@ -9,6 +9,7 @@ from rota.web.jobs.watches import WatchDesk
 from rota.web.limits import Limits
 from rota.web.refusal import Json
 from rota.web.store.database import Database
+from rota.web.tiles import Tiles
 from rota.web.workers.pool import Pool
 
 
@@ -21,5 +22,5 @@ class State:
     jobs: JobQueue
     watches: WatchDesk
     limits: Limits
-    tile_url: str | None
+    tiles: Tiles | None
     kept: dict[str, Json] = field(default_factory=dict)

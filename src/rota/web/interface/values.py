@@ -68,6 +68,7 @@ VALUES: dict[str, Schema] = {
             "links": listed(an_object({"name": TEXT, "what": TEXT, "settings": _SETTINGS})),
             "limits": {"type": "object", "additionalProperties": NUMBER},
             "tile_url": or_null(TEXT),
+            "tile_attribution": TEXT,
         }
     ),
     "Example": an_object({"name": TEXT, "title": TEXT}),

@@ -47,7 +47,10 @@ async def about_of(request: Request) -> Json:
     if "about" not in state.kept:
         _, body = await state.pool.ask("about")
         limits = dataclasses.asdict(state.limits)
-        state.kept["about"] = {**json.loads(body), "limits": limits, "tile_url": state.tile_url}
+        tiles = {"tile_url": None, "tile_attribution": ""}
+        if state.tiles is not None:
+            tiles = {"tile_url": state.tiles.url, "tile_attribution": state.tiles.attribution}
+        state.kept["about"] = {**json.loads(body), "limits": limits, **tiles}
     return state.kept["about"]
 
 

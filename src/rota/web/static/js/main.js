@@ -21,7 +21,7 @@ import { Watching } from "./work/watching.js";
 class Page {
   constructor(missionMap, about, schema) {
     this.missionMap = missionMap;
-    missionMap.useTiles(about.tile_url ?? null);
+    missionMap.useTiles(about.tile_url ?? null, about.tile_attribution ?? "");
     this.editor = new Editor(this.missionMap, { planners: about.planners.map((planner) => planner.name), schema });
     this.tabs = new Tabs(byId("tabs"));
     this.plans = new Plans(byId("plans"));
@@ -39,7 +39,7 @@ class Page {
   }
 
   listen() {
-    const { editor, jobs, missions, plans } = this;
+    const { editor, jobs, missionMap, missions, plans } = this;
     editor.keeper.addEventListener("state", () => this.keeperMoved());
     byId("take-theirs").addEventListener("click", () => this.reload());
     byId("keep-mine").addEventListener("click", () => editor.keeper.keepMine().catch(() => undefined));
@@ -53,7 +53,7 @@ class Page {
     editor.addEventListener("goto", (event) => this.tabs.show(isOfPlanner(event.detail) ? "plan" : "edit"));
     editor.addEventListener("update", () => (document.title = `${byId("mission-name").textContent || "Rota"} – Rota`));
     byId("go-plan").addEventListener("click", () => this.go("plan"));
-    missions.addEventListener("new", () => this.open(newMission("mission"), (keeper) => keeper.fresh()));
+    missions.addEventListener("new", () => this.open(newMission("mission", missionMap.hasTiles), (keeper) => keeper.fresh()));
     missions.addEventListener("open", (event) => this.openKept(event.detail));
     missions.addEventListener("read", (event) => this.openRead(event.detail));
     missions.addEventListener("plan", (event) => {

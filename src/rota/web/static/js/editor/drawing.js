@@ -2,6 +2,7 @@
 
 import { button, el } from "../dom.js";
 import { geometryOfLayer } from "./layers.js";
+import { placeInWords } from "./places.js";
 
 const L = window.L;
 
@@ -177,7 +178,7 @@ export function startReadout(map, drawing, readout) {
   map.on("mousemove", (event) => {
     const { frame } = drawing;
     const [x, y] = frame.fromMap(event.latlng);
-    const here = frame.coordinates === "wgs84" ? `${x.toFixed(6)}°, ${y.toFixed(6)}°` : `${x.toFixed(1)} m, ${y.toFixed(1)} m`;
+    const here = frame.coordinates === "wgs84" ? placeInWords(y, x) : `${x.toFixed(1)} m, ${y.toFixed(1)} m`;
     const last = drawing.lastCorner();
     readout.textContent = last === null ? here : `${here} · ${frame.distance(last, event.latlng).toFixed(1)} m from the last corner`;
   });

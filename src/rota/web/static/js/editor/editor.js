@@ -17,6 +17,7 @@ import { ShapeList } from "./shape_list.js";
 import { listAt, pointsOf, shapesOf, withGeometry, withNewShape, withoutShape } from "./shapes.js";
 import { DocumentStore } from "./store.js";
 import { Validation } from "./validation.js";
+import { startGoing } from "./going.js";
 import { startVerdict } from "./verdict.js";
 
 const L = window.L;
@@ -30,7 +31,7 @@ export class Editor extends EventTarget {
   constructor(missionMap, { planners, schema }) {
     super();
     this.missionMap = missionMap;
-    this.store = new DocumentStore(newMission("mission"));
+    this.store = new DocumentStore(newMission("mission", missionMap.hasTiles));
     this.keeper = new Keeper(this.store);
     this.fields = new Fields(this.store);
     this.validation = new Validation(() => ({ document: this.store.document, mission: this.keeper.id, ...this.uploaded }));
@@ -49,6 +50,7 @@ export class Editor extends EventTarget {
     this.faulty = new Set();
     this.listen();
     startReadout(missionMap.map, this.drawing, byId("readout"));
+    startGoing(byId("tools"), (place) => this.goToPlace(place));
     startVerdict(byId("verdict"), this.validation, this);
     this.update();
     this.validation.ask();
@@ -245,6 +247,23 @@ export class Editor extends EventTarget {
     if (!this.fields.focus(path) && shape !== undefined) {
       byId("shape-list").querySelector("[data-chosen=true] button")?.focus();
     }
+  }
+
+  /** Shows a place on the globe. A mission in which nothing is drawn yet lies there from then on. */
+  goToPlace({ lat, lon }) {
+    const { document } = this.store;
+    const { hasTiles } = this.missionMap;
+    if (this.isEmpty && (document.coordinates !== "wgs84" || !hasTiles)) {
+      const { origin: _, ...rest } = document;
+      this.frame = new Frame("wgs84", { lat, lon }, hasTiles);
+      this.store.apply({ ...rest, coordinates: "wgs84" });
+      this.update();
+    } else if (this.frame.origin === null) {
+      notify("This mission is in metres, and nothing says where on the globe they begin: give its origin first, under Coordinates.", { error: true });
+      return;
+    }
+    const origin = { lat, lon };
+    this.missionMap.look(this.frame.coordinates === "wgs84" ? this.frame.toMap([lon, lat]) : this.frame.metresToMap(0, 0, origin));
   }
 
   /** Shows all shapes. */

@@ -14,9 +14,11 @@ export class Frame {
    * @param {"metres"|"wgs84"} coordinates
    * @param {import("../geodesy.js").Origin|null} origin of the map's metres; null where none is known
    * @param {boolean} tiled whether the map shows tiles, in Web Mercator
+   * @param {boolean} isPlaced whether the origin is where the mission lies; false while nothing says where
    */
-  constructor(coordinates, origin, tiled) {
+  constructor(coordinates, origin, tiled, isPlaced = true) {
     this.coordinates = coordinates;
+    this.isPlaced = isPlaced;
     this.origin = origin;
     this.tiled = tiled && origin !== null;
   }
@@ -32,7 +34,8 @@ export class Frame {
     if (before !== null && before.coordinates === "wgs84") {
       return before;
     }
-    return new Frame("wgs84", middleOf(document) ?? { lat: 0, lon: 0 }, tiled);
+    const middle = middleOf(document);
+    return new Frame("wgs84", middle ?? { lat: 0, lon: 0 }, tiled, middle !== null);
   }
 
   /** The map's place of a point of the document. */

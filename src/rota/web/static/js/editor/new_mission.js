@@ -1,11 +1,15 @@
 /** A mission that asks for nothing but an area: its numbers suit a small quadcopter. */
 
-/** @returns {import("./store.js").MissionDocument} */
-export function newMission(name) {
+/**
+ * @param {string} name
+ * @param {boolean} onGlobe whether it is drawn on map tiles
+ * @returns {import("./store.js").MissionDocument}
+ */
+export function newMission(name, onGlobe) {
   return {
     rota: 1,
     name,
-    coordinates: "metres",
+    coordinates: onGlobe ? "wgs84" : "metres",
     area: [],
     obstacles: [],
     period_s: 120,

@@ -3,7 +3,7 @@
 import { SPEEDS } from "./clock.js";
 import { NEVER, NOT_YET, css, viridis } from "./colours.js";
 import { el, labelled, section, table, ticked } from "./elements.js";
-import { area, count, percent, plain, reading, seconds } from "./text.js";
+import { area, count, percent, reading, seconds } from "./text.js";
 
 const MOST_BUTTONS = 60; // robots with a row each; of more, one is chosen from a list
 const MOST_LISTED = 100;
@@ -208,7 +208,7 @@ export class Panel {
       ? wrong.text
       : el("button", { type: "button", class: "rota-link", text: wrong.text, on: { click: () => this.player.showViolation(wrong) } })));
     const hidden = excluded.map(({ x, y, area_m2: size, name }) => el("li", {}, el("button", {
-      type: "button", class: "rota-link", text: `nobody can see (${plain(x)}, ${plain(y)}) in ${name}: ${area(size)} left out`,
+      type: "button", class: "rota-link", text: `nobody can see ${this.player.where(x, y)} in ${name}: ${area(size)} left out`,
       on: { click: () => this.player.flyTo(x, y) },
     })));
     return section(

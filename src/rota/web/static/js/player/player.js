@@ -14,6 +14,7 @@ import { Robots } from "./robots.js";
 import { Walls } from "./sight.js";
 import { Stage } from "./stage.js";
 import { colours, onThemeChange } from "./theme.js";
+import { plain } from "./text.js";
 import { timelineOf } from "./timeline.js";
 
 const TOLD_EVERY_MS = 100; // texts change so often at most; pictures at every frame
@@ -28,6 +29,11 @@ function nameOf(node) {
   return node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
 }
 
+/** A place in the plan's own metres. */
+function inMetres(x, y) {
+  return `(${plain(x)}, ${plain(y)}) m`;
+}
+
 /**
  * Events: `place` {entry, x, y}, `robot` {robot}, `violation` {violation}, `time` {time}.
  */
@@ -38,11 +44,12 @@ export class Player extends EventTarget {
    * @param {any} options.map a Leaflet map
    * @param {HTMLElement} options.controls what the panel is put into
    * @param {(x: number, y: number) => any} [options.project] metres to LatLng; default lat = y, lng = x
+   * @param {(x: number, y: number) => string} [options.where] metres as a place in words
    * @param {number} [options.opacity] of the heat map, for a map with tiles below
    */
-  constructor({ playback, map, controls, project = (x, y) => L.latLng(y, x), opacity = 1 }) {
+  constructor({ playback, map, controls, project = (x, y) => L.latLng(y, x), where = inMetres, opacity = 1 }) {
     super();
-    Object.assign(this, { map, controls, project, opacity });
+    Object.assign(this, { map, controls, project, where, opacity });
     this.shown = { footprints: true, routes: playback.robots.length <= MANY, trails: true };
     this._colours = colours();
     this._endTheme = onThemeChange(() => this._recolour());
@@ -378,7 +385,7 @@ export class Player extends EventTarget {
     this._placeShownAt = performance.now();
     const open = place.querySelector("details")?.open ?? false;
     const seek = (time) => this.seek(time);
-    place.replaceChildren(timelineOf(this.playback, this.chosenEntry, this.time, this.losses.stops, seek));
+    place.replaceChildren(timelineOf(this.playback, this.chosenEntry, this.time, this.losses.stops, seek, this.where));
     const table = place.querySelector("details");
     if (table) table.open = open;
   }

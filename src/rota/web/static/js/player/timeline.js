@@ -3,7 +3,7 @@
 import { ON_TIME, agesInto, joined, sightingsBetween } from "./ages.js";
 import { el, freshId, svg, table } from "./elements.js";
 import { NO_CELL } from "./playback.js";
-import { plain, reading, seconds } from "./text.js";
+import { reading, seconds } from "./text.js";
 
 const WIDTH = 400;
 const ROW = 16;
@@ -19,8 +19,9 @@ const MOST_LISTED = 40;
  * @param {number} time
  * @param {Float64Array} stops
  * @param {(time: number) => void} seek
+ * @param {(x: number, y: number) => string} where a place in words
  */
-export function timelineOf(playback, entry, time, stops, seek) {
+export function timelineOf(playback, entry, time, stops, seek, where) {
   const period = playback.periods[entry];
   const demand = playback.demands[playback.arrays.cell_demand[entry]];
   const from = Math.max(0, time - 1.5 * period);
@@ -30,7 +31,7 @@ export function timelineOf(playback, entry, time, stops, seek) {
   const [x, y] = playback.middleOf(entry);
   const visit = playback.arrays.cell_index[entry] === NO_CELL;
   const worst = playback.arrays.cell_worst[entry] * period;
-  const told = `${visit ? `Zone ${demand.name}, to be visited` : `Place (${plain(x)}, ${plain(y)}) m in ${demand.name}`}: ` +
+  const told = `${visit ? `Zone ${demand.name}, to be visited` : `Place ${where(x, y)} in ${demand.name}`}: ` +
     `at least once in ${seconds(period)}; it waits ${worst === Infinity ? "for ever" : `at most ${seconds(worst)}`} by plan.`;
   return el(
     "div",

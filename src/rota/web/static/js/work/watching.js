@@ -2,7 +2,8 @@
 
 import { api } from "../api.js";
 import { Frame, sameOrigin } from "../editor/frame.js";
-import { toMetres } from "../geodesy.js";
+import { placeInWords } from "../editor/places.js";
+import { toDegrees, toMetres } from "../geodesy.js";
 import { messageOf } from "../notices.js";
 
 const L = window.L;
@@ -87,7 +88,7 @@ export class Watching {
       this.player?.destroy();
       this.playedIn = key;
       const place = this.placing(origin);
-      this.player = new Player({ playback, map: this.missionMap.map, controls: this.controls, project: (x, y) => L.latLng(place(x, y)), opacity: this.frame.tiled ? SHEER : 1 });
+      this.player = new Player({ playback, map: this.missionMap.map, controls: this.controls, project: (x, y) => L.latLng(place(x, y)), ...this.words(origin), opacity: this.frame.tiled ? SHEER : 1 });
     }
     this.describe(this.notice);
     if (fit) {
@@ -95,6 +96,18 @@ export class Watching {
       const place = this.placing(origin);
       this.missionMap.fit([place(x0, y0), place(x1, y1)]);
     }
+  }
+
+  /** How places of a plan are told: in degrees where its mission is in degrees. */
+  words(origin) {
+    if (origin === null || this.frame.coordinates !== "wgs84") {
+      return {};
+    }
+    const where = (x, y) => {
+      const [lon, lat] = toDegrees(origin, x, y);
+      return placeInWords(lat, lon);
+    };
+    return { where };
   }
 
   /** Where the plan's metres lie on the map: in the editor's frame, or, far away, as they are. */
