@@ -91,13 +91,14 @@ class Launch:
     """What is asked of a launch of robots' processes, and who is told of it.
 
     robots: the numbers of those to start; None: all. time_limit_s: how long they run after the begin; None: until they
-    are at rest. should_stop: polled often; once True the record ends. started: called with the processes' ids by the
-    robots' numbers. measured: called every second with seconds since the begin, the share covered and how many take
-    part.
+    are at rest. ends_at_rest: with a limit, too, once nobody is to join or leave any more. should_stop: polled often;
+    once True the record ends. started: called with the processes' ids by the robots' numbers. measured: called every
+    second with seconds since the begin, the share covered and how many take part.
     """
 
     robots: Sequence[int] | None = None
     time_limit_s: float | None = None
+    ends_at_rest: bool = False
     should_stop: Callable[[], bool] = lambda: False
     started: Callable[[dict[int, int]], None] = lambda _pids: None
     measured: Callable[[float, float, int], None] = lambda _time_s, _share, _robots: None

@@ -127,7 +127,8 @@ def swarm_launch(
         str | None, typer.Option(metavar="NUMBERS", help="Only these, such as 1-12,15; others may join by swarm-node.")
     ] = None,
     time_limit: Annotated[
-        float | None, typer.Option(min=0, metavar="SECONDS", help="How long to run; default until all rest.")
+        float | None,
+        typer.Option(min=0, metavar="SECONDS", help="Run so long at most, or until all rest; default no limit."),
     ] = None,
     coverage: Annotated[
         str | None, typer.Option(metavar="FILE.csv", help="Write what was covered at which time, as a table.")
@@ -156,7 +157,10 @@ def swarm_launch(
         typer.echo(f"{time_s:5.0f} s  {share:6.1%} covered by {count} robots")
 
     with stop_on_interrupt(lambda by: say(f"ending with what was recorded; {by} again ends at once")) as stop:
-        launch = Launch(robots=chosen, time_limit_s=time_limit, should_stop=stop, started=started, measured=measured)
+        launch = Launch(
+            robots=chosen, time_limit_s=time_limit, ends_at_rest=True, should_stop=stop, started=started,
+            measured=measured,
+        )  # fmt: skip
         record = processes.run_all(launch)
     write_plan(record.plan, target)
     if coverage is not None:

@@ -16,7 +16,8 @@ from tests.planners.swarm.nodes.test_hearing import malformed
 
 from rota.check import check_plan
 from rota.errors import LinkError, MissionError
-from rota.planners.swarm.nodes.launch import run_swarm
+from rota.planners.swarm.nodes.launch import last_change_s, run_swarm
+from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.process import run_robot, scene_for
 from rota.planners.swarm.nodes.recording import Recorder
 from rota.planners.swarm.nodes.scene import scene_of
@@ -73,6 +74,40 @@ def test_processes_go_on_when_one_is_killed_and_all_end() -> None:
     assert 0.9 < died.leaves_s < 2.0
     report = check_plan(record.plan)
     assert report.verdict == "met", report.violations
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="starting anew takes seconds for each process")
+def test_a_launch_that_may_run_for_long_ends_when_all_rest() -> None:
+    mission = mission_of(2, 40, (15, 25), sensor_m=9, speed_m_s=10)
+    settings = ProcessSettings(seed=1, port=free_ports(3))
+    began_s = time.monotonic()
+    record = run_swarm(scene_for(mission, settings), settings, Launch(time_limit_s=3600, ends_at_rest=True))
+    assert time.monotonic() - began_s < 600
+    assert record.plan.run_end is not None
+    assert record.plan.run_end.at_rest
+    assert [robot.end for robot in record.robots] == ["runs", "runs"]
+
+
+def test_rest_is_looked_for_when_the_last_has_joined_or_left() -> None:
+    mission = mission_of(3, 40, (15, 25), sensor_m=9, speed_m_s=10)
+    robots = mission.fleet.robots or ()
+    changing = (replace(robots[0], leaves_s=90.0), replace(robots[1], joins_s=40.0), robots[2])
+    mission = replace(mission, fleet=replace(mission.fleet, robots=changing))
+    assert last_change_s(mission, range(3)) == 90
+    assert last_change_s(mission, (1, 2)) == 40
+    assert last_change_s(mission, (2,)) == 0
+
+
+def test_nothing_is_recorded_of_what_was_after_the_limit() -> None:
+    scene = scene_for(mission_of(2, 40, (15, 25), sensor_m=9, speed_m_s=10), ProcessSettings())
+    second_ns, nodes = 10**9, [RobotNode(scene, robot, began_ns=0, begin_ns=0) for robot in range(2)]
+    recorder = Recorder(scene, 0, until_ns=2 * second_ns)
+    told = [node.tick(now_ns, ()) for now_ns in range(0, 5 * second_ns, scene.period_ns) for node in nodes]
+    recorder.hear([datagram for datagram in told if datagram is not None], 5 * second_ns)  # all of it late
+    record = recorder.record(2 * second_ns, stopped=True)
+    assert [row[0] for row in record.coverage] == [0, 1, 2]
+    assert max(float(way.times_s[-1]) for way in record.plan) <= 2 + 2 * scene.period_ns * 1e-9
+    assert [robot.end for robot in record.robots] == ["runs", "runs"]
 
 
 def test_a_robot_by_itself_listens_tells_and_leaves_when_asked() -> None:

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from multiprocessing.process import BaseProcess
 
 from rota.errors import LinkError, RotaError
+from rota.mission import Mission
 from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.process import period_of, run_robot
 from rota.planners.swarm.nodes.recording import Recorder
@@ -38,11 +39,14 @@ def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHI
     try:
         compile_for(scene, settings)
         begin_ns = clock() + 3 * scene.silent_ns + round(start_s * 1e9)
+        until_ns = None if launch.time_limit_s is None else begin_ns + round(launch.time_limit_s * 1e9)
         for robot in numbers:
-            processes[robot] = _started(scene, robot, settings, begin_ns)
+            processes[robot] = _started(scene, robot, settings, begin_ns, until_ns)
         launch.started({robot: process.pid or 0 for robot, process in processes.items()})
         port = port or open_port(settings, fleet, fleet)
-        recorder, told = Recorder(scene, begin_ns), 0
+        changes_s = last_change_s(scene.mission, numbers) if until_ns is not None else 0.0
+        rests_from_ns = begin_ns + round((changes_s + REST_S) * 1e9)
+        recorder, told = Recorder(scene, begin_ns, until_ns=until_ns), 0
         while True:
             now_ns = clock()
             recorder.hear(port.received(), now_ns)
@@ -50,7 +54,9 @@ def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHI
                 launch.measured(*row)
             told = len(recorder.coverage)
             _require_started(processes, scene, now_ns < begin_ns)
-            over = _is_over(recorder, now_ns, begin_ns, launch.time_limit_s)
+            over = until_ns is not None and now_ns >= until_ns
+            if until_ns is None or launch.ends_at_rest:
+                over = over or (now_ns > rests_from_ns and recorder.quiet_s(now_ns) >= REST_S)
             if (
                 (stopped := launch.should_stop())
                 or over
@@ -59,7 +65,8 @@ def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHI
                 break
             time.sleep(scene.period_ns * 1e-9 / 4)
         at_rest = not stopped and recorder.quiet_s(now_ns) >= REST_S
-        return recorder.record(now_ns, stopped=not at_rest)
+        ended_ns = now_ns if until_ns is None else min(now_ns, until_ns)
+        return recorder.record(ended_ns, stopped=not at_rest)
     finally:
         _end(processes.values())
         if port is not None:
@@ -76,31 +83,46 @@ def compile_for(scene: Scene, settings: ProcessSettings) -> None:
         node.tick(now_ns, ())
 
 
-def _is_over(recorder: Recorder, now_ns: int, begin_ns: int, time_limit_s: float | None) -> bool:
-    """Whether the record has come to its end."""
-    if time_limit_s is not None:
-        return now_ns - begin_ns >= time_limit_s * 1e9
-    return now_ns > begin_ns + REST_S * 1e9 and recorder.quiet_s(now_ns) >= REST_S
+def last_change_s(mission: Mission, numbers: Iterable[int]) -> float:
+    """When the last of these robots joins or leaves, in seconds after the begin."""
+    robots = mission.fleet.robots or ()
+    changes_s = [time_s for k in numbers for time_s in (robots[k].joins_s, robots[k].leaves_s) if time_s is not None]
+    return max(changes_s, default=0.0)
 
 
-def _started(scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int) -> BaseProcess:
+def _started(scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int, until_ns: int | None) -> BaseProcess:
     """The process of one robot: a fork, which is ready at once, where the system has that; else one that loads anew."""
     methods = multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
     process: BaseProcess = context.Process(  # type: ignore[attr-defined]
-        target=_be_robot, args=(scene, robot, settings, begin_ns, os.getpid()), name=f"robot {robot}", daemon=True
+        target=_be_robot,
+        args=(scene, robot, settings, begin_ns, until_ns, os.getpid()),
+        name=f"robot {robot}",
+        daemon=True,
     )
     process.start()
     return process
 
 
-def _be_robot(scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int, parent: int) -> None:
-    """What the process of a robot does: be one until SIGTERM; Ctrl-C is for who started it."""
+def _be_robot(
+    scene: Scene, robot: int, settings: ProcessSettings, begin_ns: int, until_ns: int | None, parent: int
+) -> None:
+    """What the process of a robot does: be one until SIGTERM; Ctrl-C is for who started it.
+
+    It leaves by itself when the time is over for so long that it has fallen silent in the record: who started it may
+    come late to that on a busy machine.
+    """
     asked: list[int] = []
+    clock = clock_for(settings, len(scene.mission.fleet.robots or ()))
+    end_ns = None if until_ns is None else until_ns + scene.silent_ns
+
+    def is_over() -> bool:
+        return bool(asked) or (end_ns is not None and clock() >= end_ns)
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda number, _frame: asked.append(number))
     try:
-        run_robot(scene, robot, settings, begin_ns=begin_ns, should_stop=lambda: bool(asked), parent=parent)
+        run_robot(scene, robot, settings, begin_ns=begin_ns, should_stop=is_over, parent=parent)
     except RotaError as error:
         print(f"rota: error: {error}", file=sys.stderr, flush=True)
         os._exit(FAILED)

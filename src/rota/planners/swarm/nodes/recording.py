@@ -84,10 +84,12 @@ class Life:
 class Recorder:
     """Takes in all robots' datagrams; the time of everything recorded counts from ``begin_ns``, when all begin.
 
-    Robots that the mission does not know, and datagrams without a telling, are counted in ``dropped``.
+    Robots that the mission does not know, and datagrams without a telling, are counted in ``dropped``. Nothing is
+    recorded of what was later than ``until_ns``, however late it is heard.
     """
 
-    def __init__(self, scene: Scene, begin_ns: int, every_s: float = 1.0) -> None:
+    def __init__(self, scene: Scene, begin_ns: int, every_s: float = 1.0, until_ns: int | None = None) -> None:
+        self._until_ns = until_ns
         self._scene, self._begin_ns, self._every_ns = scene, begin_ns, round(every_s * 1e9)
         self._robots = scene.mission.fleet.robots or ()
         self._lives: dict[int, Life] = {}
@@ -106,12 +108,16 @@ class Recorder:
                 continue
             self._clocks.hear(telling, now_ns)
             telling = self._clocks.own(telling)
+            if self._until_ns is not None and telling.told_ns > self._until_ns:
+                continue
             if telling.robot not in self._lives:
                 self._lives[telling.robot] = Life(telling, self._begin_ns)
             elif telling.told_ns > self._lives[telling.robot].last.told_ns:
                 self._lives[telling.robot].add(telling)
         # a hold later all have told where they were then
         while (due_ns := self._begin_ns + len(self.coverage) * self._every_ns) + 2 * self._scene.period_ns <= now_ns:
+            if self._until_ns is not None and due_ns > self._until_ns:
+                break
             self._measure(due_ns)
         alive = self._alive(now_ns)
         quiet = bool(alive) and now_ns >= self._begin_ns and all(self._rests(self._lives[k].last) for k in alive)
