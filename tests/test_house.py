@@ -19,7 +19,7 @@ PATROL_STAGES = [
     ["bounds", "context"],
     ["annealing"],
     ["initial", "traffic"],
-    ["repair"],
+    ["repair", "tight_corners"],
     ["shortening"],
     ["methods"],
     ["planner", "compile_ahead"],

@@ -19,7 +19,6 @@ from rota.planners.patrol.efforts import EFFORTS, QUICK
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.planners.patrol.ground.standing import has_many_corners
-from rota.planners.patrol.ground.tight_corners import require_corners_in_reach
 from rota.planners.patrol.margins import with_reserve, without_starts
 from rota.planners.patrol.methods.fewest.longer_headways import with_longer_headways
 from rota.planners.patrol.methods.fewest.one_fewer import thinned
@@ -31,6 +30,7 @@ from rota.planners.patrol.methods.sweeping.first_plan import swept
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.repair.repair import Repaired
 from rota.planners.patrol.shortening.search import with_better_loops
+from rota.planners.patrol.tight_corners import require_corners_in_reach
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
 from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reason, worst_reached
@@ -108,9 +108,9 @@ def plan_tours(
     """
     progress(0.0, "looking at the mission")
     least = mission_to_begin_with(mission)
-    problem = set_up_problem(least)
+    problem = set_up_problem(least, should_stop=should_stop)
     if least is not mission and not first_tours_do(problem):
-        problem = set_up_problem(mission)
+        problem = set_up_problem(mission, should_stop=should_stop)
 
     def search(problem: Problem) -> Context:
         return begin_search(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ import pytest
 from shapely import MultiPolygon, Polygon, box
 from tests.planners.patrol.searching import YARD
 
+from rota.errors import NoPlanFound
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.problem import finer_spacing_m, set_up_problem
 from rota.planners.patrol.loop_settings import SamplingSettings
@@ -37,6 +39,14 @@ def test_small_ground_has_denser_samples_unless_the_team_is_fixed() -> None:
     assert set_up_problem(small).spacing_m == pytest.approx(0.2)
     team = tuple(small.fleet.equal_robot(name) for name in ("one", "two"))
     assert set_up_problem(replace(small, fleet=replace(small.fleet, robots=team))).spacing_m == pytest.approx(2 / 8)
+
+
+@pytest.mark.parametrize("at", [1, 2, 3])
+def test_a_stop_is_heeded_between_the_steps(at: int) -> None:
+    asked = itertools.count(1)
+    with pytest.raises(NoPlanFound, match="stopped before"):
+        set_up_problem(YARD, should_stop=lambda: next(asked) == at)
+    assert next(asked) == at + 1
 
 
 def test_corners_that_lie_at_one_place_but_for_rounding_do_no_harm() -> None:

@@ -19,6 +19,7 @@ from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.planner_settings import Effort, PatrolSettings
 from rota.planners.patrol.repair.detours import least_detour
 from rota.planners.patrol.repair.repair import repair_until_feasible, shorter_m, with_tight_margin
+from rota.planners.patrol.repair.seeing import led_to_the_rest
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 
@@ -135,3 +136,18 @@ def test_mending_goes_on_a_little_over_budget_and_looks_for_what_is_missed(effor
     assert len(asked_s) == rounds
     late_s = 40 * (1 + 1e-6)
     assert [one >= late_s for one in asked_s] == [effort == "high"] * rounds  # judged so that it is not late
+
+
+def test_what_is_to_stop_is_judged_as_it_is() -> None:
+    mission = Mission(
+        name="room", area=MultiPolygon([box(0, 0, 14, 14)]), period_s=60.0,
+        fleet=Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=2)), planning=PatrolSettings(effort="quick"),
+    )  # fmt: skip
+    given = set_up_problem(mission)
+    ring = np.array([[2.0, 2], [12, 2], [12, 12], [2, 12]])
+    tour = Tour(vertices_m=ring, period_class=0, period_s=60.0, robots=1, robot=given.robot, component=0)
+    stopped = replace(search_on(given), should_stop=lambda: True)
+    left = repair_until_feasible(stopped, [tour], no_points(), may_add=True, rounds=3)
+    assert not left.met  # the middle is out of sight
+    np.testing.assert_array_equal(left.tours[0].vertices_m, ring)
+    assert led_to_the_rest(stopped, [tour], given.points, given.samples, seed=0) == [tour]

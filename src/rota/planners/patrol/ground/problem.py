@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -103,17 +104,18 @@ class Problem:
         return 2 * self.reach_m
 
 
-def set_up_problem(mission: Mission, *, is_whole: bool = True) -> Problem:
+def set_up_problem(
+    mission: Mission, *, is_whole: bool = True, should_stop: Callable[[], bool] = lambda: False
+) -> Problem:
     """Lay out everything the search needs.
 
-    is_whole: False for a part of a mission, which may hold all the ground that nobody sees of the whole.
-
-    Raises NoPlanFound when the robots can stand nowhere, or in no place of a zone to visit, and when more can be seen
-    from nowhere than the mission allows, or nothing at all can be seen.
+    is_whole: False for a part of a mission, which may hold all the ground that nobody sees of the whole. Raises
+    NoPlanFound when the robots can stand nowhere, or in no place of a zone to visit, and when more can be seen from
+    nowhere than the mission allows, or nothing at all can be seen. So it does once ``should_stop``, asked between the
+    steps: nothing that could go on is there yet.
     """
-    robot = common_robot(mission.fleet)
+    robot, regions = common_robot(mission.fleet), demanded_regions(mission)
     margin_m = range_margin(inner_reach_m(robot.sensor))
-    regions = demanded_regions(mission)
     space, sure_space, at_limit = space_for(mission, regions, robot, margin_m)
     walls = sight_walls(mission)
     sure_sight = Sight(sure_space, walls, robot, 0.0)
@@ -123,6 +125,7 @@ def set_up_problem(mission: Mission, *, is_whole: bool = True) -> Problem:
     if mission.fleet.robots is not None:  # the least ratio of a fixed team comes no lower with finer samples
         sampling = replace(sampling, few_samples=0)
     points, spacing_m = points_of_regions(regions, space, robot, sampling)
+    require_going_on(should_stop)
     border_places_m = np.zeros((0, 2))
     if at_limit:
         classes = [periods_of(regions).index(region.period_s) for region in regions]
@@ -130,6 +133,7 @@ def set_up_problem(mission: Mission, *, is_whole: bool = True) -> Problem:
         places_m, ranges_m = nearest_places(last.xy_m, space, walls, robot)
         points, border_places_m = joined([points, last]), places_m[np.isfinite(ranges_m)]
     points, hopeless = surely_seen(points, space, sure_space, walls, robot)
+    require_going_on(should_stop)
     seen = places_that_see_all(points, Sight(space, walls, robot, margin_m))
     beside = np.append(seen.unseeable, len(points) + np.arange(len(hopeless)))
     refuse_unseeable(mission, joined([seen.points, hopeless]), beside, regions, sure_sight)
@@ -139,6 +143,7 @@ def set_up_problem(mission: Mission, *, is_whole: bool = True) -> Problem:
         if not len(kept):
             raise NoPlanFound("nothing of what is asked can be seen from where robots can be")
         points, samples, _ = laid_out(points[kept], walls, robot, known=known_walls(samples, kept))
+    require_going_on(should_stop)
     paths = ShortestPaths(space)
     return Problem(
         mission=mission,
@@ -159,6 +164,12 @@ def set_up_problem(mission: Mission, *, is_whole: bool = True) -> Problem:
         range_margin_m=margin_m,
         spacing_m=spacing_m,
     )
+
+
+def require_going_on(should_stop: Callable[[], bool]) -> None:
+    """NoPlanFound once the search is to stop."""
+    if should_stop():
+        raise NoPlanFound("the search was stopped before all that the mission asks for was laid out")
 
 
 def surely_seen(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rota.plan import Plan
 from rota.planners.patrol.bounds.proved_bound import ProvedBound
 from rota.planners.patrol.context import Context, with_best_bound
-from rota.planners.patrol.ground.extra_points import metres_worth, prepared_with
+from rota.planners.patrol.ground.extra_points import metres_worth, no_points, prepared_with
 from rota.planners.patrol.ground.finer_space import with_room_to_see
 from rota.planners.patrol.ground.limits_of_sight import drawn_to_border
 from rota.planners.patrol.ground.nooks import nooks_of
@@ -157,8 +157,13 @@ def repair_until_feasible(
 def seeing_all(
     context: Context, tours: list[Tour], extra: SamplePoints, *, may_add: bool, bends: bool, seed: int
 ) -> list[Tour]:
-    """The tours after one round: led to where they see all samples, then fitted to their budgets."""
+    """The tours after one round: led to where they see all samples, then fitted to their budgets.
+
+    They stay as they are, to be judged as that, where the search is to stop.
+    """
     problem = context.problem
+    if context.should_stop():
+        return [with_robots(tour) for tour in tours] if may_add else tours
     points, samples = prepared_with(problem, extra)
     lead = bent if bends else see_the_rest
     tours = drawn_to_border(
@@ -206,7 +211,7 @@ def judged(
 def missed_nooks(context: Context, tours: list[Tour]) -> SamplePoints:
     """The nooks of ragged ground that the tours do not see, but may."""
     problem = context.problem
-    points = nooks_of(problem)
+    points = no_points() if context.should_stop() else nooks_of(problem)
     if len(points):
         points, samples, _ = laid_out(points, problem.walls, problem.robot)
         points = points[annealing_of(context, tours, samples, length_weight=1.0, seed=context.seed).unseen_samples]

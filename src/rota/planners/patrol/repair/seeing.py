@@ -36,14 +36,14 @@ def led_to_the_rest(
 ) -> list[Tour]:
     """The tours led by detours to the samples that they do not see. unseen: these, where they are known.
 
-    Detours take nothing out of sight. On ragged ground, which has very many samples, only what was unseen is therefore
-    looked at again.
+    Detours take nothing out of sight, and end when the search is to stop. On ragged ground, which has very many
+    samples, only what was unseen is therefore looked at again.
     """
     problem, left = context.problem, 0
     for turn in range(5):
         if unseen is None:
             unseen = annealing_of(context, tours, samples, length_weight=1.0, seed=seed).unseen_samples
-        if len(unseen) in (0, left):
+        if len(unseen) in (0, left) or context.should_stop():
             break  # none is left, or what is left is seen only by a hair
         left = len(unseen)
         if problem.is_ragged:

@@ -14,7 +14,7 @@ from rota.planners.patrol.repair.repair import Repaired, repair_until_feasible
 from rota.planners.patrol.settings import SearchSettings
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
-PATIENCE_S = 10.0  # for a plan of lanes where the search was stopped and has none yet
+PATIENCE_S = 10.0  # of processor time, for a plan of lanes where the search was stopped and has none yet
 CROWDED = 0.25  # of the reach: robots that follow each other so closely see what few that stand could see
 
 
@@ -25,11 +25,11 @@ def swept(context: Context, settings: SearchSettings) -> Repaired | None:
     drive in time, it gets another robot, which passes soon; then it is tried without. Few missions take more than a
     second until the first plan passes. Where the search was stopped already, all may take ``PATIENCE_S``.
     """
-    end_s, stopped = time.monotonic() + PATIENCE_S, context.should_stop()
+    end_s, stopped = time.process_time() + PATIENCE_S, context.should_stop()
     context.progress(0.0, "sweeping in lanes")
     hasty = replace(
         context, problem=judged_by_lanes(context.problem), settings=settings, progress=silent,
-        should_stop=lambda: time.monotonic() > end_s if stopped else context.should_stop(),
+        should_stop=lambda: time.process_time() > end_s if stopped else context.should_stop(),
     )  # fmt: skip
     proposals = list(first_proposals(sequential_once(settings.sweeping.angles), hasty))
     proposals = [proposal for proposal in proposals if not is_crowded(proposal)]

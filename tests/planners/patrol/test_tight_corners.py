@@ -10,7 +10,7 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.errors import NoPlanFound
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Zone
-from rota.planners.patrol.ground.tight_corners import require_corners_in_reach
+from rota.planners.patrol.tight_corners import require_corners_in_reach
 
 FLEET = Fleet(speed_m_s=18.0, sensor=DiscSensor(radius_m=25.0), turn_radius_m=75.0)
 FIELD = Mission(name="field", area=MultiPolygon([box(0, 0, 800, 600)]), period_s=600.0, fleet=FLEET)
