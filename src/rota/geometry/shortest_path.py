@@ -80,8 +80,9 @@ class ShortestPaths:
             return lengths, np.full(linked.shape, -9999, dtype=np.int32)
         step = self.corners_m[one] - self.corners_m[other]
         graph = csr_array((np.hypot(step[:, 0], step[:, 1]), (one, other)), shape=linked.shape)
-        lengths, before = dijkstra(graph, return_predecessors=True)
-        return np.ascontiguousarray(lengths), np.ascontiguousarray(before)
+        some = [dijkstra(graph, indices=rows, return_predecessors=True) for rows in _some_rows(len(linked))]
+        lengths, before = (np.ascontiguousarray(np.vstack(parts)) for parts in zip(*some, strict=True))
+        return lengths, before
 
     @cached_property
     def _links(self) -> csr_array:
@@ -197,7 +198,8 @@ class ShortestPaths:
             near_m = self._searched_lengths(ends, ends, symmetric=True, most_m=step_m)
             one, other = np.nonzero(np.isfinite(near_m) & (near_m > 0))
             graph = csr_array((near_m[one, other], (one, other)), shape=near_m.shape)
-            lengths_m = np.asarray(dijkstra(graph, directed=False))
+            rows_m = [dijkstra(graph, directed=False, indices=rows) for rows in _some_rows(len(near_m))]
+            lengths_m = np.vstack([np.zeros((0, len(near_m))), *rows_m])
             lengths_m[near_m == 0] = 0.0
             if np.isfinite(lengths_m[together]).all():
                 return np.asarray(np.minimum(lengths_m, lengths_m.T))
@@ -324,6 +326,11 @@ class ShortestPaths:
             corner = int(self.corner_before[start, corner])
             chain.append(corner)
         return chain[::-1]
+
+
+def _some_rows(count: int) -> list[Ints]:
+    """The numbers of so many rows, some at a time: scipy lets no other thread run while it searches."""
+    return [np.arange(first, min(first + SOURCES_TOGETHER, count)) for first in range(0, count, SOURCES_TOGETHER)]
 
 
 def _without_corners(ends: Ends) -> Ends:
