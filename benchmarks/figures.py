@@ -28,6 +28,7 @@ from benchmarks.one_robot import one_robot
 from benchmarks.plan_fuzz import mutated_plans
 from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
 from benchmarks.player import player
+from benchmarks.random_flats import bounce_flats
 from benchmarks.random_runs import random_missions
 from benchmarks.reader_runs import mutated_missions
 from benchmarks.row import Options, Row
@@ -198,6 +199,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "bounce-map": bounce_map,
     "bounce-monitoring": bounce_monitoring,
     "bounce-coverage": bounce_coverage,
+    "bounce-flats": bounce_flats,
     "one-robot": one_robot,
     "plan-1-km2": one_tile,
     "plan-10-km2": ten_tiles,

@@ -39,7 +39,9 @@ class Faults:
 
 @dataclass(kw_only=True)
 class Create2:
-    """A robot: place and heading, and the state of its interface. ``cliff``, ``dropped``: set by whoever tests them."""
+    """A robot: place and heading, and the state of its interface. ``cliff``, ``dropped``, ``overcurrent`` of
+    a wheel, ``clean``, its button: set by whoever tests them.
+    """
 
     x_m: float
     y_m: float
@@ -52,6 +54,8 @@ class Create2:
     left_m_s: float = 0.0
     cliff: bool = False
     dropped: bool = False
+    overcurrent: bool = False
+    clean: bool = False
     ticks: int = 0
     turns: int = 0
 
@@ -114,6 +118,7 @@ class Create2:
             return b""
         values = {7: bits | (0b1100 if self.dropped else 0)}
         values |= {packet: int(self.cliff) for packet in (9, 10, 11, 12)}
+        values |= {14: 0b01000 * self.overcurrent, 18: int(self.clean)}
         body = [part for packet in self._stream for part in (packet, values[packet])]
         frame = [19, len(body), *body]
         return bytes([*frame, -sum(frame) % 256])

@@ -8,13 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.create2.desk import Desk, drive, off_plan_m, set_up
+from benchmarks.create2.desk import Desk, Driven, drive, off_plan_m, set_up
 from benchmarks.create2.plans import TypedMap, bounced_plan
 from benchmarks.create2.robot import Create2, Faults
 from benchmarks.create2.uno import build_core, build_sketch, flash_bytes, missing_tools
+from shapely import LineString, Point, union_all
 
 from rota.errors import PlanError, RotaError
 from rota.files import create2_sketch
+from rota.files.create2_legs import drives_of
 from rota.files.create2_sketch import sketch_texts, write_create2_sketches
 from rota.files.mission_file import read_mission
 from rota.make_plan import make_plan
@@ -39,6 +41,7 @@ fleet:
 planner: bounce
 bounce: {task: monitor, bouncing_angles_deg: [135]}
 """
+ROOM = TypedMap(rows=("....", "....", "...."), cell_m=0.5)
 CORRIDOR = TypedMap(rows=("......",), cell_m=0.5)
 needs_tools = pytest.mark.skipif(
     bool(missing_tools()), reason=f"apt install gcc gcc-avr avr-libc arduino-core-avr libsimavr-dev: {missing_tools()}"
@@ -59,9 +62,12 @@ def test_the_sketch_tells_where_to_begin_and_what_to_do() -> None:
     (text,) = sketch_texts(bounced_plan(HALL, ((0, 0, 0),), turn=2, speed_m_s=0.2, headings=4))
     assert "// robot-1: bouncing on a desk" in text
     assert "x = 0.250 m, y = 0.250 m, facing 0 degrees" in text
-    assert "{ 200, UNTIL_BUMP,  80,   900,   12500 },  // 0: from (0.25, 0.25) 2.00 m towards 0" in text
+    # all legs drive 0.2 m/s, back off 80 mm and turn by 90 degrees; the first bumps after 2.08 m
+    assert "const Kind KINDS[] PROGMEM = {\n  { 200,  80,   900, 1 },  // 0\n};" in text
+    assert "{   0,  10400,  12500 },  // 0: from (0.25, 0.25) 2.00 m towards 0" in text
     assert "4 legs; those from 0 on for ever, 45.0 s a round" in text
     assert "const uint32_t LOOP_MS = 45000;" in text
+    assert "const uint16_t LOOP_REST = 0;" in text
     assert "@" not in text
     assert max(map(len, text.splitlines())) <= 120
 
@@ -107,9 +113,21 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_way_too_long_for_an_uno_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(create2_sketch, "MOST_LEGS", 5)
-    with pytest.raises(PlanError, match="its way has 17 legs; an Arduino Uno has room for 5"):
+    monkeypatch.setattr(create2_sketch, "MOST_BYTES", 150)
+    with pytest.raises(
+        PlanError, match=r"its way has 17 legs, which take 1\d\d bytes; an Arduino Uno has room for 150"
+    ):
         sketch_texts(hall_plan())
+
+
+def test_rounds_of_all_robots_keep_together_to_a_millionth_of_a_millisecond() -> None:
+    """A round of 14 steps of 0.5 m at 0.23 m/s is 30434.7826... ms: what is left over adds up."""
+    (text,) = sketch_texts(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.23, headings=4))
+    (drive_of,) = drives_of(bounced_plan(ROOM, ((0, 0, 0),), turn=2, speed_m_s=0.23, headings=4))
+    loop_ms, rest = (int(text.split(f"{name} = ")[1].split(";")[0]) for name in ("LOOP_MS", "LOOP_REST"))
+    assert loop_ms + rest / 65536 == pytest.approx(drive_of.loop_s * 1e3, abs=1e-5)
+    lasts_ms = [int(line.split(",")[2].split("}")[0]) for line in text.splitlines() if " m towards " in line]
+    assert sum(lasts_ms) == loop_ms
 
 
 # ---------------------------------------------------------------- for real
@@ -161,7 +179,77 @@ def test_late_bumps_and_inexact_turns_lead_astray(hall: Desk) -> None:
     (driven,) = drive(hall, 36.0, Faults(late_bump_s=0.1, turn_error=0.05, slides=True, seed=1))
     off_m = off_plan_m(hall, 0, driven)[1]
     assert off_m.max() > 0.02
-    assert driven.turns[-1] >= len(off_m)  # but it bounces on
+    assert driven.turns[-1] >= 3  # but it bounces on, until it is lost
+
+
+def still_after(driven: Driven, time_s: float) -> bool:
+    """Whether the robot stands for good from then on, on the plan's clock."""
+    after = driven.places_m[driven.times_s > time_s]
+    return len(after) > 1 and bool((after == after[0]).all())
+
+
+@needs_tools
+def test_an_open_door_leaves_it_lost_and_it_stops(hall: Desk) -> None:
+    """Without walls nothing ends a leg: 0.1 m and a twentieth of the way beyond the bump it stops for good."""
+    leg = hall.drives[0].legs[0]
+
+    def walls_gone(_: float, robots: list[Create2]) -> None:
+        robots[0].walls = LineString([(90, 90), (91, 90)])
+
+    (driven,) = drive(hall, 30.0, on_tick=walls_gone)
+    gone_m = float(np.linalg.norm(driven.places_m[-1] - driven.places_m[0]))
+    due_m = leg.length_m + leg.ahead_m
+    assert due_m < gone_m < due_m * 1.05 + 0.1 + 0.02
+    assert still_after(driven, 25.0)
+
+
+@needs_tools
+def test_a_post_in_the_way_leaves_it_lost_and_it_stops(hall: Desk) -> None:
+    """It stands halfway along the first leg: the bump comes a metre early."""
+    leg = hall.drives[0].legs[0]
+    ahead = np.array([math.cos(leg.heading_rad), math.sin(leg.heading_rad)])
+
+    def post(_: float, robots: list[Create2]) -> None:
+        middle = leg.start_m + ahead * (leg.length_m / 2 + 0.17)
+        walls = union_all([robots[0].walls, Point(middle).buffer(0.01).exterior])
+        if robots[0].ticks <= 1:
+            robots[0].walls = walls
+
+    (driven,) = drive(hall, 20.0, on_tick=post)
+    assert np.linalg.norm(driven.places_m[-1] - driven.places_m[0]) < leg.length_m / 2
+    assert driven.turns[-1] == 0
+    assert still_after(driven, 15.0)
+
+
+@needs_tools
+@pytest.mark.parametrize("what", ["clean", "overcurrent"])
+def test_its_button_and_wheels_that_are_stuck_stop_it_for_good(hall: Desk, what: str) -> None:
+    def on_tick(time_s: float, robots: list[Create2]) -> None:
+        setattr(robots[0], what, 1.0 < time_s < 2.0)
+
+    (driven,) = drive(hall, 4.0, on_tick=on_tick)
+    assert still_after(driven, 1.7)
+    assert not still_after(driven, 0.5)
+
+
+@needs_tools
+def test_an_overcurrent_for_a_moment_stops_nothing(hall: Desk) -> None:
+    def on_tick(time_s: float, robots: list[Create2]) -> None:
+        robots[0].overcurrent = 1.0 < time_s < 1.3
+
+    assert not still_after(drive(hall, 4.0, on_tick=on_tick)[0], 2.0)
+
+
+@needs_tools
+def test_a_robot_that_missed_the_start_does_not_begin_with_a_later_pulse(hall: Desk, tmp_path: Path) -> None:
+    """It hears the second pulse of the start alone, or one that sets clocks: neither is a start."""
+    desk = with_signal(hall, 5000, tmp_path)
+
+    def late(time_s: float) -> bool:
+        return 6.6 <= time_s < 6.66 or (time_s >= 11.0 and (time_s - 11.0) % 5.0 < 0.06)
+
+    with pytest.raises(RuntimeError, match="a robot has not begun to move"):
+        drive(desk, 6.0, signal=late)
 
 
 def with_signal(desk: Desk, every_ms: int, folder: Path) -> Desk:
@@ -190,7 +278,7 @@ def test_clocks_that_drift_are_set_by_a_common_pulse(tmp_path: Path) -> None:
         desk = with_signal(hall, every_ms, folder)
 
         def pulse(time_s: float) -> bool:
-            return time_s >= 6.0 and (time_s - 6.0) % 5.0 < 0.06
+            return 6.6 <= time_s < 6.66 or (time_s >= 6.0 and (time_s - 6.0) % 5.0 < 0.06)
 
         fast, slow = (drive(desk, 15.0, rates=(rate,), signal=pulse)[0] for rate in (1.03, 0.97))
         second_legs = []
@@ -243,8 +331,10 @@ def compile_text(text: str, folder: Path) -> Path:
 @needs_tools
 def test_the_longest_way_fits_into_an_uno(tmp_path: Path, hall: Desk) -> None:
     """32,256 bytes are free beside the boot loader."""
-    row = "  { 140, UNTIL_BUMP, 113, -1350, 1234567 },\n"
+    row = "  { 0, 123456, 1234567 },\n"
     text = hall.firmware[0].with_suffix(".ino").read_text()
     begin = text.index("const Leg LEGS[] PROGMEM = {\n") + len("const Leg LEGS[] PROGMEM = {\n")
-    longest = text[:begin] + row * create2_sketch.MOST_LEGS + text[text.index("};\nconst uint16_t LEG_COUNT") :]
-    assert 25_000 < flash_bytes(compile_text(longest, tmp_path)) < 32_256
+    rows = row * (create2_sketch.MOST_BYTES // create2_sketch.LEG_BYTES)
+    longest = text[:begin] + rows + text[text.index("};\nconst uint16_t LEG_COUNT") :]
+    assert 30_000 < flash_bytes(compile_text(longest, tmp_path)) < 32_256
+    assert create2_sketch.MOST_BYTES // create2_sketch.LEG_BYTES > 3_000

@@ -20,6 +20,9 @@
 //   a button or receiver for all robots -> pin 3 (SIGNAL_PIN), to ground; may be left out
 //   pin 1 or 2  battery   -> 9 V regulator -> VIN; never straight to the Arduino: it is up to 20 V
 // Unplug pins 0 and 1 while you upload. The LED on the Arduino is lit while all is well and blinks after a stop.
+//
+// It stops for good over a cliff, when it is lifted, when its wheels are stuck, when CLEAN is pressed on the robot,
+// when the robot falls silent, and when it is lost: a bump came too early or not in time, or it is late for its plan.
 
 #include <Arduino.h>
 #include <avr/pgmspace.h>
@@ -37,12 +40,21 @@ const unsigned long BAUD = 115200;        // the Create 2's own rate after power
 const uint8_t WAKE_PIN = 2;               // to BRC: a low pulse wakes the robot
 
 // All robots must begin at the same moment. With false they count from the moment at which they are switched on, so one
-// switch must do for all. With true each waits, once its robot answers, for SIGNAL_PIN to be drawn to ground; later
-// pulses, of 50 ms or more, every SIGNAL_EVERY_MS, set its clock again.
+// switch must do for all. With true each waits, once its robot answers, for SIGNAL_PIN to be drawn to ground twice, for
+// 50 ms or more, the second time SECOND_PULSE_MS after the first, or half of that sooner or later. Later pulses, single
+// ones every SIGNAL_EVERY_MS, set its clock again. Whoever hears a single one first has missed the start, and stops.
 const bool WAIT_FOR_SIGNAL = false;
 const uint8_t SIGNAL_PIN = 3;
+const unsigned long SECOND_PULSE_MS = 600;
 const unsigned long POWER_ON_TO_START_MS = 10000;  // hands off by then; a robot that wakes up later does not begin
 const unsigned long SIGNAL_TO_START_MS = 3000;
+
+// How far from where it is due a bump may come, beside a share of 1 / LOST_SHARE of the way; and how late for its plan
+// the robot may be. What is beyond is not this plan any more: something stands in the way, or a door is open.
+const uint16_t LOST_MM = 100;
+const uint8_t LOST_SHARE = 20;
+const unsigned long LATE_MS = 300;
+const unsigned long STUCK_MS = 500;  // for so long too much current for a wheel
 
 // ---------------------------------------------------------------- the plan
 
@@ -50,14 +62,22 @@ const int16_t BACK_OFF_MM_S = @BACK_OFF_MM_S@;  // speed while backing off
 const int16_t TURN_MM_S = @TURN_MM_S@;      // speed of each wheel while turning in place
 const float WHEEL_BASE_MM = 235.0;    // from wheel to wheel
 
-const uint32_t UNTIL_BUMP = 0xFFFFFFFF;
-
-struct Leg {
+// What many legs have in common.
+struct __attribute__((packed)) Kind {
   int16_t speedMmS;     // forward
-  uint32_t driveMs;     // for so long, or UNTIL_BUMP
   uint16_t backOffMm;   // after a bump
   int16_t turnTenths;   // of a degree, to the left
-  uint32_t nextMs;      // when the next leg begins, on the plan's clock
+  uint8_t bumps;        // a bump ends it; otherwise the clock does
+};
+
+const Kind KINDS[] PROGMEM = {
+@KINDS@
+};
+
+struct __attribute__((packed)) Leg {
+  uint16_t kind;
+  uint32_t driveMs : 24;  // for so long, or until the bump, which is due then
+  uint32_t lastsMs : 24;  // from its beginning to that of the next one, on the plan's clock
 };
 
 const Leg LEGS[] PROGMEM = {
@@ -66,7 +86,8 @@ const Leg LEGS[] PROGMEM = {
 const uint16_t LEG_COUNT = sizeof(LEGS) / sizeof(LEGS[0]);
 const bool LOOPS = @LOOPS@;          // after the last leg: on with leg LOOP_FROM, or stop
 const uint16_t LOOP_FROM = @LOOP_FROM@;
-const uint32_t LOOP_MS = @LOOP_MS@;    // one round
+const uint32_t LOOP_MS = @LOOP_MS@;    // one round, all its legs together,
+const uint16_t LOOP_REST = @LOOP_REST@;    // and so many 65,536ths of a millisecond, which add up
 const uint32_t FIRST_MS = @FIRST_MS@;     // when the first leg begins
 const uint32_t SIGNAL_EVERY_MS = @SIGNAL_EVERY_MS@;  // a pulse that sets all clocks; 0: only the first one counts
 
@@ -90,16 +111,22 @@ void stopWheels() {
 
 // Every 15 ms: 19, number of bytes, then packet and value in turn, then a byte that makes the sum 0.
 const uint8_t STREAM_HEADER = 19;
-const uint8_t PACKETS[] = { 7, 9, 10, 11, 12 };  // bumps and wheel drops; cliff left, front left, front right, right
+// bumps and wheel drops; cliff left, front left, front right, right; overcurrents of motors; buttons
+const uint8_t PACKETS[] = { 7, 9, 10, 11, 12, 14, 18 };
+const uint8_t LAST_CLIFF = 4;  // its place among the packets
 const uint8_t PACKET_COUNT = sizeof(PACKETS);
 const uint8_t FRAME_BYTES = 2 + 2 * PACKET_COUNT + 1;
 const uint8_t BUMPS = 0b0011, WHEEL_DROPS = 0b1100;  // bits of packet 7
+const uint8_t WHEEL_OVERCURRENTS = 0b11000;          // of packet 14
+const uint8_t CLEAN_BUTTON = 0b1;                    // of packet 18
 
 const unsigned long SILENCE_MS = 500;  // without a frame for so long: stop
 
 uint8_t lastBytes[FRAME_BYTES];  // as received, the newest last
 bool bumped = false;
 bool inDanger = false;  // over a cliff, or lifted
+bool mustStop = false;  // wheels stuck, or CLEAN pressed
+unsigned long freeMs = 0;  // when the wheels last had no overcurrent
 unsigned long lastFrameMs = 0;
 bool heard = false;  // since the start
 
@@ -119,10 +146,12 @@ void takeFrame() {
   const uint8_t bumpsAndDrops = lastBytes[3];
   bumped = bumpsAndDrops & BUMPS;
   inDanger = bumpsAndDrops & WHEEL_DROPS;
-  for (uint8_t i = 1; i < PACKET_COUNT; i++) {
+  for (uint8_t i = 1; i <= LAST_CLIFF; i++) {
     if (lastBytes[3 + 2 * i]) inDanger = true;
   }
   lastFrameMs = millis();
+  if (!(lastBytes[3 + 2 * (LAST_CLIFF + 1)] & WHEEL_OVERCURRENTS)) freeMs = lastFrameMs;
+  if (lastFrameMs - freeMs > STUCK_MS || lastBytes[3 + 2 * (LAST_CLIFF + 2)] & CLEAN_BUTTON) mustStop = true;
   heard = true;
 }
 
@@ -174,7 +203,7 @@ void heedSignal() {
 // Reads the robot, and stops where it must not go on.
 void guard() {
   readRobot();
-  if (inDanger || millis() - lastFrameMs > SILENCE_MS) stopForGood();
+  if (inDanger || mustStop || millis() - lastFrameMs > SILENCE_MS) stopForGood();
 }
 
 // To be called all the time.
@@ -196,14 +225,21 @@ void keepOn(uint32_t beganUs, uint32_t durationUs) {
   }
 }
 
-// Straight on, until it bumps or the time is up. True: it bumped.
-bool driveOn(int16_t speedMmS, uint32_t driveMs) {
+// Straight on, until it bumps or the time is up. True: it bumped. A bump much sooner than driveMs, or none when one is
+// due, means that the robot is not where it should be.
+bool driveOn(int16_t speedMmS, uint32_t driveMs, bool bumps) {
   const unsigned long beganMs = millis();
+  const uint32_t offMs = LOST_MM * 1000UL / speedMmS + driveMs / LOST_SHARE;
   drive(speedMmS, speedMmS);
   while (true) {
     watch();
-    if (bumped) return true;
-    if (driveMs != UNTIL_BUMP && millis() - beganMs >= driveMs) return false;
+    const uint32_t goneMs = millis() - beganMs;
+    if (bumped) {
+      if (goneMs + offMs < driveMs) stopForGood();
+      return true;
+    }
+    if (!bumps && goneMs >= driveMs) return false;
+    if (goneMs > driveMs + offMs) stopForGood();
     doze();
   }
 }
@@ -224,8 +260,9 @@ void turn(int16_t tenths) {
   keepOn(beganUs, wayMm * 1000000.0 / TURN_MM_S);
 }
 
-// On the plan's clock, which a pulse may set meanwhile.
+// On the plan's clock, which a pulse may set meanwhile. Too late already: lost.
 void waitUntil(uint32_t planMs) {
+  if (long(millis() - clockZeroMs - planMs) > long(LATE_MS)) stopForGood();
   while (long(clockZeroMs + planMs - millis()) > 0) {
     watch();
     doze();
@@ -264,14 +301,23 @@ void setClock() {
   clockZeroMs = POWER_ON_TO_START_MS;
   if (WAIT_FOR_SIGNAL) {
     while (!signalBegins()) guard();
-    clockZeroMs = millis() + SIGNAL_TO_START_MS;
-    signalDueMs = millis() + SIGNAL_EVERY_MS;
+    const unsigned long firstMs = millis();
+    unsigned long sinceMs = 0;
+    do {  // contacts bounce sooner
+      guard();
+      sinceMs = millis() - firstMs;
+      if (sinceMs > SECOND_PULSE_MS * 3 / 2) stopForGood();  // the start was missed: this was a later pulse
+    } while (!signalBegins() || sinceMs < SECOND_PULSE_MS / 2);
+    clockZeroMs = firstMs + SIGNAL_TO_START_MS;
+    signalDueMs = firstMs + SIGNAL_EVERY_MS;
   } else if (millis() > POWER_ON_TO_START_MS) {
     stopForGood();
   }
 }
 
 uint16_t number = 0;  // of the leg
+uint32_t nextMs = FIRST_MS;  // when the leg after it begins, on the plan's clock
+uint16_t rest = 0;  // of all rounds so far
 
 void setup() {
   pinMode(LED_BUILTIN, OUTPUT);
@@ -286,17 +332,24 @@ void setup() {
 
 void loop() {
   Leg leg;
+  Kind kind;
   memcpy_P(&leg, &LEGS[number], sizeof(leg));
+  memcpy_P(&kind, &KINDS[leg.kind], sizeof(kind));
 
-  if (driveOn(leg.speedMmS, leg.driveMs)) backOff(leg.backOffMm);
-  turn(leg.turnTenths);
+  if (driveOn(kind.speedMmS, leg.driveMs, kind.bumps)) backOff(kind.backOffMm);
+  turn(kind.turnTenths);
   stopWheels();
-  waitUntil(leg.nextMs);
+  nextMs += leg.lastsMs;
+  waitUntil(nextMs);
 
   number++;
   if (number == LEG_COUNT) {
     if (!LOOPS) stopForGood();
     number = LOOP_FROM;
+    nextMs -= LOOP_MS;  // the clock goes on instead, so that it never runs over
     clockZeroMs += LOOP_MS;
+    const uint16_t before = rest;
+    rest += LOOP_REST;
+    if (rest < before) clockZeroMs++;
   }
 }

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from rota.errors import PlanError, RotaError
@@ -17,7 +18,9 @@ from rota.files.atomic_write import require_short_names, require_writable_folder
 from rota.files.create2_legs import BACK_OFF_SPEED_M_S, MOST_SLOWING, Drive, Leg, drives_of
 from rota.plan import Plan, Trajectory
 
-MOST_LEGS = 1800  # of 14 bytes each; with the program they fill the 32 kB of an Uno
+LEG_BYTES, KIND_BYTES = 8, 7
+MOST_BYTES = 25_200  # of legs and their kinds; with the program they fill the 32 kB of an Uno
+LONGEST_MS = (1 << 24) - 1  # of a leg
 _FRAME = Path(__file__).with_name("create2_sketch.ino")
 
 
@@ -55,10 +58,14 @@ def sketch_texts(plan: Plan, *, most_slowing: float = MOST_SLOWING) -> tuple[str
 
 
 def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
-    if len(drive.legs) > MOST_LEGS:
+    kinds = {kind: number for number, kind in enumerate(dict.fromkeys(_kind(leg) for leg in drive.legs))}
+    needed = LEG_BYTES * len(drive.legs) + KIND_BYTES * len(kinds)
+    if needed > MOST_BYTES:
         raise PlanError(
-            f"robot {trajectory.robot}: its way has {len(drive.legs)} legs; an Arduino Uno has room for {MOST_LEGS}"
+            f"robot {trajectory.robot}: its way has {len(drive.legs):,} legs, which take {needed:,} bytes; an Arduino"
+            f" Uno has room for {MOST_BYTES:,}"
         )
+    first_ms, loop_ms = round(drive.first_s * 1e3), math.floor(drive.loop_s * 1e3)
     first = drive.legs[0]
     others = ", ".join(other.robot for other in plan.trajectories if other is not trajectory)
     together = f"{others}; all must begin at the same moment, the plan relies on it" if others else "none"
@@ -71,11 +78,13 @@ def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
         "OTHERS": _one_line(together),
         "BACK_OFF_MM_S": str(round(BACK_OFF_SPEED_M_S * 1e3)),
         "TURN_MM_S": str(round(drive.turn_speed_m_s * 1e3)),
-        "LEGS": "\n".join(_row(k, leg) for k, leg in enumerate(drive.legs)),
+        "KINDS": "\n".join(f"  {{ {kind} }},  // {number}" for kind, number in kinds.items()),
+        "LEGS": "\n".join(_rows(trajectory.robot, drive, kinds, first_ms, loop_ms)),
         "LOOPS": "false" if drive.loop_from is None else "true",
         "LOOP_FROM": str(drive.loop_from or 0),
-        "LOOP_MS": str(round(drive.loop_s * 1e3)),
-        "FIRST_MS": str(round(drive.first_s * 1e3)),
+        "LOOP_MS": str(loop_ms),
+        "LOOP_REST": str(min(round((drive.loop_s * 1e3 - loop_ms) * 65536), 65535)),
+        "FIRST_MS": str(first_ms),
         "SIGNAL_EVERY_MS": str(round((plan.mission.bouncing.clock_signal_s or 0.0) * 1e3)),
     }
     text = _FRAME.read_text(encoding="utf-8")
@@ -87,14 +96,25 @@ def _one_line(text: str) -> str:
     return "".join(mark if mark.isprintable() and mark != "\\" else "_" for mark in text)
 
 
-def _row(number: int, leg: Leg) -> str:
-    drive = "UNTIL_BUMP" if leg.bumps else str(round(leg.drive_s * 1e3))
-    values = (
-        f"{round(leg.speed_m_s * 1e3):3d}, {drive:>10}, {round(leg.back_off_m * 1e3):3d},"
-        f" {round(math.degrees(leg.turn_rad) * 10):5d}, {round(leg.next_s * 1e3):7d}"
-    )
-    where = f"({leg.start_m[0]:.2f}, {leg.start_m[1]:.2f})"
-    return f"  {{ {values} }},  // {number}: from {where} {leg.length_m:.2f} m towards {_degrees(leg.heading_rad):g}"
+def _kind(leg: Leg) -> str:
+    """Speed, way back, turn, and whether a bump ends it, as the table of kinds has them."""
+    turn = round(math.degrees(leg.turn_rad) * 10)
+    return f"{round(leg.speed_m_s * 1e3):3d}, {round(leg.back_off_m * 1e3):3d}, {turn:5d}, {int(leg.bumps)}"
+
+
+def _rows(robot: str, drive: Drive, kinds: dict[str, int], first_ms: int, loop_ms: int) -> Iterator[str]:
+    """A row for each leg. What legs last adds up to their times in whole milliseconds, and to that of the round."""
+    begins_ms = [first_ms, *(round(leg.next_s * 1e3) for leg in drive.legs)]
+    if drive.loop_from is not None:
+        begins_ms[-1] = begins_ms[drive.loop_from] + loop_ms
+    for number, leg in enumerate(drive.legs):
+        due_ms = round((leg.length_m + leg.ahead_m if leg.bumps else leg.length_m) / leg.speed_m_s * 1e3)
+        lasts_ms = begins_ms[number + 1] - begins_ms[number]
+        if max(due_ms, lasts_ms) > LONGEST_MS:
+            raise PlanError(f"robot {robot}: leg {number} lasts {lasts_ms / 1e3:.6g} s, and 16777 s are the most")
+        where = f"({leg.start_m[0]:.2f}, {leg.start_m[1]:.2f})"
+        values = f"{kinds[_kind(leg)]:3d}, {due_ms:6d}, {lasts_ms:6d}"
+        yield f"  {{ {values} }},  // {number}: from {where} {leg.length_m:.2f} m towards {_degrees(leg.heading_rad):g}"
 
 
 def _degrees(heading_rad: float) -> float:
