@@ -22,7 +22,7 @@ PATROL_STAGES = [
     ["repair", "tight_corners"],
     ["shortening"],
     ["methods"],
-    ["planner", "compile_ahead"],
+    ["planner", "compile_ahead", "left_out", "pockets"],
 ]
 METHOD_STAGES = [
     ["method"],

@@ -101,6 +101,10 @@ class Planner(ABC):
         """The mission's robots as processes of their own; MissionError for robots that do not decide for themselves."""
         raise MissionError(f"planner: {self.settings.planner} is not allowed; only robots of a swarm decide themselves")
 
+    def left_out(self, mission: Mission) -> str | None:
+        """What any plan leaves out of what the mission asks, told before planning; None: nothing, or not known."""
+        return None
+
     def long_work(self, mission: Mission) -> Iterator[str]:
         """What makes planning this mission long, each with a rough estimate."""
         yield from ()

@@ -36,7 +36,7 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
             faults.append(("fleet.start.box", "lies outside the area or in obstacles; must overlap the free space"))
     widest_m = max((robot.body_radius_m for robot in fleet.robots or ()), default=fleet.body_radius_m)
     for k, entrance in enumerate(fleet.entrances or ()):
-        wrong = _standing_fault(entrance, widest_m, area, blocking) or _stuck(entrance, widest_m, area, blocking)
+        wrong = entrance_fault(entrance, widest_m, area, blocking)
         if wrong is not None:
             faults.append((f"fleet.entrances[{k}]", f"[{entrance[0]:.9g}, {entrance[1]:.9g}] {wrong}"))
     for k, robot in enumerate(fleet.robots or ()):
@@ -55,6 +55,14 @@ def start_faults(area: MultiPolygon, blocking: Sequence[MultiPolygon], fleet: Fl
         if len(faults) == MOST_START_FAULTS:
             break
     return faults
+
+
+def entrance_fault(
+    place_m: Place, body_radius_m: float, area: MultiPolygon, blocking: Sequence[MultiPolygon]
+) -> str | None:
+    """Why a body cannot come in there: it does not fit, or has no way on; None when it can."""
+    wrong = _standing_fault(place_m, body_radius_m, area, blocking)
+    return wrong or _stuck(place_m, body_radius_m, area, blocking)
 
 
 def _doubtful(

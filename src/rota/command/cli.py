@@ -123,6 +123,8 @@ def plan(
     checkpoint = None if resume is None else read_checkpoint(resume)
     seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
     with compiled_first(planner, packages), cluster_or_none(cluster) as executor:
+        if (left_out := planner.left_out(asked)) is not None:
+            say(left_out)
         code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics, executor)
     raise typer.Exit(code)
 

@@ -47,7 +47,8 @@ fleet:
   turn_radius_m: 0                   # wings and fast multirotors: turns are arcs of this radius or more
   altitude_m: 30                     # for exports
   start: null                        # {box: [[0, 0], [5, 5]]} or {points: [[1, 1], [2, 1]]}; null: anywhere
-  entrances: null                    # [[2, 2]]: robots are only where they can come to from there; null: anywhere
+  # entrances: [[2, 2]]              # robots are only where they can come to from there; without it anywhere, and on
+                                     # a ROS map where they can come to from inside; null: anywhere there, too
 
 # What nobody can see from anywhere a robot can stand: exclude it and say so, or refuse the mission.
 unseeable: exclude

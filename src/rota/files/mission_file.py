@@ -16,7 +16,7 @@ from rota.errors import MissionError
 from rota.files.local_file import read_text
 from rota.files.mission_ground import Ground, read_ground
 from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock, mission_file_type
-from rota.files.mission_starts import fleet_at_its_starts, moving_obstacles
+from rota.files.mission_starts import fleet_at_its_starts, moved_in, moving_obstacles
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Document, Place, parse_text
@@ -117,7 +117,7 @@ def judge_document(document: Document, folder: Path, *, confine: bool) -> Judged
         mission = _mission(file, ground)
     except MissionError as error:
         return JudgedDocument(None, ground, [], error.faults, warnings)
-    return JudgedDocument(mission, ground, [], (), [*warnings, *_blind(mission)])
+    return JudgedDocument(mission, ground, [], (), [*warnings, *_blind(mission), *moved_in(mission, file)])
 
 
 def _blind(mission: Mission) -> list[Fault]:

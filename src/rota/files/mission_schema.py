@@ -161,7 +161,8 @@ class FleetBlock(Block):
     entrances: list[Point] | None = Field(
         None,
         min_length=1,
-        description="robots are only where their bodies can come to from one of these; null: anywhere",
+        description="robots are only where their bodies can come to from one of these; null: anywhere; absent:"
+        " anywhere, and on a ROS map where they can come to from inside or from their starts",
     )
 
     @classmethod

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
+from shapely import MultiPolygon
+
 from rota.errors import MissionError
 from rota.files.geodesy import Projection
+from rota.files.map_entrances import entrances_on_map
 from rota.files.mission_ground import Ground
 from rota.files.mission_schema import FleetBlock, MissionFile
 from rota.files.schema_faults import Fault
+from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Place
-from rota.mission import Fleet, MovingObstacle, StartBox, StartPoints, start_faults
+from rota.mission import Fleet, Mission, MovingObstacle, StartBox, StartPoints, start_faults
+from rota.planner import planner_named
 
 START: Place = ("fleet", "start")
 ENTRANCES: Place = ("fleet", "entrances")
@@ -38,15 +44,24 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
         else:
             placed, where = _placed_robots(fleet, block, to_metres)
         placed = replace(placed, entrances=_entrances(block, to_metres))
+        if (inside := _inside(file)) is not None:
+            placed = replace(placed, entrances=entrances_on_map(inside, placed, ground.area, _blocking(ground)))
     except _Misplaced as error:
         return fleet, error.faults
-    faults = start_faults(
-        ground.area, [obstacle.shape for obstacle in ground.obstacles if obstacle.blocks_motion], placed
-    )
+    faults = start_faults(ground.area, _blocking(ground), placed)
     if faults:
         where |= {f"fleet.entrances[{k}]": (*ENTRANCES, k) for k in range(len(placed.entrances or ()))}
         return fleet, [Fault(where[field], message) for field, message in faults]
     return placed, []
+
+
+def moved_in(mission: Mission, file: MissionFile) -> list[Fault]:
+    """A warning where no body fits at the point inside a map, so that robots come in elsewhere."""
+    inside, entrances = _inside(file), mission.fleet.entrances
+    if inside is None or entrances is None or entrances[0] == inside:
+        return []
+    (x, y), away_m = entrances[0], math.dist(inside, entrances[0])
+    return [Fault(("area", "inside"), f"no body fits there; robots come in at [{x:.6g}, {y:.6g}], {away_m:.3g} m away")]
 
 
 def moving_obstacles(file: MissionFile, ground: Ground) -> tuple[MovingObstacle, ...]:
@@ -61,6 +76,18 @@ def moving_obstacles(file: MissionFile, ground: Ground) -> tuple[MovingObstacle,
             raise MissionError(*(f"moving_obstacles[{k}]: {fault.message}" for fault in error.faults)) from None
         moving.append(MovingObstacle(radius_m=block.radius_m, times_s=tuple(block.times_s), positions_m=positions))
     return tuple(moving)
+
+
+def _inside(file: MissionFile) -> tuple[float, float] | None:
+    """The point in a map at which robots come in; None where there is no map, or the fleet says where they may be."""
+    is_told = "entrances" in file.fleet.model_fields_set
+    heeded = planner_named(file.planner).settings.heeds_entrances
+    return file.area.inside if isinstance(file.area, AreaBlock) and heeded and not is_told else None
+
+
+def _blocking(ground: Ground) -> list[MultiPolygon]:
+    """The shapes of what blocks motion."""
+    return [obstacle.shape for obstacle in ground.obstacles if obstacle.blocks_motion]
 
 
 class _Misplaced(Exception):  # noqa: N818 (the reader of the starts catches it)

@@ -32,14 +32,16 @@ class PatrolPlanner(Planner):
         return Answer(plan=plan)
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
-        """The table of robots and loops, then robots against the bound, its reason, the worst gap and the way there."""
+        """The table of robots and loops, then robots against the bound, why, the worst gap, the way there, pockets."""
         from rota.plan_summary import approach_sentence, bound_sentence, ratio_sentence, robots_sentence, robots_table
+        from rota.planners.patrol.pockets import pockets_sentence
 
         plan = answer.plan
         if report.demands:
             yield robots_table(plan)
         yield from answer.facts
         yield from (robots_sentence(plan), bound_sentence(plan), ratio_sentence(plan, report), approach_sentence(plan))
+        yield pockets_sentence(plan)
 
     def proved_bound(self, mission: Mission) -> tuple[int, str]:
         """The highest of the bounds of ``bounds/``, for the mission as it is asked."""
@@ -72,6 +74,12 @@ class PatrolPlanner(Planner):
             fleet=Fleet(speed_m_s=5, sensor=DiscSensor(radius_m=5)),
             planning=PatrolSettings(effort="quick", method="sun2019" if "sun2019" in methods else "sequential"),
         )
+
+    def left_out(self, mission: Mission) -> str | None:
+        """Ground that nobody can see from where robots can be."""
+        from rota.planners.patrol.left_out import left_out_sentence
+
+        return left_out_sentence(mission)
 
     def long_work(self, mission: Mission) -> Iterator[str]:
         """Large ground, many robots, many corners and slow turning."""

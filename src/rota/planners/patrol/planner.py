@@ -195,13 +195,12 @@ def prove_nothing(problem: Problem) -> ProvedBound:
 def what_helps(mission: Mission, verdict: Verdict) -> str:
     """What to do where a place of a scanned floor was never seen, with that place; nothing to say elsewhere."""
     worst = never_seen(verdict)
-    if worst is None or not has_many_corners(mission) or mission.fleet.entrances is not None:
+    if worst is None or not has_many_corners(mission):
         return ""
     x, y = verdict.shown_unmet_m[verdict.shown_unmet_demand == worst][0]
-    return (
-        f"; ({x:.2f}, {y:.2f}) is never seen: on a scanned floor fleet.entrances leaves out what is seen only from"
-        " pockets, and close_gaps_m of the map leaves out nooks"
-    )
+    anywhere = mission.fleet.entrances is None
+    pockets = "fleet.entrances leaves out what is seen only from pockets, and " if anywhere else ""
+    return f"; ({x:.2f}, {y:.2f}) is never seen: on a scanned floor {pockets}close_gaps_m of the map leaves out nooks"
 
 
 def bound_of(plan: Plan) -> ProvedBound:

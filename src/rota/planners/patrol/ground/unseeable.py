@@ -25,6 +25,7 @@ HAIR = 5e-4  # of the reach: ground beyond it that is not as wide is rounding of
 LOOKS = 300  # pieces that are looked at for what walls hide: for a guess
 ROUNDS = 3  # in which the edge of that is looked at more closely, for a figure
 UNSURE = 0.6  # of what is allowed: a guess below it will do
+MOST_TOLD = 5  # places
 FEW_WALLS = 2_000  # ground that is clear of them all is soon worked out
 
 
@@ -41,7 +42,7 @@ def refuse_much_unseeable(mission: Mission, regions: tuple[DemandedRegion, ...],
     sight: from where robots surely come to. What is out of range is known to the last digit; what walls hide is
     counted in pieces, first in few.
     """
-    asked = _asked(regions)
+    asked = all_asked(regions)
     far, allowed_m2 = out_of_range(asked, sight), MOST_EXCLUDED * asked.area
     is_refused = mission.unseeable == "refuse" and not far.is_empty
     hidable = _hidable(asked, sight, allowed_m2 - far.area)
@@ -61,8 +62,8 @@ def refuse_unseeable(
     """Raise NoPlanFound when nobody can see some of the points, and the mission refuses that; they are told."""
     if mission.unseeable != "refuse" or not len(hopeless):
         return
-    asked = _asked(regions)
-    found = _both(out_of_range(asked, sight), hidden_ground(_hidable(asked, sight), sight, LOOKS, ROUNDS))
+    asked = all_asked(regions)
+    found = unseeable_ground(asked, sight)
     if found.shape.is_empty:
         round_m = 1e-9 + np.sqrt(points.area_m2[hopeless]) / 2
         found = found._replace(shape=shapely.union_all(shapely.buffer(shapely.points(points.xy_m[hopeless]), round_m)))
@@ -106,12 +107,18 @@ def _are_hidden(pieces: NDArray[np.object_], sight: Sight) -> NDArray[np.bool_]:
     return np.asarray(ranges_m > inner_reach_m(sight.robot.sensor))
 
 
+def unseeable_ground(asked: BaseGeometry, sight: Sight) -> Unseeable:
+    """What nobody sees of the ground that is asked for: all that is out of range, and what walls hide."""
+    hidable = _hidable(asked, sight)
+    return _both(out_of_range(asked, sight), hidden_ground(hidable, sight, LOOKS, ROUNDS))
+
+
 def _both(far: BaseGeometry, hidden: Unseeable) -> Unseeable:
     """What is out of range and what is hidden."""
     return Unseeable(shapely.union_all([far, hidden.shape]), float(far.area) + hidden.m2)
 
 
-def _asked(regions: tuple[DemandedRegion, ...]) -> BaseGeometry:
+def all_asked(regions: tuple[DemandedRegion, ...]) -> BaseGeometry:
     """All ground of which every point must be seen."""
     return shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
 
@@ -165,19 +172,24 @@ def _parts(shape: BaseGeometry) -> list[BaseGeometry]:
     return [part for part in shapely.get_parts(shapely.get_parts(np.atleast_1d(shape))) if part.geom_type == "Polygon"]
 
 
-def _refusal(mission: Mission, found: Unseeable, asked_m2: float) -> str:
-    """How much nobody sees, where, what is allowed, and what to do about it."""
-    parts = sorted(_parts(found.shape), key=lambda part: -float(part.area))[:5]
+def in_words(mission: Mission, found: Unseeable, asked_m2: float) -> str:
+    """How much of what is asked nobody sees, and where."""
+    parts = sorted(_parts(found.shape), key=lambda part: -float(part.area))[:MOST_TOLD]
     middles = [part.point_on_surface() for part in parts]
     places = ", ".join(f"({middle.x:.2f}, {middle.y:.2f})" for middle in middles)
-    entrances = mission.fleet.entrances
-    where = "a robot can stand" if entrances is None else "a robot can come to from fleet.entrances"
+    where, entrances = "a robot can stand", mission.fleet.entrances
+    if entrances is not None:
+        listed = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in entrances[:MOST_TOLD])
+        more = f" and {len(entrances) - MOST_TOLD} more" if len(entrances) > MOST_TOLD else ""
+        where = f"a robot can come to from fleet.entrances: {listed}{more}"
     lost = f"about {found.m2:.2f} m2 ({found.m2 / asked_m2:.1%}" if found.m2 >= 0.01 else "less than 0.01 m2 (0.0%"
+    return f"{lost} of what is asked) cannot be seen from anywhere {where}, for instance round {places}"
+
+
+def _refusal(mission: Mission, found: Unseeable, asked_m2: float) -> str:
+    """The same, with what is allowed, and what to do about it."""
     allowed = "unseeable: refuse allows none" if mission.unseeable == "refuse" else f"{MOST_EXCLUDED:.0%} is allowed"
-    return (
-        f"{lost} of what is asked) cannot be seen from anywhere {where}, for instance round {places}; {allowed}"
-        f"; {_what_helps(mission, found)}"
-    )
+    return f"{in_words(mission, found, asked_m2)}; {allowed}; {_what_helps(mission, found)}"
 
 
 def _what_helps(mission: Mission, found: Unseeable) -> str:
@@ -192,5 +204,9 @@ def _what_helps(mission: Mission, found: Unseeable) -> str:
             " stands beside that"
         )
     if mission.fleet.entrances is not None:
-        helps.append("a place in each room that robots live in, among fleet.entrances, lets them see that room")
+        helps.append(
+            "robots see rooms that have a place among fleet.entrances, where a ROS map without any has its inside;"
+            " entrances: null lets them be anywhere; close_gaps_m beside map, as wide as bodies, takes rooms behind"
+            " narrower doors out of the area"
+        )
     return "; ".join([*helps, "a zone with period_s: null leaves ground out"])
