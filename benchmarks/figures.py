@@ -25,6 +25,7 @@ from benchmarks.many_robots import many_robots
 from benchmarks.methods import cell, compared
 from benchmarks.missions import DATA, EXAMPLES, example_missions, write_real_mission
 from benchmarks.one_robot import one_robot
+from benchmarks.page_editing import page_editing
 from benchmarks.plan_fuzz import mutated_plans
 from benchmarks.planning import median_run, met_with, peak, plan_and_check, planned_warm, told
 from benchmarks.player import player
@@ -216,6 +217,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "watched-fleet": watched_fleet,
     "web-load": web_load,
     "web-first-plan": first_plan,
+    "page-editing": page_editing,
     "player": player,
     "link-noise": link_noise,
     "sweep": sweeps,

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import httpx
 import pytest
 from playwright.sync_api import expect
 from tests.web.conftest import open_page
-from tests.web.drawing import click_map, draw_two, saved, tool
-from tests.web.planned import newly_planned
+from tests.web.drawing import click_map, document, draw_two, saved, tool
+from tests.web.planned import SMALL, newly_planned
 
 pytestmark = pytest.mark.browser
 
@@ -42,3 +43,35 @@ def test_shapes_stay_on_the_map_when_a_plan_was_looked_at_whatever_is_chosen(wat
         page.locator("#tab-edit").click()
         expect(shapes).to_have_count(drawn)
         saved(page)
+
+
+def test_hundreds_of_obstacles_leave_the_fleet_at_hand(page: Any, page_server: Any) -> None:
+    huts = [
+        {"name": f"hut {k + 1}", "ring": [[x, y], [x + 5, y], [x + 5, y + 5], [x, y + 5]]}
+        for k, (x, y) in enumerate((10 * column + 3, 10 * row + 3) for row in range(15) for column in range(20))
+    ]
+    area = [[0, 0], [200, 0], [200, 150], [0, 150]]
+    with httpx.Client(base_url=page_server.url) as client:
+        asked = {"document": {**SMALL, "name": "huts", "area": area, "obstacles": huts}}
+        mission = client.post("/api/missions", json=asked).raise_for_status().json()["id"]
+    open_page(page, page_server, f"#mission={mission}")
+    expect(page.locator("#shape-list .card")).to_have_count(301)
+    assert page.locator("#panel-edit").evaluate("(panel) => panel.scrollHeight") < 1600
+    # the chosen one is shown in the list
+    page.locator("path.shape-obstacle").nth(250).click(force=True)
+    chosen = page.locator(".card[data-chosen=true]")
+    expect(chosen).to_contain_text("hut 251")
+    inside = "(card) => card.offsetTop - card.parentElement.offsetTop - card.parentElement.scrollTop"
+    assert -5 <= chosen.evaluate(inside) < 300
+    page.get_by_label("Find shapes").fill("hut 29")
+    expect(page.locator("#shape-list .card:visible")).to_have_count(12)  # 29, 290 to 299, and the chosen one
+    page.get_by_role("button", name="Delete hut 29", exact=True).click()
+    assert [hut["name"] for hut in document(page)["obstacles"]] == [
+        hut["name"] for hut in huts if hut["name"] != "hut 29"
+    ]
+    page.get_by_label("Find shapes").fill("")
+    # keys have moved by one: each card still tells of its own shape
+    page.get_by_role("button", name="hut 100", exact=True).click()
+    expect(page.locator(".card[data-chosen=true]")).to_contain_text("hut 100")
+    page.locator(".card[data-chosen=true]").get_by_label("Blocks").select_option("sight")
+    assert [hut["name"] for hut in document(page)["obstacles"] if hut.get("blocks") == "sight"] == ["hut 100"]

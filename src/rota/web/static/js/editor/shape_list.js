@@ -8,6 +8,7 @@ import { pathKey, withValue } from "./paths.js";
 import { isEditable, pointsOf, shapesOf } from "./shapes.js";
 
 const MOST_OPEN_ZONES = 60; // beyond, only the chosen zone shows its fields
+const MANY = 12; // beyond, the list has a scroll bar of its own, and a field to find shapes in it
 
 export class ShapeList extends EventTarget {
   /**
@@ -22,8 +23,12 @@ export class ShapeList extends EventTarget {
     this.chosen = null;
     this.open = new Set();
     this.adding = this.addForm();
-    this.list = el("div", { class: "plain" });
-    section.append(el("h2", {}, "Shapes"), this.list, this.adding);
+    this.list = el("div", { class: "plain shapes" });
+    this.cards = new Map(); // closed cards by their keys, which most edits leave as they are
+    this.count = el("span", { class: "soft" });
+    this.find = el("input", { type: "search", placeholder: "Find by name", "aria-label": "Find shapes", on: { input: () => this.filter() } });
+    this.finding = el("div", { class: "row", hidden: true }, this.find, this.count);
+    section.append(el("h2", {}, "Shapes"), this.finding, this.list, this.adding);
   }
 
   /** @param {string|null} chosen the key of the chosen shape */
@@ -61,17 +66,57 @@ export class ShapeList extends EventTarget {
 
   build(shapes) {
     const zones = shapes.filter((shape) => shape.kind === "zone").length;
-    const cards = shapes.map((shape) => this.card(shape, shape.key === this.chosen || (shape.kind === "zone" && zones <= MOST_OPEN_ZONES)));
+    const cards = shapes.map((shape) => {
+      const chosen = shape.key === this.chosen;
+      return chosen || (shape.kind === "zone" && zones <= MOST_OPEN_ZONES) ? this.card(shape, true) : this.closedCard(shape);
+    });
     const nothing = el("p", { class: "soft" }, "Nothing is drawn yet. Press Area above the map and click its corners, or open an example under Missions.");
+    const many = cards.length > MANY;
+    const { scrollTop } = this.list;
     this.list.replaceChildren(...(cards.length === 0 ? [nothing] : cards));
+    this.list.classList.toggle("shapes-many", many);
+    this.list.scrollTop = scrollTop;
+    this.finding.hidden = !many;
+    if (!many) {
+      this.find.value = "";
+    }
+    this.filter();
     this.fields.update();
+    const chosen = this.list.querySelector("[data-chosen=true]");
+    if (many && chosen !== null && chosen.dataset.key !== this.seen) {
+      this.list.scrollTop += chosen.getBoundingClientRect().top - this.list.getBoundingClientRect().top;
+    }
+    this.seen = chosen?.dataset.key ?? null;
+  }
+
+  /** A card without fields, the one from before where it says the same. */
+  closedCard(shape) {
+    const says = JSON.stringify([shape.kind, shape.name, summaryOf(shape)]);
+    const before = this.cards.get(shape.key);
+    if (before?.says === says) {
+      return before.card;
+    }
+    const card = this.card(shape, false);
+    this.cards.set(shape.key, { says, card });
+    return card;
+  }
+
+  /** Shows the shapes whose names hold what is looked for, and the chosen one. */
+  filter() {
+    const wanted = this.find.value.trim().toLowerCase();
+    const cards = [...this.list.querySelectorAll(".card")];
+    for (const card of cards) {
+      const name = card.querySelector("[data-name-of]").textContent.toLowerCase();
+      card.hidden = wanted !== "" && !name.includes(wanted) && card.dataset.chosen !== "true";
+    }
+    this.count.textContent = `${cards.filter((card) => !card.hidden).length} of ${cards.length}`;
   }
 
   card(shape, open) {
     const chosen = shape.key === this.chosen;
     const choose = button(shape.name, () => this.tell("choose", shape.key), { class: "link grow", "data-name-of": shape.key, "aria-pressed": String(chosen), "data-mark": `choose ${shape.key}` });
     const remove = button("Delete", () => this.tell("delete", shape.path), { class: "quiet", "aria-label": `Delete ${shape.name}` });
-    const card = el("div", { class: "card", "data-kind": shape.kind, "data-chosen": String(chosen) });
+    const card = el("div", { class: "card", "data-kind": shape.kind, "data-key": shape.key, "data-chosen": String(chosen) });
     card.append(el("div", { class: "row" }, choose, el("span", { class: "soft" }, summaryOf(shape)), remove));
     if (open) {
       card.append(...this.ownFields(shape));
