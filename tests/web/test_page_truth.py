@@ -235,15 +235,44 @@ def test_what_a_crash_interrupted_is_told_once(page: Any, page_server: Any) -> N
     assert page.locator("#notices").inner_text() == ""
 
 
-def test_swarms_have_no_periods_and_robots_at_rest_no_length(page: Any, page_server: Any) -> None:
-    plan = httpx.get(f"{page_server.url}/api/plans").json()
-    still = {
+def listed(**values: Any) -> dict[str, Any]:
+    """A plan as the server lists it."""
+    return {
         "id": "1" * 16, "name": "still", "mission": None, "job": None, "planner": "swarm", "effort": None,
         "created_at": "", "robots": 3, "bound": None, "bound_reason": None, "verdict": "met", "worst_ratio": 0,
-        "length_m": 0, "plan_s": 2.0, "partial": False, "facts": [], "revision": None, "stale": [],
+        "length_m": 0, "plan_s": 2.0, "partial": False, "facts": [], "revision": None, "stale": [], **values,
     }  # fmt: skip
-    page.route("**/api/plans", lambda route: route.fulfill(json=[still, *plan]))
+
+
+def test_swarms_have_no_periods_and_robots_at_rest_no_length(page: Any, page_server: Any) -> None:
+    long = {
+        "planner": "patrol",
+        "effort": "normal",
+        "bound": 888,
+        "worst_ratio": 0.999,
+        "length_m": 88_888,
+        "plan_s": 888,
+    }
+    plans = [listed(), listed(id="2" * 16, robots=999, partial=True, stale=["area period 180 → 60 s"] * 9, **long)]
+    page.route("**/api/plans", lambda route: route.fulfill(json=plans))
     open_page(page, page_server, "#tab=plan")
     page.get_by_label("also those of other missions").check()
-    row = page.locator("#plans tbody tr", has_text="still")
+    row = page.locator("#plans tbody tr").first
     assert row.locator("td").all_inner_texts()[2:5] == ["–", "–", "–"]
+    for width in (1400, 1280):  # nothing is cut off
+        page.set_viewport_size({"width": width, "height": 800})
+        assert page.locator("#plans .scroll").evaluate("e => e.scrollWidth - e.clientWidth") <= 1
+
+
+def test_the_map_stays_where_it_is_from_step_to_step_and_long_names_keep_to_one_line(
+    page: Any, page_server: Any
+) -> None:
+    name = "a name that goes on and on, as the names of missions do which come from files of others " * 2
+    open_page(page, page_server, f"#mission={kept(page_server, {'name': name})}")
+    expect(page.locator("#mission-name")).to_have_attribute("title", name)
+    assert page.locator("header").bounding_box()["height"] < 60
+    boxes = []
+    for tab in ("edit", "plan", "watch", "take"):
+        page.locator(f"#tab-{tab}").click()
+        boxes.append(page.locator("#map").bounding_box())
+    assert all(box == boxes[0] for box in boxes)

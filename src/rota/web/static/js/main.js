@@ -15,7 +15,7 @@ import { Live } from "./work/live.js";
 import { Missions } from "./work/missions.js";
 import { Plans } from "./work/plans.js";
 import { Readiness } from "./work/readiness.js";
-import { staleNote } from "./work/stale.js";
+import { isStale, robotsText, staleNote } from "./work/stale.js";
 import { Watching } from "./work/watching.js";
 
 class Page {
@@ -51,7 +51,7 @@ class Page {
       plans.refresh(editor.keeper.id);
     });
     editor.addEventListener("goto", (event) => this.tabs.show(isOfPlanner(event.detail) ? "plan" : "edit"));
-    editor.addEventListener("update", () => (document.title = `${byId("mission-name").textContent || "Rota"} – Rota`));
+    editor.addEventListener("update", () => this.titleShown());
     byId("go-plan").addEventListener("click", () => this.go("plan"));
     missions.addEventListener("new", () => this.open(newMission("mission", missionMap.hasTiles), (keeper) => keeper.fresh()));
     missions.addEventListener("open", (event) => this.openKept(event.detail));
@@ -72,6 +72,12 @@ class Page {
     plans.addEventListener("deleted", (event) => event.detail === this.plan && this.choosePlan(null));
     this.tabs.addEventListener("change", () => this.tabShown());
     window.addEventListener("hashchange", () => this.readAddress());
+  }
+
+  titleShown() {
+    const name = byId("mission-name");
+    name.title = name.textContent;
+    document.title = `${name.textContent || "Rota"} – Rota`;
   }
 
   /** Shows a tab and moves there. */
@@ -206,6 +212,7 @@ class Page {
     const found = plans.find(this.plan) ?? this.soFar;
     const unsure = plans.unsure && found?.mission === plans.mission;
     this.watching.describe(staleNote(found, unsure));
+    byId("caption").textContent = captionOf(found, { unsure, isPlanning: plans.isPlanning });
     this.downloads.show(found, { unsure, isPlanning: plans.isPlanning });
   }
 
@@ -301,6 +308,15 @@ class Page {
     }
     this.writeAddress();
   }
+}
+
+/** What is on the map, in a line. */
+function captionOf(plan, { unsure, isPlanning }) {
+  if (plan === null) {
+    return isPlanning ? "The mission; it is being planned" : "The mission, without a plan";
+  }
+  const verdict = unsure ? "" : isStale(plan) ? ", stale" : `, ${plan.verdict}`;
+  return `${plan.partial ? "The best plan so far" : "The plan"} of ${plan.name}: ${robotsText(plan)}${verdict}`;
 }
 
 function isOfPlanner(path) {

@@ -25,7 +25,7 @@ export class Panel {
 
   _summary() {
     const { plan, report, robots } = this.playback.header;
-    const bound = plan.bound === null ? "" : `, no plan with fewer than ${plan.bound}`;
+    const bound = plan.bound === null || plan.bound <= 1 ? "" : `, no plan with fewer than ${plan.bound}`;
     return el(
       "div",
       { class: "rota-summary" },
@@ -39,6 +39,7 @@ export class Panel {
     const { player } = this;
     this.play = el("button", { type: "button", class: "rota-play", on: { click: () => player.toggle() } });
     this.time = el("output", { class: "rota-time", for: "" });
+    this.end = el("span", { class: "rota-hint" });
     this.slider = el("input", {
       type: "range", min: 0, step: 0.1, class: "rota-slider", "aria-label": "Time",
       on: { input: () => player.seek(Number(this.slider.value)) },
@@ -56,7 +57,7 @@ export class Panel {
       el("div", { class: "rota-row" }, this.play,
         el("button", { type: "button", text: "↺", title: "From the start, when nothing has been seen", "aria-label": "From the start", on: { click: () => player.seek(0) } }),
         this.time, labelled("Speed", this.speed)),
-      this.slider,
+      el("div", { class: "rota-scrub" }, this.slider, this.end),
       el("div", { class: "rota-row" }, this.wall.row, labelled("Robots start at", this.start)),
       el("p", { class: "rota-hint", text: "Space plays and pauses; ← and → go 1 s, with Shift 10 s." }),
     );
@@ -173,7 +174,7 @@ export class Panel {
     this.undo = el("button", { type: "button", text: "Undo", disabled: true, on: { click: () => this.player.undoLoss() } });
     if (robots.length <= MOST_BUTTONS) {
       const rows = robots.map((robot, k) => [
-        el("button", { type: "button", class: "rota-link", text: `${k + 1} ${robot.name}`, title: "Show it on the map",
+        el("button", { type: "button", class: "rota-link", text: robot.name === `robot-${k + 1}` ? robot.name : `${k + 1} ${robot.name}`, title: "Show it on the map",
           on: { click: () => this.player.chooseRobot(k, true) } }),
         robot.loops ? `loop ${seconds(robot.end_s - robot.loop_start_s)}` : "stays in the end",
         button(k),
@@ -229,7 +230,11 @@ export class Panel {
     const text = running ? "‖ Pause" : "▶ Play";
     if (this.play.textContent !== text) this.play.textContent = text;
     this.time.textContent = reading(this.player.time);
-    if (Number(this.slider.max) !== Math.ceil(clock.end * 10) / 10) this.slider.max = Math.ceil(clock.end * 10) / 10;
+    const end = Math.ceil(clock.end * 10) / 10;
+    if (Number(this.slider.max) !== end) {
+      this.slider.max = end;
+      this.end.textContent = reading(end);
+    }
     this.slider.value = clock.time;
     this.slider.setAttribute("aria-valuetext", reading(clock.time));
     this.wall.box.checked = clock.startsAt !== null;
@@ -248,7 +253,9 @@ export class Panel {
     const told = [];
     late.forEach((size, k) => size > 0 && told.push(`${area(size)} of ${this.playback.demands[k].name}`));
     for (const name of visits) told.push(`the visit of ${name}`);
-    const text = told.length ? `Late now: ${told.join(", ")}.` : "Nothing is late now.";
+    const { report } = this.playback.header;
+    const first = report.verdict === "met" && report.holds_from_s > 0 ? ` The plan is met from ${reading(report.holds_from_s)} on, once all robots are in their loops.` : "";
+    const text = told.length ? `Late now: ${told.join(", ")}.${first}` : "Nothing is late now.";
     if (this.late.textContent !== text) this.late.textContent = text;
     this.late.classList.toggle("rota-late-text", told.length > 0);
   }

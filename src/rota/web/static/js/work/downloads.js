@@ -3,7 +3,7 @@
 import { api } from "../api.js";
 import { button, el, saveBlob } from "../dom.js";
 import { messageOf } from "../notices.js";
-import { isStale, staleNote } from "./stale.js";
+import { isStale, robotsText, staleNote } from "./stale.js";
 
 const OWN = [
   { file: "plan.rota.json", name: "Plan file", what: "all of the plan; rota check, draw and export read it" },
@@ -40,11 +40,10 @@ export class Downloads {
     }
     const which = plan.partial ? "the best plan so far of" : "the plan";
     const goesOn = plan.partial ? " A longer search may find a better one." : "";
-    const robots = plan.robots === 1 ? "1 robot" : `${plan.robots} robots`;
     const verdict = unsure || isStale(plan) ? "" : `, ${plan.verdict}`;
     const note = staleNote(plan, unsure);
     const names = note === null || unsure ? [] : [el("p", { class: "soft" }, "Names of files say so: -stale.")];
-    this.title.replaceChildren(`Of ${which} ${plan.name}: ${robots}${verdict}.${goesOn}`);
+    this.title.replaceChildren(`Of ${which} ${plan.name}: ${robotsText(plan)}${verdict}.${goesOn}`);
     this.note.replaceChildren(...(note === null ? [] : [note, ...names]));
     if (!isAnother && this.body.childElementCount > 0) {
       return; // what was typed stays

@@ -4,6 +4,7 @@ import { api, ApiError, connection } from "../api.js";
 import { button, el } from "../dom.js";
 import { textInWords } from "../editor/words.js";
 import { confirmed, messageOf, notify, notifyError } from "../notices.js";
+import { robotsText } from "./stale.js";
 
 const POLL_MS = 2000;
 const TICK_MS = 1000;
@@ -275,7 +276,7 @@ function describe(job) {
   }
   const { progress } = job;
   const share = progress.fraction > 0 ? `${Math.floor(progress.fraction * 100)} %` : "";
-  const best = job.best === null ? "no plan yet" : `best so far ${job.best.robots === 1 ? "1 robot" : `${job.best.robots} robots`}${job.best.met === false ? " (periods not met)" : ""}`;
+  const best = job.best === null ? "no plan yet" : `best so far ${robotsText(job.best)}${job.best.met === false ? " (periods not met)" : ""}`;
   const since_s = (performance.now() - job.at_ms) / 1000;
   const elapsed_s = progress.elapsed_s + since_s;
   return [share, progress.doing || "starting", spanText(elapsed_s), leftText(progress, since_s), best].filter(Boolean).join(" · ");

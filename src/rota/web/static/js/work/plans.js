@@ -6,10 +6,10 @@ import { confirmed, messageOf, notify } from "../notices.js";
 import { changesText, isStale, verdictBadge } from "./stale.js";
 
 const HELP = {
-  "At least": "No plan with fewer robots exists; that is proved.",
-  "Worst ratio": "The longest wait of any place over its period: 1 or less is met.",
+  Least: "No plan with fewer robots exists; that is proved.",
+  Ratio: "The longest wait of any place over its period: 1 or less is met.",
   Length: "Of all loops together.",
-  "Found in": "The time that planning took.",
+  Time: "The time that planning took.",
 };
 
 export class Plans extends EventTarget {
@@ -108,7 +108,7 @@ export class Plans extends EventTarget {
       this.table.replaceChildren(el("p", { class: "soft" }, words));
       return;
     }
-    const heads = ["Plan", "Robots", "At least", "Worst ratio", "Length", "Found in", ""].map((text) => el("th", { scope: "col", title: HELP[text] }, text));
+    const heads = ["Plan", "Robots", "Least", "Ratio", "Length", "Time", ""].map((text) => el("th", { scope: "col", title: HELP[text] }, text));
     const rows = [...(soFar === null ? [] : [soFar]), ...shown].flatMap((plan) => this.rows(plan));
     this.table.replaceChildren(el("table", {}, el("thead", {}, el("tr", {}, ...heads)), el("tbody", {}, ...rows)));
   }

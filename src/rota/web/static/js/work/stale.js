@@ -11,6 +11,11 @@ export function changesText(plan) {
   return [...stale.slice(0, MOST_TOLD), ...more].join(", ");
 }
 
+/** How many robots a plan has. */
+export function robotsText({ robots }) {
+  return robots === 1 ? "1 robot" : `${robots} robots`;
+}
+
 /** Whether a plan is of the mission as it was, not as it is. */
 export function isStale(plan) {
   return (plan?.stale ?? []).length > 0;
@@ -35,7 +40,7 @@ export function staleNote(plan, unsure) {
   if (unsure) {
     return el("p", { class: "soft" }, "The mission was changed: whether the plan still holds is known once it is saved.");
   }
-  const was = `Before, it was ${plan.verdict} with ${plan.robots === 1 ? "1 robot" : `${plan.robots} robots`}. Plan again in step 2.`;
+  const was = `Before, it was ${plan.verdict} with ${robotsText(plan)}. Plan again in step 2.`;
   const head = el("p", {}, el("strong", {}, "Stale: "), "the mission has changed since this plan was made.");
   const changes = el("ul", {}, ...plan.stale.map((change) => el("li", {}, el("strong", {}, change))));
   return el("div", { class: "verdict" }, el("div", { class: "verdict-warn" }, head, changes, el("p", {}, was)));
