@@ -30,7 +30,7 @@ export class Watching {
 
   /** What stands here while there is no plan; a mission that is being planned will have one. */
   tell(isPlanning) {
-    this.words = isPlanning ? "Planning goes on: the first plan plays here as soon as it is found." : "There is no plan yet: make one in step 2.";
+    this.emptyText = isPlanning ? "Planning goes on: the first plan plays here as soon as it is found." : "There is no plan yet: make one in step 2.";
     this.describe(this.notice);
   }
 
@@ -39,7 +39,7 @@ export class Watching {
     this.notice = note;
     this.controls.toggleAttribute("data-stale", note !== null && this.player !== null);
     if (this.player === null) {
-      this.title.replaceChildren(this.running === null ? this.words : "…");
+      this.title.replaceChildren(this.running === null ? this.emptyText : "…");
     } else {
       this.title.replaceChildren(...(note === null ? [] : [note]));
     }
