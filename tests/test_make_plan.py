@@ -21,6 +21,7 @@ from rota.make_plan import PlanSearch, make_plan, search_plan
 from rota.mission import DiscSensor, Fleet, Mission
 from rota.plan import Plan, Trajectory
 from rota.progress import SearchState
+from rota.stopping import WorkLeftError
 
 MODULE = importlib.import_module("rota.make_plan")
 MISSION = Mission(
@@ -100,7 +101,7 @@ def test_late_is_told_as_a_share_of_the_period(monkeypatch: pytest.MonkeyPatch) 
 def test_the_plan_judged_last_is_not_judged_again(monkeypatch: pytest.MonkeyPatch) -> None:
     checked: list[Plan] = []
 
-    def check(plan: Plan) -> Any:
+    def check(plan: Plan, **_: Any) -> Any:
         checked.append(plan)
         return SimpleNamespace(verdict="met")
 
@@ -126,7 +127,7 @@ def test_the_first_check_waits_until_its_own_work_on_the_mission_is_done(monkeyp
         done.set()
         raise ValueError("what is wrong with a mission, the check tells")
 
-    def check(_plan: Plan) -> Any:
+    def check(_plan: Plan, **_: Any) -> Any:
         ready_when_checked.append(done.is_set())
         return SimpleNamespace(verdict="met")
 
@@ -246,3 +247,26 @@ def test_better_plans_are_told_for_the_mission_as_it_is_asked(monkeypatch: pytes
     told: list[tuple[Mission, str]] = []
     search_plan(asked, on_better=lambda plan, report: told.append((plan.mission, report.verdict)))
     assert told == [(asked, "violated"), (asked, "met")]
+
+
+def test_a_check_ends_with_the_search_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    ends = threading.Event()
+    checked: list[str] = []
+
+    def planner(_mission: Mission, *, judge: Any, should_stop: Any, progress: Any, **_: Any) -> Plan:
+        should_stop.stop()
+        try:
+            while True:
+                progress(0.5, "touring")
+        except WorkLeftError:
+            checked.append(judge(GOOD).verdict)
+        finally:
+            ends.set()
+        return GOOD
+
+    use(monkeypatch, planner)
+    monkeypatch.setattr("rota.stopping.GRACE_S", 0.0)
+    with pytest.raises(NoPlanFound, match=r"did not come to an end in time after it was to stop \(stopped early\)$"):
+        search_plan(MISSION)
+    assert ends.wait(60)
+    assert checked == []

@@ -73,6 +73,19 @@ def test_what_work_gives_or_raises_is_given_or_raised() -> None:
         OwnThread(lambda: np.ones(1) / 0).awaited()
 
 
+def test_who_is_interrupted_while_waiting_leaves_the_work() -> None:
+    goes_on = threading.Event()
+    own: OwnThread[bool] = OwnThread(goes_on.wait)
+
+    def interrupted() -> bool:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        own.result(interrupted)
+    assert own.is_left
+    goes_on.set()
+
+
 def test_work_that_is_left_tells_nobody_anything_more() -> None:
     going_on, ends = threading.Event(), threading.Event()
     raised: list[BaseException] = []

@@ -21,15 +21,15 @@ OnBetter = Callable[["Plan", "Report"], None]
 class BetterPlans:
     """Tells every plan of the whole mission that is better than all before it, in the order of ``progress_curve``.
 
-    ``best``: the last one told, with its report.
+    ``best``: the last one told, with its report. on_the_way: as ``check_plan`` takes it.
 
     Planners also try other periods, missions without starts, and equal robots in place of those that the fleet names.
     Such a plan is checked again for the mission as it is asked: always until a plan meets it, and then only if the plan
     met what it was tried for with fewer robots. A plan for more robots than the fleet names is not told.
     """
 
-    def __init__(self, mission: Mission, tell: OnBetter | None) -> None:
-        self._mission, self._tell = mission, tell
+    def __init__(self, mission: Mission, tell: OnBetter | None, on_the_way: Callable[[], None] | None = None) -> None:
+        self._mission, self._tell, self._on_the_way = mission, tell, on_the_way
         self._state: SearchState | None = None  # of the best
         self.best: tuple[Plan, Report] | None = None
         self._lock = threading.Lock()
@@ -47,7 +47,7 @@ class BetterPlans:
                 own = _with_fleet_of(self._mission, plan)
                 if own is None:
                     return
-                plan, report = own, check_plan(own)
+                plan, report = own, check_plan(own, on_the_way=self._on_the_way)
             state = checked_state(plan, report)
             if self._state is None or rank(state) < rank(self._state):
                 self._state, self.best = state, (plan, report)

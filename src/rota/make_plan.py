@@ -114,8 +114,8 @@ def search_plan(
         None if each is None else _while_awaited(own, each) for each in (watch, observe, on_better, on_candidate)
     )
     may_stop = time_limit_s is not None or should_stop is not None
-    better = BetterPlans(mission, on_better) if may_stop or on_better is not None else None
-    judge = _Judge(mission, watch, better, on_candidate)
+    better = BetterPlans(mission, on_better, own.require_awaited) if may_stop or on_better is not None else None
+    judge = _Judge(mission, watch, better, on_candidate, own.require_awaited)
     request = Request(
         mission=mission, seed=seed, judge=judge, progress=_while_awaited(own, progress or _no_progress),
         should_stop=stop, watch=watch, checkpoint=resume, observe=observe, executor=executor,
@@ -181,15 +181,17 @@ class _Judge:
         watch: Watch | None,
         better: BetterPlans | None,
         on_candidate: Callable[[Plan], None] | None,
+        on_the_way: Callable[[], None] | None,
     ) -> None:
         self._last: tuple[Plan, Report] | None = None
         self._unchecked: Plan | None = None  # whose check has begun
-        self._mission, self._watch, self._better, self._on_candidate = mission, watch, better, on_candidate
+        self._mission, self._watch, self._better = mission, watch, better
+        self._on_candidate, self._on_the_way = on_candidate, on_the_way
         self._ready = threading.Thread(target=_made_ready, args=(mission,), daemon=True)
 
     def __reduce__(self) -> tuple[type[_Judge], tuple[object, ...]]:
         """Sent to another process it judges there, and tells nobody."""
-        return _Judge, (self._mission, None, None, None)
+        return _Judge, (self._mission, None, None, None, None)
 
     def get_ready(self) -> None:
         """Begin the check's work on the mission alone, while the planner makes its first plan."""
@@ -209,7 +211,7 @@ class _Judge:
                 self._unchecked = plan
                 if self._on_candidate is not None:
                     self._on_candidate(plan)
-            self._last = last = (plan, check_plan(judged))
+            self._last = last = (plan, check_plan(judged, on_the_way=self._on_the_way))
             self._unchecked = None
             # plans for parts of the area tell nothing of how far the whole has come
             if self._watch is not None and plan.mission.area == self._mission.area:

@@ -484,3 +484,12 @@ def test_a_corner_that_is_never_seen_is_no_area_of_zero() -> None:
     report = check_plan(Plan(mission=mission, trajectories=(stays,)))
     assert report.verdict == "violated"
     assert "> 0" in report_table(report).splitlines()[4]
+
+
+def test_what_is_raised_on_the_way_ends_the_check_without_a_verdict() -> None:
+    def stopped() -> None:
+        raise TimeoutError
+
+    plan = Plan(mission=field(), trajectories=(route(TOUR, 10.0),))
+    with pytest.raises(TimeoutError):
+        check_plan(plan, on_the_way=stopped)

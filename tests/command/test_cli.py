@@ -411,7 +411,7 @@ for module in ("rota.planner", "rota.make_plan", "rota.command.plan"):
     setattr(importlib.import_module(module), "planner_of", lambda mission: Deaf())
 if {stall}:
     import rota.check
-    def stall(plan):
+    def stall(plan, **_):
         request = asked[0]
         {stop}
         while True:
@@ -457,6 +457,14 @@ def test_a_plan_that_fails_is_left_beside_or_with_best_in_its_place(yard: Path) 
     assert done.returncode == 3, done.stderr
     assert json.loads(Path("yard.rota.json").read_text())["meets_demand"] is False
     assert sorted(os.listdir()) == ["yard.rota.json", "yard.yaml"]
+
+
+def test_the_first_plan_is_on_disk_before_its_check_begins(yard: Path) -> None:
+    done = deaf(judged="(4,)", stall=True, stop="os.kill(os.getpid(), 9)")
+    assert done.returncode == -9
+    left = read_plan("yard.partial.rota.json")
+    assert left.trajectories[0].times_s.tolist() == [0, 4, 8]
+    assert json.loads(Path("yard.partial.rota.json").read_text())["meets_demand"] is False
 
 
 def test_a_check_that_does_not_end_never_says_met(yard: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rota.check.report import DemandVerdict, Report, Violation, report_schema, report_to_json
@@ -24,16 +25,16 @@ __all__ = [
 ]
 
 
-def check_plan(plan: Plan, *, finest_m: float = 0.01) -> Report:
+def check_plan(plan: Plan, *, finest_m: float = 0.01, on_the_way: Callable[[], None] | None = None) -> Report:
     """The independent verdict on a plan: "met" only when it is shown for every demanded point and for ever.
 
     finest_m: size in metres below which pieces are not cut any more; what is then still open is "not proven". The
     excluded part (what nobody can see from where a body can stand) is rounded outwards to about that size. A plan
-    without trajectories sees nothing.
+    without trajectories sees nothing. on_the_way: called now and then; what it raises ends the check without a verdict.
     """
     from rota.check.judge import check_plan as judge  # loads the compiled loops only when they are needed
 
-    return judge(plan, finest_m=finest_m)
+    return judge(plan, finest_m=finest_m, on_the_way=on_the_way)
 
 
 def get_ready(mission: Mission) -> None:

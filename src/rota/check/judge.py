@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -58,19 +59,19 @@ class Verdicts:
         }
 
 
-def check_plan(plan: Plan, *, finest_m: float = FINEST_M) -> Report:
+def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[], None] | None = None) -> Report:
     """The independent verdict on a plan: "met" only when it is shown for every demanded point and for ever.
 
     finest_m: size in metres below which pieces are not cut any more; what is then still open is "not proven". The
     excluded part (what nobody can see from where a body can stand) is rounded outwards to about that size. A plan
-    without trajectories sees nothing.
+    without trajectories sees nothing. on_the_way: called now and then; what it raises ends the check without a verdict.
     """
     mission = plan.mission
     demands = demands_of(mission)
     with ThreadPoolExecutor(max_workers=1) as pool:
         driven = pool.submit(_violations_on_the_way, plan)
         sights = sights_of(plan, mission.area.bounds)
-        findings = tile_and_refine(mission, demands, sights, finest_m)
+        findings = tile_and_refine(mission, demands, sights, finest_m, on_the_way)
     excluded_violation = too_much_excluded(mission, demands, findings)
     verdicts = Verdicts()
     for k, demand in enumerate(demands):

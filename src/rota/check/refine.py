@@ -36,6 +36,7 @@ def refine(
     finest_m: float,
     coarse_m: float,
     few: int,
+    on_the_way: Callable[[], None] | None = None,
 ) -> list[Findings]:
     """Judge pieces, cutting those in doubt, and sum up for each demand.
 
@@ -48,12 +49,15 @@ def refine(
     Pieces of a demand that is already violated are cut to ``coarse_m`` only, unless they are at most ``few``; with a
     ``few`` greater than 0 those in doubt are then cut as if nothing were violated, so that all is told at once. When
     more than 600,000 pieces would be open at once, all are left undecided as they are. Very many pieces are refined in
-    parts, each by itself, so that memory and work for one piece do not grow with their number.
+    parts, each by itself, so that memory and work for one piece do not grow with their number. on_the_way: called for
+    each round of cutting, by several threads; what it raises ends all.
     """
 
     def part(first: int) -> list[Findings]:
         own = np.arange(first, min(first + MOST_TOGETHER, len(pieces)))
-        return _refined(sights, pieces.chosen(own), owners[own], limits_s, is_seeable, finest_m, coarse_m, few)
+        return _refined(
+            sights, pieces.chosen(own), owners[own], limits_s, is_seeable, finest_m, coarse_m, few, on_the_way
+        )
 
     if len(pieces) <= MOST_TOGETHER:
         return part(0)
@@ -70,10 +74,13 @@ def _refined(
     finest_m: float,
     coarse_m: float,
     few: int,
+    on_the_way: Callable[[], None] | None,
 ) -> list[Findings]:
     """Findings (demands,) on pieces that are refined together; the arguments are those of ``refine``."""
     findings = [Findings() for _ in limits_s]
     while len(pieces):
+        if on_the_way is not None:
+            on_the_way()
         gaps = piece_gaps(sights, pieces, limits_s[owners])
         met = gaps.gaps_s <= limits_s[owners]
         _note_met(findings, sights, pieces.chosen(met), owners[met], gaps.gaps_s[met], gaps.firsts_s[met])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import threading
+from collections.abc import Callable
 
 import numpy as np
 import shapely
@@ -48,9 +49,16 @@ def get_ready(mission: Mission, *, finest_m: float = FINEST_M) -> None:
 
 
 def tile_and_refine(
-    mission: Mission, demands: tuple[DemandedGround, ...], sights: Sights, finest_m: float
+    mission: Mission,
+    demands: tuple[DemandedGround, ...],
+    sights: Sights,
+    finest_m: float,
+    on_the_way: Callable[[], None] | None = None,
 ) -> list[Findings]:
-    """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined."""
+    """Findings for each demand: the demanded ground is cut into pieces, and pieces in doubt are refined.
+
+    on_the_way: called now and then; what it raises ends it.
+    """
     reach_m = float(sights.team.reaches_m.min(initial=math.inf))
     pieces, owners, size = _tiles(mission, _tile_m(mission, reach_m, finest_m))
     limits = np.array([demand.period_s for demand in demands]) * (1 + PERIOD_TOLERANCE)
@@ -73,7 +81,9 @@ def tile_and_refine(
     # told of finer ones only when all coarse ones are met repairs its plan once for each size
     few = FEW_PIECES if has_many_sides(mission) else 0
     coarse_m = max(finest_m, size / (MANY_CUTS if len(pieces) > MANY_PIECES else CUTS))
-    findings = refine(sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few)
+    findings = refine(
+        sights, pieces, owners, limits, is_seeable, finest_m=finest_m, coarse_m=coarse_m, few=few, on_the_way=on_the_way
+    )
     for k in _left_out(mission, demands, pieces, owners):
         findings[k].undecided_cells += 1
     return findings
