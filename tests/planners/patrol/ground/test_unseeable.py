@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import shapely
+from pyproj import Geod
 from shapely import MultiPolygon, Polygon, box
+from tests.files.test_occupancy_map import write_map
 
 from rota import NoPlanFound, check_plan, make_plan
+from rota.files.mission_file import read_mission
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, SquareSensor, Zone
 from rota.planners.patrol.ground.problem import set_up_problem
 
@@ -132,3 +137,39 @@ def test_a_part_of_a_mission_may_hold_all_that_nobody_sees_of_it() -> None:
     core = Zone(name="rest", shape=MultiPolygon([box(0, 0, 40, 30) - box(15, 10, 25, 20)]), period_s=None)
     with pytest.raises(NoPlanFound, match="nothing of what is asked can be seen"):
         set_up_problem(replace(part, zones=(core,)), is_whole=False)
+
+
+def ring_on_globe(x0: float, y0: float, x1: float, y1: float) -> list[list[float]]:
+    """A box in metres about a place on the ellipsoid, by its geodesics."""
+    globe, corners = Geod(ellps="WGS84"), [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
+    return [list(globe.fwd(12.1, 54.1, math.degrees(math.atan2(x, y)), math.hypot(x, y))[:2]) for x, y in corners]
+
+
+def test_a_no_fly_zone_of_a_geojson_file_is_counted_the_same(tmp_path: Path) -> None:
+    rings = {"site": ring_on_globe(-50, -30, 50, 30), "no-fly": ring_on_globe(-20, -20, 30, 25)}
+    features = [
+        {"type": "Feature", "properties": {"name": name}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+        for name, ring in rings.items()
+    ]
+    (tmp_path / "site.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    path = tmp_path / "mission.yaml"
+    path.write_text(
+        "rota: 1\nname: site\ncoordinates: wgs84\narea: {geojson: site.geojson, feature: site}\nperiod_s: 120\n"
+        "obstacles: [{geojson: site.geojson, feature: no-fly, blocks: motion}]\n"
+        "fleet: {speed_m_s: 5, sensor: {shape: disc, radius_m: 5}}\n"
+    )
+    assert told(read_mission(path).mission) == (pytest.approx(INNER_M2, rel=1e-3), 23.3)
+
+
+def test_a_no_fly_zone_on_a_map_is_counted_the_same(tmp_path: Path) -> None:
+    pixels = np.zeros((26, 42), dtype=np.uint8)
+    pixels[1:-1, 1:-1] = 254  # 20 m x 12 m
+    write_map(tmp_path, pixels)
+    path = tmp_path / "mission.yaml"
+    path.write_text(
+        "rota: 1\nname: room\narea: {map: room.yaml, inside: [1.5, 1.5]}\nperiod_s: 60\n"
+        "obstacles: [{ring: [[5, 2], [15, 2], [15, 10], [5, 10]], blocks: motion}]\n"
+        "fleet: {speed_m_s: 1, sensor: {shape: square, side_m: 4}, body_radius_m: 0.2}\n"
+    )
+    # out of range is what is 2 m - 0.2 m within the zone, which bodies keep 0.2 m off; from an entrance a hair more
+    assert told(read_mission(path).mission)[0] == pytest.approx((10 - 3.6) * (8 - 3.6), rel=2e-3)
