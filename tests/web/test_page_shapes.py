@@ -75,3 +75,8 @@ def test_hundreds_of_obstacles_leave_the_fleet_at_hand(page: Any, page_server: A
     expect(page.locator(".card[data-chosen=true]")).to_contain_text("hut 100")
     page.locator(".card[data-chosen=true]").get_by_label("Blocks").select_option("sight")
     assert [hut["name"] for hut in document(page)["obstacles"] if hut.get("blocks") == "sight"] == ["hut 100"]
+    page.locator(".card[data-chosen=true]").get_by_label("Blocks").select_option("nothing")
+    (silent,) = [hut for hut in document(page)["obstacles"] if "asks" in hut]
+    assert (silent["name"], silent["blocks"], silent["asks"]) == ("hut 100", "motion", "nothing")
+    page.locator(".card[data-chosen=true]").get_by_label("Blocks").select_option("motion")
+    assert not any("asks" in hut for hut in document(page)["obstacles"])
