@@ -61,6 +61,20 @@ def create2_sketches(plan: Plan, folder: str) -> tuple[Path, ...]:
     return write_create2_sketches(plan, folder, most_slowing=max(most, 1.0))
 
 
+def create2_programs(plan: Plan, folder: str) -> tuple[Path, ...]:
+    """A program per robot that only reacts, with how long that takes to cover the ground."""
+    from rota.files.create2_reactive import write_create2_programs
+
+    return write_create2_programs(plan, folder, covers=covering_time(plan) or "not known")
+
+
+def covering_time(plan: Plan) -> str | None:
+    """How long robots that only react take to cover their ground; None of robots that do not bounce."""
+    from rota.planner import planner_of
+
+    return planner_of(plan.mission).covering_time(plan)
+
+
 def waypoint_lists(plan: Plan, folder: str) -> tuple[Path, ...]:
     """A list of waypoints per robot, for ArduPilot."""
     from rota.files.waypoint_list import write_waypoint_lists
@@ -179,6 +193,13 @@ FORMATS = {
     ),
     "create2-sketch": Format(
         holds="sketches for Create 2 robots", folder=create2_sketches, takes_origin=False, judges=True
+    ),
+    "create2-reactive": Format(
+        holds="programs for Create 2 robots that turn at every bump, with no plan",
+        folder=create2_programs,
+        takes_origin=False,
+        warning=covering_time,
+        judges=True,
     ),
     "rosbag2": Format(
         holds="a bag of ROS 2 in MCAP, for Foxglove and RViz",

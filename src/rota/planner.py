@@ -78,6 +78,10 @@ class Planner(ABC):
         """What is said below a new plan, paragraph by paragraph; None in place of what there is nothing to say of."""
         yield from answer.facts
 
+    def covering_time(self, plan: Plan) -> str | None:
+        """How long robots that only react, whatever the plan says, take to cover their ground; None: they do not."""
+        return None
+
     def proved_bound(self, mission: Mission) -> tuple[int, str] | None:
         """The fewest robots that any plan takes, proved without planning, and the reason; None: nothing is proved.
 

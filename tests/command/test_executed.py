@@ -132,6 +132,7 @@ def test_the_command_judges_what_files_say(tmp_path: Path, capsys: pytest.Captur
     assert capsys.readouterr().out.startswith("verdict: met")
     for arguments, said in (
         (["--executed", "create2-sketch"], "'create2-sketch' is not allowed: such files are judged"),
+        (["--executed", "create2-reactive"], "'create2-reactive' is not allowed: such programs drive no plan"),
         (["--executed", "paper"], "'paper' is not one of 'geojson'"),
         (["--executed", "csv", "--in-phase-every", "0"], "--in-phase-every: 0 is not allowed"),
         (["--in-phase-every", "9"], "--in-phase-every: is for --executed only"),

@@ -47,6 +47,8 @@ def executed_plan(plan: Plan, name: str) -> Executed:
     """The plan as a format drives it. Raises RotaError for a format whose files are judged when they are written."""
     from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 
+    if name == "create2-reactive":
+        raise RotaError(f"--executed: {name!r} is not allowed: such programs drive no plan")
     if name not in DRIVEN:
         raise RotaError(f"--executed: {name!r} is not allowed: such files are judged as driven when they are written")
     made = plan_as_driven(plan, name)

@@ -83,14 +83,14 @@ def drives_of(plan: Plan, *, most_slowing: float = MOST_SLOWING) -> tuple[Drive,
     a plan that is not one for bouncing robots, or whose robots cannot be iRobot Create 2: smaller than one, faster, or
     with too little time all the same.
     """
-    _require_bouncing(plan)
+    require_bouncing(plan)
     courses = tuple(stretches_of(trajectory) for trajectory in plan.trajectories)
     surroundings = Surroundings(plan, courses, BODY_RADIUS_M)
     ways = tuple(
         _ways(trajectory, course, _contact_of(surroundings, number))
         for number, (trajectory, course) in enumerate(zip(plan.trajectories, courses, strict=True))
     )
-    wheels_m_s = [_wheels_m_s(plan, trajectory) for trajectory in plan.trajectories]
+    wheels_m_s = [turning_speed_m_s(plan, trajectory) for trajectory in plan.trajectories]
     for meetings in (True, False):
         drives = tuple(
             _drive(t, w, [_as_planned(way, wheels, meetings=meetings) for way in w.ways], wheels, 1.0)
@@ -123,7 +123,8 @@ class _Ways:
     loop_from: int | None
 
 
-def _require_bouncing(plan: Plan) -> None:
+def require_bouncing(plan: Plan) -> None:
+    """Raise PlanError for a plan whose robots do not bounce, are none, or cannot be Create 2 robots."""
     mission = plan.mission
     if mission.planning.bouncing is None:
         raise PlanError(
@@ -148,7 +149,8 @@ def _contact_of(surroundings: Surroundings, number: int) -> Callable[[Stretch, f
     return contact
 
 
-def _wheels_m_s(plan: Plan, trajectory: Trajectory) -> float:
+def turning_speed_m_s(plan: Plan, trajectory: Trajectory) -> float:
+    """The speed in m/s of a wheel of this robot while it turns on the spot."""
     turn_rate = plan.mission.fleet.robot(trajectory.robot).turn_rate_rad_s
     return round(TURN_SPEED_M_S if turn_rate is None else min(turn_rate * WHEEL_BASE_M / 2, FASTEST_M_S), 3)
 

@@ -1,8 +1,8 @@
 """Plan of bouncing robots -> Arduino sketches, one per robot, for the iRobot Create 2 and its Open Interface.
 
-The program's frame is ``create2_sketch.ino`` beside this file. Its opcodes, packets, stream frames and wiring follow
-iRobot's Create 2 Open Interface as it is known from programs that use it; they have been run in a simulator of the
-chip, beside a model of the robot, and never on a robot.
+The program's frame is ``create2_sketch.ino`` beside this file, with the robot's part, ``create2_robot.ino``. Its
+opcodes, packets, stream frames and wiring follow iRobot's Create 2 Open Interface as it is known from programs that use
+it; they have been run in a simulator of the chip, beside a model of the robot, and never on a robot.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rota.plan import Plan, Trajectory
 LEG_BYTES, KIND_BYTES = 8, 7
 MOST_BYTES = 25_200  # of legs and their kinds; with the program they fill the 32 kB of an Uno
 LONGEST_MS = (1 << 24) - 1  # of a leg
-_FRAME = Path(__file__).with_name("create2_sketch.ino")
+_FOLDER = Path(__file__).parent
 
 
 def write_create2_sketches(
@@ -34,8 +34,14 @@ def write_create2_sketches(
     file name, RotaError when the folder cannot be written to. Nothing is written unless all could be made.
     """
     require_writable_folder(folder)
+    return write_sketches(plan, sketch_texts(plan, most_slowing=most_slowing), folder)
+
+
+def write_sketches(plan: Plan, made: tuple[str, ...], folder: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """Write the texts of a plan's robots, each in a folder of its own; returns the paths."""
+    require_writable_folder(folder)
     texts: dict[str, str] = {}
-    for trajectory, text in zip(plan.trajectories, sketch_texts(plan, most_slowing=most_slowing), strict=True):
+    for trajectory, text in zip(plan.trajectories, made, strict=True):
         name = re.sub(r"[^A-Za-z0-9_-]+", "_", trajectory.robot).strip("_-") or "robot"
         if name.casefold() in (known.casefold() for known in texts):
             raise PlanError(f"robot {trajectory.robot}: another robot's file is called {name}.ino; rename one of them")
@@ -70,12 +76,12 @@ def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
     others = ", ".join(other.robot for other in plan.trajectories if other is not trajectory)
     together = f"{others}; all must begin at the same moment, the plan relies on it" if others else "none"
     marks = {
-        "TITLE": _one_line(f"{trajectory.robot}: {plan.mission.name}"),
+        "TITLE": one_line(f"{trajectory.robot}: {plan.mission.name}"),
         "BEGIN": f"centre at x = {first.start_m[0]:.3f} m, y = {first.start_m[1]:.3f} m, facing"
         f" {_degrees(first.heading_rad):g} degrees (0 is along x, 90 along y)",
         "THEN": _ending(drive),
         "CLOCK": _clock(drive),
-        "OTHERS": _one_line(together),
+        "OTHERS": one_line(together),
         "BACK_OFF_MM_S": str(round(BACK_OFF_SPEED_M_S * 1e3)),
         "TURN_MM_S": str(round(drive.turn_speed_m_s * 1e3)),
         "KINDS": "\n".join(f"  {{ {kind} }},  // {number}" for kind, number in kinds.items()),
@@ -87,11 +93,16 @@ def _text(plan: Plan, trajectory: Trajectory, drive: Drive) -> str:
         "FIRST_MS": str(first_ms),
         "SIGNAL_EVERY_MS": str(round((plan.mission.bouncing.clock_signal_s or 0.0) * 1e3)),
     }
-    text = _FRAME.read_text(encoding="utf-8")
-    return re.sub(r"@([A-Z_]+)@", lambda mark: marks[mark[1]], text)
+    return sketch_of("create2_sketch.ino", **marks)
 
 
-def _one_line(text: str) -> str:
+def sketch_of(frame: str, **marks: str) -> str:
+    """The text of a frame beside this file, with the robot's part in it and its ``@MARKS@`` filled in."""
+    robot, text = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("create2_robot.ino", frame))
+    return re.sub(r"@([A-Z_]+)@", lambda mark: marks[mark[1]], text.replace("@ROBOT@", robot.rstrip(), 1))
+
+
+def one_line(text: str) -> str:
     """A name that ends neither its line nor its comment."""
     return "".join(mark if mark.isprintable() and mark != "\\" else "_" for mark in text)
 

@@ -10,6 +10,7 @@ from rota.planners.bounce.planner_settings import BounceSettings
 
 if TYPE_CHECKING:
     from rota.mission import Mission
+    from rota.plan import Plan
     from rota.planner import Report
 
 
@@ -49,6 +50,12 @@ class BouncePlanner(Planner):
         else:
             yield from (ratio_sentence(plan, report), rattling_sentence(plan), approach_sentence(plan))
         yield from (clocks_sentence(plan, report), errors_sentence(plan))
+
+    def covering_time(self, plan: Plan) -> str | None:
+        """By when simulated robots that turn at every contact have entered all cells, in 10, 50 and 90 % of runs."""
+        from rota.planners.bounce.physics_sentences import covering_sentence
+
+        return covering_sentence(plan)
 
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """Cells, cycles and groups."""

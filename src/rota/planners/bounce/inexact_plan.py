@@ -10,7 +10,7 @@ import numpy as np
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.plan import Plan
-from rota.planners.bounce.cells import make_cells
+from rota.planners.bounce.cells import cells_of, make_cells
 from rota.planners.bounce.inexact_turns import Crew, Estimate, InexactRuns, TurningError, make_crew, run_crew
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.trajectories import step_duration_s
@@ -20,6 +20,7 @@ MOST_WORK = 1.5e9  # looks at a wall or corner in all runs of a plan, beyond whi
 STATED_ERROR_DEG = 1.0  # of each turn, where the mission states none
 PERIODS = 10.0  # of the longest one, for which robots that monitor are followed
 LEAST_TURN_S = 1e-3  # of robots that turn at once
+COVERING_S, COVERING_RUNS = 6 * 3600.0, 400  # for which robots that only react are followed until all is covered
 SHARES = (0.1, 0.5, 0.9)  # of the runs, by which the first contact is told
 
 
@@ -93,6 +94,37 @@ def with_errors(plan: Plan, *, most_runs: int = RUNS, exact: bool = True) -> Ine
         )
     met_s = inexact.contact_quantiles_s(SHARES) if len(plan.trajectories) > 1 else None
     return Inexact(error_deg=error_deg, runs=runs, lasting_s=float(lasting_s), kept=kept, met_s=met_s)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Covering:
+    """By when robots that only react had entered all ``cells``, in SHARES of the runs; inf: not in ``lasting_s``."""
+
+    error_deg: float
+    runs: int
+    lasting_s: float
+    cells: int
+    times_s: tuple[float, ...]
+
+
+def covering(plan: Plan, *, most_runs: int = COVERING_RUNS) -> Covering:
+    """How long robots that turn at every contact take from the plan's start to enter every cell that a body fits into.
+
+    Without a grid cells are as wide as the widest body. Turns are off as in ``with_errors``.
+    """
+    mission, settings = plan.mission, BounceSettings.of(plan.mission)
+    crew, error_deg = _crew(plan), settings.turning_error_deg or STATED_ERROR_DEG
+    if settings.cells == "grid":
+        cells = make_cells(mission)
+    else:
+        radius_m = crew.rim.body_radius_m
+        cells = cells_of(free_ground(mission), mission.area.bounds, cell_m=2 * radius_m, body_radius_m=radius_m)
+    runs = _runs_within(crew, COVERING_S, most_runs)
+    error = TurningError(angle_rad=math.radians(error_deg))
+    made = run_crew(crew, error, _starts(plan, runs), duration_s=COVERING_S, seed=plan.seed, cells=cells)
+    ordered = np.sort(made.cover_times_s())
+    times_s = tuple(float(ordered[max(math.ceil(share * runs) - 1, 0)]) for share in SHARES)
+    return Covering(error_deg=error_deg, runs=runs, lasting_s=COVERING_S, cells=cells.count, times_s=times_s)
 
 
 def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
