@@ -25,7 +25,7 @@ def planned_mission(url: str) -> str:
 
 def newly_planned(url: str) -> str:
     """The id of another mission that has a plan."""
-    with httpx.Client(base_url=url) as client:
+    with httpx.Client(base_url=url, timeout=60) as client:
         mission = client.post("/api/missions", json={"document": SMALL}).raise_for_status().json()["id"]
         job = client.post("/api/jobs", json={"mission": mission}).raise_for_status().json()["id"]
         with client.stream("GET", f"/api/jobs/{job}/events", timeout=COMPILING_MS / 1000) as events:

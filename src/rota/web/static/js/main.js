@@ -1,8 +1,9 @@
 /** Starts the page: the editor, planning, watching, downloads, and what the address says. */
 
+import { Address } from "./address.js";
 import { api } from "./api.js";
 import { byId, el } from "./dom.js";
-import { Editor } from "./editor/editor.js";
+import { Editor, isOfPlanner } from "./editor/editor.js";
 import { showSaved } from "./editor/keeper.js";
 import { MissionMap } from "./editor/map.js";
 import { newMission } from "./editor/new_mission.js";
@@ -24,6 +25,7 @@ class Page {
     missionMap.useTiles(about.tile_url ?? null, about.tile_attribution ?? "");
     this.editor = new Editor(this.missionMap, { planners: about.planners.map((planner) => planner.name), schema });
     this.tabs = new Tabs(byId("tabs"));
+    this.address = new Address();
     this.plans = new Plans(byId("plans"));
     this.jobs = new Jobs(byId("jobs"), byId("earlier"), this.editor.keeper);
     const readiness = new Readiness(byId("plan-now"), this.editor);
@@ -159,6 +161,7 @@ class Page {
     const { current } = this.tabs;
     const watches = current === "watch" || current === "plan" || current === "take";
     this.editor.drawing.stop();
+    this.editor.showUndo();
     if (this.editor.keeper.state === "unsaved") {
       this.editor.keeper.flush().catch(() => undefined); // plans are told apart from the mission as it is now
     }
@@ -268,23 +271,16 @@ class Page {
     }
   }
 
-  /** The address names mission, tab and plan, so that a reload comes back to them. */
   writeAddress() {
-    const parts = new URLSearchParams();
-    for (const [key, value] of [["mission", this.editor.keeper.id], ["tab", this.tabs.current], ["plan", this.plan]]) {
-      if (value !== null) {
-        parts.set(key, value);
-      }
-    }
-    const hash = `#${parts}`;
-    if (hash !== window.location.hash) {
-      window.history.replaceState(null, "", hash);
-    }
+    this.address.write({ mission: this.editor.keeper.id, tab: this.tabs.current, plan: this.plan });
   }
 
-  async readAddress() {
-    const parts = new URLSearchParams(window.location.hash.slice(1));
-    const [mission, plan, tab] = [parts.get("mission"), parts.get("plan"), parts.get("tab")];
+  readAddress() {
+    return this.address.follow((shown) => this.show(shown));
+  }
+
+  /** Shows a mission, a tab and a plan; without a mission the one changed last. */
+  async show({ mission, plan, tab }) {
     try {
       const kept = mission ?? (await api.missions())[0]?.id ?? null;
       if (kept !== null && kept !== this.editor.keeper.id) {
@@ -319,10 +315,6 @@ function captionOf(plan, { unsure, isPlanning }) {
   return `${plan.partial ? "The best plan so far" : "The plan"} of ${plan.name}: ${robotsText(plan)}${verdict}`;
 }
 
-function isOfPlanner(path) {
-  return ["planner", "patrol", "swarm", "bounce"].includes(String(path[0]));
-}
-
 async function start() {
   startTheme();
   startBanner();
@@ -330,6 +322,8 @@ async function start() {
   try {
     const [about, schema] = await Promise.all([api.about(), api.missionSchema()]);
     const page = new Page(missionMap, about, schema);
+    byId("missions-open").disabled = false;
+    byId("go-plan").disabled = false;
     await page.readAddress();
     document.body.dataset.ready = "true";
   } catch (error) {

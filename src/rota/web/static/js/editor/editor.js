@@ -83,8 +83,8 @@ export class Editor extends EventTarget {
       this.layers.draw({});
     });
     document.addEventListener("keydown", (event) => this.key(event));
-    byId("undo").addEventListener("click", () => this.store.undo());
-    byId("redo").addEventListener("click", () => this.store.redo());
+    byId("undo").addEventListener("click", () => this.step("undo"));
+    byId("redo").addEventListener("click", () => this.step("redo"));
   }
 
   /** Whether starts are single places, which a dock can take the place of. */
@@ -163,8 +163,7 @@ export class Editor extends EventTarget {
     this.drawShapes();
     const chosen = shapes.find((shape) => shape.key === this.chosen) ?? null;
     this.drawing.showChosen(chosen, chosen !== null && chosen.geometry.type !== "reference");
-    byId("undo").disabled = !this.store.canUndo;
-    byId("redo").disabled = !this.store.canRedo;
+    this.showUndo();
     byId("mission-name").textContent = typeof document.name === "string" ? document.name : "";
     this.dispatchEvent(new Event("update"));
   }
@@ -273,6 +272,30 @@ export class Editor extends EventTarget {
     this.missionMap.fit([...places, ...resolved]);
   }
 
+  /** Whether a tab is shown in which the mission is edited: its shapes and numbers, or its planner. */
+  get isEdited() {
+    return ["edit", "plan"].includes(document.body.dataset.tab);
+  }
+
+  showUndo() {
+    byId("undo").disabled = !this.isEdited || !this.store.canUndo;
+    byId("redo").disabled = !this.isEdited || !this.store.canRedo;
+  }
+
+  /** Goes back or forth where one sees it: what is no planner's setting is shown in its tab. */
+  step(direction) {
+    if (!this.isEdited) {
+      return;
+    }
+    const before = this.store.document;
+    this.store[direction]();
+    const after = this.store.document;
+    const changed = Object.keys({ ...before, ...after }).find((key) => before[key] !== after[key] && !isOfPlanner([key]));
+    if (changed !== undefined) {
+      this.dispatchEvent(new CustomEvent("goto", { detail: [changed] }));
+    }
+  }
+
   key(event) {
     const typing = event.target.closest?.("input, select, textarea, dialog") ?? null;
     if ((event.ctrlKey || event.metaKey) && ["z", "y"].includes(event.key.toLowerCase())) {
@@ -280,18 +303,18 @@ export class Editor extends EventTarget {
         return;
       }
       event.preventDefault();
-      const redo = event.shiftKey || event.key.toLowerCase() === "y";
-      if (redo) {
-        this.store.redo();
-      } else {
-        this.store.undo();
-      }
+      this.step(event.shiftKey || event.key.toLowerCase() === "y" ? "redo" : "undo");
     } else if (typing === null && event.key === "Delete" && this.drawing.kind === null && document.body.dataset.tab === "edit") {
       this.removeChosen();
     } else if (typing === null && event.key === "Escape" && this.drawing.kind === null) {
       this.choose(null);
     }
   }
+}
+
+/** Whether a path leads to the planner or one of its settings. */
+export function isOfPlanner(path) {
+  return ["planner", "patrol", "swarm", "bounce"].includes(String(path[0]));
 }
 
 /** Places on the map that bound a geometry. */

@@ -18,7 +18,7 @@ export function startVerdict(section, validation, editor) {
     section.setAttribute("aria-busy", "true");
     if (editor.isEmpty) {
       show(box("plain", NOTHING_DRAWN));
-    } else if (section.textContent === "" || section.textContent === NOTHING_DRAWN) {
+    } else if (section.querySelector(".verdict-ok, .verdict-fault") === null) {
       show(box("plain", "Checking the mission…"));
     }
   });
