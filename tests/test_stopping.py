@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rota import stopping
-from rota.stopping import GRACE_S, OwnThread, StopRule, WorkLeftError, work_left_running
+from rota.stopping import GRACE_S, OwnThread, StopRule, WorkLeftError, put_off, work_left_running
 
 
 @pytest.fixture
@@ -47,6 +47,19 @@ def test_one_that_gets_little_of_a_busy_machine_has_all_its_grace(used: list[flo
     for _ in range(10_000):  # at 1 % of a core
         used[0] += 0.01 * stopping.TICK_S
         assert not rule.is_spent()
+
+
+def test_what_is_put_off_comes_so_much_processor_time_later(used: list[float]) -> None:
+    stopped: list[None] = []
+    later = put_off(lambda: bool(stopped), 8.0)
+    used[0] += 100
+    assert not later()
+    stopped.append(None)
+    assert not later()
+    used[0] += 7.9
+    assert not later()
+    used[0] += 0.2
+    assert later()
 
 
 def test_who_waits_asks_for_work_that_does_not() -> None:

@@ -63,6 +63,19 @@ class StopRule:
         return self._deadline_s is not None and time.monotonic() >= self._deadline_s
 
 
+def put_off(should_stop: Callable[[], bool], by_s: float) -> Callable[[], bool]:
+    """The same, but by so much processor time later: for work without which there is nothing to stop with."""
+    since_s: list[float] = []
+
+    def should_stop_later() -> bool:
+        if not should_stop():
+            return False
+        since_s[:] = since_s or [time.process_time()]
+        return time.process_time() - since_s[0] >= by_s
+
+    return should_stop_later
+
+
 class WorkLeftError(BaseException):
     """Raised within work that nobody waits for any more: no ``except Exception`` on its way goes on with it."""
 

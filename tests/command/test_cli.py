@@ -9,6 +9,8 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -491,6 +493,33 @@ def test_sigterm_outside_the_search_leaves_no_half_of_a_file(
     assert capsys.readouterr().err == "rota: interrupted\n"
     assert sorted(os.listdir()) == files
     assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_sigterm_before_the_search_is_told(
+    yard: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def read(_path: Path) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(60)
+
+    monkeypatch.setattr("rota.files.mission_file.read_mission", read)
+    assert run(["plan", "yard.yaml"]) == 143
+    assert capsys.readouterr().err == "rota: no plan: the search had not begun\nrota: interrupted\n"
+
+
+def test_ctrl_c_is_heard_while_a_plan_is_checked(
+    plan_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ends = threading.Event()
+
+    def check(*_: Any, **__: Any) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        ends.wait(60)
+
+    monkeypatch.setattr("rota.check.check_plan", check)
+    assert run(["check", str(plan_path)]) == 130
+    ends.set()
+    assert "rota: the plan is not checked to the end\n" in capsys.readouterr().err
 
 
 def test_an_ignored_sigterm_stays_ignored(plan_path: Path) -> None:

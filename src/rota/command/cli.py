@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,7 +25,7 @@ from rota.command.ending import exit_code_of, flushed
 from rota.command.exit_codes import DONE, VIOLATED
 from rota.command.export import FORMATS_HELP, FORMATS_LIST, plan_as_executed, write_export
 from rota.command.fly import fly
-from rota.command.interrupt import clean_end_on_terminate
+from rota.command.interrupt import clean_end_on_terminate, saying_when_interrupted
 from rota.command.link_option import LINKS_LIST
 from rota.command.other_mission import plan_for_mission
 from rota.command.page import page
@@ -110,21 +111,24 @@ def plan(
     if metrics is not None:
         require_suffix(metrics, (".csv",), "a table")
         require_target(metrics, source=mission)
-    if (long := reading_ahead(mission)) is not None:
-        say(long)
-    read = read_mission(mission)
-    for warning in read.warnings:
-        say(f"warning: {warning}")
-    asked = read.mission if effort is None else read.mission.with_effort(effort)
-    planner = planner_of(asked)
-    for long in planner.long_work(asked):
-        say(f"this takes long: {long}")
-    packages = (*planner.compiled_packages(asked), *compiled_for_check(asked))
-    checkpoint = None if resume is None else read_checkpoint(resume)
-    seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
-    with compiled_first(planner, packages), cluster_or_none(cluster) as executor:
-        if (left_out := planner.left_out(asked)) is not None:
-            say(left_out)
+    with ExitStack() as stack:
+        with saying_when_interrupted("no plan: the search had not begun"):
+            if (long := reading_ahead(mission)) is not None:
+                say(long)
+            read = read_mission(mission)
+            for warning in read.warnings:
+                say(f"warning: {warning}")
+            asked = read.mission if effort is None else read.mission.with_effort(effort)
+            planner = planner_of(asked)
+            for long in planner.long_work(asked):
+                say(f"this takes long: {long}")
+            packages = (*planner.compiled_packages(asked), *compiled_for_check(asked))
+            checkpoint = None if resume is None else read_checkpoint(resume)
+            seed = seed if seed is not None else checkpoint.seed if checkpoint is not None else 0
+            stack.enter_context(compiled_first(planner, packages))
+            executor = stack.enter_context(cluster_or_none(cluster))
+            if (left_out := OwnThread(lambda: planner.left_out(asked)).awaited()) is not None:
+                say(left_out)
         code = plan_and_write(asked, target, seed, time_limit, best, (resume, checkpoint), metrics, executor)
     raise typer.Exit(code)
 
@@ -167,11 +171,8 @@ def check(
     elif in_phase_every is not None or origin is not None:
         raise RotaError(f"{'--origin' if in_phase_every is None else '--in-phase-every'}: is for --executed only")
     mention_compiling(*compiled_for_check(answer.mission))
-    try:
+    with saying_when_interrupted("the plan is not checked to the end"):
         report = OwnThread(lambda: check_plan(answer if made is None else made.plan)).awaited()
-    except KeyboardInterrupt:
-        say("the plan is not checked to the end")
-        raise
     table = report_table if made is None else table_of_worst
     typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else table(report))
     if made is not None and report.verdict == "violated":

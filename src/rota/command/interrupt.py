@@ -13,6 +13,7 @@ from types import FrameType
 from typing import Any
 
 from rota.command.exit_codes import SIGNALLED
+from rota.command.terminal import say
 
 # what ends a program, as people call it; a system that closes no terminals has no SIGHUP
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
@@ -101,6 +102,16 @@ def clean_end_on_terminate() -> Iterator[None]:
     finally:
         for number, before in taken.items():
             signal.signal(number, before)
+
+
+@contextmanager
+def saying_when_interrupted(what: str) -> Iterator[None]:
+    """Say what there is of the work where Ctrl-C, SIGTERM or SIGHUP ends the block."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        say(what)
+        raise
 
 
 def run_to_its_end(main: Coroutine[Any, Any, None]) -> None:

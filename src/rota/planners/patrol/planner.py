@@ -35,8 +35,10 @@ from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, req
 from rota.planners.patrol.traffic.starts.ways_in import require_ways_in
 from rota.planners.patrol.verdict import Judge, Verdict, never_seen, unmet_reason, worst_reached
 from rota.progress import Watch
+from rota.stopping import put_off
 
 SEARCHED = 0.5  # of the time, once robots are fewest: shorter loops take about as long as the search
+LAID_OUT_S = 8.0  # of processor time: a stop is put off by so much while the ground is laid out
 
 
 def plan_patrol(
@@ -108,9 +110,10 @@ def plan_tours(
     """
     progress(0.0, "looking at the mission")
     least = mission_to_begin_with(mission)
-    problem = set_up_problem(least, should_stop=should_stop)
+    laid_out_by = put_off(should_stop, LAID_OUT_S)  # most ground is laid out sooner, and then has a plan of lanes
+    problem = set_up_problem(least, should_stop=laid_out_by)
     if least is not mission and not first_tours_do(problem):
-        problem = set_up_problem(mission, should_stop=should_stop)
+        problem = set_up_problem(mission, should_stop=laid_out_by)
 
     def search(problem: Problem) -> Context:
         return begin_search(
