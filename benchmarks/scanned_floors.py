@@ -109,9 +109,8 @@ def write_floor(name: str, floor: Floor, seed: int, folder: Path) -> Path:
         f"period_s: {floor.period_s:g}\nfleet:\n  speed_m_s: 0.8\n"
         f"  sensor: {{shape: disc, radius_m: {floor.sensor_m:g}}}\n  body_radius_m: 0.2\n"
     )
-    if floor.entered:
-        with mission.open("a") as file:
-            file.write(f"  entrances: {lived_in(mission)}\n")
+    with mission.open("a") as file:
+        file.write(f"  entrances: {lived_in(mission) if floor.entered else 'null'}\n")
     return mission
 
 
