@@ -39,8 +39,15 @@ def write_drones(folder: Path) -> Path:
 
 
 def write_wide_turns(folder: Path) -> Path:
-    """Lanes 50 m apart for aircraft that turn with 75 m: a turn takes them to a lane farther off."""
-    return _written(folder, "wide-turns", (800.0, 600.0), 600.0, speed_m_s=18.0, radius_m=25.0, turn_radius_m=75.0)
+    """Lanes 50 m apart for aircraft that turn with 75 m: a turn takes them to a lane farther off.
+
+    The corners, which no loop would come near, are cut off.
+    """
+    (x, y), cut = (800, 600), 20
+    low, high = [[cut, 0], [x - cut, 0], [x, cut]], [[x, y - cut], [x - cut, y], [cut, y]]
+    fleet = {"speed_m_s": 18.0, "turn_radius_m": 75.0, "sensor": {"shape": "disc", "radius_m": 25.0}}
+    area = [*low, *high, [0, y - cut], [0, cut]]
+    return _dumped(folder, {"rota": 1, "name": "wide-turns", "area": area, "period_s": 600.0, "fleet": fleet})
 
 
 def write_open_field(folder: Path) -> Path:
