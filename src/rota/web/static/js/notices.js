@@ -35,16 +35,17 @@ export function notifyError(error, doing) {
   notify(`${doing}: ${messageOf(error)}`, { error: true });
 }
 
-/** What went wrong, with the faults that the server listed. */
-export function messageOf(error) {
+/** What went wrong, with the faults that the server listed; `ofFile`: as they stand in a file, not in a mission's words. */
+export function messageOf(error, { ofFile = false } = {}) {
   if (!(error instanceof ApiError)) {
     console.error(error);
     return `the page itself failed (${error instanceof Error ? error.message : error})`;
   }
-  const faults = error.faults.slice(0, 5).map((fault) => faultInWords(fault));
+  const faults = error.faults.slice(0, 5).map((fault) => (ofFile ? fault.message : faultInWords(fault)));
   const more = error.faults.length > 5 ? [`and ${error.faults.length - 5} more`] : [];
   const missing = faults.filter((fault) => !error.message.includes(fault));
-  return missing.length === 0 ? textInWords(error.message) : [textInWords(error.message), ...missing, ...more].join(" — ");
+  const told = ofFile ? error.message : textInWords(error.message);
+  return missing.length === 0 ? told : [told, ...missing, ...more].join(" — ");
 }
 
 /**

@@ -161,7 +161,7 @@ export class Plans extends EventTarget {
       await this.refresh();
       notify(`${file.name}: ${plan.robots} robots, ${plan.verdict}.`);
     } catch (error) {
-      this.fault.textContent = `${file.name}: ${messageOf(error)}`;
+      this.fault.textContent = `${file.name}: ${messageOf(error, { ofFile: true })}`;
     }
   }
 }
