@@ -15,7 +15,10 @@ from rota.limits import FAR_FROM_AREA_M, LONGEST_S, SHORTEST_LOOP_S
 from rota.mission import Mission
 
 Floats = NDArray[np.float64]
-EndReason = Literal["rest", "most_steps", "stopped"]
+EndReason = Literal["rest", "blocked", "most_steps", "stopped"]
+
+
+NAMED = 5  # blocked robots
 
 
 def _frozen(values: object) -> Floats:
@@ -139,27 +142,41 @@ def _require_near(trajectory: Trajectory, bounds_m: Floats, flying: bool) -> Non
 class RunEnd:
     """How a swarm's run ended that a plan was made from: after so many ``steps``, and whether all robots were at rest.
 
-    ``reason``: "rest", the stop rule held and nothing was to come any more; "most_steps", the mission allows no more;
-    "stopped", by Ctrl-C or a time limit. Raises PlanError for steps below 0 and a reason that says something else of
-    rest.
+    ``reason``: "rest", the stop rule held and nothing was to come any more; "blocked", it held as well, but the robots
+    named in ``blocked`` want to move on and cannot; "most_steps", the mission allows no more; "stopped", by Ctrl-C or a
+    time limit. Raises PlanError for steps below 0 and a reason that says something else of rest or of who is blocked.
     """
 
     at_rest: bool
     steps: int
     reason: EndReason
+    blocked: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.reason not in get_args(EndReason) or self.at_rest != (self.reason == "rest"):
-            allowed = "rest for robots at rest, else most_steps or stopped"
+            allowed = "rest for robots at rest, else blocked, most_steps or stopped"
             raise PlanError(f"reason: {self.reason!r} with at_rest {self.at_rest}; {allowed}")
+        if bool(self.blocked) != (self.reason == "blocked"):
+            raise PlanError(
+                f"blocked: {len(self.blocked)} robots with the reason {self.reason!r}; robots for blocked only"
+            )
         if self.steps < 0:
             raise PlanError(f"steps: {self.steps} is not allowed; must be 0 or more")
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether more steps would change anything."""
+        return self.reason in ("most_steps", "stopped")
 
     def text(self) -> str:
         """The end in words, which go on after "the run was" or the like."""
         steps = f"after {self.steps:,} step" + ("s" if self.steps != 1 else "")
         if self.at_rest:
             return f"at rest {steps}"
+        if self.blocked:
+            first = ", ".join(self.blocked[:NAMED]) + (", ..." if len(self.blocked) > NAMED else "")
+            who = f"{len(self.blocked)} robots want" if len(self.blocked) > 1 else "1 robot wants"
+            return f"blocked {steps}: {who} to move on and cannot ({first})"
         why = "by swarm.most_steps" if self.reason == "most_steps" else "when it was stopped"
         return f"cut off {steps} {why}, before all robots were at rest"
 
@@ -191,6 +208,8 @@ class Plan:
         planning = self.mission.planning
         if self.run_end is not None and not planning.makes_runs:
             raise PlanError(f"run_end: only swarms have runs; the planner is {planning.planner}")
+        for name in () if self.run_end is None else self.run_end.blocked:
+            self.mission.fleet.robot(name)
         bounds_m = np.array(self.mission.area.bounds)
         for trajectory in self.trajectories:
             _require_near(trajectory, bounds_m, planning.makes_runs)

@@ -133,6 +133,10 @@ class Report:
         return max((d.worst_gap_at_least_s / d.period_s for d in self.demands), default=0.0)
 
 
+def _run_end_to_json(end: RunEnd) -> dict[str, Any]:
+    return {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason, "blocked": list(end.blocked)}
+
+
 def report_to_json(report: Report) -> dict[str, Any]:
     """The report as JSON values, by the schema of ``report_schema``: null for "never" and at most 100 unmet points."""
     end = report.run_end
@@ -145,7 +149,7 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "not_judged": list(report.not_judged),
         "first_coverage_s": report.first_coverage_s,
         "holds_from_s": report.holds_from_s,
-        "run_end": None if end is None else {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason},
+        "run_end": None if end is None else _run_end_to_json(end),
         "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
         "worst_ratio": _finite(report.worst_ratio),
         "worst_ratio_at_least": _finite(report.worst_ratio_at_least),
@@ -226,7 +230,12 @@ def report_schema() -> dict[str, Any]:
             "description": "what the plan says of the end of a swarm's run; null: nothing",
             "oneOf": [
                 {"type": "null"},
-                _object(at_rest={"type": "boolean"}, steps=COUNT, reason={"enum": list(get_args(EndReason))}),
+                _object(
+                    at_rest={"type": "boolean"},
+                    steps=COUNT,
+                    reason={"enum": list(get_args(EndReason))},
+                    blocked={"type": "array", "items": TEXT, "description": "robots that want to move on and cannot"},
+                ),
             ],
         },
         clock_margin_s={**ratio, "description": "by how much clocks may differ; null: by anything, or not judged"},

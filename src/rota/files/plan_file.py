@@ -16,7 +16,7 @@ from rota.files.json_text import digest_of, unique_keys
 from rota.files.local_file import read_bytes
 from rota.files.mission_json import mission_from_fields, mission_to_json
 from rota.files.plan_faults import named_field, plan_faults
-from rota.files.plan_schema import PLAN_VERSION, TrajectoryFields, plan_fields_type
+from rota.files.plan_schema import PLAN_VERSION, RunEndFields, TrajectoryFields, plan_fields_type
 from rota.plan import Plan, RunEnd, Trajectory
 
 Json = dict[str, Any]
@@ -54,7 +54,7 @@ def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
     mark: Json = {} if meets_demand else {"meets_demand": False}
     reason = {} if plan.lower_bound_reason is None else {"lower_bound_reason": plan.lower_bound_reason}
     end, mission = plan.run_end, mission_to_json(plan.mission)
-    ended = {} if end is None else {"run_end": {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason}}
+    ended = {} if end is None else {"run_end": _run_end_to_json(end)}
     return {
         "rota_plan": PLAN_VERSION,
         "seed": int(plan.seed),
@@ -66,6 +66,12 @@ def plan_to_json(plan: Plan, *, meets_demand: bool = True) -> Json:
         "mission": mission,
         "robots": [_trajectory_to_json(trajectory) for trajectory in plan.trajectories],
     }
+
+
+def _run_end_to_json(end: RunEnd) -> Json:
+    """How a swarm's run ended."""
+    blocked = {"blocked": list(end.blocked)} if end.blocked else {}
+    return {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason, **blocked}
 
 
 def _trajectory_to_json(trajectory: Trajectory) -> Json:
@@ -142,7 +148,7 @@ def plan_from_json(document: object) -> Plan:
         )
     trajectories = tuple(_trajectory(robot, f"robots[{k}]") for k, robot in enumerate(fields.robots))
     with named_field("run_end"):
-        end = None if fields.run_end is None else RunEnd(**fields.run_end.model_dump())
+        end = None if fields.run_end is None else _run_end(fields.run_end)
     with named_field("robots"):
         return Plan(
             mission=mission,
@@ -152,6 +158,11 @@ def plan_from_json(document: object) -> Plan:
             lower_bound_reason=fields.lower_bound_reason,
             run_end=end,
         )
+
+
+def _run_end(fields: RunEndFields) -> RunEnd:
+    """How a swarm's run ended. Raises PlanError where its fields contradict each other."""
+    return RunEnd(at_rest=fields.at_rest, steps=fields.steps, reason=fields.reason, blocked=tuple(fields.blocked))
 
 
 def _trajectory(fields: TrajectoryFields, field: str) -> Trajectory:

@@ -177,11 +177,12 @@ class TrajectoryFields(_Strict):
 
 
 class RunEndFields(_Strict):
-    """How the run of a swarm ended: "rest", or cut off by swarm.most_steps or when it was stopped."""
+    """How the run of a swarm ended: at rest, with blocked robots, or cut off by swarm.most_steps or when stopped."""
 
     at_rest: bool
     steps: Annotated[int, Field(ge=0)]
     reason: EndReason
+    blocked: Annotated[list[Name], Field(description="robots that want to move on and cannot")] = []
 
 
 class PlanFields(_Strict):

@@ -42,7 +42,8 @@ class SwarmPlanner(Planner):
         )
         if request.observe is not None and run.history is not None:
             request.observe(run.history)
-        return Answer(plan=run.plan, checkpoint=None if run.at_rest else run.state)
+        end = run.plan.run_end
+        return Answer(plan=run.plan, checkpoint=run.state if end is not None and end.goes_on else None)
 
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """When robots hold, how much they then have in range, and the worst gap."""

@@ -15,6 +15,7 @@ from typing import Any
 from rota.planners.swarm.kernels import compiled
 
 CLEAR_M = 1e-6  # kept from discs, above rounding
+MARGIN = 0.1  # of both radii, kept as well by robots that are faster than the disc: walls and others may take of it
 LOOK_AHEAD = 4.0  # times as long as a robot takes for both radii, which it may have to go aside, it looks ahead
 PASSES = 2  # times that all discs are looked at, since dodging one may lead to another
 
@@ -65,7 +66,9 @@ def dodged(
         return wx, wy
     for _ in range(PASSES):
         for m in range(moving.x.shape[0]):
-            reach_m = body + moving.radius_m[m] + CLEAR_M
+            reach_m = body + moving.radius_m[m]
+            faster = speed * speed > moving.vx[m] * moving.vx[m] + moving.vy[m] * moving.vy[m]
+            reach_m += MARGIN * reach_m if faster else CLEAR_M
             ux, uy = out_of_way(
                 moving.x[m] - x, moving.y[m] - y, wx - moving.vx[m], wy - moving.vy[m], reach_m,
                 max(LOOK_AHEAD * reach_m / speed, time_step_s), time_step_s,
@@ -73,3 +76,16 @@ def dodged(
             wx, wy = wx + ux, wy + uy
     length = math.sqrt(wx * wx + wy * wy)
     return (wx * (speed / length), wy * (speed / length)) if length > speed else (wx, wy)
+
+
+@compiled
+def clearance_m(x: float, y: float, vx: float, vy: float, body: float, moving: Any, within_s: float) -> float:
+    """The least gap in metres of a body that goes on at a velocity and any disc within a time; inf without discs."""
+    least = math.inf
+    for m in range(moving.x.shape[0]):
+        px, py, ux, uy = moving.x[m] - x, moving.y[m] - y, vx - moving.vx[m], vy - moving.vy[m]
+        speed2 = ux * ux + uy * uy
+        t = min(max((px * ux + py * uy) / speed2, 0.0), within_s) if speed2 > 0.0 else 0.0
+        cx, cy = px - t * ux, py - t * uy
+        least = min(least, math.sqrt(cx * cx + cy * cy) - body - moving.radius_m[m])
+    return least

@@ -32,7 +32,8 @@ may exceed 0 by ROUNDING |w|, without which a robot could not glide along what i
 ROUNDING of a step's way, 1e-15 m for 0.5 m, and by what places round in every step anyway.
 
 Discs that move and do not give way are dodged beforehand: the wish is changed (``dodge_kernels``), and the claim holds
-of what is left of it. That no disc is met is not claimed.
+of what is left of it. Where a disc would be met by that, the robot takes the way out that keeps farthest off, as far
+as all half-planes allow (``fled``). That no disc is met is not claimed.
 
 Old news. A robot that is known from an old message only may have gone up to s since, no more than age v_B dt and less
 where it told of going slowly (``delayed_news_kernels.gone_m``): it is somewhere in the disc of radius s round the place
@@ -51,11 +52,12 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from rota.planners.swarm.dodge_kernels import dodged
+from rota.planners.swarm.dodge_kernels import CLEAR_M, clearance_m, dodged
 from rota.planners.swarm.kernels import cell_of, compiled, to_wall
 from rota.planners.swarm.state import Floats
 
 ROUNDING_M = 1e-9  # kept between bodies, so that rounding of places never makes them touch
+WAYS_OUT, AHEAD_STEPS = 32, 2.0  # that a robot looks for when a disc would be met, and for how many steps
 ROUNDING = 2e-15  # share of a velocity by which a half-plane may be exceeded: what rounding leaves of a point on a line
 
 
@@ -250,6 +252,31 @@ def nearest_allowed(wx: float, wy: float, longest: float, count: int, planes: An
 
 
 @compiled
+def fled(i: int, c: int, vx: float, vy: float, snapshot: Any, spread_m: Any, planes: Any) -> tuple[float, float]:
+    """The velocity (vx, vy) or, where a disc would be met by it, the safe one that keeps farthest off.
+
+    Of ``WAYS_OUT`` directions each is tried at top speed, shortened as the half-planes of robots and walls ask. c: the
+    cell that robot i is in. spread_m: as ``filter_velocities`` takes it.
+    """
+    robots, kinds, moving, time_step_s = snapshot.robots, snapshot.kinds, snapshot.moving, snapshot.rule.time_step_s
+    x, y, body, ahead_s = robots.x[i], robots.y[i], kinds.body_m[robots.kind[i]], AHEAD_STEPS * time_step_s
+    best_m = clearance_m(x, y, vx, vy, body, moving, ahead_s)
+    if best_m >= CLEAR_M:
+        return vx, vy
+    bx, by, speed = vx, vy, kinds.speed_m_s[robots.kind[i]]
+    count, longest = bounded_by_robots(i, c, snapshot, spread_m, speed, planes)
+    count, longest = bounded_by_walls(i, c, snapshot, count, longest, planes)
+    for k in range(WAYS_OUT):
+        angle = 2.0 * math.pi * k / WAYS_OUT
+        ux, uy = longest * math.cos(angle), longest * math.sin(angle)
+        share = share_within(ux, uy, 0.0, count, planes)
+        gap_m = clearance_m(x, y, share * ux, share * uy, body, moving, ahead_s)
+        if gap_m > best_m:
+            best_m, bx, by = gap_m, share * ux, share * uy
+    return bx, by
+
+
+@compiled
 def filter_velocities(
     begin: int, end: int, snapshot: Any, widest_m: float, spread_m: Any, decisions: Any, room: Any
 ) -> None:
@@ -285,3 +312,5 @@ def filter_velocities(
             decisions.vx[i], decisions.vy[i] = 0.0, 0.0
         elif count > 0:
             decisions.vx[i], decisions.vy[i] = nearest_allowed(vx, vy, longest, count, planes)
+        if moving.x.shape[0] > 0:
+            decisions.vx[i], decisions.vy[i] = fled(i, c, decisions.vx[i], decisions.vy[i], snapshot, spread_m, planes)

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
@@ -111,12 +111,12 @@ def _linked(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats
     length_m = np.hypot(*(places[both[:, 0]] - places[both[:, 1]]).T)
     links = np.searchsorted(both[:, 0], np.arange(n + 1))
     i, j = np.clip(((places - low) / cell_m).astype(np.int64), 0, (columns - 1, rows - 1)).T
-    far_m = 1.0
+    far_m, news_steps = 1.0, 0
     if n:
         # from any place through one and on to the farthest of its part is as far as ways within the part can be
         graph = csr_matrix((length_m, both[:, 1], links), shape=(n, n))
-        reached = dijkstra(graph, indices=[n // 2])
-        far_m = 2.0 * float(reached[np.isfinite(reached)].max()) + 1.0
+        far_m = 2.0 * _farthest(graph, unweighted=False) + 1.0
+        news_steps = 2 * int(_farthest(graph, unweighted=True)) + 1
     return PlaceGraph(
         x=np.ascontiguousarray(places[:, 0]),
         y=np.ascontiguousarray(places[:, 1]),
@@ -133,4 +133,18 @@ def _linked(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats
         capacity=np.ones(n),
         away_m=np.full((2, n), far_m),
         far_m=far_m,
+        news_steps=news_steps,
     )
+
+
+def _farthest(graph: csr_matrix, *, unweighted: bool) -> float:
+    """How far it is from one place of a part of the graph to another, at most, each part seen from one of its places.
+
+    The part of the place in the middle of the list is seen from there.
+    """
+    middle = graph.shape[0] // 2
+    _, part = connected_components(graph, directed=False)
+    first = np.unique(part, return_index=True)[1]
+    first[part[middle]] = middle
+    reached = (dijkstra(graph, indices=[place], unweighted=unweighted) for place in first)
+    return max(float(lengths[np.isfinite(lengths)].max()) for lengths in reached)

@@ -26,7 +26,7 @@ from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
-from rota.planners.swarm.starts import place_starts, spare_room_m
+from rota.planners.swarm.starts import passable_reserve_m, place_starts, spare_room_m
 from rota.planners.swarm.state import FleetKinds, Hearing, Rule
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
@@ -41,6 +41,7 @@ DECIDE: dict[str, Callable[..., None]] = {
 }
 # momentum carries robots through places where they stand still for a moment and are not at rest
 STEPS_AT_REST = {"reciprocal": 1, "voronoi": 1, "virtual_force": 1, "settle": 2}
+AT_REST_SHARE, WANTS_SHARE = 0.01, 0.25  # of the longest step: less is rest, and who wants more and stands is blocked
 ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
 HEIGHTS = 1  # the stream of random numbers that starts in space take their heights from
 LARGEST_SEED = 2**63  # that compiled code can hold
@@ -87,9 +88,9 @@ def run_mission(
     state = _beginning(mission, ground, seed) if resume is None else _resumed(resume, mission, seed)
     swarm = _swarm_from(state, mission, ground, threads)
     log = _log_from(state)
-    still, needed = state.steps_at_rest, STEPS_AT_REST[settings.controller]
+    still, needed, stop_m = state.steps_at_rest, _steps_at_rest(settings), _stop_m(mission)
     presence = Presence(mission)
-    awaited = max(presence.last_change, last_motion(mission))
+    awaited = last_change_of(mission)
     observer = None
     if isinstance(swarm, Swarm):
         presence.begin(swarm)
@@ -103,15 +104,17 @@ def run_mission(
         if isinstance(swarm, Swarm) and presence.update(swarm):
             log.keep_last()
         began_s = time.perf_counter()
-        still = still + 1 if swarm.step() <= settings.stop_m else 0
+        still = still + 1 if swarm.step() <= stop_m and swarm.news_rest else 0
         if observer is not None:
             observer.note(time.perf_counter() - began_s)
         log.add(swarm.places_m)
         if swarm.steps % 50 == 0:
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
     at_rest = still >= needed and swarm.steps > awaited
-    reason: EndReason = "rest" if at_rest else "stopped" if stopped else "most_steps"
-    end = RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason)
+    blocked = _blocked(swarm, mission) if at_rest else ()
+    at_rest = at_rest and not blocked
+    reason: EndReason = "rest" if at_rest else "blocked" if blocked else "stopped" if stopped else "most_steps"
+    end = RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason, blocked=blocked)
     return SwarmRun(
         plan=_plan_of(log, mission, seed, end),
         steps=swarm.steps,
@@ -121,11 +124,39 @@ def run_mission(
     )
 
 
+def _steps_at_rest(settings: SwarmSettings) -> int:
+    """How many steps without motion end a run; robots that settle must have heard of it as well."""
+    hearing = hearing_of(settings)
+    unheard = 0 if hearing is None or settings.controller != "settle" else oldest_steps(hearing)
+    return STEPS_AT_REST[settings.controller] + unheard
+
+
+def _stop_m(mission: Mission) -> float:
+    """The longest step of a robot at rest: ``stop_m``, and no more than a small share of what any robot can drive."""
+    settings = SwarmSettings.of(mission)
+    speeds = [robot.speed_m_s for robot in mission.fleet.robots or () if robot.speed_m_s > 0]
+    return min([settings.stop_m, *(AT_REST_SHARE * speed * settings.time_step_s for speed in speeds)])
+
+
+def _blocked(swarm: Swarm | SpaceSwarm, mission: Mission) -> tuple[str, ...]:
+    """The robots at rest that want to go on and cannot; only those that settle know where to."""
+    if SwarmSettings.of(mission).controller != "settle":
+        return ()
+    most_m = np.array([robot.speed_m_s for robot in mission.fleet.robots or ()]) * swarm.rule.time_step_s
+    wants = swarm.wishes_m() > WANTS_SHARE * most_m
+    return tuple(robot.name for robot, told in zip(mission.fleet.robots or (), wants.tolist(), strict=True) if told)
+
+
+def last_change_of(mission: Mission) -> int:
+    """The step from which on nobody joins or leaves and no obstacle moves."""
+    return max(Presence(mission).last_change, last_motion(mission))
+
+
 def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> Checkpoint:
     """The robots at their starts; raises MissionError where there is no room, or steps are too long."""
     settings = SwarmSettings.of(mission)
     _require_short_steps(mission, settings)
-    wish_m = settings.thinning_m if settings.filter else 0.0
+    wish_m = passable_reserve_m(mission, ground, settings.thinning_m) if settings.filter else 0.0
     starts = place_starts(mission, ground, seed=seed, reserve_m=wish_m)
     reserve_m = min(wish_m, spare_room_m(mission, ground, starts, wish_m))
     if settings.altitudes_m is not None:
@@ -221,7 +252,7 @@ def make_swarm(
     settings = SwarmSettings.of(mission)
     controller = Controller(
         decide=decide or DECIDE[settings.controller],
-        rule=rule_of(settings, seed),
+        rule=rule_of(settings, seed)._replace(last_change=last_change_of(mission)),
         safe=settings.filter,
         hearing=hearing_of(settings),
         device=settings.device,
@@ -261,7 +292,7 @@ def make_space_swarm(
         beginning_of(state),
         fleet_of(mission, reserve_m),
         walls_of(ground),
-        rule_of(settings, state.seed),
+        rule_of(settings, state.seed)._replace(last_change=last_change_of(mission)),
         bands=bands,
         full_m=np.minimum(full, bands.high_m),
         settles=settings.controller == "settle",

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from rota.errors import CheckpointError, MissionError
 from rota.mission import MovingObstacle
-from rota.planners.swarm.deciding import Controller, Deciding
+from rota.planners.swarm.deciding import Controller, Deciding, deciding_room
 from rota.planners.swarm.delayed_news_kernels import load_with_told
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
 from rota.planners.swarm.kernels import move, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
 from rota.planners.swarm.place_graph import place_graph_of
-from rota.planners.swarm.settle_kernels import decide_settle
+from rota.planners.swarm.settle_kernels import decide_settle, note_wishes
 from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Kinds, Robots, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
@@ -132,6 +132,16 @@ class Swarm:
     def news_m(self) -> Floats:
         """(k,): how far it is to free ground from each place of the map, as told; of "settle" only, else k = 0."""
         return np.array(self.grid.place_graph.away_m[self.steps % 2])
+
+    @property
+    def news_rest(self) -> bool:
+        """Whether the last step has changed nothing of what is told of free ground."""
+        return have_come_to_rest(self.grid)
+
+    def wishes_m(self) -> Floats:
+        """(n,) in the order of the fleet: how far robots that settle would go in a step if nothing held them."""
+        moving = moving_at(self.moving, self.steps * self.rule.time_step_s, self.rule.time_step_s)
+        return wishes_of(Snapshot(self.steps, self._robots, self.kinds, self.grid, moving, self.rule))
 
     @property
     def present(self) -> NDArray[np.bool_]:
@@ -259,6 +269,19 @@ class Swarm:
     def _in_order(self, x: Floats, y: Floats) -> Floats:
         """(n, 2) values in the order of the fleet, from two (n,) in the order of the grid."""
         return in_fleet_order(self._robots, x, y)
+
+
+def have_come_to_rest(grid: Grid) -> bool:
+    """Whether what is told of free ground at this step is what was told at the step before."""
+    return np.array_equal(*grid.place_graph.away_m)
+
+
+def wishes_of(snapshot: Snapshot) -> Floats:
+    """(n,) in the order of the fleet: how far each robot wants to go in the next step; see ``note_wishes``."""
+    wishes, in_order = np.empty(len(snapshot.robots.x)), np.empty(len(snapshot.robots.x))
+    note_wishes(snapshot, wishes, deciding_room(snapshot.rule))
+    in_order[snapshot.robots.name] = wishes
+    return in_order
 
 
 def _slack_m(kinds: Kinds, n: int, time_step_s: float) -> float:

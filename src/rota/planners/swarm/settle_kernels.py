@@ -24,8 +24,10 @@ SLOW_STEP = 2e-3
 TURN_BACK_SHARE = 0.5  # and go this share of the way back: by the whole of it some go to and fro for ever
 TOUCH_SHARE = 1e-3  # of the sensor's radius; a body so near a wall does not push on into it
 
-# ------------------------------------------------------------ friction, as shares of the sensor's radius in a step
+# ------------------------------------------------------------ friction in a step, as shares of ``friction_unit_m``
 
+STEPS_FOR_SENSOR = 64.0  # a robot that needs more of them for its sensor's radius has less friction, else none starts
+PATIENCE, FRICTION_GROWTH = 2.0, 4.0  # longest ways on the map, twice each, and by how much it grows in each more
 KINETIC_FRICTION, STATIC_FRICTION = 2.5e-5, 1.25e-4  # measured: swarms rest in half the steps and cover as much
 STATIC_BELOW = 5e-4  # friction grows from the kinetic to the static one as steps shrink from here to 0
 LEAST_STEP = 1e-5  # what is left of a step below this is none: with late news, robots creep on for ever by less
@@ -33,6 +35,7 @@ LEAST_STEP = 1e-5  # what is left of a step below this is none: with late news, 
 # ------------------------------------------------------------ by the share of the ground in range that is a robot's own
 
 FULL_PUSH_BELOW, NO_PUSH_ABOVE = 0.85, 1.1  # pushes count in full up to one share, and not at all from the other on
+PARKED_BELOW, PUSHED_FROM = 0.12, 0.25  # of redundant robots
 MOVE_ON_BELOW, MOVE_ON_BELOW_AT_WALLS = 0.5, 0.85  # with less, robots go on to free ground
 MOVE_ON_GAIN = 3.0  # they do so at full speed when 1 / MOVE_ON_GAIN is missing from that share
 WALL_FADE = 0.1  # of the sensor's radius, over which a wall in range comes to count in full
@@ -40,13 +43,38 @@ GAP_TO_AHEAD = 0.6  # of the sum of two bodies' radii, which the one behind keep
 
 
 @compiled
-def rubbed(dx: float, dy: float, last_m: float, sensor_m: float) -> tuple[float, float]:
-    """What friction leaves of a step (dx, dy) after a step of last_m: (0, 0) of one hardly longer than friction."""
-    slowness = max(0.0, 1.0 - last_m / (STATIC_BELOW * sensor_m))
-    friction_m = sensor_m * (KINETIC_FRICTION + (STATIC_FRICTION - KINETIC_FRICTION) * slowness)
+def friction_unit_m(sensor_m: float, most_m: float, snapshot: Any) -> float:
+    """The length that friction is a share of: the sensor's radius, or less where a step is much shorter than that.
+
+    most_m: the longest step that the robot can make. Friction is small beside both: a share of the radius alone held
+    robots whose steps are short where they stood. It is greater with late news, and grows when robots could have driven
+    ``PATIENCE`` times through the whole map since anything changed but themselves: so whatever goes to and fro ends.
+    """
+    rule, far_m = snapshot.rule, snapshot.grid.place_graph.far_m
+    unit_m = min(sensor_m, STEPS_FOR_SENSOR * most_m)
+    if rule.late:
+        unit_m *= LATE_FRICTION
+    impatience = (snapshot.step - rule.last_change) * most_m / far_m - PATIENCE
+    return unit_m * FRICTION_GROWTH**impatience if impatience > 0.0 else unit_m
+
+
+@compiled
+def rubbed(dx: float, dy: float, last_m: float, unit_m: float) -> tuple[float, float]:
+    """What friction leaves of a step (dx, dy) after a step of last_m: (0, 0) of one hardly longer than friction.
+
+    unit_m: by ``friction_unit_m``.
+    """
+    slowness = max(0.0, 1.0 - last_m / (STATIC_BELOW * unit_m))
+    friction_m = unit_m * (KINETIC_FRICTION + (STATIC_FRICTION - KINETIC_FRICTION) * slowness)
     length = math.sqrt(dx * dx + dy * dy)
-    left = 1.0 - friction_m / length if length > friction_m + LEAST_STEP * sensor_m else 0.0
+    left = 1.0 - friction_m / length if length > friction_m + LEAST_STEP * unit_m else 0.0
     return left * dx, left * dy
+
+
+@compiled
+def touch_m(kind: int, kinds: Any) -> float:
+    """How near to a wall the middle of a robot of a kind must be not to push on into it."""
+    return kinds.body_m[kind] + TOUCH_SHARE * kinds.sensor_m[kind]
 
 
 @compiled
@@ -157,7 +185,31 @@ def room_for_those_ahead(
 
 
 @compiled
-def pushes(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any) -> tuple[float, float]:
+def overlaps_with_nearest(
+    i: int, neighbours: int, most: int, robots: Any, kinds: Any, near: Any
+) -> tuple[float, float, float]:
+    """As ``overlaps_with_robots`` has them; of more robots than ``most`` no sensor reaches past the last that counts.
+
+    So nothing jumps where another robot becomes the last one: in crowds such jumps drove robots to and fro for ever.
+    """
+    if neighbours < most:
+        return overlaps_with_robots(i, neighbours, robots, kinds, near)
+    x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
+    last_m, fx, fy, causes = math.sqrt(near.distance2[neighbours - 1]), 0.0, 0.0, 0.0
+    for k in range(neighbours):
+        j, distance = near.robot[k], math.sqrt(near.distance2[k])
+        overlap = min(sensor + kinds.sensor_m[robots.kind[j]], last_m) - distance
+        if overlap > 0.0 and distance > 0.0:
+            fx -= overlap * (robots.x[j] - x) / distance
+            fy -= overlap * (robots.y[j] - y) / distance
+            causes += 1.0
+    return fx, fy, causes
+
+
+@compiled
+def pushes(
+    i: int, neighbours: int, most: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any
+) -> tuple[float, float]:
     """The step (dx, dy) in metres by which neighbours and walls push robot i: ``OVERLAP_SHARE`` of the overlaps.
 
     It is less where very many push. Walls push by |h|^2 / 4 R for the gradient h of the ground in the disc. One
@@ -166,7 +218,7 @@ def pushes(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, near: An
     robots went to and fro for ever.
     """
     sensor = kinds.sensor_m[robots.kind[i]]
-    fx, fy, causes = overlaps_with_robots(i, neighbours, robots, kinds, near)
+    fx, fy, causes = overlaps_with_nearest(i, neighbours, most, robots, kinds, near)
     hx, hy = area_gradient(sensor, arcs_in_ground(robots.x[i], robots.y[i], sensor, grid, arcs), arcs)
     by_walls = math.sqrt(hx * hx + hy * hy) / (4.0 * sensor)
     share = OVERLAP_SHARE * FULL_SHARE_CAUSES / max(FULL_SHARE_CAUSES, causes)
@@ -184,13 +236,82 @@ def share_moving_on(own: float, walled: float) -> float:
 
 
 @compiled
-def share_pushed(own: float, walled: float, going: float) -> float:
+def tightness(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> float:
+    """How near the nearest robot's body is, 0..1: 1 where it touches, 0 from ``GAP_TO_AHEAD`` of both radii on."""
+    if neighbours == 0:
+        return 0.0
+    bodies = kinds.body_m[robots.kind[i]] + kinds.body_m[robots.kind[near.robot[0]]]
+    gap_m = GAP_TO_AHEAD * bodies
+    return min(max(1.0 - (math.sqrt(near.distance2[0]) - bodies) / gap_m, 0.0), 1.0) if gap_m > 0.0 else 0.0
+
+
+@compiled
+def share_pushed(own: float, walled: float, going: float, told: bool, tight: float) -> float:
     """How far a robot goes by pushes, 0..1, not by the gradient: not at walls, nor where it makes for free ground.
 
-    going: as ``share_moving_on`` returns it.
+    going: as ``share_moving_on`` returns it. told: news of free ground would have come by now if there were any. Then a
+    robot with hardly any ground of its own is redundant and parks: many that push each other never rest. tight: by
+    ``tightness``; robots do not park side by side, where nobody could make way.
     """
     pressed = min(max((NO_PUSH_ABOVE - own) / (NO_PUSH_ABOVE - FULL_PUSH_BELOW), 0.0), 1.0)
+    if told:
+        parked = min(max((own - PARKED_BELOW) / (PUSHED_FROM - PARKED_BELOW), 0.0), 1.0)
+        pressed *= max(parked, tight)
     return pressed * max(0.0, 1.0 - 4.0 * going) * (1.0 - walled)
+
+
+@compiled
+def wish_of(
+    i: int, neighbours: int, snapshot: Any, room: Any
+) -> tuple[float, float, float, float, float, float, float]:
+    """What robot i would do if it had neither momentum nor friction and nobody stood in its way.
+
+    Returns the step (dx, dy) in metres by the gradient and by pushes; how far it makes for free ground instead, 0..1;
+    how far away that is, and the way (wx, wy) there; and how much walls are in range, as ``own_share`` has it.
+    room.near: ``neighbours`` robots, by ``find_neighbours``.
+    """
+    robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
+    near, outline = room.near, room.outline
+    kind = robots.kind[i]
+    sensor, x, y = kinds.sensor_m[kind], robots.x[i], robots.y[i]
+    gx, gy = area_gradient(sensor, exposed_arcs(i, neighbours, robots, kinds, grid, near, outline), outline)
+    gx, gy = not_into_walls(x, y, touch_m(kind, kinds), gx, gy, grid)
+    gain = OVERLAP_SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
+    dx, dy = gain * gx, gain * gy
+    own, walled = own_share(i, neighbours, robots, kinds, grid, room)
+    going = share_moving_on(own, walled)
+    away_m, wx, wy = 0.0, 0.0, 0.0
+    if going > 0.0:
+        away_m, wx, wy = direction_to_free_ground(x, y, sensor, snapshot.step, cell_of(x, y, grid), grid)
+        going = going if wx != 0.0 or wy != 0.0 else 0.0
+    told = snapshot.step >= grid.place_graph.news_steps
+    pressed = share_pushed(own, walled, going, told, tightness(i, neighbours, robots, kinds, near))
+    if pressed > 0.0:
+        px, py = pushes(i, neighbours, rule.neighbours, robots, kinds, grid, near, outline)
+        dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)
+    return dx, dy, going, away_m, wx, wy, walled
+
+
+@compiled
+def note_wishes(snapshot: Any, wishes: Any, room: Any) -> None:
+    """Write how far each robot would go in its next step, (n,) metres in the order of the state, as ``wish_of`` says.
+
+    room: of one thread.
+    """
+    robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
+    for i in range(robots.x.shape[0]):
+        wishes[i], kind = 0.0, robots.kind[i]
+        most_m = kinds.speed_m_s[kind] * rule.time_step_s
+        if kinds.sensor_m[kind] <= 0.0 or most_m <= 0.0:
+            continue
+        neighbours, _ = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], room.near)
+        dx, dy, going, _, wx, wy, _ = wish_of(i, neighbours, snapshot, room)
+        dx, dy = towards(dx, dy, most_m, 1.0)
+        if going > 0.0:
+            wx, wy = towards(wx, wy, most_m, 1.0 / most_m)
+            dx, dy = dx + going * (wx - dx), dy + going * (wy - dy)
+        dx, dy = not_into_walls(robots.x[i], robots.y[i], touch_m(kind, kinds), dx, dy, grid)
+        wishes[i] = math.sqrt(dx * dx + dy * dy)
 
 
 @compiled
@@ -214,42 +335,29 @@ def decide_settle(begin: int, end: int, snapshot: Any, decisions: Any, room: Any
     Decides for the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``; room: of one thread.
     """
     robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
-    near, outline = room.near, room.outline
     for i in range(begin, end):
         kind = robots.kind[i]
         sensor, speed = kinds.sensor_m[kind], kinds.speed_m_s[kind]
         range_m = kinds.neighbour_range_m[kind]
-        neighbours, decisions.nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, range_m, near)
+        neighbours, decisions.nearest2[i] = find_neighbours(i, rule.neighbours, robots, grid, range_m, room.near)
         decisions.vx[i], decisions.vy[i] = 0.0, 0.0
         if sensor <= 0.0 or speed <= 0.0:
             continue
-        gx, gy = area_gradient(sensor, exposed_arcs(i, neighbours, robots, kinds, grid, near, outline), outline)
-        x, y, near_m = robots.x[i], robots.y[i], kinds.body_m[kind] + TOUCH_SHARE * sensor
-        gx, gy = not_into_walls(x, y, near_m, gx, gy, grid)
-        gain = OVERLAP_SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
-        dx, dy = gain * gx, gain * gy
-        own, walled = own_share(i, neighbours, robots, kinds, grid, room)
-        going = share_moving_on(own, walled)
-        away_m, wx, wy = 0.0, 0.0, 0.0
-        if going > 0.0:
-            away_m, wx, wy = direction_to_free_ground(x, y, sensor, snapshot.step, cell_of(x, y, grid), grid)
-            going = going if wx != 0.0 or wy != 0.0 else 0.0
-        pressed = share_pushed(own, walled, going)
-        if pressed > 0.0:
-            px, py = pushes(i, neighbours, robots, kinds, grid, near, outline)
-            dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)
+        dx, dy, going, away_m, wx, wy, walled = wish_of(i, neighbours, snapshot, room)
         momentum, most_m = LATE_MOMENTUM if rule.late else MOMENTUM, speed * rule.time_step_s
         if going > 0.0:
-            bx, by, behind = room_for_those_ahead(i, neighbours, away_m, snapshot, near)
+            bx, by, behind = room_for_those_ahead(i, neighbours, away_m, snapshot, room.near)
             length = math.sqrt(wx * wx + wy * wy)
             wx, wy = towards((1.0 - behind) * wx / length + bx, (1.0 - behind) * wy / length + by, most_m, 1.0 / most_m)
             dx, dy = towards(dx, dy, most_m, 1.0)
             dx, dy, momentum = dx + going * (wx - dx), dy + going * (wy - dy), (1.0 - going) * momentum
         last_x, last_y = robots.vx[i] * rule.time_step_s, robots.vy[i] * rule.time_step_s
         last_m = math.sqrt(last_x * last_x + last_y * last_y)
+        unit_m = friction_unit_m(sensor, most_m, snapshot)
         slow_m = SLOW_STEP * sensor * (2.0 if walled > 0.0 else 1.0)
         if not rule.late and last_m < slow_m and dx * last_x + dy * last_y < 0.0:
             momentum, dx, dy = 0.0, TURN_BACK_SHARE * dx, TURN_BACK_SHARE * dy
-        dx, dy = not_into_walls(x, y, near_m, dx + momentum * last_x, dy + momentum * last_y, grid)
-        dx, dy = rubbed(dx, dy, last_m, LATE_FRICTION * sensor if rule.late else sensor)
+        dx, dy = dx + momentum * last_x, dy + momentum * last_y
+        dx, dy = not_into_walls(robots.x[i], robots.y[i], touch_m(kind, kinds), dx, dy, grid)
+        dx, dy = rubbed(dx, dy, last_m, unit_m)
         decisions.vx[i], decisions.vy[i] = towards(dx, dy, speed, rule.time_step_s)

@@ -10,7 +10,14 @@ from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
 from rota.planners.swarm.kernels import move_and_sort
 from rota.planners.swarm.place_graph import place_graph_of
-from rota.planners.swarm.rollout import Beginning, in_fleet_order, require_places, room_for
+from rota.planners.swarm.rollout import (
+    Beginning,
+    have_come_to_rest,
+    in_fleet_order,
+    require_places,
+    room_for,
+    wishes_of,
+)
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.space_kernels import (
     Bands,
@@ -94,6 +101,16 @@ class SpaceSwarm:
     def news_m(self) -> Floats:
         """(k,): how far it is to free ground from each place of the map, as told; k = 0 unless robots settle."""
         return np.array(self.grid.place_graph.away_m[self.steps % 2])
+
+    @property
+    def news_rest(self) -> bool:
+        """Whether the last step has changed nothing of what is told of free ground."""
+        return have_come_to_rest(self.grid)
+
+    def wishes_m(self) -> Floats:
+        """(n,) in the order of the fleet: how far robots that settle would go in the plane if nothing held them."""
+        moving = moving_at((), 0.0, self.rule.time_step_s)
+        return wishes_of(Snapshot(self.steps, self._robots, self.kinds, self.grid, moving, self.rule))
 
     @property
     def places_m(self) -> Floats:

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from shapely import MultiPolygon
+from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
 from rota.mission import TOUCH_M, Mission, Robot, StartBox
@@ -22,6 +23,8 @@ BATCH = 64
 # Random places for equal discs run out when these fill 0.547 of a wide room (Feder, J. Theor. Biol. 87:237, 1980), or
 # 0.7476 pi / 4 = 0.587 of a lane as wide as they are (Renyi 1958); many of them never fill this share of a room.
 JAMMED = 0.6
+SPOT = 0.1  # of the smallest sensor's radius: that of a disc, and what is no larger is no room behind a door
+LEAST_RESERVE_M = 1e-3
 MANY = 1000  # robots for each part of a room; fewer may fill more of a small part, since one body can fill its own
 
 
@@ -165,3 +168,28 @@ def spare_room_m(mission: Mission, ground: MultiPolygon, starts_m: Floats, wish_
     gaps = np.hypot(*(starts_m[a] - starts_m[b]).T) - bodies[a] - bodies[b]
     walls = shapely.distance(ground.boundary, shapely.points(starts_m)) - bodies
     return float(max(0.0, min(gaps.min(initial=np.inf) / 2, walls.min())))
+
+
+def passable_reserve_m(mission: Mission, ground: MultiPolygon, wish_m: float) -> float:
+    """How much wider bodies may be, at most wish_m, so that with twice of that they still pass the doors they fit in.
+
+    wish_m, or that halved again and again. A door that the largest body fits through with less than ``LEAST_RESERVE_M``
+    to spare on each side may get closed.
+    """
+    robots = mission.fleet.robots or ()
+    body_m = max(robot.body_radius_m for robot in robots)
+    spot_m2 = math.pi * (SPOT * min(robot.sensor.reach_m for robot in robots)) ** 2
+    rooms, reserve_m = _rooms_for(ground, body_m, spot_m2), wish_m
+    while reserve_m > LEAST_RESERVE_M:
+        wider = _rooms_for(ground, body_m + 2 * reserve_m, spot_m2)
+        inside = [sum(room.intersects(part) for part in wider) for room in rooms]
+        if max(inside, default=0) <= 1:
+            break
+        reserve_m /= 2
+    return reserve_m
+
+
+def _rooms_for(ground: MultiPolygon, body_m: float, spot_m2: float) -> list[BaseGeometry]:
+    """Where the middle of a body may be, part by part; no spots that are smaller than so much."""
+    room = ground.buffer(-body_m, join_style="mitre") if body_m > 0 else ground
+    return [part for part in shapely.get_parts(room) if part.area > spot_m2]

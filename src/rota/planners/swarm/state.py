@@ -11,6 +11,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+NEVER = 2**62  # a step that no run comes to
+
+
 class Robots(NamedTuple):
     """State of n robots, (n,) each: place and velocity, the row of ``Kinds`` and the number in the fleet.
 
@@ -49,7 +52,8 @@ class PlaceGraph(NamedTuple):
     Place k has the links link_start[k] up to link_start[k + 1], each to the place link_to and link_m long. Cell (i, j)
     of the lattice has the places cell_start[c] up to cell_start[c + 1], c = j * columns + i. away_m (2, k): how far it
     is to free ground, as told at even and at odd steps, at most far_m. load (k,): the area of discs round each place,
-    weighted by a cone, in units of one disc; capacity (k,): the area of ground by the same measure.
+    weighted by a cone, in units of one disc; capacity (k,): the area of ground by the same measure. After news_steps
+    steps the news of a place have come to all that links lead to.
     """
 
     x: Floats
@@ -67,6 +71,7 @@ class PlaceGraph(NamedTuple):
     capacity: Floats
     away_m: Floats
     far_m: float
+    news_steps: int
 
 
 class Grid(NamedTuple):
@@ -103,7 +108,8 @@ class Rule(NamedTuple):
     """How velocities are chosen; what is of no use to a controller it does not read.
 
     ``samples`` 0: the exact centroid; ``circle``: the set ends at the circle of ``horizon_s``, not at its tangent;
-    ``late``: robots know others from messages only.
+    ``late``: robots know others from messages only. ``last_change``: the step from which on nobody joins or leaves and
+    no disc moves any more.
     """
 
     neighbours: int
@@ -114,6 +120,7 @@ class Rule(NamedTuple):
     seed: int
     time_step_s: float
     late: bool = False
+    last_change: int = NEVER
 
 
 class Hearing(NamedTuple):
