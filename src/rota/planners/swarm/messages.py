@@ -6,9 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.planners.swarm.delayed_news_kernels import MOST_LOST_IN_ROW, Belief, DelayedNews, most_round
+from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.state import Grid, Hearing, Kinds, Robots
 
 Floats = NDArray[np.float64]
+
+
+def hearing_of(settings: SwarmSettings) -> Hearing | None:
+    """What robots learn of each other, where that is less than all."""
+    if settings.delay_steps == 0 and settings.messages_lost == 0:
+        return None
+    return Hearing(delay_steps=settings.delay_steps, lost=float(settings.messages_lost))
 
 
 def oldest_steps(hearing: Hearing) -> int:

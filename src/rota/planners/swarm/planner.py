@@ -17,17 +17,18 @@ from rota.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
 from rota.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.deciding import Controller
-from rota.planners.swarm.messages import oldest_steps
+from rota.planners.swarm.messages import hearing_of, oldest_steps
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.planner_settings import SwarmSettings
-from rota.planners.swarm.presence import Presence, holding_from_joining, last_motion
+from rota.planners.swarm.presence import Presence, holding_from_joining
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal
+from rota.planners.swarm.rest import blocked_robots, last_change_of, longest_rest_m, steps_at_rest
 from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
 from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.space_kernels import Bands
 from rota.planners.swarm.space_rollout import SpaceSwarm
 from rota.planners.swarm.starts import passable_reserve_m, place_starts, spare_room_m
-from rota.planners.swarm.state import FleetKinds, Hearing, Rule
+from rota.planners.swarm.state import FleetKinds, Rule
 from rota.planners.swarm.trajectory_log import Kept, TrajectoryLog
 from rota.planners.swarm.world import kinds_of, walls_of
 
@@ -39,9 +40,6 @@ DECIDE: dict[str, Callable[..., None]] = {
     "virtual_force": decide_virtual_force,
     "settle": decide_settle,
 }
-# momentum carries robots through places where they stand still for a moment and are not at rest
-STEPS_AT_REST = {"reciprocal": 1, "voronoi": 1, "virtual_force": 1, "settle": 2}
-AT_REST_SHARE, WANTS_SHARE = 0.01, 0.25  # of the longest step: less is rest, and who wants more and stands is blocked
 ALL_NEIGHBOURS = 32  # as many as any but "reciprocal" heeds, within the reach of both sensors
 HEIGHTS = 1  # the stream of random numbers that starts in space take their heights from
 LARGEST_SEED = 2**63  # that compiled code can hold
@@ -88,7 +86,7 @@ def run_mission(
     state = _beginning(mission, ground, seed) if resume is None else _resumed(resume, mission, seed)
     swarm = _swarm_from(state, mission, ground, threads)
     log = _log_from(state)
-    still, needed, stop_m = state.steps_at_rest, _steps_at_rest(settings), _stop_m(mission)
+    still, needed, stop_m = state.steps_at_rest, steps_at_rest(settings), longest_rest_m(mission)
     presence = Presence(mission)
     awaited = last_change_of(mission)
     observer = None
@@ -111,7 +109,7 @@ def run_mission(
         if swarm.steps % 50 == 0:
             progress(swarm.steps / settings.most_steps, f"step {swarm.steps}")
     at_rest = still >= needed and swarm.steps > awaited
-    blocked = _blocked(swarm, mission) if at_rest else ()
+    blocked = blocked_robots(swarm, mission) if at_rest else ()
     at_rest = at_rest and not blocked
     reason: EndReason = "rest" if at_rest else "blocked" if blocked else "stopped" if stopped else "most_steps"
     end = RunEnd(at_rest=at_rest, steps=swarm.steps, reason=reason, blocked=blocked)
@@ -122,34 +120,6 @@ def run_mission(
         history=None if observer is None else observer.history(),
         state=_state_of(state, mission, swarm, log, still),
     )
-
-
-def _steps_at_rest(settings: SwarmSettings) -> int:
-    """How many steps without motion end a run; robots that settle must have heard of it as well."""
-    hearing = hearing_of(settings)
-    unheard = 0 if hearing is None or settings.controller != "settle" else oldest_steps(hearing)
-    return STEPS_AT_REST[settings.controller] + unheard
-
-
-def _stop_m(mission: Mission) -> float:
-    """The longest step of a robot at rest: ``stop_m``, and no more than a small share of what any robot can drive."""
-    settings = SwarmSettings.of(mission)
-    speeds = [robot.speed_m_s for robot in mission.fleet.robots or () if robot.speed_m_s > 0]
-    return min([settings.stop_m, *(AT_REST_SHARE * speed * settings.time_step_s for speed in speeds)])
-
-
-def _blocked(swarm: Swarm | SpaceSwarm, mission: Mission) -> tuple[str, ...]:
-    """The robots at rest that want to go on and cannot; only those that settle know where to."""
-    if SwarmSettings.of(mission).controller != "settle":
-        return ()
-    most_m = np.array([robot.speed_m_s for robot in mission.fleet.robots or ()]) * swarm.rule.time_step_s
-    wants = swarm.wishes_m() > WANTS_SHARE * most_m
-    return tuple(robot.name for robot, told in zip(mission.fleet.robots or (), wants.tolist(), strict=True) if told)
-
-
-def last_change_of(mission: Mission) -> int:
-    """The step from which on nobody joins or leaves and no obstacle moves."""
-    return max(Presence(mission).last_change, last_motion(mission))
 
 
 def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> Checkpoint:
@@ -332,13 +302,6 @@ def rule_of(settings: SwarmSettings, seed: int) -> Rule:
         time_step_s=settings.time_step_s,
         late=hearing_of(settings) is not None,
     )
-
-
-def hearing_of(settings: SwarmSettings) -> Hearing | None:
-    """What robots learn of each other, where that is less than all."""
-    if settings.delay_steps == 0 and settings.messages_lost == 0:
-        return None
-    return Hearing(delay_steps=settings.delay_steps, lost=float(settings.messages_lost))
 
 
 def sensors_of(mission: Mission) -> Floats:

@@ -8,6 +8,7 @@ from typing import Any
 from rota.planners.swarm.arc_kernels import arcs_in_ground, area_gradient, exposed_arcs
 from rota.planners.swarm.baseline_kernels import FULL_SHARE_CAUSES, overlaps_with_robots, towards
 from rota.planners.swarm.free_ground_kernels import direction_to_free_ground
+from rota.planners.swarm.friction_kernels import friction_unit_m, rubbed
 from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
 from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
@@ -15,22 +16,14 @@ from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
 
 OVERLAP_SHARE = 0.3  # of an overlap that a robot takes away in a step; measured: with more, swarms tremble
 MOMENTUM = 0.92  # share of the last step that is made again
-# with late news: share of the last step, and times the friction; measured: with shares of 0.4, 0.5 and 0.55 1, none and
-# 7 of 36 swarms do not rest within 6,000 steps
-LATE_MOMENTUM, LATE_FRICTION = 0.5, 7.0
+# share of the last step with late news; measured: with 0.4, 0.5 and 0.55 1, none and 7 of 36 swarms do not rest within
+# 6,000 steps
+LATE_MOMENTUM = 0.5
 # robots with shorter last steps that would turn back drop their momentum; share of the sensor's radius, with a wall in
 # range twice that
 SLOW_STEP = 2e-3
 TURN_BACK_SHARE = 0.5  # and go this share of the way back: by the whole of it some go to and fro for ever
 TOUCH_SHARE = 1e-3  # of the sensor's radius; a body so near a wall does not push on into it
-
-# ------------------------------------------------------------ friction in a step, as shares of ``friction_unit_m``
-
-STEPS_FOR_SENSOR = 64.0  # a robot that needs more of them for its sensor's radius has less friction, else none starts
-PATIENCE, FRICTION_GROWTH = 2.0, 4.0  # longest ways on the map, twice each, and by how much it grows in each more
-KINETIC_FRICTION, STATIC_FRICTION = 2.5e-5, 1.25e-4  # measured: swarms rest in half the steps and cover as much
-STATIC_BELOW = 5e-4  # friction grows from the kinetic to the static one as steps shrink from here to 0
-LEAST_STEP = 1e-5  # what is left of a step below this is none: with late news, robots creep on for ever by less
 
 # ------------------------------------------------------------ by the share of the ground in range that is a robot's own
 
@@ -40,35 +33,6 @@ MOVE_ON_BELOW, MOVE_ON_BELOW_AT_WALLS = 0.5, 0.85  # with less, robots go on to 
 MOVE_ON_GAIN = 3.0  # they do so at full speed when 1 / MOVE_ON_GAIN is missing from that share
 WALL_FADE = 0.1  # of the sensor's radius, over which a wall in range comes to count in full
 GAP_TO_AHEAD = 0.6  # of the sum of two bodies' radii, which the one behind keeps between them
-
-
-@compiled
-def friction_unit_m(sensor_m: float, most_m: float, snapshot: Any) -> float:
-    """The length that friction is a share of: the sensor's radius, or less where a step is much shorter than that.
-
-    most_m: the longest step that the robot can make. Friction is small beside both: a share of the radius alone held
-    robots whose steps are short where they stood. It is greater with late news, and grows when robots could have driven
-    ``PATIENCE`` times through the whole map since anything changed but themselves: so whatever goes to and fro ends.
-    """
-    rule, far_m = snapshot.rule, snapshot.grid.place_graph.far_m
-    unit_m = min(sensor_m, STEPS_FOR_SENSOR * most_m)
-    if rule.late:
-        unit_m *= LATE_FRICTION
-    impatience = (snapshot.step - rule.last_change) * most_m / far_m - PATIENCE
-    return unit_m * FRICTION_GROWTH**impatience if impatience > 0.0 else unit_m
-
-
-@compiled
-def rubbed(dx: float, dy: float, last_m: float, unit_m: float) -> tuple[float, float]:
-    """What friction leaves of a step (dx, dy) after a step of last_m: (0, 0) of one hardly longer than friction.
-
-    unit_m: by ``friction_unit_m``.
-    """
-    slowness = max(0.0, 1.0 - last_m / (STATIC_BELOW * unit_m))
-    friction_m = unit_m * (KINETIC_FRICTION + (STATIC_FRICTION - KINETIC_FRICTION) * slowness)
-    length = math.sqrt(dx * dx + dy * dy)
-    left = 1.0 - friction_m / length if length > friction_m + LEAST_STEP * unit_m else 0.0
-    return left * dx, left * dy
 
 
 @compiled
