@@ -40,7 +40,7 @@ def test_two_discs_come_apart_until_they_touch_and_rest_there() -> None:
 def push_of_walls(place: tuple[float, float], ground: MultiPolygon) -> tuple[float, float]:
     swarm = in_box([place], walls=walls_of(ground), rule=ALL, decide=decide_settle)
     room = deciding_room(ALL)
-    return pushes(0, 0, swarm.robots, swarm.kinds, swarm.grid, room.near, room.outline)
+    return pushes(0, 0, False, swarm.robots, swarm.kinds, swarm.grid, room.near, room.outline)
 
 
 @pytest.mark.parametrize("overlap_m", [0.5, 2.5])

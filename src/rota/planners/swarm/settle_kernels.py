@@ -1,3 +1,4 @@
+# mypy: disable-error-code="no-any-return"
 """Compiled decision of the controller that comes to rest: where each robot covers most, and on to free ground."""
 
 from __future__ import annotations
@@ -149,15 +150,11 @@ def room_for_those_ahead(
 
 
 @compiled
-def overlaps_with_nearest(
-    i: int, neighbours: int, most: int, robots: Any, kinds: Any, near: Any
-) -> tuple[float, float, float]:
-    """As ``overlaps_with_robots`` has them; of more robots than ``most`` no sensor reaches past the last that counts.
+def overlaps_with_nearest(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> tuple[float, float, float]:
+    """As ``overlaps_with_robots`` has them, but no sensor reaches past the last of the neighbours.
 
-    So nothing jumps where another robot becomes the last one: in crowds such jumps drove robots to and fro for ever.
+    So nothing jumps where another robot becomes the last one that counts: such jumps drove crowds to and fro for ever.
     """
-    if neighbours < most:
-        return overlaps_with_robots(i, neighbours, robots, kinds, near)
     x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
     last_m, fx, fy, causes = math.sqrt(near.distance2[neighbours - 1]), 0.0, 0.0, 0.0
     for k in range(neighbours):
@@ -172,17 +169,20 @@ def overlaps_with_nearest(
 
 @compiled
 def pushes(
-    i: int, neighbours: int, most: int, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any
+    i: int, neighbours: int, crowd: bool, robots: Any, kinds: Any, grid: Any, near: Any, arcs: Any
 ) -> tuple[float, float]:
     """The step (dx, dy) in metres by which neighbours and walls push robot i: ``OVERLAP_SHARE`` of the overlaps.
 
-    It is less where very many push. Walls push by |h|^2 / 4 R for the gradient h of the ground in the disc. One
-    straight wall pushes by nearly twice its overlap, since it does not give way, and so does a round obstacle of
-    however many short walls. Where each of those pushed by its own overlap, together they pushed by far too much, and
-    robots went to and fro for ever.
+    It is less where very many push. crowd: there may be more neighbours than those that count. Walls push by |h|^2 / 4 R
+    for the gradient h of the ground in the disc. One straight wall pushes by nearly twice its overlap, since it does not
+    give way, and so does a round obstacle of however many short walls. Where each of those pushed by its own overlap,
+    together they pushed by far too much, and robots went to and fro for ever.
     """
     sensor = kinds.sensor_m[robots.kind[i]]
-    fx, fy, causes = overlaps_with_nearest(i, neighbours, most, robots, kinds, near)
+    if crowd:
+        fx, fy, causes = overlaps_with_nearest(i, neighbours, robots, kinds, near)
+    else:
+        fx, fy, causes = overlaps_with_robots(i, neighbours, robots, kinds, near)
     hx, hy = area_gradient(sensor, arcs_in_ground(robots.x[i], robots.y[i], sensor, grid, arcs), arcs)
     by_walls = math.sqrt(hx * hx + hy * hy) / (4.0 * sensor)
     share = OVERLAP_SHARE * FULL_SHARE_CAUSES / max(FULL_SHARE_CAUSES, causes)
@@ -234,7 +234,7 @@ def wish_of(
     how far away that is, and the way (wx, wy) there; and how much walls are in range, as ``own_share`` has it.
     room.near: ``neighbours`` robots, by ``find_neighbours``.
     """
-    robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
+    robots, kinds, grid = snapshot.robots, snapshot.kinds, snapshot.grid
     near, outline = room.near, room.outline
     kind = robots.kind[i]
     sensor, x, y = kinds.sensor_m[kind], robots.x[i], robots.y[i]
@@ -251,7 +251,9 @@ def wish_of(
     told = snapshot.step >= grid.place_graph.news_steps
     pressed = share_pushed(own, walled, going, told, tightness(i, neighbours, robots, kinds, near))
     if pressed > 0.0:
-        px, py = pushes(i, neighbours, rule.neighbours, robots, kinds, grid, near, outline)
+        px, py = pushes(
+            i, neighbours, told and neighbours == snapshot.rule.neighbours, robots, kinds, grid, near, outline
+        )
         dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)
     return dx, dy, going, away_m, wx, wy, walled
 
