@@ -173,10 +173,10 @@ def pushes(
 ) -> tuple[float, float]:
     """The step (dx, dy) in metres by which neighbours and walls push robot i: ``OVERLAP_SHARE`` of the overlaps.
 
-    It is less where very many push. crowd: there may be more neighbours than those that count. Walls push by |h|^2 / 4 R
-    for the gradient h of the ground in the disc. One straight wall pushes by nearly twice its overlap, since it does not
-    give way, and so does a round obstacle of however many short walls. Where each of those pushed by its own overlap,
-    together they pushed by far too much, and robots went to and fro for ever.
+    It is less where very many push. crowd: there may be more neighbours than those that count. Walls push by
+    |h|^2 / 4 R for the gradient h of the ground in the disc. One straight wall pushes by nearly twice its overlap,
+    since it does not give way, and so does a round obstacle of however many short walls. Where each of those pushed by
+    its own overlap, together they pushed by far too much, and robots went to and fro for ever.
     """
     sensor = kinds.sensor_m[robots.kind[i]]
     if crowd:
