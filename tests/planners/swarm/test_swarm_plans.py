@@ -194,7 +194,8 @@ def test_a_plan_says_how_its_run_ended_in_its_file_its_table_and_its_report() ->
         assert plan_from_text(plan_text(run.plan), "plan") == run.plan
         report = check_plan(run.plan)
         assert f"the plan says that its run was {end.text()}" in report_table(report)
-        assert report_to_json(report)["run_end"] == {"at_rest": end.at_rest, "steps": end.steps, "reason": reason}
+        told = {"at_rest": end.at_rest, "steps": end.steps, "reason": reason, "blocked": []}
+        assert report_to_json(report)["run_end"] == told
         assert ("cut off" in holding_sentence(run.plan)) == (reason != "rest")
     assert ended["stopped"].steps == 7
     text = plan_text(ended["stopped"].plan).replace('"reason": "stopped"', '"reason": "rest"')
