@@ -103,13 +103,10 @@ def search_plan(
     if time_limit_s is not None and not time_limit_s > 0:
         raise MissionError(f"time_limit_s: {time_limit_s!r} is not allowed; must be greater than 0, or None")
     planner = planner_of(mission)
-    if not mission.planning.makes_runs and (resume is not None or observe is not None):
-        what = "makes no runs that can be gone on with" if resume is not None else "has no steps to measure"
-        raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
+    _require_runs(mission, resumes=resume is not None, observed=observe is not None)
     shared = should_stop if isinstance(should_stop, StopRule) and time_limit_s is None else None
     stop = shared or StopRule(time_limit_s, should_stop)
     own = OwnThread(lambda: _searched(planner, request, judge))
-
     watch, observe, on_better, on_candidate = (
         None if each is None else _while_awaited(own, each) for each in (watch, observe, on_better, on_candidate)
     )
@@ -120,8 +117,19 @@ def search_plan(
         mission=mission, seed=seed, judge=judge, progress=_while_awaited(own, progress or _no_progress),
         should_stop=stop, watch=watch, checkpoint=resume, observe=observe, executor=executor,
     )  # fmt: skip
-    found = own.result(stop.is_spent)
+    try:
+        found = own.result(stop.is_spent)
+    except KeyboardInterrupt:
+        stop.stop()  # so that what is left ends soon
+        raise
     return found if found is not None else judge.left()
+
+
+def _require_runs(mission: Mission, *, resumes: bool, observed: bool) -> None:
+    """MissionError for what only a planner that makes runs can be asked."""
+    if not mission.planning.makes_runs and (resumes or observed):
+        what = "makes no runs that can be gone on with" if resumes else "has no steps to measure"
+        raise MissionError(f"planner: {mission.planning.planner} {what}; swarm does")
 
 
 def _while_awaited(own: OwnThread[PlanSearch], callback: Callable[..., None]) -> Callable[..., None]:
