@@ -16,6 +16,7 @@ from tests.browser import chromium
 __all__ = ["chromium"]
 
 HAND_MS = 20_000  # for what hands do; the machine may be busy
+START_MS = 90_000  # until a new server's processes have loaded what the page asks first
 
 
 @dataclass
@@ -112,4 +113,4 @@ def page(chromium: Any, page_server: Server, faults: Faults) -> Iterator[Any]:
 def open_page(page: Any, server: Server, address: str = "") -> None:
     page.goto("about:blank")  # an address that differs in what follows # alone would load nothing
     page.goto(f"{server.url}/{address}")
-    page.locator("body[data-ready=true]").wait_for()
+    page.locator("body[data-ready=true]").wait_for(timeout=START_MS)

@@ -50,7 +50,7 @@ export class Editor extends EventTarget {
     this.faulty = new Set();
     this.listen();
     startReadout(missionMap.map, this.drawing, byId("readout"));
-    startGoing(byId("tools"), (place) => this.goToPlace(place));
+    startGoing(byId("going"), (place) => this.goToPlace(place));
     startVerdict(byId("verdict"), this.validation, this);
     this.update();
     this.validation.ask();

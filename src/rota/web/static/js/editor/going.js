@@ -4,10 +4,10 @@ import { el } from "../dom.js";
 import { placeOf } from "./places.js";
 
 /**
- * @param {HTMLElement} tools
+ * @param {HTMLElement} box over the map, so that it takes no room from the tools
  * @param {(place: {lat: number, lon: number}) => void} go
  */
-export function startGoing(tools, go) {
+export function startGoing(box, go) {
   const input = el("input", { type: "text", id: "go-to", size: "20", autocomplete: "off", placeholder: "54.36, 13.08", "aria-describedby": "go-to-fault" });
   const fault = el("span", { class: "fault", id: "go-to-fault", role: "alert" });
   const tell = (text) => {
@@ -33,5 +33,5 @@ export function startGoing(tools, go) {
       go(place);
     }
   });
-  tools.append(el("div", { class: "row go-to" }, el("label", { for: "go-to" }, "Go to"), input, fault));
+  box.append(fault, el("label", { for: "go-to" }, "Go to"), input);
 }

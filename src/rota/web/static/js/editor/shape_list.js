@@ -27,7 +27,7 @@ export class ShapeList extends EventTarget {
     this.cards = new Map(); // closed cards by their keys, which most edits leave as they are
     this.count = el("span", { class: "soft" });
     this.find = el("input", { type: "search", placeholder: "Find by name", "aria-label": "Find shapes", on: { input: () => this.filter() } });
-    this.finding = el("div", { class: "row", hidden: true }, this.find, this.count);
+    this.finding = el("div", { class: "row finding", hidden: true }, this.find, this.count);
     section.append(el("h2", {}, "Shapes"), this.finding, this.list, this.adding);
   }
 
