@@ -70,9 +70,9 @@ def examples(options: Options) -> Iterator[Row]:
 
 def laboratories(options: Options) -> Iterator[Row]:
     """All plans of Figure 6 and the three of Figure 11 by 90 degrees: how many can be exported, and how they drive."""
-    runs = Runs(StudySettings(), seed=0, tell=lambda _: None, should_stop=lambda: False)
-    cover = [runs.cover(maps.lab(maps.LAB_1, 2, 135.0), method) for method in METHODS]
-    plans = {f"{method}-{k}": one.plan(k) for method, one in zip(METHODS, cover, strict=True) for k in range(20)}
+    runs = Runs(StudySettings())
+    lab = maps.lab(maps.LAB_1, 2, 135.0)
+    plans = {f"{method}-{seed}": runs.plan(lab, method, seed) for method in METHODS for seed in runs.starts}
     yield from _driven_in_time("Figure 6", plans, options)
     watched = maps.watching(maps.lab(maps.LAB_2, 2, 90.0), maps.LAB_REGIONS)
     asked = {

@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from functools import cached_property
 
+from rota.draw.panels.study_picture import WIDTH, Panel, PictureForm, study_picture
 from rota.papers.tables import Table
+from rota.papers.verdict import Verdict
 
 
-class Picture(NamedTuple):
-    """A PNG file by its name, what it shows in words, and its bytes."""
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file by its name, what it shows in words, and the panels that it is drawn from, when it is asked for."""
 
     file: str
     shows: str
-    png: bytes
+    panels: tuple[Panel, ...]
+    columns: int = 2
+    width: float = WIDTH
 
+    @cached_property
+    def png(self) -> bytes:
+        """The file."""
+        return self.drawn("png")
 
-class Verdict(NamedTuple):
-    """What became of a claim of the paper: where it stands there, how it came out here, and why."""
-
-    claim: str
-    place: str
-    outcome: Literal["holds", "bettered", "does not hold", "cannot be told"]
-    why: str
+    def drawn(self, form: PictureForm) -> bytes:
+        """The picture as the bytes of a png, svg or pdf file."""
+        return study_picture(self.panels, columns=self.columns, width=self.width, form=form)
 
 
 @dataclass(frozen=True, kw_only=True)

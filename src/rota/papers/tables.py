@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import itertools
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 NOTHING = "–"
 LONGEST_CELL = 24  # characters, in plain text
@@ -64,11 +69,19 @@ def number(value: float | None, form: str = ",.2f") -> str:
     return NOTHING if value is None else format(value, form)
 
 
+def plus_minus(values: Sequence[float] | NDArray[Any], form: str) -> str:
+    """Mean and standard deviation; only the mean of one value, a dash for none."""
+    if not len(values):
+        return NOTHING
+    mean = format(float(np.mean(values)), form)
+    return mean if len(values) < 2 else f"{mean} ± {format(float(np.std(values, ddof=1)), form)}"
+
+
 def counted(count: int, singular: str, plural: str | None = None) -> str:
     """``1 robot``, ``3 robots``."""
     return f"{count:,} {singular if count == 1 else plural or singular + 's'}"
 
 
-def joined(words: list[str]) -> str:
-    """``a``, ``a and b``, ``a, b and c``."""
-    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
+def joined(words: list[str], last: str = "and") -> str:
+    """``a``, ``a and b``, ``a, b and c``; ``last``: before the last one."""
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + f" {last} " + words[-1] if words else ""

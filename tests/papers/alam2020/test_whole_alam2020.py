@@ -6,6 +6,7 @@ import io
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,11 +14,12 @@ from PIL import Image
 
 from rota.command.cli import run
 from rota.papers.alam2020 import maps, study as study_module
-from rota.papers.alam2020.monitoring_figures import group_counts, shown_group
-from rota.papers.alam2020.page import claims_table
 from rota.papers.alam2020.runs import StudySettings, steps_until
 from rota.papers.alam2020.study import alam2020_study
-from rota.papers.study import Study, StudyStopped
+from rota.papers.alam2020.watched import group_counts, shown_group
+from rota.papers.study import Study
+from rota.papers.study_runs import StudyStopped
+from rota.papers.verdict import Outcome
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.planner import bouncing_robots, covered_by
 
@@ -41,9 +43,9 @@ def test_every_figure_has_its_section(study: Study) -> None:
 
 
 def test_the_page_shows_every_picture_in_small_files(study: Study) -> None:
-    files = study.files
+    files = study.files()
     links = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", study.page)
-    assert links == [name for name in files if name != "alam2020.md"]
+    assert links == [name for name in files if name.endswith(".png")]
     for name in links:
         assert len(files[name]) < 200_000
         with Image.open(io.BytesIO(files[name])) as picture:
@@ -72,13 +74,12 @@ def test_steps_are_those_of_the_planner(study: Study) -> None:
 
 
 def test_each_claim_has_a_verdict_with_its_reason(study: Study) -> None:
-    table = claims_table(study.sections)
-    outcomes = {"holds", "bettered", "does not hold", "cannot be told"}
-    assert len(table.rows) >= 16
-    assert {row[2] for row in table.rows} <= outcomes
-    assert all(len(row[3]) > 20 for row in table.rows)
-    assert study.page.index("## The paper's claims") < study.page.index("## The methods")
-    driven = [row for row in table.rows if "Create 2" in row[0]]
+    top = study.page.split("## The paper's claims")[1].split("## The methods")[0]
+    rows = [line.strip("| ").split(" | ") for line in top.splitlines() if line.startswith("| ") and "**" in line]
+    assert len(rows) >= 18
+    assert {row[2].strip("*") for row in rows} <= set(get_args(Outcome))
+    assert all(len(row[3]) > 20 for row in rows)
+    driven = [row for row in rows if "Create 2" in row[0]]
     assert [row[1] for row in driven] == ["5.1, Figure 6d-f", "5.2, Figure 11d-f"]
     assert "4 of 4 plans" in driven[0][3]  # two starts, two methods
 
@@ -125,9 +126,9 @@ def test_random_rooms_hang_together() -> None:
 
 
 def test_the_same_seed_gives_the_same_files(study: Study) -> None:
-    once, again = (alam2020_study((7, 9), settings=SMALL, seed=1).files for _ in range(2))
+    once, again = (alam2020_study((7, 9), settings=SMALL, seed=1).files() for _ in range(2))
     assert once == again
-    assert once["alam2020-figure-9.png"] != study.files["alam2020-figure-9.png"]  # of seed 2
+    assert once["alam2020-figure-9.png"] != study.files()["alam2020-figure-9.png"]  # of seed 2
 
 
 def test_progress_grows_and_a_stop_ends_the_study() -> None:
@@ -150,7 +151,8 @@ def _small(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def test_the_command_writes_page_and_pictures(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["study", "alam2020", "--figures", "13,6", "-o", "out", "--seed", "3"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[-3:] == ["out/alam2020-figure-6.png", "out/alam2020-figure-13.png", "out/alam2020.md"]
+    names = ["alam2020-figure-6.png", "alam2020-figure-13.png", "alam2020.json", "alam2020.md"]
+    assert lines[-4:] == [f"out/{name}" for name in names]
     assert "with seed 3" in Path("out/alam2020.md").read_text()
 
 

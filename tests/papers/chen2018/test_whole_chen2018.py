@@ -15,7 +15,8 @@ from rota.command.cli import run
 from rota.papers.chen2018 import maps, runs as runs_module, study as study_module
 from rota.papers.chen2018.runs import EXACT, READINGS, Runs, StudySettings
 from rota.papers.chen2018.study import chen2018_study
-from rota.papers.study import Study, StudyStopped, write_study
+from rota.papers.study import Study, write_study
+from rota.papers.study_runs import StudyStopped
 
 pytestmark = pytest.mark.slow  # the whole study is made, small
 
@@ -35,7 +36,7 @@ def test_every_figure_has_its_section(study: Study) -> None:
 
 def test_every_claim_has_its_verdict_in_the_table_at_the_top(study: Study) -> None:
     top = study.page.split("## The controllers")[0]
-    rows = [line.split(" | ") for line in top.splitlines() if line.startswith("| ") and "**" in line]
+    rows = [line.split(" | ") for line in top.splitlines() if line.startswith("| ") and "| **" in line]
     claims = [verdict for section in study.sections for verdict in section.verdicts]
     assert [row[0].removeprefix("| ") for row in rows] == [one.claim for one in claims]
     assert [row[2].strip("*") for row in rows] == [one.outcome for one in claims]
@@ -44,9 +45,9 @@ def test_every_claim_has_its_verdict_in_the_table_at_the_top(study: Study) -> No
 
 
 def test_the_page_shows_every_picture_in_small_files(study: Study) -> None:
-    files = study.files
+    files = study.files()
     links = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", study.page)
-    assert links == [name for name in files if name != "chen2018.md"]
+    assert links == [name for name in files if name.endswith(".png")]
     for name in links:
         assert len(files[name]) < 200_000
         with Image.open(io.BytesIO(files[name])) as picture:
@@ -76,15 +77,15 @@ def test_steps_and_coverage_are_those_of_the_runs(study: Study, settings: StudyS
 
 
 def test_the_same_seed_gives_the_same_files(study: Study, settings: StudySettings) -> None:
-    once, again = (chen2018_study((12, 19), settings=settings, seed=1).files for _ in range(2))
+    once, again = (chen2018_study((12, 19), settings=settings, seed=1).files() for _ in range(2))
     assert once == again
-    assert once["chen2018-figure-12.png"] != study.files["chen2018-figure-12.png"]  # of seed 2
+    assert once["chen2018-figure-12.png"] != study.files()["chen2018-figure-12.png"]  # of seed 2
 
 
 def test_files_are_written_beside_others(study: Study, tmp_path: Path) -> None:
     (tmp_path / "figure-12.png").write_text("of another study")
     written = write_study(study, tmp_path)
-    assert {path.name: path.read_bytes() for path in written} == study.files
+    assert {path.name: path.read_bytes() for path in written} == study.files()
     assert (tmp_path / "figure-12.png").read_text() == "of another study"
 
 
@@ -113,7 +114,8 @@ def test_the_command_writes_page_and_pictures(capsys: pytest.CaptureFixture[str]
     assert run(["study", "chen2018", "--figures", "16,9", "-o", "out", "--seed", "3"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "Mean distance to the centroid, m/s"
-    assert lines[-3:] == ["out/chen2018-figure-9.png", "out/chen2018-figure-16.png", "out/chen2018.md"]
+    names = ["chen2018-figure-9.png", "chen2018-figure-16.png", "chen2018.json", "chen2018.md"]
+    assert lines[-4:] == [f"out/{name}" for name in names]
     assert "with seed 3" in Path("out/chen2018.md").read_text()
 
 

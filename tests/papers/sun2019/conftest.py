@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
 import pytest
 
+from rota.check import check_plan
 from rota.compare import MethodOutcome
 from rota.mission import Mission
-from rota.papers.sun2019 import runs as runs_module
-from rota.papers.sun2019.runs import Printed, Runs, StudySettings
+from rota.papers.sun2019.kept import found_of
+from rota.papers.sun2019.results import Found, Printed
+from rota.papers.sun2019.runs import Runs, StudySettings
+from rota.plan import Plan
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
-from rota.planners.patrol.methods.sun2019.route_lengths import segment_lengths_m
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
-from rota.planners.patrol.methods.sun2019.tour import Frame
-from rota.planners.patrol.planner_settings import PatrolSettings
 
 SMALL = MethodSettings(
     deployments=(DeploySettings(iterations=3, swarms=4, particles=4, cell_m=4.0),),
@@ -28,62 +27,57 @@ SMALL = MethodSettings(
 )
 
 
+class Asked(NamedTuple):
+    """A method that was asked for a plan."""
+
+    mission: str
+    method: str
+    effort: str | None
+
+
 @pytest.fixture(scope="session")
 def settings() -> StudySettings:
-    return StudySettings(figure_13=SMALL, figure_16=SMALL, further_seeds=1)
+    return StudySettings(figure_13=SMALL, figure_16=SMALL, seeds=2, reading_seeds=1)
 
 
 @pytest.fixture
 def make_runs(settings: StudySettings) -> Callable[..., Runs]:
-    def make(seed: int = 0, should_stop: Callable[[], bool] = lambda: False) -> Runs:
-        return Runs(settings, seed=seed, tell=lambda _: None, should_stop=should_stop)
+    def make(**shared: Any) -> Runs:
+        return Runs(settings, **shared)
 
     return make
 
 
 @pytest.fixture(scope="session")
-def printed_by_name() -> dict[str, Printed]:
-    """The printed routes of a map under the small settings, seed 0, each run once in all tests."""
+def printed_by_name() -> dict[tuple[str, int], Printed]:
+    """The printed routes of a map under the small settings by seed, each run once in all tests."""
     return {}
 
 
 @pytest.fixture
-def without_search(printed_by_name: dict[str, Printed], monkeypatch: pytest.MonkeyPatch) -> list[Mission]:
-    """Methods answer at once with the small settings' printed routes, lengths of routes are estimated.
-
-    The missions that methods were asked to plan so far.
-    """
-    asked: list[Mission] = []
+def without_search(printed_by_name: dict[tuple[str, int], Printed], monkeypatch: pytest.MonkeyPatch) -> list[Asked]:
+    """Methods answer at once with the small settings' printed routes, of seed 0. What was asked so far."""
+    asked: list[Asked] = []
     run_it = Runs.printed
 
-    def printed(runs: Runs, mission: Mission, settings: MethodSettings) -> Printed:
-        assert (runs.seed, settings) == (0, SMALL)
-        if mission.name not in printed_by_name:
-            printed_by_name[mission.name] = run_it(runs, mission, settings)
-        return printed_by_name[mission.name]
+    def printed(runs: Runs, mission: Mission, settings: MethodSettings, seed: int | None = None) -> Printed:
+        at = runs.seed if seed is None else seed
+        if (mission.name, at) not in printed_by_name:
+            printed_by_name[mission.name, at] = run_it(runs, mission, settings, at)
+        return printed_by_name[mission.name, at]
 
-    def answer(mission: Mission, **_: Any) -> MethodOutcome:
-        asked.append(mission)
-        known = printed_by_name[mission.name]
-        return MethodOutcome(
-            method=PatrolSettings.of(mission).method,
-            plan=known.plan,
-            report=known.report,
-            planning_s=0.0,
-            reason="late",
-        )
+    def found(runs: Runs, mission: Mission) -> Found:
+        routes = runs.printed(mission, SMALL).routes
+        assert routes is not None
+        plan = Plan(mission=mission, trajectories=routes)
+        outcome = MethodOutcome(method="tours", plan=plan, report=check_plan(plan), planning_s=0.0, reason="late")
+        return found_of(outcome, drawn=True)
 
-    def mended(runs: Runs, mission: Mission, settings: MethodSettings) -> MethodOutcome:
-        known = runs.printed(mission, settings)
-        return MethodOutcome(method="sun2019", plan=known.plan, report=known.report, planning_s=0.0, reason="late")
-
-    def lengths_m(frame: Frame, *_: Any, radius_m: float, joining_legs: bool, **__: Any) -> np.ndarray:
-        return 2 * segment_lengths_m(frame.legs_m, joining_legs=joining_legs) + 2 * np.pi * radius_m
+    def by_method(runs: Runs, mission: Mission, method: str, *, effort: str | None = None) -> Found:
+        asked.append(Asked(mission.name, method, effort))
+        return found(runs, mission)
 
     monkeypatch.setattr(Runs, "printed", printed)
-    monkeypatch.setattr(Runs, "mended", mended)
-    monkeypatch.setattr(runs_module, "route_lengths_m", lengths_m)
-
-    monkeypatch.setattr(runs_module, "outcome_of", answer)
-    monkeypatch.setattr(runs_module, "load_compiled_loops", lambda: None)
+    monkeypatch.setattr(Runs, "by_method", by_method)
+    monkeypatch.setattr(Runs, "mended", lambda runs, mission, _: found(runs, mission))
     return asked

@@ -30,11 +30,18 @@ def small(settings: StudySettings, monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
 def test_the_page_and_its_pictures_go_into_a_new_folder(capsys: pytest.CaptureFixture[str]) -> None:
     assert run([*STAGED, "-o", "out", "--seed", "3"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == "Crossings between the two sub-regions"
+    assert lines[0] == "Crossings between the two sub-regions, 2 seeds: mean (range)"
     assert lines[1].split()[:3] == ["distances", "paper", "ours"]
-    assert lines[-3:] == ["out/sun2019-figure-8.png", "out/sun2019-figure-15.png", "out/sun2019.md"]
-    assert sorted(os.listdir("out")) == ["sun2019-figure-15.png", "sun2019-figure-8.png", "sun2019.md"]
-    assert "with seed 3 and effort quick" in Path("out/sun2019.md").read_text()
+    names = ["sun2019-figure-8.png", "sun2019-figure-15.png", "sun2019.json", "sun2019.md"]
+    assert lines[-4:] == [f"out/{name}" for name in names]
+    assert sorted(os.listdir("out")) == sorted(names)
+    page = Path("out/sun2019.md").read_text()
+    assert "with seeds 3 to 4 and effort quick" in page
+    assert run([*STAGED, "--from", "out/sun2019.json", "-o", "again", "--also", "pdf"]) == 0
+    assert "pdf" in capsys.readouterr().out
+    assert {name: Path("again", name).read_bytes() for name in names} == {
+        name: Path("out", name).read_bytes() for name in names
+    }
 
 
 @pytest.mark.usefixtures("small")
@@ -53,6 +60,10 @@ def test_without_a_folder_it_prints_the_tables_alone(capsys: pytest.CaptureFixtu
         (["-o", "taken"], "sun2019-figure-6.png: is a folder; the path of a file is needed"),
         (["--figures", "9"], "figures: '9' is none of them; 6, 8, 12, 13, 14, 15 and 16 are"),
         (["--figures", ""], "figures: '' is none of them"),
+        (["--from", "missing.json"], "missing.json: cannot be read"),
+        (["--from", "file"], "file: not JSON"),
+        (["--also", "svg"], "--also svg: files need a folder; give one with -o FOLDER"),
+        (["--also", "gif", "-o", "out"], "--also: 'gif' is not allowed; must be svg, pdf, csv or json"),
     ],
 )
 @pytest.mark.usefixtures("small")

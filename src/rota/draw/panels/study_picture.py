@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,8 +23,10 @@ from rota.draw.panels.cells_panel import HEAT, HeatPanel
 from rota.draw.panels.curve_panel import CurvePanel
 from rota.draw.panels.map_panel import MapPanel
 from rota.draw.panels.relief_panel import ReliefPanel
+from rota.draw.plan_picture import UNDATED
 
 Panel = MapPanel | CurvePanel | ReliefPanel
+PictureForm = Literal["png", "svg", "pdf"]
 
 # inches
 WIDTH, MARGIN, GAP, Y_AXIS, X_AXIS, TITLE, NOTE, CURVE_HEIGHT = 6.1, 0.06, 0.16, 0.5, 0.4, 0.24, 0.17, 2.1
@@ -107,12 +110,16 @@ def _keep_labels_inside(fig: Figure, ax: Axes) -> None:
             label.set_horizontalalignment("right")
 
 
-def study_picture(panels: Sequence[Panel], *, columns: int = 2, width: float = WIDTH) -> bytes:
-    """The picture as the bytes of a small PNG file, of few colours; the same panels give the same bytes."""
+def study_picture(
+    panels: Sequence[Panel], *, columns: int = 2, width: float = WIDTH, form: PictureForm = "png"
+) -> bytes:
+    """The picture as the bytes of a file; a PNG is small, of few colours. The same panels give the same bytes."""
+    drawn = io.BytesIO()
     with house_style():
         fig = study_figure(panels, columns=columns, width=width)
-        drawn = io.BytesIO()
-        fig.savefig(drawn, format="png", dpi=DPI)
+        fig.savefig(drawn, format=form, dpi=DPI, metadata=UNDATED.get(f".{form}"))
+    if form != "png":
+        return drawn.getvalue()
     drawn.seek(0)
     small = io.BytesIO()
     with Image.open(drawn) as picture:

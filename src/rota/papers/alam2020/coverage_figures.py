@@ -10,20 +10,23 @@ import numpy as np
 
 from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.panels.curve_panel import Curve, CurvePanel
-from rota.draw.panels.map_panel import MapPanel
-from rota.draw.panels.study_picture import Panel, study_picture
+from rota.draw.panels.study_picture import Panel
+from rota.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import (
     driven_verdict,
     fewer_steps_verdict,
     figure_6_verdicts,
+    floor_verdict,
     large_room_verdict,
     more_robots_verdict,
+    reasons_verdict,
 )
 from rota.papers.alam2020.panels import entries_panel, headings_panel, starts_panel, ways_panel
-from rota.papers.alam2020.runs import METHODS, CoverRuns, Runs, steps_until
+from rota.papers.alam2020.runs import METHODS, CoverRuns, Runs
 from rota.papers.section import Picture, Section
 from rota.papers.tables import NOTHING, Table, counted, joined
+from rota.plan import Plan
 from rota.planners.bounce.planner_settings import BounceMethod
 
 COLOURS = dict(zip(METHODS, (ROUTE_COLOURS[0], ROUTE_COLOURS[3]), strict=True))
@@ -46,7 +49,7 @@ def least_to_most(values: Sequence[float] | np.typing.NDArray[np.int64]) -> str:
 def _row(runs: CoverRuns) -> tuple[str, ...]:
     """Complete runs, steps, and what robots meet with on the way, on average."""
     return (
-        f"{runs.complete} of {len(runs.coverages)}", plus_minus(runs.steps), least_to_most(runs.steps),
+        f"{runs.complete.sum()} of {len(runs.seeds)}", plus_minus(runs.steps), least_to_most(runs.steps),
         f"{runs.contacts.mean():,.1f}", f"{runs.jumps.mean():,.1f}",
     )  # fmt: skip
 
@@ -62,13 +65,13 @@ def figure_6_section(runs: Runs) -> Section:
     panels: list[Panel] = []
     for letters, method in zip((("a", "b"), ("c", "d")), METHODS, strict=True):
         cover_runs = by_method[method]
-        plan = cover_runs.plan(cover_runs.shortest)
+        plan = _drawn(runs, mission, method, cover_runs.shortest)
         contacts = int(cover_runs.contacts[cover_runs.shortest])
         note = f"{cover_runs.steps[cover_runs.shortest]:,} steps, {counted(contacts, 'contact')}"
         panels.append(headings_panel(f"({letters[0]}) {TOLD[method].capitalize()}: cells and headings", plan, note))
         panels.append(ways_panel(f"({letters[1]}) {TOLD[method].capitalize()}: ways", plan, note))
     table = Table(
-        title=f"Two robots cover the laboratory, {len(improved.coverages)} random starts, mean ± deviation",
+        title=f"Two robots cover the laboratory, {len(improved.seeds)} random starts, mean ± deviation",
         head=("Algorithm 1", *HEAD),
         rows=(
             ("**the paper**", "1 of 1", "not printed", "", f"{paper.CONTACTS_FIGURE_6} contact", "not printed"),
@@ -83,7 +86,7 @@ def figure_6_section(runs: Runs) -> Section:
             Picture(
                 "alam2020-figure-6.png",
                 "Arrows in the cells of two robots that cover a laboratory, and their ways, by both methods",
-                study_picture(panels),
+                tuple(panels),
             ),
         ),
         caption="Figure 6b and 6c, on a laboratory of ours: 4 m by 3 m, cells of 0.25 m, robots as wide as a Create 2. "
@@ -91,20 +94,23 @@ def figure_6_section(runs: Runs) -> Section:
         "ways are drawn a little apart.",
         paper="One joint trajectory of two robots by 135° that covers the laboratory, with one contact of both robots "
         "(Section 5.1). Neither the map nor the number of steps is printed.",
-        ours=f"As printed, all cells are covered from {printed.complete} of {len(printed.coverages)} starts, after "
-        f"{plus_minus(printed.steps)} steps; improved, from {improved.complete}, after {plus_minus(improved.steps)}. "
-        f"Runs with no more than one step of contact, as the paper's: {few[0]} as printed, {few[1]} improved.",
+        ours=f"As printed, all cells are covered from {printed.complete.sum()} of {len(printed.seeds)} starts, "
+        f"after {plus_minus(printed.steps)} steps; improved, from {improved.complete.sum()}, after "
+        f"{plus_minus(improved.steps)}. Runs with no more than one step of contact, as the paper's: {few[0]} as "
+        "printed, "
+        f"{few[1]} improved.",
         tables=(table,),
-        verdicts=figure_6_verdicts(
-            {method: cover_runs.complete for method, cover_runs in by_method.items()},
-            len(printed.coverages),
-            few,
-            driven_verdict(
-                {f"{m} {k}": each.plan(k) for m, each in by_method.items() for k in range(len(each.coverages))},
-                "5.1, Figure 6d-f",
-            ),
+        verdicts=(
+            *figure_6_verdicts({method: each.complete.tolist() for method, each in by_method.items()}, few),
+            driven_verdict([one for method in METHODS for one in runs.driven(mission, method)], "5.1, Figure 6d-f"),
+            floor_verdict({TOLD[method]: runs.floor_passed(mission, method) for method in METHODS}),
         ),
     )
+
+
+def _drawn(runs: Runs, mission: Mission, method: BounceMethod, run: int, *, ways: bool = True) -> Plan:
+    """A run, from 0, as a plan to be drawn; ``ways``: or only its starts."""
+    return Plan(mission=mission, trajectories=runs.drawn(mission, method, runs.starts[run], ways=ways).ways)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,18 +144,15 @@ SAID = {
 
 def _by_robots(runs: Runs, grid: _Grid) -> Section:
     """The figure of the steps that teams of each size take on one grid."""
-    by_team = {
-        (method, robots): runs.cover(maps.room(grid.text, robots, paper.COVER_ANGLE_DEG), method)
-        for robots in paper.TEAMS
-        for method in METHODS
-    }
-    shown = by_team["as_printed", paper.TEAMS[0]]
-    panels: list[Panel] = [starts_panel("(a) The map, and two starts", shown.plan(0)), _curves(by_team)]
+    rooms = {robots: maps.room(grid.text, robots, paper.COVER_ANGLE_DEG) for robots in paper.TEAMS}
+    by_team = {(method, robots): runs.cover(rooms[robots], method) for robots in paper.TEAMS for method in METHODS}
+    starts = _drawn(runs, rooms[paper.TEAMS[0]], "as_printed", 0, ways=False)
+    panels: list[Panel] = [starts_panel("(a) The map, and two starts", starts), _curves(by_team)]
     others = _other_layouts(runs, grid)
     other_means = [[float(team.steps.mean()) for team in teams] for teams in others]
     rows = [(str(robots), TOLD[method], *_row(by_team[method, robots])) for robots in paper.TEAMS for method in METHODS]
     printed = [by_team["as_printed", robots] for robots in paper.TEAMS]
-    count = len(shown.coverages)
+    count = runs.settings.starts
     table = Table(
         title=f"Steps to cover {grid.size} cells by 135°, {count} random starts, mean ± deviation",
         head=("robots", "Algorithm 1", *HEAD),
@@ -157,7 +160,7 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
         words=(0, 1),
     )
     means = {method: [float(by_team[method, robots].steps.mean()) for robots in paper.TEAMS] for method in METHODS}
-    complete = sum(team_runs.complete for team_runs in by_team.values())
+    complete = sum(int(team_runs.complete.sum()) for team_runs in by_team.values())
     five_slower = sum(layout[-1] > layout[-2] for layout in other_means)
     larger_slower = sum(any(b > a for a, b in itertools.pairwise(layout)) for layout in other_means)
     return Section(
@@ -167,7 +170,7 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
             Picture(
                 f"alam2020-figure-{grid.figure}.png",
                 f"A room of {grid.size} cells, and the steps to cover it by number of robots and by method",
-                study_picture(panels),
+                tuple(panels),
             ),
         ),
         caption=f"Figure {grid.figure}. The layout is ours. Lines are means, bands go from least to most; logarithmic.",
@@ -183,7 +186,9 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
         f"{larger_slower} some team takes longer than a smaller one.",
         tables=(table, _layouts_table(grid, others, printed, runs.settings.layout_steps)),
         verdicts=(
-            (fewer_steps_verdict if grid.figure == 7 else more_robots_verdict)(means["as_printed"], other_means),
+            (fewer_steps_verdict(printed, others),)
+            if grid.figure == 7
+            else (more_robots_verdict(printed, others), reasons_verdict(printed, others))
         ),
     )  # fmt: skip
 
@@ -208,8 +213,8 @@ def _layouts_table(grid: _Grid, others: list[list[CoverRuns]], shown: list[Cover
     rows = [("the layout above", *(f"{team_runs.steps.mean():,.0f}" for team_runs in shown))]
     for told, choose in (("least", np.min), ("median", np.median), ("most", np.max)):
         rows.append((f"random layouts, {told}", *(f"{choose(means):,.0f}" for means in by_robots)))
-    complete = np.array([[team_runs.complete for team_runs in teams] for teams in others]).sum(axis=0)
-    count = sum(len(teams[0].coverages) for teams in others)
+    complete = np.array([[team_runs.complete.sum() for team_runs in teams] for teams in others]).sum(axis=0)
+    count = sum(len(teams[0].seeds) for teams in others)
     rows.append((f"runs that cover all in {most_steps:,} steps", *(f"{number} of {count}" for number in complete)))
     return Table(
         title=f"Algorithm 1 as printed on {len(others)} random layouts of {grid.size} cells: "
@@ -256,32 +261,23 @@ def figure_9_section(runs: Runs) -> Section:
     mission = maps.room(maps.ROOM_20, paper.ROBOTS_FIGURE_9, paper.COVER_ANGLE_DEG)
     by_method = {method: runs.cover(mission, method) for method in METHODS}
     printed, improved = (by_method[method] for method in METHODS)
-    shares = (paper.COVERED_FIGURE_9, 1.0)
-    until = {
-        method: [
-            [
-                step
-                for run in method_runs.coverages
-                if (step := steps_until(run, method_runs.bouncing.cells.headings, share)) is not None
-            ]
-            for share in shares
-        ]
-        for method, method_runs in by_method.items()
-    }
-    panels: list[MapPanel] = [starts_panel("(a) Random starts of ten robots", printed.plan(0))]
+    until = {method: each.until[each.until >= 0] for method, each in by_method.items()}
+    panels: list[Panel] = [
+        starts_panel("(a) Random starts of ten robots", _drawn(runs, mission, "as_printed", 0, ways=False))
+    ]
     for letter, method in zip("bc", METHODS, strict=True):
         method_runs = by_method[method]
-        run = method_runs.coverages[0]
-        note = f"{run.share:.1%} of {method_runs.bouncing.cells.count} free cells after {run.steps:,} steps"
-        panels.append(entries_panel(f"({letter}) Times entered, {TOLD[method]}", method_runs.plan(0), note))
+        note = f"{method_runs.share[0]:.1%} of {method_runs.cells} free cells after {method_runs.steps[0]:,} steps"
+        entries = runs.drawn(mission, method, runs.starts[0], ways=False).entries
+        panels.append(entries_panel(f"({letter}) Times entered, {TOLD[method]}", mission, entries, note))
     rows = [
-        (TOLD[method], f"{len(until[method][0])} of {len(each.coverages)}", plus_minus(until[method][0]), *_row(each))
+        (TOLD[method], f"{len(until[method])} of {len(each.seeds)}", plus_minus(until[method]), *_row(each))
         for method, each in by_method.items()
     ]
-    early = float(np.mean(until["as_printed"][0])) if until["as_printed"][0] else np.inf
+    early = float(np.mean(until["as_printed"])) if len(until["as_printed"]) else np.inf
     reached = f"{paper.COVERED_FIGURE_9:.0%}"
     table = Table(
-        title=f"Ten robots on 20 x 12 cells by 135°, {len(printed.coverages)} random starts, mean ± deviation",
+        title=f"Ten robots on 20 x 12 cells by 135°, {len(printed.seeds)} random starts, mean ± deviation",
         head=("Algorithm 1", f"runs to {reached}", f"steps to {reached}", "complete", "steps to all", *HEAD[2:]),
         rows=(("**the paper**", "1 of 1", "not printed", "0 of 1", *["not printed"] * 4), *rows),
     )
@@ -292,16 +288,17 @@ def figure_9_section(runs: Runs) -> Section:
             Picture(
                 "alam2020-figure-9.png",
                 "Ten robots in a room of 20 x 12 cells, and heat maps of how often they enter each by both methods",
-                study_picture(panels, columns=1),
+                tuple(panels),
+                columns=1,
             ),
         ),
         caption="Figure 9, on a layout of ours. The first start of the table's runs; dark cells are entered seldom.",
         paper=f"Ten robots from a random start cover {reached} (Figure 9b); how many steps that takes is not printed.",
-        ours=f"As printed, {printed.complete} of {len(printed.coverages)} starts lead to full coverage: {reached} "
-        f"after {plus_minus(until['as_printed'][0])} steps, everything after {plus_minus(printed.steps)}. "
+        ours=f"As printed, {printed.complete.sum()} of {len(printed.seeds)} starts lead to full coverage: {reached} "
+        f"after {plus_minus(until['as_printed'])} steps, everything after {plus_minus(printed.steps)}. "
         + ("Most of the time goes into the last cells. " if 2 * early < float(printed.steps.mean()) else "")
-        + f"Improved: {plus_minus(until['improved'][0])} and {plus_minus(improved.steps)} "
-        f"({improved.complete} of {len(improved.coverages)} complete).",
+        + f"Improved: {plus_minus(until['improved'])} and {plus_minus(improved.steps)} "
+        f"({improved.complete.sum()} of {len(improved.seeds)} complete).",
         tables=(table,),
-        verdicts=(large_room_verdict({m: each.complete for m, each in by_method.items()}, len(printed.coverages)),),
+        verdicts=(large_room_verdict(by_method),),
     )

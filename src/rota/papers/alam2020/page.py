@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.claims import standing_verdicts
+from rota.papers.page import claims, listed, made_from
 from rota.papers.section import Section
-from rota.papers.tables import NOTHING, Table, joined
-
-CLAIMS = "## The paper's claims"
+from rota.papers.tables import joined
 
 HEADING = "# Alam & Bobadilla 2020, figure by figure"
 
@@ -53,26 +51,6 @@ LEFT_OPEN = (
 )
 
 
-def claims_table(sections: Sequence[Section]) -> Table:
-    """A verdict for each claim: first the claims that the sections are evidence for, then those that need no figure."""
-    rows = [
-        (verdict.claim, verdict.place, verdict.outcome, verdict.why, str(section.figure))
-        for section in sections
-        for verdict in section.verdicts
-    ]
-    two_robots = maps.lab(maps.LAB_2, 2, paper.GROUPS[11][0])
-    standing = standing_verdicts(two_robots)
-    rows += [(verdict.claim, verdict.place, verdict.outcome, verdict.why, NOTHING) for verdict in standing]
-    counts = Counter(row[2] for row in rows)
-    told = ", ".join(f"{outcome}: {count}" for outcome, count in counts.items())
-    return Table(
-        title=f"{len(rows)} claims ({told})",
-        head=("claim", "section there", "verdict", "why", "figure here"),
-        rows=tuple(rows),
-        words=(0, 1, 2, 3),
-    )
-
-
 def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
     """The page; its pictures are beside it. seed: with which it was made."""
     figures = [str(section.figure) for section in sections if not section.extra]
@@ -84,13 +62,13 @@ def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
         "robots with nothing but a bump sensor and a clock drive straight, turn by a fixed angle where they bump, and "
         "cover a room or watch regions of it. "
         + (f"Beyond the paper, whose conclusion asks for it: {joined(extras)}. " if extras else "")
-        + "All numbers under **Here** and in columns of ours come from that one run.",
-        CLAIMS,
-        claims_table(sections).markdown,
+        + "Random starts are seeds one after another; numbers with ± are means and standard deviations over them.",
+        made_from("alam2020"),
+        *claims(sections, standing_verdicts(maps.lab(maps.LAB_2, 2, paper.GROUPS[11][0]))),
         "## The methods",
-        "\n".join(f"- {line}" for line in METHODS),
+        listed(METHODS),
         "## What the paper leaves open, and how we read it",
-        "\n".join(f"- {line}" for line in LEFT_OPEN),
+        listed(LEFT_OPEN),
         *(section.markdown for section in sections),
     ]
     return "\n\n".join(parts) + "\n"

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from rota.draw.palette import route_style
 from rota.draw.panels.cells_panel import HeadingsPanel, HeatPanel
 from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
-from rota.entered_cells import entries_of_cells
 from rota.mission import Mission
 from rota.plan import Plan
 from rota.planners.bounce.cells import Cells
@@ -51,13 +50,12 @@ def starts_panel(title: str, plan: Plan, note: str = "") -> MapPanel:
     return MapPanel(title=title, note=note, mission=plan.mission, strokes=(strokes,), dots=(dots,))
 
 
-def entries_panel(title: str, plan: Plan, note: str = "") -> HeatPanel:
-    """How often each cell is entered by a plan's robots."""
-    entries = entries_of_cells(plan).astype(np.float64)
-    entries[entries == 0] = np.nan
+def entries_panel(title: str, mission: Mission, entries: NDArray[np.int64], note: str = "") -> HeatPanel:
+    """How often each cell, (rows, columns), is entered."""
+    values = np.where(entries > 0, entries, np.nan)
     return HeatPanel(
-        title=title, note=note, mission=plan.mission, values=entries, cell_m=BounceSettings.of(plan.mission).cell_m,
-        top=float(np.nanmax(entries)), numbered=True,
+        title=title, note=note, mission=mission, values=values, cell_m=BounceSettings.of(mission).cell_m,
+        top=float(np.nanmax(values)), numbered=True,
     )  # fmt: skip
 
 

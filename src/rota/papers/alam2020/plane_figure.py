@@ -4,45 +4,61 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rota.draw.palette import ROUTE_COLOURS
 from rota.draw.panels.map_panel import MapPanel, Strokes
-from rota.draw.panels.study_picture import study_picture
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.grid_beside_plane import GridBesidePlane, compare_grid_and_plane
-from rota.papers.alam2020.runs import Runs
+from rota.papers.alam2020.runs import Runs, what
 from rota.papers.section import Picture, Section
-from rota.papers.tables import NOTHING, Table
+from rota.papers.tables import Table, number
 from rota.planners.bounce.bounce_map import cycles_and_basins, make_team, single_map
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.polygon import BounceRule, bounce_path, make_rim
 
 Longs = NDArray[np.int64]
+Floats = NDArray[np.float64]
 
 SHOWN_ANGLE_DEG = 135.0
 GRID_COLOUR, PLANE_COLOUR = ROUTE_COLOURS[0], ROUTE_COLOURS[6]
 BOUNCES = 2000
 
 
+@dataclass(frozen=True, kw_only=True)
+class BothCycles:
+    """The limit cycles of a room by one angle, counted and compared, and one of each kind to be drawn.
+
+    stabilities: cycles of the plane by kind. lost_share: of the starts that come to none there; same_share: of those
+    whose cycle is as long in both. length_ratio: the median, plane by grid. grid_m, plane_m: (k, 2) metres.
+    """
+
+    on_grid: int
+    in_plane: int
+    stabilities: dict[str, int]
+    lost_share: float
+    same_share: float
+    length_ratio: float | None
+    grid_note: str
+    grid_m: Floats
+    plane_note: str
+    plane_m: Floats
+
+
 def figure_13_section(runs: Runs) -> Section:
     """The limit cycles of the plane beside those of the grid."""
     rows, compared, panels = [], {}, []
     for name, mission in maps.wide_rooms(SHOWN_ANGLE_DEG).items():
-        cells, ground = make_cells(mission), free_ground(mission)
         for angle in paper.ANGLES_DEG:
-            runs.now(f"figure 13: {name}, {angle:g}°")
-            turn = round(angle * cells.headings / 360)
-            radius_m = maps.ROOM_CELL_M / 2
-            both = compare_grid_and_plane(cells, ground, turn=turn, body_radius_m=radius_m, bounces=BOUNCES)
-            compared[name, angle] = both
+            both = compared[name, angle] = _compared(runs, name, mission, angle)
             rows.append((name, f"{angle:g}°", *_row(both)))
             if angle == SHOWN_ANGLE_DEG:
-                panels += _pair(name, mission, cells, turn, both)
+                panels += _pair(name, mission, both)
     table = Table(
         title="One robot from every cell with every heading: limit cycles on the grid and in the plane",
         head=(
@@ -63,7 +79,7 @@ def figure_13_section(runs: Runs) -> Section:
             Picture(
                 "alam2020-figure-13.png",
                 "The limit cycle that most starts come to, on the grid and in the plane, in three rooms",
-                study_picture(panels),
+                tuple(panels),
             ),
         ),
         caption=f"By {SHOWN_ANGLE_DEG:g}°, rooms of 10 m by 10 m, a disc as wide as a cell of 1 m. Left: of the grid's "
@@ -81,47 +97,74 @@ def figure_13_section(runs: Runs) -> Section:
     )  # fmt: skip
 
 
-def _row(both: GridBesidePlane) -> tuple[str, ...]:
-    """The row of one ground and angle: cycles on the grid, and in the plane by their stability."""
-    kinds = Counter(cycle.stability for cycle in both.plane.cycles)
-    ratio = f"{np.median(both.length_ratios):.3f}" if len(both.length_ratios) else NOTHING
-    return (
-        f"{len(both.lengths_m):,}", f"{len(both.plane.cycles):,}",
-        f"{kinds['attracting']} / {kinds['half-stable']} / {kinds['neutral']} / {kinds['repelling']}",
-        f"{both.plane.unsettled_share + both.plane.stuck_share:.1%}", f"{both.same_share:.1%}", ratio,
-    )  # fmt: skip
+def _compared(runs: Runs, name: str, mission: Mission, angle_deg: float) -> BothCycles:
+    """The limit cycles of a room by an angle."""
+
+    def make() -> BothCycles:
+        runs.now(f"figure 13: {name}, {angle_deg:g}°")
+        cells, ground = make_cells(mission), free_ground(mission)
+        turn = round(angle_deg * cells.headings / 360)
+        radius_m = maps.ROOM_CELL_M / 2
+        both = compare_grid_and_plane(cells, ground, turn=turn, body_radius_m=radius_m, bounces=BOUNCES)
+        return cycles_told(mission, cells, turn, both)
+
+    found: BothCycles = runs.records.get(
+        BothCycles, {"what": "grid beside plane", "room": name, **what(mission), "angle": angle_deg}, make
+    )
+    return found
 
 
-def _pair(name: str, mission: Mission, cells: Cells, turn: int, both: GridBesidePlane) -> list[MapPanel]:
-    """The most frequent cycle on the grid, and what comes of the same start in the plane."""
+def cycles_told(mission: Mission, cells: Cells, turn: int, both: GridBesidePlane) -> BothCycles:
+    """What a comparison came to, the most frequent cycle on the grid, and where the same start ends in the plane."""
     most = int(both.shares.argmax())
     states = _grid_round(cells, turn, most)
-    on_grid = MapPanel(
-        title=f"{name.capitalize()}: grid",
-        note=f"{both.shares[most]:.0%} of starts, {both.bumps[most]} bumps, {both.lengths_m[most]:.1f} m",
-        mission=mission,
-        strokes=(Strokes("grid", (cells.centres_m[states // cells.headings],), GRID_COLOUR, width_pt=1.3),),
-    )
     cell, heading = divmod(int(states[0]), cells.headings)
     rim = make_rim(free_ground(mission), maps.ROOM_CELL_M / 2)
     rule = BounceRule(angle_rad=turn * math.tau / cells.headings)
     x, y = cells.centres_m[cell]
     path = bounce_path(rim, rule, (float(x), float(y)), heading * math.tau / cells.headings, BOUNCES)
-    number = int(both.plane.cycle_of[states[0]])
-    if number < 0:
-        strokes, note = Strokes("plane", (path.positions_m,), PLANE_COLOUR, width_pt=0.5), "never comes to a cycle"
+    cycle_number = int(both.plane.cycle_of[states[0]])
+    if cycle_number < 0:
+        way_m, note = path.positions_m, "never comes to a cycle"
     else:
-        cycle = both.plane.cycles[number]
-        strokes = Strokes("plane", (path.positions_m[-cycle.period - 1 :],), PLANE_COLOUR, width_pt=1.3)
-        length_m = both.plane.lengths_m[states[0]]
-        note = f"same start: {cycle.period} contacts, {length_m:.1f} m, {cycle.stability}"
-    in_plane = MapPanel(
-        title=f"{name.capitalize()}: plane",
-        note=note,
-        mission=mission,
-        strokes=(strokes,),
+        cycle = both.plane.cycles[cycle_number]
+        way_m = path.positions_m[-cycle.period - 1 :]
+        note = f"same start: {cycle.period} contacts, {both.plane.lengths_m[states[0]]:.1f} m, {cycle.stability}"
+    ratios = both.length_ratios
+    return BothCycles(
+        on_grid=len(both.lengths_m),
+        in_plane=len(both.plane.cycles),
+        stabilities=dict(Counter(cycle.stability for cycle in both.plane.cycles)),
+        lost_share=both.plane.unsettled_share + both.plane.stuck_share,
+        same_share=both.same_share,
+        length_ratio=float(np.median(ratios)) if len(ratios) else None,
+        grid_note=f"{both.shares[most]:.0%} of starts, {both.bumps[most]} bumps, {both.lengths_m[most]:.1f} m",
+        grid_m=cells.centres_m[states // cells.headings],
+        plane_note=note,
+        plane_m=way_m,
     )
-    return [on_grid, in_plane]
+
+
+def _row(both: BothCycles) -> tuple[str, ...]:
+    """The row of one ground and angle: cycles on the grid, and in the plane by their stability."""
+    kinds = (str(both.stabilities.get(kind, 0)) for kind in ("attracting", "half-stable", "neutral", "repelling"))
+    return (
+        f"{both.on_grid:,}", f"{both.in_plane:,}", " / ".join(kinds), f"{both.lost_share:.1%}",
+        f"{both.same_share:.1%}", number(both.length_ratio, ".3f"),
+    )  # fmt: skip
+
+
+def _pair(name: str, mission: Mission, both: BothCycles) -> list[MapPanel]:
+    """The most frequent cycle on the grid, and what comes of the same start in the plane."""
+    lost = both.plane_note.startswith("never")
+    shown = (
+        ("grid", both.grid_note, Strokes("grid", (both.grid_m,), GRID_COLOUR, width_pt=1.3)),
+        ("plane", both.plane_note, Strokes("plane", (both.plane_m,), PLANE_COLOUR, width_pt=0.5 if lost else 1.3)),
+    )
+    return [
+        MapPanel(title=f"{name.capitalize()}: {where}", note=note, mission=mission, strokes=(strokes,))
+        for where, note, strokes in shown
+    ]
 
 
 def _grid_round(cells: Cells, turn: int, number: int) -> Longs:

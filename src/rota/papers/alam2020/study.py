@@ -16,8 +16,7 @@ from rota.papers.alam2020.runs import Runs, StudySettings
 from rota.papers.study import PaperStudy
 
 alam2020_study = PaperStudy(
-    page_file="alam2020.md",
-    pictures="alam2020-figure-*.png",
+    name="alam2020",
     figures={
         6: (figure_6_section, 3),
         7: (figure_7_section, 3),

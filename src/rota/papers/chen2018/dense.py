@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rota.geometry.free_space import free_ground
 from rota.papers.chen2018 import maps, paper
+from rota.papers.chen2018.runs import Controller, Runs, what
 from rota.planners.swarm.planner import make_swarm
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.rollout import Beginning
@@ -18,6 +19,18 @@ Floats = NDArray[np.float64]
 TRIED = 1000
 ROBOTS = 25
 APART_M = (1.0, 1.5)  # from middle to middle on the lattice that is shaken; bodies touch at 1 m
+
+
+def counted_contacts(runs: Runs, controller: Controller) -> tuple[int, float]:
+    """What ``dense_contacts`` counts for a controller, from its record."""
+
+    def make() -> tuple[int, float]:
+        runs.now(f"dense states: {controller.name}")
+        return dense_contacts(controller.settings, seed=runs.seed)
+
+    run = {"what": "dense states", **what(maps.small("centre"), controller), "tried": TRIED, "seed": runs.seed}
+    found: tuple[int, float] = runs.records.get(tuple[int, float], run, make)
+    return found
 
 
 def dense_contacts(settings: SwarmSettings, *, seed: int, tried: int = TRIED) -> tuple[int, float]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
-from rota.papers.chen2018.runs import FORCES, Runs
+from rota.papers.chen2018.runs import FORCES, Runs, what
 from rota.papers.tables import Table
 from rota.planners.swarm.baseline_kernels import STIFFNESS, virtual_force
 from rota.planners.swarm.metrics import History, Observer
@@ -27,13 +27,15 @@ def gain_table(runs: Runs) -> Table:
     for gain in GAINS:
         cells = []
         for mission in (maps.small("between"), maps.with_obstacle("between")):
-            histories = [forced(runs, mission, gain, runs.seed + k) for k in range(runs.settings.gain_seeds)]
-            turned = [100 * float(history.reversals[1 : paper.STEPS_FIGURE_12 + 1].mean()) for history, _ in histories]
-            at = [100 * history.coverage[min(paper.STEPS_FIGURE_12, history.steps)] for history, _ in histories]
-            end = [100 * history.coverage[-1] for history, _ in histories]
-            rested = sum(rest for _, rest in histories)
-            cells += [f"{np.mean(turned):.2f} (at most {max(turned):.2f})", f"{np.mean(at):.2f}", f"{np.mean(end):.2f}",
-                      f"{rested} of {len(histories)}"]  # fmt: skip
+            outcomes = [forced(runs, mission, gain, seed) for seed in runs.some(runs.settings.gain_seeds)]
+            turned = [run.turned for run in outcomes]
+            end = np.mean([run.covered_in_end for run in outcomes])
+            cells += [
+                f"{np.mean(turned):.2f} (at most {max(turned):.2f})",
+                f"{np.mean([run.covered for run in outcomes]):.2f}",
+                f"{end:.2f}",
+                f"{sum(run.at_rest for run in outcomes)} of {len(outcomes)}",
+            ]
         rows.append((f"{gain:g}" + (", taken" if gain == STIFFNESS else ""), *cells))
     columns = ("reversals %", f"covered % at k = {paper.STEPS_FIGURE_12}", "covered % in the end", "at rest")
     return Table(
@@ -43,16 +45,44 @@ def gain_table(runs: Runs) -> Table:
     )
 
 
-def forced(runs: Runs, mission: Mission, gain: float, seed: int) -> tuple[History, bool]:
+@dataclass(frozen=True, kw_only=True)
+class Forced:
+    """A run by virtual forces: percent of velocities turned back, and covered by the paper's step and in the end.
+
+    at_rest: whether the stop rule ended it.
+    """
+
+    turned: float
+    covered: float
+    covered_in_end: float
+    at_rest: bool
+
+
+def forced(runs: Runs, mission: Mission, gain: float, seed: int) -> Forced:
+    """What a run by virtual forces of a gain comes to."""
+
+    def make() -> Forced:
+        runs.now(f"{mission.name}: VFA with gain {gain:g}, seed {seed}")
+        history, at_rest = force(replace(mission, planning=FORCES.settings), gain, seed, runs.settings.steps)
+        return Forced(
+            turned=100 * float(history.reversals[1 : paper.STEPS_FIGURE_12 + 1].mean()),
+            covered=100 * float(history.coverage[min(paper.STEPS_FIGURE_12, history.steps)]),
+            covered_in_end=100 * float(history.coverage[-1]),
+            at_rest=at_rest,
+        )
+
+    run = {"what": "gain", **what(mission, FORCES), "gain": gain, "seed": seed, "most_steps": runs.settings.steps}
+    found: Forced = runs.records.get(Forced, run, make)
+    return found
+
+
+def force(mission: Mission, gain: float, seed: int, most_steps: int) -> tuple[History, bool]:
     """The history of a run by virtual forces of a gain, and whether the stop rule ended it."""
-    runs.stop_if_asked()
-    runs.tell(f"{mission.name}: VFA with gain {gain:g}, seed {seed}")
-    mission = replace(mission, planning=FORCES.settings)
     ground = free_ground(mission)
     starts = place_starts(mission, ground, seed=seed, reserve_m=0.0)
     swarm = make_swarm(mission, ground, Beginning(starts), seed=seed, decide=virtual_force(gain))
     observer = Observer(swarm, ground, SwarmSettings.of(mission).stop_m)
-    while swarm.steps < runs.settings.steps:
+    while swarm.steps < most_steps:
         moved_m = swarm.step()
         observer.note(0.0)
         if moved_m <= SwarmSettings.of(mission).stop_m:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rota.papers.chen2018 import paper
+from rota.papers.page import claims, listed, made_from
 from rota.papers.section import Section
-from rota.papers.tables import Table, joined
+from rota.papers.tables import joined
 
 HEADING = "# Chen et al. 2018, figure by figure"
 
@@ -50,26 +51,6 @@ LEFT_OPEN = (
 )
 
 
-def _claims(sections: Sequence[Section]) -> str:
-    """Every claim with its verdict, in the order of the figures."""
-    return Table(
-        title="Each claim, where it stands in the paper, what became of it here, why, and the figure that shows it",
-        head=("claim", "section", "verdict", "why", "figure"),
-        rows=tuple(
-            (
-                verdict.claim,
-                verdict.place,
-                f"**{verdict.outcome}**",
-                verdict.why,
-                f"{'extra ' if section.extra else ''}{section.figure}",
-            )
-            for section in sections
-            for verdict in section.verdicts
-        ),
-        words=(0, 1, 2, 3, 4),
-    ).markdown.split("\n", 2)[2]
-
-
 def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
     """The page; its pictures are beside it. seed: with which it was made."""
     figures = [str(section.figure) for section in sections if not section.extra]
@@ -80,14 +61,15 @@ def page_markdown(sections: Sequence[Section], *, seed: int) -> str:
         f"chen2018` with seed {seed}: 25 robots (and 1,000) that know only their neighbours spread from a box over an "
         "area and hold. Each figure has what the paper says beside what its controller, the two methods that it "
         "compares "
-        "with and Rota's own do here. All numbers under **Here** and in columns of ours come from that one run; only "
-        "the times of decisions (Table 3 and the last section) and the processes of Figure 22, which run in real time, "
-        "differ from machine to machine, and from hour to hour.",
-        *(["## What became of the claims", _claims(sections)] if any(section.verdicts for section in sections) else []),
+        "with and Rota's own do here. Runs have seeds one after another; numbers with ± are means and "
+        "standard deviations over them. Only the times of decisions (Table 3 and the last section) and the processes "
+        "of Figure 22, which run in real time, differ from machine to machine, and from hour to hour.",
+        made_from("chen2018"),
+        *claims(sections),
         "## The controllers",
-        "\n".join(f"- {line}" for line in CONTROLLERS),
+        listed(CONTROLLERS),
         "## What the paper leaves open, and how we read it",
-        "\n".join(f"- {line}" for line in LEFT_OPEN),
+        listed(LEFT_OPEN),
         *(section.markdown for section in sections),
     ]
     return "\n\n".join(parts) + "\n"

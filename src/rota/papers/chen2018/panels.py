@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from rota.papers.chen2018.runs import (
     Controller,
     Outcome,
     covered_in,
+    kept_steps,
 )
 from rota.planners.swarm.planner import sensors_of, squares_of
 
@@ -42,7 +43,7 @@ SHADE = 0.3
 def coverage_panel(title: str, mission: Mission, outcome: Outcome, step: int) -> MapPanel:
     """Robots and what they have in range at a step, or in the end."""
     step = min(step, outcome.steps)
-    places = outcome.places_at(step)
+    places = outcome.drawn.places_at(step)
     share = covered_in(mission, places)
     dots = Dots("robot", places, COVERED, size_pt=_size(outcome), shade=SHADE)
     dots = dots._replace(reach_m=float(sensors_of(mission)[0]), square=bool(squares_of(mission)[0]))
@@ -53,9 +54,8 @@ def ways_panel(
     title: str, mission: Mission, outcome: Outcome, step: int, colour: str = ROUTE_COLOURS[0], named: int | None = None
 ) -> MapPanel:
     """The ways of all robots up to a step, or to the end; that of the ``named``-th robot (from 1) stands out."""
-    step = min(step, outcome.steps)
-    kept = outcome.places_m[: step // outcome.stride + 1]
-    places = np.concatenate([kept, outcome.places_at(step)[None]])
+    step, drawn = min(step, outcome.steps), outcome.drawn
+    places = drawn.places_m[drawn.at <= step]
     ways = [places[:, k] for k in range(places.shape[1])]
     width = 0.25 if len(ways) > 100 else 0.7
     strokes = [Strokes("way", tuple(ways), colour, width_pt=width)]
@@ -66,7 +66,7 @@ def ways_panel(
         Dots("start", places[0], INK, "s", size, filled=False),
         Dots("end", places[-1], INK, "o", size),
     )
-    way_m = float(outcome.history.way_m[step])
+    way_m = float(outcome.way_m[outcome.row(step)])
     return MapPanel(
         title=title, note=f"k = 0 to {step:,}: {way_m:,.0f} m on average", mission=mission, strokes=tuple(strokes),
         dots=dots if len(ways) <= 100 else (),
@@ -75,12 +75,12 @@ def ways_panel(
 
 def _size(outcome: Outcome) -> float:
     """The size of a dot in points: smaller for many robots."""
-    return 2.6 if outcome.places_m.shape[1] <= 100 else 0.9
+    return 2.6 if outcome.drawn.places_m.shape[1] <= 100 else 0.9
 
 
 def distance_panel(title: str, outcome: Outcome) -> CurvePanel:
     """The least distance between the middles of two robots by step, and the least that is no contact."""
-    curve = Curve("least distance", outcome.history.body_gap_m + 2 * paper.BODY_M, COVERED, width_pt=1.8)
+    curve = Curve("least distance", outcome.drawn.gaps_m, COVERED, width_pt=1.8)
     critical = Level("bodies touch, 1 m", 2 * paper.BODY_M, OVER_PERIOD)
     least = float(curve.values.min())
     return CurvePanel(
@@ -90,17 +90,15 @@ def distance_panel(title: str, outcome: Outcome) -> CurvePanel:
 
 
 def mean_curves(
-    outcomes: Sequence[tuple[Controller, list[Outcome]]], values: str, steps: int, scale: float = 100.0
+    outcomes: Sequence[tuple[Controller, list[Outcome]]], steps: int, value: Callable[[Floats], Floats]
 ) -> tuple[Curve, ...]:
-    """The mean over seeds of a row of the histories by step, with least and most; a run at rest keeps its last."""
+    """The mean over seeds of a value of the coverage by step, with least and most; a run at rest keeps its last."""
     curves = []
     for controller, runs in outcomes:
-        rows = np.array([_held(getattr(run.history, values), steps) for run in runs]) * scale
+        at = kept_steps(steps)
+        covered = [run.covered[np.minimum(np.searchsorted(run.at, at), len(run.at) - 1)] for run in runs]
+        rows = value(np.array(covered))
         band = np.array([rows.min(axis=0), rows.max(axis=0)])
-        curves.append(Curve(controller.name, rows.mean(axis=0), COLOURS[controller.name], band=band))
+        curve = Curve(controller.name, rows.mean(axis=0), COLOURS[controller.name], at=at.astype(np.float64), band=band)
+        curves.append(curve._replace(marked=False))
     return tuple(curves)
-
-
-def _held(values: Floats, steps: int) -> Floats:
-    """(steps + 1,) values; where they end before, the last value goes on."""
-    return np.concatenate([values[: steps + 1], np.full(max(steps + 1 - len(values), 0), values[-1])])

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from rota.draw.palette import route_style
 from rota.draw.panels.curve_panel import Curve, CurvePanel
 from rota.draw.panels.map_panel import MapPanel
-from rota.draw.panels.study_picture import study_picture
 from rota.mission import Mission
 from rota.papers.chen2018 import maps, paper
-from rota.papers.chen2018.dense import TRIED, dense_contacts
+from rota.papers.chen2018.dense import TRIED, counted_contacts
 from rota.papers.chen2018.panels import coverage_panel, distance_panel, ways_panel
 from rota.papers.chen2018.runs import (
     CIRCLE_5,
@@ -28,23 +26,17 @@ from rota.papers.chen2018.runs import (
     Controller,
     Outcome,
     Runs,
+    obstacle_distances_m,
 )
-from rota.papers.chen2018.verdicts import convergence_verdicts, holds_if
-from rota.papers.section import Picture, Section, Verdict
-from rota.papers.tables import NOTHING, Table
+from rota.papers.chen2018.verdicts import convergence_verdicts
+from rota.papers.section import Picture, Section
+from rota.papers.tables import NOTHING, Table, plus_minus
+from rota.papers.verdict import Verdict, always, mostly
 
 Floats = NDArray[np.float64]
 
 SHOWN: maps.Start = "between"
 """Where the runs of the pictures begin: the paper's steps of Figures 12 and 14 are both among ours from there."""
-
-
-def plus_minus(values: Sequence[float], form: str) -> str:
-    """Mean and standard deviation; only the mean of one value, a dash for none."""
-    if not len(values):
-        return NOTHING
-    mean = format(float(np.mean(values)), form)
-    return mean if len(values) < 2 else f"{mean} ± {format(float(np.std(values, ddof=1)), form)}"
 
 
 def rests(steps: Sequence[int]) -> str:
@@ -85,7 +77,7 @@ def figure_12_section(runs: Runs) -> Section:
     for start in maps.STARTS:
         for reading in READINGS:
             outcomes = by_start[start, reading.name] = runs.seeds(maps.small(start), reading)
-            left = sum(run.history.outside.max() > 0 for run in outcomes)
+            left = sum(run.lost > 0 for run in outcomes)
             rows.append((start, reading.name, *rest_cells(outcomes), coverage_cell(outcomes), str(left)))
     table = Table(
         title=f"Readings of the published controller: steps to rest and coverage, {len(outcomes)} seeds",
@@ -133,18 +125,18 @@ def _courses(figure: int, shows: str, mission: Mission, shown: Outcome) -> tuple
         ways_panel("(b) Ways", mission, shown, shown.steps),
         coverage_panel("(c) End", mission, shown, shown.steps),
     ]
-    return (Picture(f"chen2018-figure-{figure}.png", shows, study_picture(panels, columns=3)),)
+    return (Picture(f"chen2018-figure-{figure}.png", shows, tuple(panels), columns=3),)
 
 
 def _distances(figure: int, shows: str, shown: Outcome) -> tuple[Picture]:
     """The least distance between two robots over a run's steps."""
     panel = distance_panel("Least distance between two robots", shown)
-    return (Picture(f"chen2018-figure-{figure}.png", shows, study_picture([panel])),)
+    return (Picture(f"chen2018-figure-{figure}.png", shows, (panel,)),)
 
 
 def _least_m(runs: Sequence[Outcome]) -> float:
     """The least distance of two robots' middles in any of these runs, in metres."""
-    return min(float(run.history.body_gap_m.min()) for run in runs) + 2 * paper.BODY_M
+    return min(run.least_m for run in runs)
 
 
 def _parameters() -> Table:
@@ -175,10 +167,9 @@ def figure_13_section(runs: Runs) -> Section:
     rows, dense, touched = [], {}, {}
     for reading in READINGS:
         outcomes = [run for start in maps.STARTS for run in runs.seeds(maps.small(start), reading)]
-        touching = sum(float(run.history.body_gap_m.min()) < 0 for run in outcomes)
+        touching = sum(run.least_m < 2 * paper.BODY_M for run in outcomes)
         least = _least_m(outcomes)
-        runs.stop_if_asked()
-        dense[reading.name] = dense_contacts(reading.settings, seed=runs.seed)
+        dense[reading.name] = counted_contacts(runs, reading)
         contacts, smallest = dense[reading.name]
         touched[reading.name] = touching
         runs_touching = f"{touching} of {len(outcomes)}"
@@ -187,6 +178,9 @@ def figure_13_section(runs: Runs) -> Section:
         title="Contact: runs of Figure 12 from all three starts, and single steps from dense states in motion",
         head=("reading", "runs with contact", "least m", f"contacts in {TRIED:,} dense states", "least m"),
         rows=(("**the paper**", "none", "above 1", NOTHING, NOTHING), *rows),
+    )
+    apart = always(
+        [run.least_m >= 2 * paper.BODY_M for start in maps.STARTS for run in runs.seeds(maps.small(start), EXACT)]
     )
     return Section(
         figure=13,
@@ -206,15 +200,14 @@ def figure_13_section(runs: Runs) -> Section:
         tables=(table,),
         verdicts=(
             Verdict(
-                "The swarm avoids collisions in its run", "5.1, Figure 13", holds_if(not touched[EXACT.name]),
-                f"RD without a filter: contact in {rows[READINGS.index(EXACT)][1]} runs, from rest.",
+                "The swarm avoids collisions in its run", "5.1, Figure 13", apart.outcome,
+                f"RD without a filter, from rest: no contact in {apart.told}.",
             ),
             Verdict(
                 "Velocities of the sets are free of collisions (Corollary 1)", "3.3.1",
-                holds_if(not dense[EXACT.name][0]),
+                "does not hold" if dense[EXACT.name][0] else "holds",
                 f"From dense states in motion bodies touch in {dense[EXACT.name][0]:,} of {TRIED:,} steps: a fifth "
-                f"neighbour "
-                f"and empty sets are left out. With Rota's last filter in {dense[FILTERED.name][0]}.",
+                f"neighbour and empty sets are left out. With Rota's last filter in {dense[FILTERED.name][0]}.",
             ),
         ),
     )  # fmt: skip
@@ -227,7 +220,7 @@ def _unchanged(runs: Runs) -> str:
         for start in maps.STARTS
         for pair in zip(runs.seeds(maps.small(start), EXACT), runs.seeds(maps.small(start), FILTERED), strict=True)
     ]
-    changed = sum(not np.array_equal(free.places_m, safe.places_m) for free, safe in pairs)
+    changed = sum(free.digest != safe.digest for free, safe in pairs)
     return f"it changes {changed} of the {len(pairs)} runs of Figure 12" if changed else "no run of Figure 12 changes"
 
 
@@ -247,6 +240,7 @@ def figure_14_section(runs: Runs) -> Section:
     )
     taken = _steps_at_rest(by_controller[EXACT.name])
     inside = _is_among(paper.STEPS_FIGURE_14, taken)
+    rest = mostly([run.at_rest for run in by_controller[EXACT.name]], ours=True)
     return Section(
         figure=14,
         heading="25 robots and an obstacle",
@@ -264,11 +258,10 @@ def figure_14_section(runs: Runs) -> Section:
         tables=(table,),
         verdicts=(
             Verdict(
-                f"RD converges with an obstacle (k = {paper.STEPS_FIGURE_14:,})", "5.1, Figure 14",
-                holds_if(len(taken) == len(by_controller[EXACT.name])),
-                f"{len(taken)} of {len(by_controller[EXACT.name])} runs come to rest, "
-                f"{'' if not taken else plus_minus(taken, ',.0f')} "
-                f"steps; where the obstacle stands is not told.",
+                f"RD converges with an obstacle (k = {paper.STEPS_FIGURE_14:,})", "5.1, Figure 14", rest.outcome,
+                f"At rest in {rest.told}, after {plus_minus(taken, ',.0f')} steps; the paper's "
+                f"{paper.STEPS_FIGURE_14:,} is {'among' if inside else 'outside'} ours. Where the obstacle stands is "
+                "not told.",
             ),
         ),
     )  # fmt: skip
@@ -279,6 +272,7 @@ def figure_15_section(runs: Runs) -> Section:
     shown = runs(maps.with_obstacle(SHOWN), EXACT)
     outcomes = runs.seeds(maps.with_obstacle(SHOWN), EXACT)
     least = _least_m(outcomes)
+    apart = always([run.least_m >= 2 * paper.BODY_M for run in outcomes])
     return Section(
         figure=15,
         heading="the least distance between robots, with the obstacle",
@@ -288,8 +282,8 @@ def figure_15_section(runs: Runs) -> Section:
         ours=f"Holds: {least:.3f} m is the least in {len(outcomes)} runs, where 1 m is contact.",
         verdicts=(
             Verdict(
-                "No two robots touch with an obstacle", "5.1, Figure 15", holds_if(least >= 2 * paper.BODY_M),
-                f"{least:.3f} m between middles is the least in {len(outcomes)} runs.",
+                "No two robots touch with an obstacle", "5.1, Figure 15", apart.outcome,
+                f"No contact in {apart.told}; {least:.3f} m between middles is the least.",
             ),
         ),
     )  # fmt: skip
@@ -299,16 +293,18 @@ def figure_16_section(runs: Runs) -> Section:
     """Figure 16: distances to the obstacle of the robots that have it in range."""
     mission = maps.with_obstacle(SHOWN)
     shown = runs(mission, EXACT)
-    distances = obstacle_distances_m(mission, shown)
+    distances = obstacle_distances_m(mission, shown.drawn.places_m)
     near = [k for k in range(distances.shape[1]) if (distances[:, k] <= paper.SENSOR_M).any()]
-    at = np.arange(len(distances)) * shown.stride
+    at = shown.drawn.at
+    clear = [run.obstacle_m for run in runs.seeds(mission, EXACT)]
+    untouched = always([distance_m >= paper.BODY_M for distance_m in clear])
     curves = []
     for line, k in enumerate(near):
         colour, style = route_style(line)
         values = np.where(distances[:, k] <= paper.SENSOR_M, distances[:, k], np.nan)
         curves.append(Curve(f"robot {k + 1}", values, colour, style, at=at.astype(np.float64), marked=False))
     panel = CurvePanel(
-        title="Distance to the obstacle", note=f"least of all: {distances.min():.2f} m", curves=tuple(curves),
+        title="Distance to the obstacle", note=f"least of all: {shown.obstacle_m:.2f} m", curves=tuple(curves),
         across="step k", up="m", wide=True,
     )  # fmt: skip
     told = ", ".join(str(k) for k in paper.ROBOTS_AT_OBSTACLE)
@@ -319,28 +315,20 @@ def figure_16_section(runs: Runs) -> Section:
             Picture(
                 "chen2018-figure-16.png",
                 "Distances of robots to the obstacle while it is within 25 m",
-                study_picture([panel]),
+                (panel,),
             ),
         ),
         caption="Figure 16, for the run of Figure 14: from a robot's middle to the obstacle, while that is in range. "
         "Bodies touch it at 0.5 m, far below.",
         paper=f"Only robots {told} have the obstacle in range, and none touches it.",
-        ours=f"None touches it: {distances.min():.2f} m is the least. {len(near)} robots have it in range at some "
+        ours=f"None touches it: {shown.obstacle_m:.2f} m is the least. {len(near)} robots have it in range at some "
         f"time, in the paper {len(paper.ROBOTS_AT_OBSTACLE)}. They keep near the border of their range: as soon as "
         "a wall "
         "is in it, all velocities towards it are ruled out.",
         verdicts=(
             Verdict(
-                "No robot touches the obstacle", "5.1, Figure 16", holds_if(distances.min() >= paper.BODY_M),
-                f"The nearest keeps {distances.min():.2f} m away, in one run.",
+                "No robot touches the obstacle", "5.1, Figure 16", untouched.outcome,
+                f"None in {untouched.told}; the nearest of all keeps {min(clear):.2f} m away.",
             ),
         ),
     )  # fmt: skip
-
-
-def obstacle_distances_m(mission: Mission, outcome: Outcome) -> Floats:
-    """(k, n): from robots' middles to the obstacles, at the kept steps."""
-    obstacles = shapely.union_all([obstacle.shape for obstacle in mission.obstacles])
-    places = outcome.places_m
-    distances: Floats = shapely.distance(obstacles, shapely.points(places.reshape(-1, 2))).reshape(places.shape[:2])
-    return distances

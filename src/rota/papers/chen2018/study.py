@@ -25,8 +25,7 @@ from rota.papers.chen2018.small_figures import (
 from rota.papers.study import PaperStudy
 
 chen2018_study = PaperStudy(
-    page_file="chen2018.md",
-    pictures="chen2018-figure-*.png",
+    name="chen2018",
     figures={
         9: (figure_9_section, 4),
         11: (figure_11_section, 3),

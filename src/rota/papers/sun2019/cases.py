@@ -5,25 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
-from shapely import LineString, Point
+import numpy as np
+from numpy.typing import NDArray
 
-from rota.compare import MethodOutcome
-from rota.draw.gap_map import gap_map
-from rota.draw.routes import Route, routes_of
 from rota.mission import AREA, Mission
 from rota.papers.sun2019.panels import zone_title
 from rota.papers.sun2019.paper import PaperCase, PaperRoute
-from rota.papers.sun2019.runs import Printed, Runs
-from rota.papers.tables import NOTHING, Table, number
-from rota.plan import Plan
-from rota.plan_summary import zones_served
+from rota.papers.sun2019.results import Found, Printed
+from rota.papers.sun2019.runs import Runs
+from rota.papers.tables import NOTHING, Table, number, plus_minus
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.planner_settings import Method
 
 DEFAULTS: tuple[Method, ...] = ("sequential", "parallel", "decomposition", "sun2019", "tours")
-LATE_CELLS = 60_000  # half a metre each on Figure 13's map
 TIMED = ("mended", "sun2019", "tours")  # whose routes' times are told
 
 
@@ -31,14 +26,21 @@ TIMED = ("mended", "sun2019", "tours")  # whose routes' times are told
 class Case:
     """A case with all that it is compared with.
 
-    printed: the paper's algorithms with its parameters, nothing mended. outcomes: plans that the check judged, by the
-    heads of the tables' columns: the paper's algorithms with routes mended, and methods as they are by default.
+    printed: the paper's algorithms with its parameters, nothing mended, by seed; the first is drawn. outcomes: plans
+    that the check judged, by the heads of the tables' columns: the paper's algorithms with routes mended, and methods
+    as they are by default, with the first ``seed``.
     """
 
     paper: PaperCase
     mission: Mission
-    printed: Printed
-    outcomes: Mapping[str, MethodOutcome]
+    seed: int
+    printed: tuple[Printed, ...]
+    outcomes: Mapping[str, Found]
+
+    @property
+    def shown(self) -> Printed:
+        """The run that is drawn."""
+        return self.printed[0]
 
     @property
     def lower_bound(self) -> int | None:
@@ -54,46 +56,63 @@ class Case:
         return (*((zone.name, zone.period_s or rest_s) for zone in self.mission.zones), (AREA, rest_s))
 
     @property
-    def unseen_m2(self) -> float:
-        """Ground that the routes as printed never see."""
-        return sum(demand.unseen_area_m2 for demand in self.printed.report.demands)
-
-    @cached_property
-    def late_m2(self) -> float:
-        """Ground that the routes as printed see, but too seldom; sampled at the middles of small cells."""
-        gaps = gap_map(self.printed.plan, cells=LATE_CELLS)
-        return float(gaps.late.sum()) * gaps.cell_map.cell_m**2
+    def names(self) -> tuple[str, ...]:
+        """The names of the sub-regions."""
+        return tuple(name for name, _ in self.zones)
 
     @property
-    def late(self) -> int:
-        """Routes that Eq. 26 has no shorter than their period."""
-        partitions = self.printed.stages.partitions
-        return sum(int((partition.times_s >= partition.periods_s).sum()) for partition in partitions)
+    def theirs(self) -> tuple[int, ...]:
+        """The paper's robots by sub-region."""
+        of = [paper_zone(route, self) for route in self.paper.routes]
+        return tuple(of.count(k) for k in range(len(self.zones)))
 
     @property
-    def segments(self) -> int:
-        """Robots by the paper's algorithms here."""
-        return len(self.printed.stages.segments)
+    def ours(self) -> NDArray[np.int64]:
+        """(seeds, sub-regions) robots by Eq. 26."""
+        return np.array([[len(one.of_zone(name)) for name in self.names] for one in self.printed])
+
+    @property
+    def robots(self) -> list[int]:
+        """By Eq. 26, seed by seed."""
+        return [one.robots for one in self.printed]
+
+    @property
+    def late(self) -> list[int]:
+        """Routes that Eq. 26 has no shorter than their period, seed by seed."""
+        return [len(one.late) for one in self.printed]
+
+    @property
+    def fewest(self) -> int | None:
+        """The fewest robots of any plan that the check passes."""
+        met = [found.robots for found in self.outcomes.values() if found.met and found.robots is not None]
+        return min(met, default=None)
 
 
-def robots_told(outcome: MethodOutcome) -> str:
+def robots_told(found: Found) -> str:
     """Robots of a plan; marked where the check does not pass it."""
-    if outcome.robots is None:
+    if found.robots is None:
         return "no plan"
-    return str(outcome.robots) if outcome.met else f"{outcome.robots}, not met"
+    return str(found.robots) if found.met else f"{found.robots}, not met"
 
 
 def case_of(runs: Runs, case: PaperCase, mission: Mission, settings: MethodSettings) -> Case:
     """A case of the paper with all its runs."""
-    printed, mended = runs.printed(mission, settings), runs.mended(mission, settings)
-    methods: dict[str, MethodOutcome] = {method: runs.by_method(mission, method) for method in DEFAULTS}
-    return Case(paper=case, mission=mission, printed=printed, outcomes={"mended": mended, **methods})
+    printed = tuple(runs.printed(mission, settings, seed) for seed in runs.seeds)
+    methods = {method: runs.by_method(mission, method) for method in DEFAULTS}
+    return Case(
+        paper=case,
+        mission=mission,
+        seed=runs.seed,
+        printed=printed,
+        outcomes={"mended": runs.mended(mission, settings), **methods},
+    )
 
 
 def case_tables(title: str, cases: Sequence[Case]) -> tuple[Table, ...]:
-    """Robots, worst gaps and all routes of the cases."""
+    """Robots, by sub-region too, worst gaps and all routes of the cases."""
     return (
         robots_table(f"{title}: robots", cases),
+        zones_table(f"{title}: robots by sub-region", cases),
         gaps_table(f"{title}: worst T^a / T^c, or worst gap / period by the check", cases),
         routes_table(f"{title}: times of the routes, s", cases),
     )
@@ -104,9 +123,21 @@ def with_late(robots: int, late: int) -> str:
     return f"{robots}" + (f", {late} late" if late else "")
 
 
+def with_late_spread(robots: Sequence[int], late: Sequence[int]) -> str:
+    """The same seed by seed, as means and ranges: ``6.1 (5 to 7), 1.5 (1 to 3) late``."""
+    return brief(robots) + (f", {brief(late)} late" if any(late) else "")
+
+
+def brief(values: Sequence[float] | NDArray[np.int64]) -> str:
+    """The mean and the range: ``6.1 (5 to 7)``; of equal values one."""
+    least, most = min(values), max(values)
+    return f"{least}" if least == most else f"{np.mean(values):.1f} ({least} to {most})"
+
+
 def robots_table(title: str, cases: Sequence[Case]) -> Table:
     """A row for each case: robots by the paper, by its algorithms here, of all plans, and the proved bound."""
-    head = ("case", "periods s", "paper", "Eq. 26", *cases[0].outcomes, "lower bound")
+    seeds = len(cases[0].printed)
+    head = ("case", "periods s", "paper", f"Eq. 26, {seeds} seeds", *cases[0].outcomes, "lower bound")
     rows = []
     for case in cases:
         late = sum(route.late for route in case.paper.routes)
@@ -115,16 +146,38 @@ def robots_table(title: str, cases: Sequence[Case]) -> Table:
                 case.paper.name,
                 ", ".join(f"{period_s:g}" for period_s in case.paper.periods_s),
                 with_late(len(case.paper.routes), late),
-                with_late(case.segments, case.late),
+                with_late_spread(case.robots, case.late),
                 *(robots_told(outcome) for outcome in case.outcomes.values()),
                 number(case.lower_bound, "d"),
             )
         )
     if len(cases) > 1:
-        totals = [str(sum(len(case.paper.routes) for case in cases)), str(sum(case.segments for case in cases))]
+        totals = [str(sum(len(case.paper.routes) for case in cases)), with_late_spread(*together(cases))]
         totals += [_total([case.outcomes[way].robots for case in cases]) for way in cases[0].outcomes]
         rows.append(("together", "", *totals, _total([case.lower_bound for case in cases])))
     return Table(title=title, head=head, rows=tuple(rows), words=(0, 1))
+
+
+def together(cases: Sequence[Case]) -> tuple[list[int], list[int]]:
+    """Robots of all cases by Eq. 26, and how many of them are late, seed by seed."""
+    robots, late = (np.sum([getattr(case, each) for case in cases], axis=0).tolist() for each in ("robots", "late"))
+    return robots, late
+
+
+def zones_table(title: str, cases: Sequence[Case]) -> Table:
+    """A row for each sub-region of each case: robots of the paper, by Eq. 26 over the seeds, and of plans."""
+    rows = []
+    for case in cases:
+        told = {way: found.robots_by_zone(case.names) for way, found in case.outcomes.items()}
+        for k, (name, period_s) in enumerate(case.zones):
+            ours = case.ours[:, k]
+            within = "yes" if ours.min() <= case.theirs[k] <= ours.max() else "no"
+            rows.append((
+                case.paper.name if k == 0 else "", zone_title(name), f"{period_s:g}", str(case.theirs[k]),
+                brief(ours.tolist()), within, *(str(of_zone[k]) for of_zone in told.values()),
+            ))  # fmt: skip
+    head = ("case", "sub-region", "period s", "paper", f"Eq. 26, {len(cases[0].printed)} seeds", "paper's among ours")
+    return Table(title=title, head=(*head, *cases[0].outcomes), rows=tuple(rows), words=(0, 1, 5))
 
 
 def _total(values: Sequence[int | None]) -> str:
@@ -135,18 +188,24 @@ def _total(values: Sequence[int | None]) -> str:
 
 def gaps_table(title: str, cases: Sequence[Case]) -> Table:
     """A row for each case: how much of a period is used at worst, and what the paper's routes leave unseen here."""
-    head = ("case", "paper", "Eq. 26", "as printed: m² unseen", "as printed: m² seen too late", *cases[0].outcomes)
+    head = (
+        "case",
+        "paper",
+        f"Eq. 26, {len(cases[0].printed)} seeds",
+        "as printed: m² unseen",
+        "as printed: m² seen too late",
+        *cases[0].outcomes,
+    )
     rows = []
     for case in cases:
-        partitions = case.printed.stages.partitions
-        worst = max(float((partition.times_s / partition.periods_s).max()) for partition in partitions)
+        worst = [float((one.partition.times_s / one.partition.periods_s).max()) for one in case.printed]
         rows.append(
             (
                 case.paper.name,
                 f"{max(route.time_s / route.period_s for route in case.paper.routes):.3f}",
-                f"{worst:.3f}",
-                f"{case.unseen_m2:,.0f}",
-                f"{case.late_m2:,.0f}",
+                plus_minus(worst, ".3f"),
+                plus_minus([one.unseen_m2 for one in case.printed], ",.0f"),
+                plus_minus([one.late_m2 for one in case.printed], ",.0f"),
                 *(_ratio_told(outcome.worst_ratio) for outcome in case.outcomes.values()),
             )
         )
@@ -164,16 +223,16 @@ def routes_table(title: str, cases: Sequence[Case]) -> Table:
     A route of ours belongs to the sub-region whose period it must keep: the smallest of those it serves.
     """
     several = len(cases) > 1
-    head = ("sub-region", "T^c s", "paper: T^a s", "Eq. 26: T^a s", *TIMED)
+    head = ("sub-region", "T^c s", "paper: T^a s", "Eq. 26, seed of the picture: T^a s", *TIMED)
     rows: list[tuple[str, ...]] = []
     for case in cases:
         for k, (name, period_s) in enumerate(case.zones):
             cells = (
                 zone_title(name),
                 f"{period_s:.2f}",
-                _listed([_paper_time(route) for route in case.paper.routes if _zone(route, case) == k]),
-                _listed([_our_time(time_s, period) for time_s, period in segment_times_s(case.printed, name)]),
-                *(_listed(loop_times(case.outcomes[way].plan, name)) for way in TIMED),
+                _listed([_paper_time(route) for route in case.paper.routes if paper_zone(route, case) == k]),
+                _listed([_our_time(time_s, period) for time_s, period in case.shown.of_zone(name)]),
+                *(_listed(case.outcomes[way].times(name)) for way in TIMED),
             )
             rows.append((case.paper.name if k == 0 else "", *cells) if several else cells)
     return Table(
@@ -191,7 +250,7 @@ def _listed(times: list[str]) -> str:
     return ", ".join(times) or NOTHING
 
 
-def _zone(route: PaperRoute, case: Case) -> int:
+def paper_zone(route: PaperRoute, case: Case) -> int:
     """The sub-region of a route of the paper, from 0 on; where the table prints none, by its period."""
     periods_s = [period_s for _, period_s in case.zones]
     if route.zone is None or route.period_s != periods_s[route.zone - 1]:
@@ -204,65 +263,14 @@ def _paper_time(route: PaperRoute) -> str:
     return f"{route.time_s:.2f}" + (" (late)" if route.late else "")
 
 
-def segment_times_s(printed: Printed, name: str) -> list[tuple[float, float]]:
-    """Seconds of the segments that must keep this sub-region's period by Eq. 26, shortest first, each with its period.
-
-    A segment counts for the sub-region deployed first among those whose sensors it holds.
-    """
-    framed = printed.stages.framed
-    names = [zone.name for zone in framed.deployment.zones]
-    pairs: list[tuple[float, float]] = []
-    for part, partition in zip(framed.parts, printed.stages.partitions, strict=True):
-        zone_of = framed.deployment.zone_of[part.sensors][part.frame.order]
-        for k, times in enumerate(zip(partition.times_s.tolist(), partition.periods_s.tolist(), strict=True)):
-            # zones were deployed from the smallest period up
-            if names[int(zone_of[partition.places(k, len(zone_of))].min())] == name:
-                pairs.append(times)
-    return sorted(pairs)
-
-
-def loop_times(plan: Plan | None, name: str) -> list[str]:
-    """Seconds of the loops of a plan that must keep this sub-region's period, shortest first.
-
-    ``62.83 / 2`` is a loop that two robots share: a robot comes by every 31.4 s.
-    """
-    if plan is None:
-        return []
-    told = []
-    for route in routes_of(plan):
-        if _kept_zone(plan, route) == name:
-            shared = "" if len(route.robots) == 1 else f" / {len(route.robots)}"
-            told.append((route.duration_s, f"{route.duration_s:.2f}{shared}"))
-    return [text for _, text in sorted(told)]
-
-
-def _kept_zone(plan: Plan, route: Route) -> str | None:
-    """The sub-region with the smallest period that a loop serves; None when it serves none.
-
-    Between equal periods, the sub-region in which more of the loop lies.
-    """
-    mission = plan.mission
-    periods_s = {zone.name: zone.period_s or math.inf for zone in mission.zones} | {AREA: mission.period_s or math.inf}
-    line = LineString(route.loop_m) if len(route.loop_m) > 1 else Point(route.loop_m[0])
-    inside_m = {zone.name: float(line.intersection(zone.shape).length) for zone in mission.zones}
-    inside_m[AREA] = route.length_m - sum(inside_m.values())
-    served = zones_served(plan, plan.trajectories[route.robots[0]])
-    if len(route.robots) > 1:
-        every_s, reach_m = route.duration_s / len(route.robots), mission.fleet.sensor.reach_m
-        near = [zone.name for zone in mission.zones if line.distance(zone.shape) < reach_m]
-        served = tuple(zone for zone in (*near, AREA) if every_s <= periods_s[zone])
-    return min(served, key=lambda zone: (periods_s[zone], -inside_m[zone]), default=None)
-
-
 def unseen_and_late(case: Case) -> str:
-    """The ground that routes as printed never see, and the ground that they see too seldom."""
-    asked_m2 = sum(demand.area_m2 for demand in case.printed.report.demands)
-    told = [
-        f"{area_m2:,.0f} m² ({100 * area_m2 / asked_m2:.1f} %) are {how}"
-        for area_m2, how in (
-            (case.unseen_m2, "never seen, where lanes merge or routes are cut at obstacles"),
-            (case.late_m2, "seen too seldom"),
-        )
-        if area_m2 >= 0.5
-    ]
-    return ", ".join(told) or f"the check says {case.printed.report.verdict!r}"
+    """The ground that routes as printed never see, and the ground that they see too seldom, over the seeds."""
+    asked_m2 = case.shown.asked_m2
+    told = []
+    for areas_m2, how in (
+        ([one.unseen_m2 for one in case.printed], "never seen, where lanes merge or routes are cut at obstacles"),
+        ([one.late_m2 for one in case.printed], "seen too seldom"),
+    ):
+        share = 100 * float(np.mean(areas_m2)) / asked_m2
+        told.append(f"{plus_minus(areas_m2, ',.0f')} m² ({share:.1f} %) are {how}")
+    return ", ".join(told)

@@ -8,33 +8,28 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import LineString
 
-from rota.check import Report
-from rota.compare import MethodOutcome
 from rota.draw.palette import OVER_PERIOD, ROUTE_COLOURS, route_style
 from rota.draw.panels.curve_panel import Curve, CurvePanel, Level
 from rota.draw.panels.map_panel import Dots, MapPanel, Strokes
-from rota.geometry.free_space import standing_space
-from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import AREA, Mission
-from rota.papers.sun2019.runs import Printed
+from rota.papers.sun2019.results import Found, Printed, Sensors, Way, ZoneSensors
 from rota.papers.tables import counted
-from rota.planners.patrol.methods.sun2019.deploy import Deployment, ZoneDeployment
-from rota.planners.patrol.methods.sun2019.graph import proximity_graph
+from rota.plan import Plan
 from rota.planners.patrol.methods.sun2019.partition import Partition
-from rota.planners.patrol.methods.sun2019.tour import Frame
 
 Floats = NDArray[np.float64]
 
 # of sensors, by zone: shapes differ as well as colours
 ZONE_COLOURS, ZONE_MARKERS = tuple(ROUTE_COLOURS[k] for k in (0, 6, 7)), "osD"
 REST_COLOUR, REST_MARKER = ROUTE_COLOURS[3], "^"
+QUARTERS = (0.125, 0.625)  # of a late route, where it is marked
 MOST_WAY = 3.0  # times its last length: a tour that is longer still has a crossing more
 INK, GREY = "#222222", "#8A8A8A"
 
 
 def zone_title(name: str) -> str:
-    """A zone as tables and legends call it: the paper's zone 3 is the rest of the area."""
-    return "rest" if name == AREA else name.replace("-", " ")
+    """A zone as tables and legends call it: by its name on all pictures; the paper's zone 3 is the rest of the area."""
+    return "rest" if name == AREA else name
 
 
 def rest_note(mission: Mission) -> str:
@@ -42,18 +37,18 @@ def rest_note(mission: Mission) -> str:
     return "" if mission.period_s is None else f"outside zones every {mission.period_s:g} s"
 
 
-def _in_zone_order(mission: Mission, deployment: Deployment) -> list[tuple[int, ZoneDeployment]]:
+def _in_zone_order(mission: Mission, sensors: Sensors) -> list[tuple[int, ZoneSensors]]:
     """The zones as the mission tells them, the rest last, each with its number there: colours then stay the same."""
     numbers = {zone.name: k for k, zone in enumerate(mission.zones)} | {AREA: len(mission.zones)}
-    return sorted(((numbers[zone.name], zone) for zone in deployment.zones), key=lambda pair: pair[0])
+    return sorted(((numbers[zone.name], zone) for zone in sensors.zones), key=lambda pair: pair[0])
 
 
-def sensors_by_zone(mission: Mission, deployment: Deployment) -> tuple[int, ...]:
+def sensors_by_zone(mission: Mission, sensors: Sensors) -> tuple[int, ...]:
     """Sensors of each zone as the mission tells them, the rest last."""
-    return tuple(len(zone.positions_m) for _, zone in _in_zone_order(mission, deployment))
+    return tuple(len(zone.positions_m) for _, zone in _in_zone_order(mission, sensors))
 
 
-def sensor_dots(mission: Mission, deployment: Deployment, *, discs: bool) -> tuple[Dots, ...]:
+def sensor_dots(mission: Mission, sensors: Sensors, *, discs: bool) -> tuple[Dots, ...]:
     """The virtual sensors of each zone, with the discs that they see if asked for."""
     return tuple(
         Dots(
@@ -61,24 +56,24 @@ def sensor_dots(mission: Mission, deployment: Deployment, *, discs: bool) -> tup
             places_m=zone.positions_m,
             colour=REST_COLOUR if zone.name == AREA else ZONE_COLOURS[k % len(ZONE_COLOURS)],
             marker=REST_MARKER if zone.name == AREA else ZONE_MARKERS[k % len(ZONE_MARKERS)],
-            reach_m=deployment.virtual_radius_m if discs else 0.0,
+            reach_m=sensors.virtual_radius_m if discs else 0.0,
         )
-        for k, zone in _in_zone_order(mission, deployment)
+        for k, zone in _in_zone_order(mission, sensors)
     )
 
 
-def deployment_panel(title: str, mission: Mission, deployment: Deployment) -> MapPanel:
+def deployment_panel(title: str, mission: Mission, sensors: Sensors) -> MapPanel:
     """Sensors and what they see: Figures 6a, 6b, 13a and 16a."""
-    note = counted(len(deployment.positions_m), "virtual sensor")
-    return MapPanel(title=title, note=note, mission=mission, dots=sensor_dots(mission, deployment, discs=True))
+    note = counted(len(sensors.positions_m), "virtual sensor")
+    return MapPanel(title=title, note=note, mission=mission, dots=sensor_dots(mission, sensors, discs=True))
 
 
-def cost_panel(title: str, deployments: Sequence[tuple[str, Deployment]], *, wide: bool = False) -> CurvePanel:
-    """The fitness of Eq. 11 by iteration: Figures 6c, 13b and 16b. Deployments without a history have no curve.
+def cost_panel(title: str, deployed: Sequence[tuple[str, Sensors]], *, wide: bool = False) -> CurvePanel:
+    """The fitness of Eq. 11 by iteration: Figures 6c, 13b and 16b. Sensors without a history have no curve.
 
     The random start, with half of the sensors deployed, costs so much that it would squeeze all else; a note tells it.
     """
-    known = [(label, deployment.history.cost) for label, deployment in deployments if deployment.history is not None]
+    known = [(label, sensors.cost) for label, sensors in deployed if sensors.cost is not None]
     curves = tuple(
         Curve(label, cost[1:], ZONE_COLOURS[k], at=np.arange(1.0, len(cost)), marked=False)
         for k, (label, cost) in enumerate(known)
@@ -90,19 +85,8 @@ def cost_panel(title: str, deployments: Sequence[tuple[str, Deployment]], *, wid
     )
 
 
-def graph_edges(mission: Mission, deployment: Deployment, neighbour_range_m: float) -> tuple[Floats, ...]:
-    """The proximity graph's edges (Section 4.3), each (2, 2) metres, once."""
-    paths = ShortestPaths(standing_space(mission, mission.fleet.body_radius_m))
-    graph = proximity_graph(
-        deployment.positions_m, deployment.zone_of, paths, neighbour_range_m=neighbour_range_m, alpha=0.0
-    )
-    ends = np.repeat(np.arange(len(graph.positions_m)), np.diff(graph.start))
-    once = ends < graph.items
-    return tuple(graph.positions_m[[a, b]] for a, b in zip(ends[once], graph.items[once], strict=True))
-
-
 def frame_panel(
-    title: str, mission: Mission, deployment: Deployment, frame: Frame, *, edges: tuple[Floats, ...] = ()
+    title: str, mission: Mission, sensors: Sensors, frame: Way, *, edges: tuple[Floats, ...] = ()
 ) -> MapPanel:
     """The frame with where it changes sub-region, and legs that no robot can travel: Figures 8, 13c and 16c."""
     pieces = [frame.path_m[a : b + 1] for a, b in zip(frame.leg_start[:-1], frame.leg_start[1:], strict=True)]
@@ -111,17 +95,17 @@ def frame_panel(
     if frame.blocked_legs:
         blocked = [piece for piece in pieces if not _free(mission, piece)]
         strokes.append(Strokes("leg through a wall", tuple(blocked), OVER_PERIOD, (0.0, (2.0, 1.0)), 2.2))
-    crossings_m = crossing_places(deployment, frame)
-    dots = [dots._replace(size_pt=3.2) for dots in sensor_dots(mission, deployment, discs=False)]
+    crossings_m = crossing_places(sensors, frame)
+    dots = [dots._replace(size_pt=3.2) for dots in sensor_dots(mission, sensors, discs=False)]
     if len(crossings_m):
         dots.append(Dots("crossing", crossings_m, OVER_PERIOD, "o", 5.5, filled=False))
     note = f"{frame.length_m:,.0f} m, {counted(frame.zone_crossings, 'crossing')} between zones"
     return MapPanel(title=title, note=note, mission=mission, strokes=tuple(strokes), dots=tuple(dots))
 
 
-def crossing_places(deployment: Deployment, frame: Frame) -> Floats:
+def crossing_places(sensors: Sensors, frame: Way) -> Floats:
     """The middle (k, 2), metres, of every straight piece of the frame between sensors of different zones."""
-    known = {tuple(place): int(zone) for place, zone in zip(deployment.positions_m, deployment.zone_of, strict=True)}
+    known = {tuple(place): int(zone) for place, zone in zip(sensors.positions_m, sensors.zone_of, strict=True)}
     zones = [known[tuple(frame.path_m[0])]]
     for place in frame.path_m[1:]:
         # a corner on the way round an obstacle is no sensor, and still belongs to the zone it was left for
@@ -140,15 +124,18 @@ def _free(mission: Mission, piece_m: Floats) -> bool:
     )
 
 
-def tour_panel(title: str, frame: Frame) -> CurvePanel:
+def tour_panel(title: str, frame: Way) -> CurvePanel:
     """The way of the shortest tour so far by generation, once it has as few crossings as in the end.
 
     With more crossings it would be thousands of metres longer, alpha for each.
     """
-    way_m = frame.history - (frame.tour_length - frame.length_m)
+    way_m = frame.fell_to - (frame.tour_length - frame.length_m)
     last = np.flatnonzero(way_m < MOST_WAY * frame.length_m)
+    at, values = np.append(frame.fell_at[last], frame.generations), np.append(way_m[last], frame.length_m)
+    # steps, as the tour falls at once
+    at, values = np.repeat(at, 2)[1:], np.repeat(values, 2)[:-1]
     note = f"ends at {frame.tour_length:,.0f}, {frame.length_m:,.0f} m of it way"
-    curve = Curve("shortest tour", way_m[last], ZONE_COLOURS[0], at=last.astype(np.float64), marked=False)
+    curve = Curve("shortest tour", values, ZONE_COLOURS[0], at=at.astype(np.float64), marked=False)
     return CurvePanel(title=title, note=note, curves=(curve,), across="generations", up="way without α, m")
 
 
@@ -160,16 +147,24 @@ def partition_panel(title: str, partition: Partition, least: float) -> CurvePane
     return CurvePanel(title=title, note=note, curves=(curve,), levels=levels, across="iterations", up="cost (Eq. 28)")
 
 
-def printed_panel(title: str, printed: Printed) -> MapPanel:
-    """Figures 12, 13e, 14 and 16e: the routes as the paper has them, with what the check says of them."""
-    note = f"{counted(len(printed.plan.trajectories), 'robot')}; {unseen_told(printed.report)}"
-    return MapPanel(title=title, note=note, mission=printed.mission, plan=printed.plan, listed_zones=True)
+def printed_panel(title: str, mission: Mission, printed: Printed) -> MapPanel:
+    """Figures 12, 13e, 14 and 16e: the routes as the paper has them, late ones marked, with what the check says."""
+    assert printed.routes is not None
+    unseen = f", {printed.unseen_m2:,.0f} m² never seen" if printed.unseen_m2 > 0 else ""
+    dots: tuple[Dots, ...] = ()
+    if len(printed.late):
+        marks = np.array([_quarter(printed.routes[k].positions_m, share) for k in printed.late for share in QUARTERS])
+        dots = (Dots(f"late by Eq. 26: {len(printed.late)}", marks, OVER_PERIOD, "X", 6.0),)
+    return MapPanel(
+        title=title, note=f"{counted(printed.robots, 'robot')}; check: {printed.verdict}{unseen}", mission=mission,
+        plan=Plan(mission=mission, trajectories=printed.routes), dots=dots, listed_zones=True,
+    )  # fmt: skip
 
 
-def unseen_told(report: Report) -> str:
-    """What the check says of routes as printed, in a few words."""
-    unseen_m2 = sum(demand.unseen_area_m2 for demand in report.demands)
-    return f"check: {report.verdict}" + (f", {unseen_m2:,.0f} m² never seen" if unseen_m2 > 0 else "")
+def _quarter(route_m: Floats, share: float) -> Floats:
+    """The place (2,) where a share of a route (k, 2) is over."""
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(route_m, axis=0).T)))
+    return np.array([np.interp(share * along[-1], along, values) for values in route_m.T])
 
 
 def settled(history: Floats) -> int:
@@ -177,30 +172,28 @@ def settled(history: Floats) -> int:
     return int(np.flatnonzero(history == history[-1])[0])
 
 
-def segments_panel(
-    title: str, mission: Mission, deployment: Deployment, frame: Frame, partition: Partition
-) -> MapPanel:
+def segments_panel(title: str, mission: Mission, sensors: Sensors, frame: Way, partition: Partition) -> MapPanel:
     """The segments of the frame, one robot each, with the times of their routes by Eq. 26."""
     n = len(frame.order)
     strokes = []
     for k in range(len(partition.first)):
         places = partition.places(k, n)
         legs = [frame.path_m[frame.leg_start[i] : frame.leg_start[i + 1] + 1] for i in places[:-1]]
-        alone = deployment.positions_m[frame.order[places[:1]]]
+        alone = sensors.positions_m[frame.order[places[:1]]]
         path_m = np.vstack([alone, *(leg[1:] for leg in legs)]) if legs else np.vstack([alone, alone])
         colour, style = route_style(k)
         label = f"{partition.times_s[k]:.1f} of {partition.periods_s[k]:g} s"
         strokes.append(Strokes(label, (path_m,), colour, style, 2.0))
     note = counted(len(partition.first), "segment") + ", their times by Eq. 26"
-    dots = Dots("sensor", deployment.positions_m, INK, size_pt=2.2)
+    dots = Dots("sensor", sensors.positions_m, INK, size_pt=2.2)
     return MapPanel(title=title, note=note, mission=mission, strokes=tuple(strokes), dots=(dots,))
 
 
-def routes_panel(title: str, mission: Mission, outcome: MethodOutcome) -> MapPanel:
+def routes_panel(title: str, mission: Mission, found: Found) -> MapPanel:
     """The routes of a plan: Figures 13e, 14 and 16e; the map alone where there is no plan."""
-    if outcome.plan is None or outcome.loops_m is None or outcome.worst_ratio is None:
+    plan = found.plan_on(mission)
+    if plan is None or found.loops_m is None or found.worst_ratio is None:
         return MapPanel(title=title, note="no plan", mission=mission, named_zones=True)
-    met = "" if outcome.met else ", not met"
-    note = f"{counted(len(outcome.plan.trajectories), 'robot')}, {outcome.loops_m:,.0f} m, "
-    note += f"worst gap {outcome.worst_ratio:.2f}{met}"
-    return MapPanel(title=title, note=note, mission=mission, plan=outcome.plan, listed_zones=True)
+    note = f"{counted(len(plan.trajectories), 'robot')}, {found.loops_m:,.0f} m, worst gap {found.worst_ratio:.2f}"
+    note += "" if found.met else ", not met"
+    return MapPanel(title=title, note=note, mission=mission, plan=plan, listed_zones=True)

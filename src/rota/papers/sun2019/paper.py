@@ -71,6 +71,9 @@ FIGURE_16 = PaperRun(
 )  # fmt: skip
 """Section 5.3, below Table 8."""
 
+FRAME_BY_ZONE = ("94 to 108", "172", "705")
+"""Metres of the frame in sub-regions 1, 2 and 3 that the times of Tables 5 and 6 leave room for; reckoned."""
+
 TABLE_5 = PaperCase(
     "Section 5.1",
     (8, 20, 40),  # Table 1

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from rota.compare import MethodOutcome
 from rota.draw.panels.curve_panel import CurvePanel
 from rota.draw.panels.map_panel import MapPanel
-from rota.draw.panels.study_picture import study_picture
 from rota.papers.section import Picture, Section
 from rota.papers.sun2019 import paper
-from rota.papers.sun2019.cases import DEFAULTS, Case, case_of, case_tables, unseen_and_late
+from rota.papers.sun2019.cases import (
+    DEFAULTS,
+    Case,
+    brief,
+    case_of,
+    case_tables,
+    unseen_and_late,
+    with_late_spread,
+)
 from rota.papers.sun2019.maps import RECONSTRUCTED
 from rota.papers.sun2019.panels import (
     cost_panel,
@@ -21,18 +27,24 @@ from rota.papers.sun2019.panels import (
     settled,
     tour_panel,
 )
-from rota.papers.sun2019.readings import tour_table
-from rota.papers.sun2019.runs import Printed, Reading, Runs
-from rota.papers.sun2019.verdicts import NOT_RUN, coverage_verdict, run_verdicts
+from rota.papers.sun2019.readings import lengths_table, robots_by_alpha, tour_table, tours_by_reading
+from rota.papers.sun2019.results import Found, Printed, Way
+from rota.papers.sun2019.runs import Reading, Runs
+from rota.papers.sun2019.verdicts import (
+    NOT_RUN,
+    coverage_verdict,
+    fewer_robots_verdict,
+    genetic_verdict,
+    run_verdicts,
+)
 from rota.papers.tables import counted
-from rota.planners.patrol.methods.sun2019.partition import Partition
+from rota.papers.verdict import spread
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
-from rota.planners.patrol.methods.sun2019.tour import Frame
 
 SCALES = (
     "Worst gaps are shares of the period. Costs of Eq. 11 (b) have a scale of their own, since λ is not printed; those "
     "of Eq. 28 (f) are on the paper's scale. (b) begins with iteration 1, (d) when the tour has as few crossings as in "
-    "the end."
+    "the end. Crosses: routes that are late by Eq. 26."
 )
 
 
@@ -41,17 +53,26 @@ def figure_13_section(runs: Runs) -> Section:
     case = case_of(runs, paper.TABLE_5, runs.map_13, runs.settings.figure_13)
     proving = runs.by_method(runs.map_13, "tours", effort=runs.settings.proving_effort)
     bound = max(case.lower_bound or 0, proving.lower_bound_robots or 0)
+    tours = tours_by_reading(runs)
     return Section(
         figure=13,
         heading="the method on the square map",
         pictures=run_pictures(13, case, _cheapest(runs, case, runs.settings.figure_13)),
         caption="Figure 13, (a) to (f) as in the paper, made with Tables 2 to 4, and (g), (h) the plans of two "
-        f"methods. {SCALES} {RECONSTRUCTED}",
+        f"methods, all with seed {runs.seed}. {SCALES} {RECONSTRUCTED}",
         paper=f"{_run_told(paper.FIGURE_13)} Five routes keep the periods of Table 1 (Table 5).",
         ours=f"{_ours(case, paper.FIGURE_13)} At effort {runs.settings.proving_effort} tours takes "
-        f"{_robots(proving)}; at least {bound} are needed, proved. {_alpha_told(case.printed)}",
-        tables=(*case_tables("Table 5 (Section 5.1)", [case]), tour_table(runs, case.printed)),
-        verdicts=run_verdicts(case, proving, runs.settings.proving_effort),
+        f"{_robots(proving)}; at least {bound} are needed, proved. {_alpha_told(case.shown)}",
+        tables=(
+            *case_tables("Table 5 (Section 5.1)", [case]),
+            lengths_table(case.names, case.printed),
+            tour_table(tours),
+        ),
+        verdicts=(
+            fewer_robots_verdict(robots_by_alpha(runs)),
+            genetic_verdict(tours),
+            *run_verdicts(case, proving, runs.settings.proving_effort),
+        ),
     )
 
 
@@ -63,7 +84,9 @@ def figure_16_section(runs: Runs) -> Section:
         heading="the method on the pentagon",
         pictures=run_pictures(16, case, _cheapest(runs, case, runs.settings.figure_16)),
         caption=f"Figure 16, (a) to (f) as in the paper, made with Tables 7, 3 and 4, and (g), (h) the plans of two "
-        f"methods. {SCALES} {RECONSTRUCTED} The tour's {paper.FIGURE_16.tour_length:,.2f} is copied from Section 5.1.",
+        f"methods, all with seed {runs.seed}. {SCALES} {RECONSTRUCTED} The tour's {paper.FIGURE_16.tour_length:,.2f} "
+        "is "
+        "copied from Section 5.1.",
         paper=f"{_run_told(paper.FIGURE_16)} Seven routes keep the periods (Table 8).",
         ours=_ours(case, paper.FIGURE_16),
         tables=case_tables("Table 8 (Section 5.3)", [case]),
@@ -71,47 +94,46 @@ def figure_16_section(runs: Runs) -> Section:
     )
 
 
-def run_pictures(figure: int, case: Case, cheapest: Partition) -> tuple[Picture, ...]:
+def run_pictures(figure: int, case: Case, least: float) -> tuple[Picture, ...]:
     """Panels (a) to (f) of Figures 13 and 16, and the plans of two methods as (g) and (h)."""
-    mission, (part, *_) = case.mission, case.printed.stages.framed.parts
-    deployment = case.printed.stages.framed.deployment
+    mission, shown = case.mission, case.shown
     panels: list[MapPanel | CurvePanel] = [
-        deployment_panel("(a) Sensors", mission, deployment),
-        cost_panel("(b) Cost of the deployment", [("cost", deployment)]),
-        frame_panel("(c) Frame", mission, deployment, part.frame),
-        tour_panel("(d) Length of the tour", part.frame),
-        printed_panel("(e) Routes as printed", case.printed),
-        partition_panel("(f) Cost of the partition", case.printed.stages.partitions[0], cheapest.cost),
+        deployment_panel("(a) Sensors", mission, shown.sensors),
+        cost_panel("(b) Cost of the deployment", [("cost", shown.sensors)]),
+        frame_panel("(c) Frame", mission, shown.sensors, shown.way),
+        tour_panel("(d) Length of the tour", shown.way),
+        printed_panel("(e) Routes as printed", mission, shown),
+        partition_panel("(f) Cost of the partition", shown.partition, least),
     ]
-    plans = [
+    plans = (
         routes_panel("(g) Mended until the check passes", mission, case.outcomes["mended"]),
         routes_panel("(h) Method tours", mission, case.outcomes["tours"]),
-    ]
+    )
     return (
         Picture(
             f"sun2019-figure-{figure}.png",
-            f"{len(deployment.positions_m)} sensors, the frame through them, {len(case.printed.plan.trajectories)} "
-            "routes, and how the three algorithms came to them",
-            study_picture(panels),
+            f"{shown.sensors.count} sensors, the frame through them, {shown.robots} routes, and how the three "
+            "algorithms came to them",
+            tuple(panels),
         ),
         Picture(
             f"sun2019-figure-{figure}-plans.png",
             f"The paper's stages, mended ({_robots(case.outcomes['mended'])}), and tours "
             f"({_robots(case.outcomes['tours'])})",
-            study_picture(plans),
+            plans,
         ),
     )
 
 
-def _cheapest(runs: Runs, case: Case, settings: MethodSettings) -> Partition:
-    """What Algorithm 3 looks for: the partition of the same frame that Eq. 28 costs least."""
+def _cheapest(runs: Runs, case: Case, settings: MethodSettings) -> float:
+    """What Algorithm 3 looks for: the least cost by Eq. 28 of a partition of the same frame."""
     own = Reading(settings.partition.joining_legs, settings.partition.weight_late)
-    return runs.cheapest(case.printed.stages.framed, case.mission, settings, own)
+    return runs.cheapest(case.mission, settings, own, runs.seed).cost
 
 
-def _robots(outcome: MethodOutcome) -> str:
+def _robots(found: Found) -> str:
     """The number of robots as text, or that there is no plan."""
-    return "no plan" if outcome.robots is None else counted(outcome.robots, "robot")
+    return "no plan" if found.robots is None else counted(found.robots, "robot")
 
 
 def _run_told(run: paper.PaperRun) -> str:
@@ -131,28 +153,34 @@ def _run_told(run: paper.PaperRun) -> str:
 
 def _ours(case: Case, run: paper.PaperRun) -> str:
     """What comes of the three algorithms here, and how the plans compare."""
-    stages = case.printed.stages
-    deployment, frame, partition = stages.framed.deployment, stages.framed.parts[0].frame, stages.partitions[0]
-    ours, by_zone = len(deployment.positions_m), " + ".join(map(str, sensors_by_zone(case.mission, deployment)))
-    told = [f"{counted(ours, 'sensor')} ({by_zone}), {_beside(ours, sum(run.sensors))} the paper."]
-    if deployment.history is not None:
-        cost = deployment.history.cost
+    shown, runs = case.shown, case.printed
+    by_zone = " + ".join(map(str, sensors_by_zone(case.mission, shown.sensors)))
+    told = [
+        f"Over {len(runs)} seeds {spread([one.sensors.count for one in runs])} sensors, with seed "
+        f"{case.seed} {shown.sensors.count} ({by_zone}), {_beside(shown.sensors.count, sum(run.sensors))} the paper."
+    ]
+    if shown.sensors.cost is not None:
+        cost = shown.sensors.cost
         told.append(f"Their cost falls from {cost[0]:,.0f} to {cost[-1]:,.0f}, reached in iteration {settled(cost)}.")
     told.append(
-        f"The tour is {frame.tour_length:,.2f} long, {frame.length_m:,.2f} of it way{_longer(frame, run)} with "
-        f"{frame.zone_crossings} crossings, by generation {settled(frame.history):,}. The partition costs "
-        f"{partition.cost:,.2f} from iteration {settled(partition.history)} on and has "
-        f"{counted(len(stages.segments), 'segment')}, {_beside(len(stages.segments), len(case.paper.routes))} the "
-        "paper."
+        f"The tour is {shown.way.tour_length:,.2f} long, {shown.way.length_m:,.2f} of it way"
+        f"{_longer(shown.way, run)} with {shown.way.zone_crossings} crossings, by generation "
+        f"{shown.way.fell_at[-1]:,}; "
+        f"over the seeds {spread([one.way.length_m for one in runs])} m. The partition costs "
+        f"{shown.partition.cost:,.2f} from iteration {settled(shown.partition.history)} on and has "
+        f"{counted(shown.robots, 'segment')}, {_beside(shown.robots, len(case.paper.routes))} the paper; over the "
+        "seeds "
+        f"{with_late_spread(case.robots, case.late)}. By sub-region (in the order zone-1, zone-2, rest) the paper has "
+        f"{' + '.join(map(str, case.theirs))} robots, ours are {' + '.join(brief(k) for k in case.ours.T.tolist())}."
     )
-    return " ".join([*told, _checked_told(case), _compared(case)])
+    return " ".join([*told, f"As printed, {unseen_and_late(case)}.", _compared(case)])
 
 
-def _longer(frame: Frame, run: paper.PaperRun) -> str:
+def _longer(way: Way, run: paper.PaperRun) -> str:
     """How the way compares with the paper's, where it tells."""
     if run.length_m is None:
         return ""
-    more = 100 * (frame.length_m / run.length_m - 1)
+    more = 100 * (way.length_m / run.length_m - 1)
     return f" ({abs(more):.0f} % {'longer' if more > 0 else 'shorter'} than the paper's)"
 
 
@@ -161,13 +189,6 @@ def _beside(ours: int, theirs: int) -> str:
     if ours == theirs:
         return "as many as in"
     return f"{abs(ours - theirs)} {'more' if ours > theirs else 'fewer'} than in"
-
-
-def _checked_told(case: Case) -> str:
-    """Whether the routes as printed do what they shall."""
-    if case.printed.report.verdict == "met":
-        return "The routes round these segments pass the check as they are."
-    return f"That they “cover the task area completely and persistently” does not hold: {unseen_and_late(case)}."
 
 
 def _compared(case: Case) -> str:
@@ -187,7 +208,7 @@ def _alpha_told(printed: Printed) -> str:
     assert run.length_m is not None
     alpha, six = 10_000, 6
     way_m = run.tour_length - six * alpha
-    ours = printed.stages.framed.parts[0].frame.zone_crossings
+    ours = printed.way.zone_crossings
     return (
         f"With α = {alpha:,}, which is not printed, the paper's {run.tour_length:,.2f} is {six} crossings and "
         f"{way_m:,.2f} of way, where its text has {run.length_m:,.2f}; ours crosses {ours} times."

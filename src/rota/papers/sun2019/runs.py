@@ -1,38 +1,42 @@
-"""The runs that the figures are made of: the paper's stages, and plans by its method and by ours, each run once."""
+"""The runs that the figures are made of: the paper's stages, and plans by its method and by ours, each recorded."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
-from rota.check import Report, check_plan
+from rota.check import check_plan
 from rota.compare import MethodOutcome, load_compiled_loops, outcome_of
-from rota.geometry.free_space import standing_space
+from rota.geometry.free_space import demanded_regions, standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Mission
-from rota.papers.study import StudyStopped
+from rota.papers.plain import changes
+from rota.papers.records import mission_digest
+from rota.papers.study_runs import StudyRuns
 from rota.papers.sun2019 import paper
+from rota.papers.sun2019.kept import found_of, printed_of
 from rota.papers.sun2019.maps import figure_8, figure_13, figure_15, with_periods
 from rota.papers.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
-from rota.plan import Plan, Trajectory
+from rota.papers.sun2019.results import Cut, Found, Printed, Sensors, Way, cut_of, sensors_of, way_of
 from rota.planners.patrol.context import begin_search
 from rota.planners.patrol.ground.problem import set_up_problem
 from rota.planners.patrol.methods.sun2019.deploy import Deployment, deploy_sensors
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
-from rota.planners.patrol.methods.sun2019.partition import Partition, partition_frame
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
+from rota.planners.patrol.methods.sun2019.graph import proximity_graph
+from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages, is_good
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
 from rota.planners.patrol.methods.sun2019.stages import (
     Framed,
     PartFrame,
-    Stages,
     cut_in_segments,
     framed_sensors,
     radius_m,
@@ -42,6 +46,7 @@ from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings
 from rota.planners.patrol.verdict import unmet_reason
 
 AS_THE_PAPER = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="repaired")
+Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,15 +54,16 @@ class StudySettings:
     """What the study runs with. figure_13: Figures 6 to 14; figure_16: Figure 16; by default the paper's tables.
 
     Of several deployments in them the first counts. effort: of all methods. proving_effort: of one more run of
-    ``tours`` on Figure 13's map, whose plan may have as few robots as are proved to be needed. further_seeds: what is
-    told with a spread runs with so many seeds more.
+    ``tours`` on Figure 13's map, whose plan may have as few robots as are proved to be needed. seeds: of all that
+    verdicts rest on; reading_seeds: of readings that no verdict rests on.
     """
 
     figure_13: MethodSettings = AS_PRINTED
     figure_16: MethodSettings = AS_PRINTED_FIGURE_16
     effort: Effort = "quick"
     proving_effort: Effort = "normal"
-    further_seeds: int = 2
+    seeds: int = 8
+    reading_seeds: int = 3
 
 
 class Reading(NamedTuple):
@@ -67,182 +73,275 @@ class Reading(NamedTuple):
     weight_late: float
 
 
-class Printed(NamedTuple):
-    """The paper's algorithms run to the end on one map: stages, the routes as a plan, and what the check says of it."""
+class Graph(NamedTuple):
+    """The proximity graph of Section 4.3: its edges, pairs of sensors (m, 2), and in how many parts it falls."""
 
-    mission: Mission
-    stages: Stages
-    plan: Plan
-    report: Report
+    edges: Ints
+    parts: int
 
 
-class Runs:
-    """Runs what is asked for, once, with one seed; remembers it, since figures share runs, and the maps they are on.
+class Runs(StudyRuns[StudySettings]):
+    """Runs of the paper's stages on its maps, by seed, and plans by its method and by ours."""
 
-    tell: called with what is being done. should_stop: asked before every run; True raises StudyStopped.
-    """
-
-    def __init__(
-        self, settings: StudySettings, *, seed: int, tell: Callable[[str], None], should_stop: Callable[[], bool]
-    ) -> None:
-        self.settings = settings
-        self.seed = seed
+    def __init__(self, settings: StudySettings, **shared: Any) -> None:
+        super().__init__(settings, **shared)
         self.map_8, self.map_13, self.map_15 = figure_8(), figure_13(), figure_15()
         self.maps_14 = tuple(with_periods(self.map_13, case.periods_s) for case in paper.TABLE_6)
-        self._tell = tell
-        self._should_stop = should_stop
-        self._framed: list[tuple[Mission, MethodSettings, Framed]] = []
-        self._printed: list[tuple[MethodSettings, Printed]] = []
-        self._outcomes: list[tuple[Mission, PatrolSettings, MethodOutcome]] = []
-        self._lengths: list[tuple[PartFrame, bool, NDArray[np.float64]]] = []
-        self._mended: list[tuple[Mission, MethodSettings, MethodOutcome]] = []
+        self._made: dict[tuple[Any, ...], Any] = {}  # stages that several runs begin with; of them no record is kept
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """The seeds of runs whose spread is told; the first is the seed of all other runs."""
-        return tuple(range(self.seed, self.seed + 1 + self.settings.further_seeds))
+        """The seeds of runs that verdicts rest on; the first is that of pictures, and of plans by methods."""
+        return tuple(range(self.seed, self.seed + self.settings.seeds))
 
-    def deployment(self, mission: Mission, settings: DeploySettings, *, seed: int | None = None) -> Deployment:
-        """Algorithm 1 (or the same without rules)."""
-        seed = self.seed if seed is None else seed
-        self._begin(f"{mission.name}: deploying sensors, seed {seed}")
-        return deploy_sensors(mission, settings, seed=seed)
+    @property
+    def reading_seeds(self) -> tuple[int, ...]:
+        """Those of readings that no verdict rests on."""
+        return self.seeds[: self.settings.reading_seeds]
 
-    def frame(
-        self, mission: Mission, deployment: Deployment, settings: TourSettings, *, seed: int | None = None
-    ) -> Frame:
-        """Algorithm 2 on ground in one part."""
-        seed = self.seed if seed is None else seed
-        self._begin(f"{mission.name}: finding the frame, seed {seed}")
-        return find_frame(
-            deployment.positions_m,
-            deployment.zone_of,
-            _paths(mission),
-            virtual_radius_m=deployment.virtual_radius_m,
-            settings=settings,
-            seed=seed,
-        )
+    def sensors(self, mission: Mission, settings: DeploySettings, seed: int) -> Sensors:
+        """Algorithm 1, or the same without rules."""
+        run = {"what": "deployment", **what(mission), "settings": changes(settings), "seed": seed}
+        found: Sensors = self.records.get(Sensors, run, lambda: sensors_of(self._deployed(mission, settings, seed)))
+        return found
 
-    def framed(self, mission: Mission, settings: MethodSettings, *, seed: int | None = None) -> Framed:
-        """Algorithms 1 and 2."""
-        seed = self.seed if seed is None else seed
-        for known, under, framed in self._framed:
-            if known is mission and under == settings and framed.seed == seed:
-                return framed
-        self._begin(f"{mission.name}: deploying sensors and finding the frame, seed {seed}")
-        framed = framed_sensors(mission, _paths(mission), settings.deployments[0], settings, seed=seed)
-        self._framed.append((mission, settings, framed))
-        return framed
+    def way(self, mission: Mission, deploy: DeploySettings, tour: TourSettings, seed: int) -> Way:
+        """Algorithm 2, or a local search, over the sensors of a deployment with the same seed."""
 
-    def cheapest(self, framed: Framed, mission: Mission, settings: MethodSettings, reading: Reading) -> Partition:
+        def make() -> Way:
+            deployment = self._deployed(mission, deploy, seed)
+            return way_of(self._toured(mission, deploy, tour, seed), deployment.zone_of, len(deployment.zones))
+
+        run = {
+            "what": "frame", **what(mission), "deployment": changes(deploy), "settings": changes(tour), "seed": seed,
+        }  # fmt: skip
+        found: Way = self.records.get(Way, run, make)
+        return found
+
+    def graph(self, mission: Mission, settings: MethodSettings, seed: int) -> Graph:
+        """The proximity graph over the sensors."""
+
+        def make() -> Graph:
+            deployment = self._deployed(mission, settings.deployments[0], seed)
+            range_m = settings.tour.neighbour_range * deployment.virtual_radius_m
+            found = proximity_graph(
+                deployment.positions_m, deployment.zone_of, _paths(mission), neighbour_range_m=range_m, alpha=0.0
+            )
+            n = len(found.positions_m)
+            ends = np.repeat(np.arange(n), np.diff(found.start))
+            links = csr_array((np.ones(len(ends)), (ends, found.items)), shape=(n, n))
+            once = ends < found.items
+            return Graph(np.column_stack([ends[once], found.items[once]]), int(connected_components(links)[0]))
+
+        run = {"what": "graph", **what(mission), "settings": _stages(settings), "seed": seed}
+        found: Graph = self.records.get(Graph, run, make)
+        return found
+
+    def printed(self, mission: Mission, settings: MethodSettings, seed: int | None = None) -> Printed:
+        """Algorithms 1 to 3 and the routes round the segments, as the paper has them, judged by the check.
+
+        seed: None for that of the pictures, whose routes are drawn.
+        """
+        at = self.seed if seed is None else seed
+
+        def make() -> Printed:
+            framed = self._framed(mission, settings, at)
+            self.now(f"{mission.name}: cutting the frame, seed {at}")
+            stages = cut_in_segments(framed, mission.fleet.equal_robot("robot-1"), _paths(mission), settings)
+            return printed_of(mission, stages, seed=at, drawn=at == self.seed)
+
+        run = {"what": "as printed", **what(mission), "settings": _stages(settings), "seed": at}
+        found: Printed = self.records.get(Printed, run, make)
+        return found
+
+    def cheapest(self, mission: Mission, settings: MethodSettings, reading: Reading, seed: int) -> Cut:
         """The partition that Eq. 28 costs least, by one reading of what the paper leaves open; ground in one part."""
-        (part,) = framed.parts
-        robot, under = mission.fleet.equal_robot("robot-1"), settings.partition
-        lengths_m = self._lengths_m(part, mission, settings, reading.joining_legs)
-        return partition_frame(
-            part.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
-            route_lengths_m=lengths_m,
-            settings=replace(
-                under, method="exact", joining_legs=reading.joining_legs, weight_late=reading.weight_late
-            ),
-        )  # fmt: skip
 
-    def printed(self, mission: Mission, settings: MethodSettings) -> Printed:
-        """Algorithms 1 to 3 and the routes round the segments, as the paper has them, judged by the check."""
-        for under, known in self._printed:
-            if known.mission is mission and under == settings:
-                return known
-        framed = self.framed(mission, settings)
-        self._begin(f"{mission.name}: cutting the frame")
-        stages = cut_in_segments(framed, mission.fleet.equal_robot("robot-1"), _paths(mission), settings)
-        plan = driven(mission, stages, seed=self.seed)
-        self._begin(f"{mission.name}: checking the routes")
-        printed = Printed(mission, stages, plan, check_plan(plan))
-        self._printed.append((settings, printed))
-        return printed
+        def make() -> Cut:
+            (part,) = self._framed(mission, settings, seed).parts
+            robot = mission.fleet.equal_robot("robot-1")
+            under = replace(
+                settings.partition, method="exact", joining_legs=reading.joining_legs, weight_late=reading.weight_late
+            )
+            lengths_m = self._lengths_m(part, mission, settings, reading.joining_legs, seed)
+            return cut_of(
+                partition_frame(
+                    part.legs_m, part.waypoint_periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
+                    route_lengths_m=lengths_m, settings=under,
+                )
+            )  # fmt: skip
+
+        run = {
+            "what": "cheapest partition", **what(mission), "settings": _stages(settings), **reading._asdict(),
+            "seed": seed,
+        }  # fmt: skip
+        found: Cut = self.records.get(Cut, run, make)
+        return found
+
+    def cut_exactly(self, mission: Mission, deploy: DeploySettings, tour: TourSettings, seed: int) -> Cut:
+        """The fewest segments of a frame by Eq. 26 as it is estimated: what a frame is worth in robots."""
+
+        def make() -> Cut:
+            frame, robot = self._toured(mission, deploy, tour, seed), mission.fleet.equal_robot("robot-1")
+            periods_s = self._deployed(mission, deploy, seed).periods_s[frame.order]
+            return cut_of(
+                partition_frame(
+                    frame.legs_m, periods_s, speed_m_s=robot.speed_m_s, sensor_radius_m=radius_m(robot),
+                    settings=PartitionSettings(joining_legs=True),
+                )
+            )  # fmt: skip
+
+        run = {
+            "what": "exact partition", **what(mission), "deployment": changes(deploy), "tour": changes(tour),
+            "seed": seed,
+        }  # fmt: skip
+        found: Cut = self.records.get(Cut, run, make)
+        return found
+
+    # ------------------------------------------------------------ plans
+
+    def mended(self, mission: Mission, settings: MethodSettings) -> Found:
+        """A checked plan by the same settings, with routes repaired until all is seen in time."""
+        doing = f"{mission.name}: mending the paper's routes"
+
+        def make() -> Found:
+            self.now(doing)
+            planning = PatrolSettings(effort=self.settings.effort, method="sun2019", sun2019=AS_THE_PAPER)
+            asked = replace(mission, planning=planning)
+            context = begin_search(
+                set_up_problem(asked), asked=asked, seed=self.seed, judge=check_plan, should_stop=self.should_stop,
+                progress=lambda _, what: self.tell(f"{doing}: {what}"),
+            )  # fmt: skip
+            route = replace(settings.route, routes="repaired")
+            best = fewest_robots_by_stages(context, replace(settings, route=route))
+            self.stop_if_asked()  # what was stopped early is not shown
+            reason = None if is_good(best) else unmet_reason(best.plan, best.verdict)
+            report = check_plan(best.plan)
+            outcome = MethodOutcome(method="sun2019", plan=best.plan, report=report, planning_s=0.0, reason=reason)
+            return found_of(outcome, drawn=True)
+
+        run = {
+            "what": "mended", **what(mission), "settings": _stages(settings), "effort": self.settings.effort,
+            "seed": self.seed,
+        }  # fmt: skip
+        found: Found = self.records.get(Found, run, make)
+        return found
+
+    def by_method(self, mission: Mission, method: Method, *, effort: Effort | None = None) -> Found:
+        """The plan of a mission by a method."""
+        planning = PatrolSettings(effort=effort or self.settings.effort, method=method)
+        doing = f"{mission.name}: {method}, {planning.effort}"
+
+        def make() -> Found:
+            self.now(doing)
+            load_compiled_loops()
+            outcome = outcome_of(
+                replace(mission, planning=planning),
+                seed=self.seed,
+                progress=lambda _, what: self.tell(f"{doing}: {what}"),
+                should_stop=self.should_stop,
+            )
+            self.stop_if_asked()
+            return found_of(outcome, drawn=method == "tours")
+
+        run = {"what": "plan", **what(mission), "method": method, "effort": planning.effort, "seed": self.seed}
+        found: Found = self.records.get(Found, run, make)
+        return found
+
+    # ------------------------------------------------------------ without records
+
+    def _once(self, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """What several runs begin with, made once."""
+        if key not in self._made:
+            self._made[key] = make()
+        return self._made[key]
+
+    def _deployed(self, mission: Mission, settings: DeploySettings, seed: int) -> Deployment:
+        for under in (self.settings.figure_13, self.settings.figure_16):
+            if settings == under.deployments[0] and mission.name != self.map_8.name:
+                return self._framed(mission, under, seed).deployment
+
+        def make() -> Deployment:
+            self.now(f"{mission.name}: deploying sensors, seed {seed}")
+            return deploy_sensors(mission, settings, seed=seed)
+
+        found: Deployment = self._once(("deployed", mission_digest(mission), settings, seed), make)
+        return found
+
+    def _toured(self, mission: Mission, deploy: DeploySettings, tour: TourSettings, seed: int) -> Frame:
+        def make() -> Frame:
+            deployment = self._deployed(mission, deploy, seed)
+            self.now(f"{mission.name}: finding the frame, seed {seed}")
+            return find_frame(
+                deployment.positions_m, deployment.zone_of, _paths(mission),
+                virtual_radius_m=deployment.virtual_radius_m, settings=tour, seed=seed,
+            )  # fmt: skip
+
+        found: Frame = self._once(("toured", mission_digest(mission), deploy, tour, seed), make)
+        return found
+
+    def _framed(self, mission: Mission, settings: MethodSettings, seed: int) -> Framed:
+        """Algorithms 1 and 2. They heed the order of the periods only, so that maps with the same order share them."""
+        names = tuple(region.name for region in sorted(demanded_regions(mission), key=lambda region: region.period_s))
+
+        def make() -> Framed:
+            self.now(f"{mission.name}: deploying sensors and finding the frame, seed {seed}")
+            return framed_sensors(mission, _paths(mission), settings.deployments[0], settings, seed=seed)
+
+        framed: Framed = self._once(("framed", mission.area.wkb, names, settings, seed), make)
+        found: Framed = self._once(
+            ("retimed", mission_digest(mission), settings, seed), lambda: retimed(framed, mission, settings)
+        )
+        return found
 
     def _lengths_m(
-        self, part: PartFrame, mission: Mission, settings: MethodSettings, joining_legs: bool
+        self, part: PartFrame, mission: Mission, settings: MethodSettings, joining_legs: bool, seed: int
     ) -> NDArray[np.float64]:
         """Metres of the routes round all stretches of a frame, with or without the leg that leads to each."""
         if part.route_lengths_m is not None and joining_legs == settings.partition.joining_legs:
             return part.route_lengths_m
-        for known, joined, lengths_m in self._lengths:
-            if known is part and joined == joining_legs:
-                return lengths_m
-        self._begin(f"{mission.name}: measuring routes")
-        robot = mission.fleet.equal_robot("robot-1")
-        lengths_m = route_lengths_m(
-            part.frame, part.waypoint_periods_s, _paths(mission), speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
-            joining_legs=joining_legs, settings=settings.route,
-        )  # fmt: skip
-        self._lengths.append((part, joining_legs, lengths_m))
-        return lengths_m
 
-    def mended(self, mission: Mission, settings: MethodSettings) -> MethodOutcome:
-        """A checked plan by the same settings, with routes repaired until all is seen in time."""
-        for known, under, outcome in self._mended:
-            if known is mission and under == settings:
-                return outcome
-        doing = f"{mission.name}: mending the paper's routes"
-        self._begin(doing)
-        planning = PatrolSettings(effort=self.settings.effort, method="sun2019", sun2019=AS_THE_PAPER)
-        asked, began_s = replace(mission, planning=planning), time.perf_counter()
-        context = begin_search(
-            set_up_problem(asked), asked=asked, seed=self.seed, judge=check_plan, should_stop=self._should_stop,
-            progress=lambda _, what: self._tell(f"{doing}: {what}"),
-        )  # fmt: skip
-        route = replace(settings.route, routes="repaired")
-        best = fewest_robots_by_stages(context, replace(settings, route=route))
-        self._begin(doing)  # what was stopped early is not shown
-        outcome = MethodOutcome(
-            method="sun2019", plan=best.plan, report=check_plan(best.plan), planning_s=time.perf_counter() - began_s,
-            reason=None if is_good(best) else unmet_reason(best.plan, best.verdict),
-        )  # fmt: skip
-        self._mended.append((mission, settings, outcome))
-        return outcome
+        def make() -> NDArray[np.float64]:
+            self.now(f"{mission.name}: measuring routes, seed {seed}")
+            robot = mission.fleet.equal_robot("robot-1")
+            return route_lengths_m(
+                part.frame, part.waypoint_periods_s, _paths(mission), speed_m_s=robot.speed_m_s,
+                radius_m=radius_m(robot), joining_legs=joining_legs, settings=settings.route,
+            )  # fmt: skip
 
-    def by_method(self, mission: Mission, method: Method, *, effort: Effort | None = None) -> MethodOutcome:
-        """A checked plan by a method as it is by default, at the study's effort or another one."""
-        return self._outcome(mission, PatrolSettings(effort=effort or self.settings.effort, method=method))
-
-    def _outcome(self, mission: Mission, planning: PatrolSettings) -> MethodOutcome:
-        """The plan of a mission by a method, made once; raises StudyStopped where the study is to stop."""
-        for known, under, outcome in self._outcomes:
-            if known is mission and under == planning:
-                return outcome
-        if not self._outcomes:
-            self._begin("loading")
-            load_compiled_loops()
-        doing = f"{mission.name}: {planning.method}"
-        self._begin(doing)
-        outcome = outcome_of(
-            replace(mission, planning=planning),
-            seed=self.seed,
-            progress=lambda _, what: self._tell(f"{doing}: {what}"),
-            should_stop=self._should_stop,
+        found: NDArray[np.float64] = self._once(
+            ("lengths", mission_digest(mission), settings, joining_legs, seed), make
         )
-        self._begin(doing)  # what was stopped early is not shown
-        self._outcomes.append((mission, planning, outcome))
-        return outcome
-
-    def _begin(self, doing: str) -> None:
-        """Tell what begins; raises StudyStopped where the study is to stop."""
-        if self._should_stop():
-            raise StudyStopped
-        self._tell(doing)
+        return found
 
 
-def driven(mission: Mission, stages: Stages, *, seed: int) -> Plan:
-    """The segments' routes driven by a robot each, at full speed and for ever; nothing is mended."""
-    trajectories = []
-    for k, segment in enumerate(stages.segments):
-        ring_m = np.vstack([segment.route_m, segment.route_m[:1]])
-        legs_m = np.hypot(*np.diff(ring_m, axis=0).T)
-        moved = np.append(True, legs_m > 0)
-        times_s = np.append(0.0, np.cumsum(legs_m))[moved] / mission.fleet.speed_m_s
-        trajectories.append(Trajectory(robot=f"robot-{k + 1}", times_s=times_s, positions_m=ring_m[moved]))
-    return Plan(mission=mission, trajectories=tuple(trajectories), seed=seed)
+def what(mission: Mission) -> dict[str, Any]:
+    """What tells a mission apart, for a record."""
+    return {"mission": mission.name, "digest": mission_digest(mission)}
+
+
+def _stages(settings: MethodSettings) -> dict[str, Any]:
+    """The settings of all stages that differ from their defaults, the deployment's for itself."""
+    found: dict[str, Any] = changes(settings)
+    found.pop("deployments", None)
+    return {"deployment": changes(settings.deployments[0]), **found}
+
+
+def retimed(framed: Framed, mission: Mission, settings: MethodSettings) -> Framed:
+    """The same sensors and frames with a mission's own periods, whose order is the same."""
+    periods_s = {region.name: region.period_s for region in demanded_regions(mission)}
+    zones = tuple(replace(zone, period_s=periods_s[zone.name]) for zone in framed.deployment.zones)
+    deployment, robot = replace(framed.deployment, zones=zones), mission.fleet.equal_robot("robot-1")
+    parts = []
+    for part in framed.parts:
+        along_s, lengths_m = deployment.periods_s[part.sensors][part.frame.order], part.route_lengths_m
+        if lengths_m is not None and not np.array_equal(along_s, part.waypoint_periods_s):
+            lengths_m = route_lengths_m(
+                part.frame, along_s, _paths(mission), speed_m_s=robot.speed_m_s, radius_m=radius_m(robot),
+                joining_legs=settings.partition.joining_legs, settings=settings.route,
+            )  # fmt: skip
+        parts.append(replace(part, waypoint_periods_s=along_s, route_lengths_m=lengths_m))
+    return replace(framed, deployment=deployment, parts=tuple(parts))
 
 
 def _paths(mission: Mission) -> ShortestPaths:

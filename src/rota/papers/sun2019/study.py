@@ -15,8 +15,7 @@ from rota.papers.sun2019.stage_figures import (
 )
 
 sun2019_study = PaperStudy(
-    page_file="sun2019.md",
-    pictures="sun2019-figure-*.png",
+    name="sun2019",
     figures={
         6: (figure_6_section, 80),
         8: (figure_8_section, 10),

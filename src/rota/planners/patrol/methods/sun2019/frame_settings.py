@@ -8,6 +8,9 @@ from typing import Literal, get_args
 
 TooFew = Literal["least_late", "even"]
 
+LEAST_WEIGHT, MOST_WEIGHT = 362.0, 523.0
+"""Between which the paper's own plans have xi_1 of Eq. 28, see ``PartitionSettings``."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class AStarWeights:
@@ -88,11 +91,11 @@ class PartitionSettings:
     weight_late, weight_segments, weight_early: xi_1, xi_2 and xi_3 of Eq. 28. Not given, but T_m = 0.5 s, xi_2 = 1000
     and xi_3 = 100 give the cost 5709.23 of Figure 13 from Table 5 (5709.0, and its times are rounded); the cost 9343.48
     of Figure 16 would follow (9344) if one of Table 8's times were a second too long (9244 as printed). xi_1 is
-    bounded by what the paper's plans leave undone. In Case 6 of Table 6 routes are late by 5.76 s, the margin counted,
-    and a plan without that is called dearer: xi_1 is at most 211 if one route more would have been enough, at most 523
-    if two. In Section 5.1 one route instead of two round zone 1 would have saved 1,106 and been late by 4.87 s: at
-    least 227; in Case 3 two of zone 2's four routes, whichever follow each other, at least 261. 10,000 would make Case
-    6 as printed cost 68,807.
+    bounded by what the paper's plans leave undone. Table 6 prints 10.95 s for a single route of zone 1 in five cases;
+    at the 8 s of Section 5.1 it is late by 3.45 s, the margin counted, and two routes instead are called cheaper: xi_1
+    is at least 320, and ``LEAST_WEIGHT`` where the spare 1.42 s goes to the rest. In Case 6 routes are late by 5.76 s
+    and a plan without that is called dearer: at most ``MOST_WEIGHT`` if two routes more would have been enough. The
+    default lies between them. 10,000 would make Case 6 as printed cost 68,807.
     iterations, swarms, particles, least_velocity, most_velocity (shares of the frame), most_inertia, least_inertia,
     own_pull (c_1), swarm_pull (c_2): Table 4. Its 50 iterations contradict the text, whose cost still falls in the
     168th.
@@ -103,7 +106,7 @@ class PartitionSettings:
     joining_legs: bool = False
     margin_s: float = 0.0
     too_few: TooFew = "least_late"
-    weight_late: float = 300.0
+    weight_late: float = 440.0
     weight_segments: float = 1_000.0
     weight_early: float = 100.0
     iterations: int = 50
