@@ -114,18 +114,21 @@ class Page {
     }
   }
 
-  /** The mission as it is on the server, where it was changed elsewhere. */
+  /** The mission as it is on the server, where it was changed elsewhere; resolves to whether it is shown. */
   async reload() {
     const { keeper } = this.editor;
+    const { opening, state } = keeper;
     try {
       const mission = await api.mission(keeper.id);
-      if (mission.id === keeper.id) {
+      if (opening === keeper.opening && state === keeper.state) {
         this.editor.load(mission.document, () => keeper.opened(mission.id, mission.document, mission.revision));
         await this.plans.refresh();
+        return true;
       }
     } catch (error) {
       notify(`The mission cannot be loaded again: ${messageOf(error)}`, { error: true });
     }
+    return false;
   }
 
   /** Somebody comes back to this page: another may have changed the mission meanwhile, where all is saved here. */
@@ -137,8 +140,9 @@ class Page {
     }
     const found = (await api.missions().catch(() => [])).find((mission) => mission.id === id);
     if (found !== undefined && found.revision > revision && keeper.id === id && keeper.revision === revision && keeper.state === "saved") {
-      await this.reload();
-      notify("The mission was changed elsewhere; it is shown as it is now.");
+      if (await this.reload()) {
+        notify("The mission was changed elsewhere; it is shown as it is now.");
+      }
     }
   }
 

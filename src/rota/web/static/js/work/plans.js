@@ -108,9 +108,9 @@ export class Plans extends EventTarget {
       this.table.replaceChildren(el("p", { class: "soft" }, words));
       return;
     }
-    const heads = ["Plan", "Robots", "Least", "Ratio", "Length", "Time", ""].map((text) => el("th", { scope: "col", title: HELP[text] }, text));
+    const heads = ["Plan", "Robots", "Least", "Ratio", "Length", "Time"].map((text) => el("th", { scope: "col", title: HELP[text] }, text));
     const rows = [...(soFar === null ? [] : [soFar]), ...shown].flatMap((plan) => this.rows(plan));
-    this.table.replaceChildren(el("table", {}, el("thead", {}, el("tr", {}, ...heads)), el("tbody", {}, ...rows)));
+    this.table.replaceChildren(el("table", {}, el("thead", {}, el("tr", {}, ...heads, el("td"))), el("tbody", {}, ...rows)));
   }
 
   /** A plan's row, and below it, where it is stale, why. */
