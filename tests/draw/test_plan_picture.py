@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
 from PIL import Image
-from shapely import LineString, box
+from shapely import LineString, Point, box
 
 from rota.draw import draw_plan, draw_routes
 from rota.draw.mission_picture import period_text
@@ -22,8 +22,9 @@ from rota.draw.palette import ROUTE_COLOURS, route_style
 from rota.draw.plan_picture import plan_figure
 from rota.draw.route_lines import route_label
 from rota.draw.routes import routes_of
+from rota.draw.zone_labels import draw_zone_labels
 from rota.errors import RotaError
-from rota.mission import Mission, Zone
+from rota.mission import DiscSensor, Fleet, Mission, Zone
 from rota.plan import Plan, Trajectory
 from rota.plan_summary import robot_rows, rounded
 
@@ -216,3 +217,23 @@ def test_a_failure_half_way_leaves_the_old_file(yard: Plan, tmp_path: Path, monk
 def test_drawing_chooses_no_backend_and_leaves_pyplot_alone():
     code = "import sys, rota.draw; assert 'matplotlib.pyplot' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_zone_s_label_keeps_off_the_routes_where_there_is_room_beside_it() -> None:
+    """A zone that a route fills: its label goes beside it, since within it would lie on some line."""
+    area = box(0, 0, 20, 20)
+    zone = Zone(name="desk", shape=box(5, 5, 12, 12), period_s=600, demand="visit")
+    fleet = Fleet(speed_m_s=1, sensor=DiscSensor(radius_m=1))
+    mission = Mission(name="m", area=area, zones=(zone,), fleet=fleet)
+    lanes = [(x, y) for k, x in enumerate(np.linspace(5.5, 11.5, 7)) for y in ((5.5, 11.5) if k % 2 else (11.5, 5.5))]
+    way = np.array([*lanes, lanes[0]])
+    times = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])
+    plan = Plan(mission=mission, trajectories=(Trajectory(robot="r", times_s=times, positions_m=way),))
+    fig = Figure(figsize=(6, 6))
+    FigureCanvasAgg(fig)
+    ax = fig.add_subplot()
+    ax.set(xlim=(0, 20), ylim=(0, 20), aspect="equal")
+    draw_zone_labels(mission, ax, routes_of(plan))
+    (label,) = ax.texts
+    x, y = label.get_position()
+    assert not zone.shape.buffer(-0.3).contains(Point(x, y))

@@ -24,9 +24,9 @@ Floats = NDArray[np.float64]
 STEPS_3, STEPS_4 = (0, -1, 1, -2, 2, -3, 3), (0, 1, -1, 2, -2, 3, -3, 4, -4)
 PAD_PT, BESIDE_PT, MARK_RADIUS_PT = 1.7, 2.0, 7.0
 # what it costs to put all of a label off its zone, on an obstacle, or on what must stay readable: robots' marks, other
-# zones and labels, the frame; to put it on a line of its own length; to hide a whole loop, since small loops are soon
+# zones and labels, the frame; on a line of its length, on any line; to hide a whole loop, since small loops are soon
 # gone; to keep away from its zone by its own height; and to stand nearer to another zone
-OFF_ZONE, ON_OBSTACLE, ON_OTHERS, ON_LINE, ON_LOOP, AWAY, ASTRAY = 0.6, 1.0, 5.0, 0.5, 8.0, 0.5, 1.0
+OFF_ZONE, ON_OBSTACLE, ON_OTHERS, ON_LINE, ON_ANY, ON_LOOP, AWAY, ASTRAY = 0.6, 1.0, 5.0, 0.5, 0.6, 8.0, 0.5, 1.0
 
 
 def _spots(shape: Polygon, width_m: float, height_m: float, beside_m: float) -> list[Polygon]:
@@ -47,12 +47,13 @@ def _spots(shape: Polygon, width_m: float, height_m: float, beside_m: float) -> 
 def _line_costs(spots: list[Polygon], routes: Sequence[Route]) -> Floats:
     """What each spot (n,) hides of the loops."""
     left, _, right, _ = spots[0].bounds
-    costs = np.zeros(len(spots))
+    costs, on_any = np.zeros(len(spots)), np.zeros(len(spots), np.bool_)
     for route in routes:
         if route.length_m > 0:
             hidden_m = shapely.length(shapely.intersection(np.array(spots), LineString(route.loop_m)))
             costs += hidden_m * (ON_LINE / (right - left) + ON_LOOP / route.length_m)
-    return costs
+            on_any |= hidden_m > 0
+    return costs + ON_ANY * on_any
 
 
 def _share(spots: list[Polygon], shape: BaseGeometry) -> Floats:

@@ -15,8 +15,11 @@ from rota.planners.bounce.inexact_turns import Crew, Estimate, InexactRuns, Turn
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.trajectories import step_duration_s
 
-RUNS, LEAST_RUNS = 1000, 100
-MOST_WORK = 1.5e9  # looks at a wall or corner in all runs of a plan, beyond which there are fewer runs
+RUNS, LEAST_RUNS, LEAST_UNASKED = 1000, 100, 12  # the last where the mission states no error, so with the work
+MOST_WORK, MOST_UNASKED = (
+    1.5e9,
+    2e8,
+)  # looks at a wall or corner in all runs of a plan, beyond which there are fewer runs
 STATED_ERROR_DEG = 1.0  # of each turn, where the mission states none
 PERIODS = 10.0  # of the longest one, for which robots that monitor are followed
 LEAST_TURN_S = 1e-3  # of robots that turn at once
@@ -71,7 +74,9 @@ def with_errors(plan: Plan, *, most_runs: int = RUNS, exact: bool = True) -> Ine
     zones = [(zone.shape, zone.period_s) for zone in mission.zones if zone.period_s is not None]
     covers = settings.task == "cover"
     lasting_s = max(t.times_s[-1] for t in plan) if covers else PERIODS * max(period_s for _, period_s in zones)
-    runs = _runs_within(crew, float(lasting_s), most_runs)
+    asked = settings.turning_error_deg > 0
+    least, work = (LEAST_RUNS, MOST_WORK) if asked else (LEAST_UNASKED, MOST_UNASKED)
+    runs = _runs_within(crew, float(lasting_s), most_runs, least, work)
 
     def simulated(error: TurningError, runs: int) -> InexactRuns:
         cells = make_cells(mission) if covers else None
@@ -119,7 +124,7 @@ def covering(plan: Plan, *, most_runs: int = COVERING_RUNS) -> Covering:
     else:
         radius_m = crew.rim.body_radius_m
         cells = cells_of(free_ground(mission), mission.area.bounds, cell_m=2 * radius_m, body_radius_m=radius_m)
-    runs = _runs_within(crew, COVERING_S, most_runs)
+    runs = _runs_within(crew, COVERING_S, most_runs, LEAST_UNASKED, MOST_WORK)
     error = TurningError(angle_rad=math.radians(error_deg))
     made = run_crew(crew, error, _starts(plan, runs), duration_s=COVERING_S, seed=plan.seed, cells=cells)
     ordered = np.sort(made.cover_times_s())
@@ -132,13 +137,13 @@ def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
     return with_errors(plan).kept
 
 
-def _runs_within(crew: Crew, lasting_s: float, most: int) -> int:
-    """How many runs take MOST_WORK, by the mean length of a chord of the ground; LEAST_RUNS at least, or ``most``."""
+def _runs_within(crew: Crew, lasting_s: float, most: int, least: int, work: float) -> int:
+    """How many runs take this work, by the mean length of a chord of the ground; ``least`` at least, or ``most``."""
     ground = crew.rim.free
     chord_m = math.pi * ground.area / ground.length
     bounces = len(crew.bounces_rad) * lasting_s / (chord_m / crew.speed_m_s + crew.turn_s)
     looks = max(2 * bounces * len(crew.rim.kinds), 1.0)
-    return min(most, max(min(LEAST_RUNS, most), int(MOST_WORK / looks)))
+    return min(most, max(min(least, most), int(work / looks)))
 
 
 def _crew(plan: Plan) -> Crew:
