@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from rota.files.mission_file import read_mission
-from rota.papers.sun2019 import figure_8, figure_13, figure_15, with_periods
+from rota.files.sweep_file import read_sweep
+from rota.papers.sun2019 import figure_8, figure_13, figure_15, paper, with_periods
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -33,3 +34,16 @@ def test_other_periods_change_nothing_else() -> None:
 def test_figure_8_has_two_sub_regions() -> None:
     assert [zone.name for zone in figure_8().zones] == ["zone-1"]
     assert figure_8().zones[0].shape == figure_13().zones[1].shape
+
+
+@pytest.mark.parametrize("case", range(6))
+def test_the_files_of_table_6_are_its_maps(case: int) -> None:
+    read = read_mission(EXAMPLES / "sun2019-table6" / f"case-{case + 1}.yaml")
+    assert read.mission == with_periods(figure_13(), paper.TABLE_6[case].periods_s)
+    assert read.warnings == ()
+
+
+def test_table_6_is_a_sweep_of_five_methods_and_eight_seeds() -> None:
+    read = read_sweep(EXAMPLES / "sun2019-table6" / "sweep.yaml")
+    assert [path.stem for path in read.missions.values()] == [f"case-{k}" for k in range(1, 7)]
+    assert (len(read.file.settings["patrol.method"]), read.file.all_seeds) == (5, list(range(8)))
