@@ -48,10 +48,11 @@ class SwarmPlanner(Planner):
     def sentences(self, answer: Answer, report: Report) -> Iterator[str | None]:
         """When robots hold, how much they then have in range, and the worst gap."""
         from rota.plan_summary import ratio_sentence
-        from rota.planners.swarm.sentences import covered_sentence, holding_sentence
+        from rota.planners.swarm.sentences import covered_sentence, holding_sentence, reach_sentences
 
         yield from answer.facts
-        yield from (holding_sentence(answer.plan), covered_sentence(answer.plan), ratio_sentence(answer.plan, report))
+        yield from (holding_sentence(answer.plan), covered_sentence(answer.plan), *reach_sentences(answer.plan))
+        yield ratio_sentence(answer.plan, report)
 
     def compiled_packages(self, mission: Mission) -> tuple[str, ...]:
         """The controllers."""

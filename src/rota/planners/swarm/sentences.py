@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
 
+import numpy as np
+from shapely import union_all
+from shapely.geometry.base import BaseGeometry
+
+from rota.geometry.free_space import free_ground, sight_walls
+from rota.geometry.line_of_sight import visibility_polygon
 from rota.plan import Plan
-from rota.plan_summary import range_at_the_end, rounded
+from rota.plan_summary import range_at_the_end, range_from, rounded
+from rota.planners.swarm.reach import unreached_ground
+
+TOLD = 5  # parts of the ground that cannot be reached
 
 
 def holding_sentence(plan: Plan) -> str:
@@ -22,6 +31,42 @@ def holding_sentence(plan: Plan) -> str:
 
 def covered_sentence(plan: Plan) -> str:
     """How much of the free space the holding robots have in range, and what footprints that share nothing would."""
-    seen, free, sum_m2 = range_at_the_end(plan)
-    share, most = seen.area / free.area, min(1.0, sum_m2 / free.area)
-    return f"They then have {share:.1%} of the area in range; footprints without overlap would have {most:.1%}."
+    in_range, free, sum_m2 = range_at_the_end(plan)
+    share, most = in_range.area / free.area, min(1.0, sum_m2 / free.area)
+    seen = seen_at_the_end(plan)
+    sight = "" if seen is None else f" and see {seen.intersection(free).area / free.area:.1%}, through no wall"
+    return f"They then have {share:.1%} of the area in range{sight}; footprints without overlap would have {most:.1%}."
+
+
+def reach_sentences(plan: Plan) -> Iterator[str]:
+    """What of the ground no robot can come to, and which doors are too narrow."""
+    whole_m2, body_m = free_ground(plan.mission).area, min(r.body_radius_m for r in plan.mission.fleet.robots or ())
+    parts = unreached_ground(plan)
+    for part in parts[:TOLD]:
+        told = f"{rounded(part.area_m2)} m2, {part.area_m2 / whole_m2:.1%} of the ground, cannot be reached"
+        if part.door_m is None or part.door_at_m is None:
+            yield f"{told}: there is no door to it."
+        else:
+            x, y = part.door_at_m
+            yield (
+                f"{told}: the door at ({x:.2f}, {y:.2f}) is {part.door_m:.3g} m wide, and the smallest body"
+                f" {2 * body_m:.3g} m."
+            )
+    if len(parts) > TOLD:
+        rest_m2 = sum(part.area_m2 for part in parts[TOLD:])
+        yield f"{len(parts) - TOLD} more parts, {rounded(rest_m2)} m2 together, cannot be reached."
+
+
+def seen_at_the_end(plan: Plan) -> BaseGeometry | None:
+    """What the robots see from their last places between what blocks sight, as a shape; None where nothing blocks."""
+    walls_m, seen = sight_walls(plan.mission), []
+    if not len(walls_m):
+        return None
+    for trajectory in plan:
+        robot, place_m = plan.mission.fleet.robot(trajectory.robot), trajectory.positions_m[-1]
+        footprint = range_from(robot.sensor, place_m)
+        if robot.leaves_s is not None or footprint.is_empty:
+            continue
+        view = visibility_polygon(place_m[:2], walls_m, 1.5 * robot.sensor.reach_m)
+        seen.append(view.intersection(footprint))
+    return union_all(seen)
