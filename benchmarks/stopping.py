@@ -50,4 +50,6 @@ def _outcome(run: Run, plan: Path, sends: int) -> str | None:
     if plan.exists():
         check = rota("check", plan, patience_s=PATIENCE_S)
         return f"a plan ({check.out.splitlines()[0].removeprefix('verdict: ')})" if check.code == 0 else None
-    return "a sentence" if run.code == stopped and "rota: no plan: " in run.err else None
+    # a machine so busy that the command has not begun to read within the time says that alone
+    says = "rota: no plan: " in run.err or run.err.endswith("rota: interrupted\n")
+    return "a sentence" if run.code == stopped and says else None

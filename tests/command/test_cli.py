@@ -461,6 +461,22 @@ def test_a_plan_that_fails_is_left_beside_or_with_best_in_its_place(yard: Path) 
     assert sorted(os.listdir()) == ["yard.rota.json", "yard.yaml"]
 
 
+def test_a_plan_that_cannot_be_written_is_left_beside(
+    yard: Path, use: Use, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def planner(mission: Mission, *, judge: Any, **_: Any) -> Plan:
+        judge(answer(mission))
+        Path("yard.rota.json").mkdir()  # in the meantime
+        return answer(mission)
+
+    use(planner)
+    assert run(["plan", "yard.yaml"]) == 2
+    err = capsys.readouterr().err
+    assert "yard.rota.json: is a folder" in err
+    assert "the best plan so far is in yard.partial.rota.json\n" in err
+    assert check_plan(read_plan("yard.partial.rota.json")).verdict == "met"
+
+
 def test_the_first_plan_is_on_disk_before_its_check_begins(yard: Path) -> None:
     done = deaf(judged="(4,)", stall=True, stop="os.kill(os.getpid(), 9)")
     assert done.returncode == -9

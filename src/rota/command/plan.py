@@ -11,7 +11,7 @@ from rota.command.checkpoint import keep_checkpoint
 from rota.command.exit_codes import DONE, NO_PLAN
 from rota.command.partial_plan import PartialPlan
 from rota.command.terminal import STANDARD_STREAM, Bar, progress_bar, say
-from rota.errors import NoPlanFound
+from rota.errors import NoPlanFound, RotaError
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -117,7 +117,11 @@ def _write_outcome(
     meets_demand: bool,
 ) -> None:
     """Write the plan, tell what it comes to, and keep a run that can be gone on with."""
-    _write_plan(answer.plan, target, meets_demand=meets_demand)
+    try:
+        _write_plan(answer.plan, target, meets_demand=meets_demand)
+    except RotaError:
+        partial.tell()
+        raise
     partial.remove()
     _show_outcome(answer, report, target)
     if answer.checkpoint is not None:
