@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-GRACE_S = 25.0  # of processor time, of the whole process; what comes after, such as writing, has a few seconds more
+GRACE_S = 20.0  # of processor time, of the whole process; what comes after, such as writing, has a few seconds more
 TICK_S = 0.1  # who waits looks so often
 UNASKED_S = 2.0  # a caller is asked by who waits where the work itself has not asked for so long
 IDLE_S, HARDLY_S = 60.0, 0.2  # who uses so little in so long waits for somebody who will not come

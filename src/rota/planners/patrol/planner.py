@@ -38,7 +38,7 @@ from rota.progress import Watch
 from rota.stopping import put_off
 
 SEARCHED = 0.5  # of the time, once robots are fewest: shorter loops take about as long as the search
-LAID_OUT_S = 8.0  # of processor time: a stop is put off by so much while the ground is laid out
+LAID_OUT_S = 6.0  # of processor time: a stop is put off by so much while the ground is laid out
 
 
 def plan_patrol(
