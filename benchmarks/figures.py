@@ -47,6 +47,7 @@ from benchmarks.swarm_jams import swarm_jams
 from benchmarks.swarm_million import swarm_million
 from benchmarks.swarm_peer import swarm_peer
 from benchmarks.swarm_processes import swarm_processes
+from benchmarks.swarm_rest import swarm_rest
 from benchmarks.swarm_space import swarm_space
 from benchmarks.swarm_step import swarm_step, swarm_threads
 from benchmarks.sweeps import plan_on_cluster, sweeps
@@ -189,6 +190,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "sun2019-method": sun_method,
     "swarm-coverage": swarm_coverage,
     "swarm-jams": swarm_jams,
+    "swarm-rest": swarm_rest,
     "swarm-adversarial": swarm_adversarial,
     "swarm-step": swarm_step,
     "swarm-threads": swarm_threads,
