@@ -396,6 +396,7 @@ from rota.command.ending import leave
 from rota.files.mission_file import read_mission
 from rota.plan import Plan, Trajectory
 from rota.planner import Planner
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup has programs ignore
 stopping.GRACE_S, asked = 0.3, []
 class Deaf(Planner):
     settings = None
