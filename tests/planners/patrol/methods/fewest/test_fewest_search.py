@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from tests.planners.patrol.searching import YARD, search_on
@@ -110,9 +111,9 @@ def set_up_for(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setattr(planner_module, "MANY_CORNERS", 0)
     efforts: list[str] = []
 
-    def set_up(mission: Mission) -> Problem:
+    def set_up(mission: Mission, **asked: Any) -> Problem:
         efforts.append(PatrolSettings.of(mission).effort)
-        return problem_module.set_up_problem(mission)
+        return problem_module.set_up_problem(mission, **asked)
 
     monkeypatch.setattr(planner_module, "set_up_problem", set_up)
     return efforts

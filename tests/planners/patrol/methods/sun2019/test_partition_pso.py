@@ -44,7 +44,7 @@ def test_all_positions_are_tried_by_a_swarm_that_can_see_them_all() -> None:
         for end in sorted({*ends, 6}):
             time_s = (2 * legs[before:end].sum() + 2 * np.pi * 5) / 10
             late_s = time_s + 0.5 - min(periods[k % 6] for k in range(before + 1, end + 1))
-            total += 300 * max(0, late_s) + 1_000 + 100 * max(0, -late_s)
+            total += 440 * max(0, late_s) + 1_000 + 100 * max(0, -late_s)
             before = end
         costs.append(total)
     assert found.cost == pytest.approx(min(costs))
