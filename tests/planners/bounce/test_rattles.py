@@ -20,6 +20,11 @@ YARD = """
 ..#....
 .......
 #..#..."""
+CORNERS = """
+#..#..
+####.#
+......
+....#."""
 
 
 @pytest.mark.parametrize(
@@ -51,6 +56,21 @@ def test_a_rattle_is_not_chosen_where_another_loop_serves(purpose: str) -> None:
     assert not rattling_robots(plan)
     places = plan.trajectories[0].positions_m
     assert np.ptp(places, axis=0).min() > 0
+
+
+def test_fewer_rattles_buy_no_longer_gap_where_some_stay() -> None:
+    zones = (visit("north", 400, 2, 3, 3, 4), visit("middle", 400, 2, 1, 3, 2))
+    mission = mission_on(CORNERS, 2, zones, bouncing_angles_deg=(90,))
+    bouncing = bouncing_robots(mission, make_cells(mission))
+    watch = watch_of(bouncing)
+    rattling = rattling_nodes(watch.cycles, bouncing.cells, 0.3)
+    fewer = best_group(watch, enough=1.0, last=rattling).group
+    assert best_group(watch, enough=1.0, allowed=~rattling).group is None
+    assert fewer is not None
+    assert rattling[list(fewer.nodes)].sum() == 1
+    plan = make_plan(mission)
+    assert len(rattling_robots(plan)) == 2
+    assert check_plan(plan).worst_ratio < 0.5 * fewer.ratio
 
 
 def test_a_rattle_of_several_cells_is_told() -> None:

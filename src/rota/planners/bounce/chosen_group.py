@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +31,6 @@ Ints = NDArray[np.int32]
 MOST_HEADINGS = 4096  # joint headings that are tried from given starts
 MOST_SETTLING = 20_000  # steps in which robots are to come to their cycles
 MOST_ENUMERATED = 20_000_000  # joint states up to which basins are exact; beyond, they are sampled
-FEW_NODES = 2_000  # partial teams looked at for a candidate of robust teams
 MOST_JUDGED = 20_000  # groups of Algorithm 2; of more, it is not told how many watch all zones
 SAMPLES, SAMPLED_STEPS = 2000, 2000  # random starts, and the steps in which they are to come to cycles
 
@@ -76,6 +75,7 @@ def choose_group(
     """
     settings = BounceSettings.of(mission)
     at = start_cells(cells, robots)
+    rattling = rattling_nodes(watch.cycles, cells, max(robot.body_radius_m for robot in robots))
     if any(cell is not None for cell in at):
         start_cells_given = [cell for cell in at if cell is not None]
         if len(start_cells_given) < len(at):
@@ -83,7 +83,7 @@ def choose_group(
             raise MissionError(
                 f"robot {missing}: start: is missing; give a start to every robot that monitors, or none"
             )
-        return _from_starts(watch, team, mission, start_cells_given, cells, seed)
+        return _from_starts(watch, team, mission, start_cells_given, rattling, seed)
     if settings.start_headings_deg is not None:
         raise MissionError(
             "bounce.start_headings_deg: robots that monitor need starts beside their headings, or neither"
@@ -91,43 +91,45 @@ def choose_group(
     if settings.method == "as_printed":
         return _of_printed(watch, team, mission, cells)
     if settings.purpose == "basin":
-        return _largest_basin(watch, team, mission, cells, seed)
+        return _largest_basin(watch, team, mission, cells, rattling, seed)
     if settings.purpose == "worst_gap":
         outcome = best_group(watch, should_stop=should_stop)
     else:
-        outcome = _meeting_periods(watch, rattling_nodes(watch.cycles, cells, _widest_m(robots)), should_stop)
+        outcome = _meeting_periods(watch, rattling, should_stop)
     chosen = None if outcome.group is None else begin_there(watch, outcome.group.nodes, outcome.group.ratio)
     return Choice(chosen=chosen, proved=outcome.proved, unproved=outcome.unproved)
 
 
-def _widest_m(robots: Sequence[Robot]) -> float:
-    """The radius of the widest body."""
-    return max(robot.body_radius_m for robot in robots)
-
-
-def first_groups(watch: Watch) -> Iterator[tuple[int, ...]]:
-    """The group with the shortest worst gap that is soon found."""
-    found = best_group(watch, most_nodes=FEW_NODES)
-    if found.group is not None:
-        yield found.group.nodes
-
-
 def _meeting_periods(watch: Watch, rattling: Flags, should_stop: Callable[[], bool]) -> Searched:
-    """A group that meets all periods, with as few robots on rattles as is soon found; else the best.
+    """A group that meets all periods, the one that goes first (``_goes_first``) of those soon found; else the best.
 
-    rattling: (p,) periodic states on rattles. A group without any is looked for first where the first group has some,
-    then one in which robots take them last.
+    rattling: (p,) periodic states on rattles. A group without any is looked for where the first group has some, then
+    one in which robots take them last.
     """
     found = best_group(watch, enough=1.0, should_stop=should_stop)
     if found.group is None or not rattling[list(found.group.nodes)].any():
         return found
+    first = found.group.ratio, int(rattling[list(found.group.nodes)].sum())
     for allowed, last in ((~rattling, None), (None, rattling)):
         other = best_group(watch, enough=1.0, should_stop=should_stop, allowed=allowed, last=last)
-        if other.group is None or max(other.group.ratio, 1.0) > max(found.group.ratio, 1.0):
+        if other.group is None:
             continue
-        if rattling[list(other.group.nodes)].sum() < rattling[list(found.group.nodes)].sum():
+        if _goes_first((other.group.ratio, int(rattling[list(other.group.nodes)].sum())), first, "periods"):
             return other
     return found
+
+
+def _goes_first(new: tuple[float, int], old: tuple[float, int], purpose: str) -> bool:
+    """Whether a group goes before another one, both by their worst ratio and how many of their robots rattle.
+
+    The one with the smaller ratio does, for ``worst_gap`` or where the old one misses a period. Otherwise one without
+    rattles does, or one with fewer whose ratio is no larger: where some robot rattles in any case, longer gaps bought
+    no plan that keeps more with inexact turns.
+    """
+    (ratio, rattles), (old_ratio, old_rattles) = new, old
+    if purpose == "worst_gap" or old_ratio > 1:
+        return ratio < old_ratio
+    return ratio <= 1 and rattles < old_rattles and (rattles == 0 or ratio <= old_ratio)
 
 
 def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Choice:
@@ -135,7 +137,7 @@ def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Cho
     settings, zones = BounceSettings.of(mission), [zone for zone in mission.zones if zone.period_s is not None]
     kept, listed = printed(team, zone_cells(cells, zones), cells.headings)
     order = np.argsort(-listed.basin, kind="stable") if settings.purpose == "basin" else range(len(listed.basin))
-    chosen = _best_of(watch, (nodes_of(watch.cycles, listed.states[k]) for k in order), settings.purpose)
+    chosen = _best_of(_begun(watch, listed, order), settings.purpose)
     whole = kept == len(listed.basin)
     unproved = None if whole else f"only the first {len(listed.basin):,} of its groups were looked at"
     return Choice(chosen=chosen, proved=whole, unproved=unproved, told=_sentence_of_printed(watch, kept, listed))
@@ -162,61 +164,52 @@ def begin_there(watch: Watch, nodes: tuple[int, ...], ratio: float) -> Chosen:
     return Chosen(cycles=watch.cycles, nodes=nodes, transient=np.empty((0, len(nodes)), np.int32), ratio=ratio)
 
 
+def _begun(watch: Watch, listed: JointGroups, order: Iterable[int]) -> Iterator[Chosen]:
+    """The listed groups in this order, those whose robots may go together."""
+    for k in order:
+        nodes = nodes_of(watch.cycles, listed.states[k])
+        if _may_go_together(watch.cycles, nodes):
+            yield begin_there(watch, nodes, watch.ratio(nodes))
+
+
 def _may_go_together(cycles: LimitCycles, nodes: tuple[int, ...]) -> bool:
     """Whether each two nodes are compatible, with clocks that drift; joint maps know nothing of clocks."""
     return all(cycles.compatible[p, q] for p, q in itertools.combinations(nodes, 2))
 
 
-def _best_of(
-    watch: Watch, groups: Iterator[tuple[int, ...]], purpose: str, rattling: Flags | None = None
-) -> Chosen | None:
-    """The first group that meets all periods; or the one with the smallest worst ratio.
+def _best_of(groups: Iterator[Chosen], purpose: str, rattling: Flags | None = None) -> Chosen | None:
+    """The group that goes first (``_goes_first``), the search ending with the first that cannot be bettered.
 
-    rattling: (p,) periodic states on rattles; of groups that meet all periods the first with the fewest of them.
+    rattling: (p,) periodic states on rattles; None: no robot counts as being on one.
     """
-    best: Chosen | None = None
-    fewest = 0
-    for nodes in groups:
-        if not _may_go_together(watch.cycles, nodes):
-            continue
-        ratio, rattles = watch.ratio(nodes), 0 if rattling is None else int(rattling[list(nodes)].sum())
-        if best is None or (ratio < best.ratio and best.ratio > 1) or (ratio <= 1 and rattles < fewest):
-            best, fewest = begin_there(watch, nodes, ratio), rattles
-        elif purpose == "worst_gap" and ratio < best.ratio:
-            best = begin_there(watch, nodes, ratio)
-        if purpose != "worst_gap" and best.ratio <= 1 and fewest == 0:
-            return best
-    return best if best is not None and math.isfinite(best.ratio) else None
+    best: tuple[Chosen, int] | None = None
+    for group in groups:
+        rattles = 0 if rattling is None else int(rattling[list(group.nodes)].sum())
+        if best is None or _goes_first((group.ratio, rattles), (best[0].ratio, best[1]), purpose):
+            best = group, rattles
+        if purpose != "worst_gap" and best[0].ratio <= 1 and best[1] == 0:
+            break
+    return best[0] if best is not None and math.isfinite(best[0].ratio) else None
 
 
 # ---------------------------------------------------------------- the start that is easiest to hit
 
 
-def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, seed: int) -> Choice:
+def _largest_basin(watch: Watch, team: Team, mission: Mission, cells: Cells, rattling: Flags, seed: int) -> Choice:
     """The group with the largest basin among those that meet all periods, exactly or by random starts.
 
     Where none meets all periods, the group with the smallest worst ratio. One without robots on rattles goes before.
     """
-    m, s = len(team.bumped), len(team.x)
-    rattling = rattling_nodes(
-        watch.cycles, cells, _widest_m(mission.fleet.robots or (mission.fleet.equal_robot("any"),))
-    )
+    m, s, contact_free = len(team.bumped), len(team.x), BounceSettings.of(mission).contact_free
     if joint_states(s, m) <= MOST_ENUMERATED:
         zones = [zone for zone in mission.zones if zone.period_s is not None]
-        listed = enumerate_groups(
-            team, zone_cells(cells, zones), cells.headings, contact_free=BounceSettings.of(mission).contact_free
-        )
-        chosen = _best_of(watch, _by_basin(watch.cycles, listed), "basin", rattling)
-        return Choice(chosen=chosen, proved=True)
-    hits = sampled_basins(watch, team, free=BounceSettings.of(mission).contact_free == "trajectory", seed=seed)
-    chosen = _best_of(watch, iter([nodes for nodes, _ in hits]), "basin", rattling)
-    return Choice(chosen=chosen, proved=False, unproved=f"only {SAMPLES:,} random starts were tried")
-
-
-def _by_basin(cycles: LimitCycles, listed: JointGroups) -> Iterator[tuple[int, ...]]:
-    """The listed groups as nodes, those with the largest basin first."""
-    for k in np.argsort(-listed.basin, kind="stable"):
-        yield nodes_of(cycles, listed.states[k])
+        listed = enumerate_groups(team, zone_cells(cells, zones), cells.headings, contact_free=contact_free)
+        order = np.argsort(-listed.basin, kind="stable")
+        return Choice(chosen=_best_of(_begun(watch, listed, order), "basin", rattling), proved=True)
+    hits = sampled_basins(watch, team, free=contact_free == "trajectory", seed=seed)
+    sampled = (begin_there(watch, nodes, watch.ratio(nodes)) for nodes, _ in hits)
+    unproved = f"only {SAMPLES:,} random starts were tried"
+    return Choice(chosen=_best_of(sampled, "basin", rattling), proved=False, unproved=unproved)
 
 
 def sampled_basins(
@@ -265,19 +258,12 @@ def ways_from_starts(
             yield Chosen(cycles=watch.cycles, nodes=nodes, transient=way[:-1], ratio=ratio)
 
 
-def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], cells: Cells, seed: int) -> Choice:
+def _from_starts(watch: Watch, team: Team, mission: Mission, at: list[int], rattling: Flags, seed: int) -> Choice:
     """The best way from the given cells (and headings, if these are given too) to cycles without contact."""
-    settings, best, headings_given = BounceSettings.of(mission), None, start_headings(mission, len(at))
-    radius_m = _widest_m(mission.fleet.robots or (mission.fleet.equal_robot("any"),))
-    rattling, fewest = rattling_nodes(watch.cycles, cells, radius_m), 0
-    for way in ways_from_starts(watch, team, at, settings, seed, headings_given):
-        rattles = int(rattling[list(way.nodes)].sum())
-        shorter = best is None or (way.ratio < best.ratio and (settings.purpose == "worst_gap" or best.ratio > 1))
-        if shorter or (settings.purpose != "worst_gap" and way.ratio <= 1 and rattles < fewest):
-            best, fewest = way, rattles
-        if best is not None and best.ratio <= 1 and fewest == 0 and settings.purpose != "worst_gap":
-            break
-    facings = cells.headings ** len(at)
+    settings, headings_given = BounceSettings.of(mission), start_headings(mission, len(at))
+    ways = ways_from_starts(watch, team, at, settings, seed, headings_given)
+    best = _best_of(ways, settings.purpose, rattling)
+    facings = settings.headings ** len(at)
     if headings_given is None and facings > MOST_HEADINGS:
         unproved = f"{MOST_HEADINGS:,} of {facings:,} ways to face at the starts were tried"
         return Choice(chosen=best, proved=False, unproved=unproved)

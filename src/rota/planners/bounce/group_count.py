@@ -110,8 +110,9 @@ def count_independent(
     work = work or Work()
     work.spend(len(kind) ** 2 // GRAPH_WORK)
     limits = [int(number) for number in wanted]
-    useful = np.flatnonzero(np.array(limits)[kind] > 0)
-    conflict, kind = conflict[np.ix_(useful, useful)], kind[useful]
+    useful = np.array(limits)[kind] > 0
+    if not useful.all():
+        conflict, kind = conflict[np.ix_(useful, useful)], kind[useful]
     graph, words = _graph(conflict, kind, limits)
     bound = math.prod(math.comb(int((kind == k).sum()), number) for k, number in enumerate(limits))
     moduli = [2**64, *PRIMES[: max(0, math.ceil((bound.bit_length() - 63) / 30))]]
@@ -131,7 +132,8 @@ def _graph(conflict: Flags, kind: NDArray[np.int32], limits: list[int]) -> tuple
     """The conflicts as bits, nodes of a kind with the same conflicts taken as one."""
     features = np.column_stack([conflict, kind[:, None] == np.arange(len(limits))])
     packed = np.packbits(features, axis=1)
-    _, first, weight = np.unique(packed, axis=0, return_index=True, return_counts=True)
+    rows = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()  # compared whole, not byte by byte
+    _, first, weight = np.unique(rows, return_index=True, return_counts=True)
     count = len(first)
     words = (count + 63) // 64
     bits = np.zeros((count, 64 * words), np.bool_)

@@ -68,7 +68,7 @@ def best_group(
     """
     search = _Search(watch, enough, most_nodes, should_stop, allowed, last)
     search.by_single_robots()
-    if search.best is None and not search.stopped() and _there_is_none(watch):
+    if search.best is None and allowed is None and not search.stopped() and _there_is_none(watch):
         return Searched(group=None, proved=True)
     if not search.done():
         search.extend({}, search.allowed, 1)

@@ -15,11 +15,9 @@ from rota.planners.bounce.inexact_turns import Crew, Estimate, InexactRuns, Turn
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.bounce.trajectories import step_duration_s
 
-RUNS, LEAST_RUNS, LEAST_UNASKED = 1000, 100, 12  # the last where the mission states no error, so with the work
-MOST_WORK, MOST_UNASKED = (
-    1.5e9,
-    2e8,
-)  # looks at a wall or corner in all runs of a plan, beyond which there are fewer runs
+RUNS = 1000  # of a plan; fewer where they take more looks at walls and corners than these, but no fewer than those
+MOST_WORK, LEAST_RUNS = 1.5e9, 100
+MOST_UNASKED, LEAST_UNASKED = 1e8, 12  # where the mission states no error
 STATED_ERROR_DEG = 1.0  # of each turn, where the mission states none
 PERIODS = 10.0  # of the longest one, for which robots that monitor are followed
 LEAST_TURN_S = 1e-3  # of robots that turn at once

@@ -94,6 +94,7 @@ def place_on(rim, e, s):
 def is_blocked(rim, x, y, dx, dy):
     """Whether something that the disc at (x, y) touches stops it from moving along (dx, dy)."""
     elements, kinds, radius = rim
+    near2 = (radius + 2 * TOUCH_M) ** 2
     for e in range(len(elements)):
         qx, qy = x - elements[e, 0], y - elements[e, 1]
         if kinds[e] == WALL:
@@ -102,8 +103,10 @@ def is_blocked(rim, x, y, dx, dy):
             near = abs(qy * tx - qx * ty - radius) <= TOUCH_M and -TOUCH_M <= along <= elements[e, 4] + TOUCH_M
             if near and away > APPROACH:
                 return True
-        elif abs(hypot(qx, qy) - radius) <= TOUCH_M and -(qx * dx + qy * dy) > APPROACH * radius:
-            return True
+        elif qx * qx + qy * qy < near2:  # so that few roots are drawn
+            towards = -(qx * dx + qy * dy) > APPROACH * radius
+            if towards and abs(hypot(qx, qy) - radius) <= TOUCH_M:
+                return True
     return False
 
 
@@ -121,7 +124,7 @@ def first_contact(rim, x, y, dx, dy):
             tx, ty = elements[e, 2], elements[e, 3]
             approach = ty * dx - tx * dy
             gap = qy * tx - qx * ty - radius
-            if approach <= APPROACH or gap <= TOUCH_M:
+            if approach <= APPROACH or gap <= TOUCH_M or gap > best * approach:
                 continue
             way = gap / approach
             along = qx * tx + qy * ty + way * (dx * tx + dy * ty)
@@ -129,8 +132,9 @@ def first_contact(rim, x, y, dx, dy):
                 best, element, where = way, e, min(max(along, 0.0), elements[e, 4])
         else:
             approach, miss = -(qx * dx + qy * dy), qx * dy - qy * dx
-            gap = hypot(qx, qy) - radius
-            if approach <= 0.0 or gap <= TOUCH_M or abs(miss) >= radius - TOUCH_M:
+            if approach <= 0.0 or abs(miss) >= radius - TOUCH_M or approach > best + radius:
+                continue
+            if hypot(qx, qy) - radius <= TOUCH_M:
                 continue
             way = approach - sqrt(radius * radius - miss * miss)
             if way < best - TOUCH_M:

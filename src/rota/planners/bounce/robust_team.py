@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from rota.plan import Plan
-from rota.planners.bounce.chosen_group import Chosen, begin_there, first_groups, sampled_basins, ways_from_starts
+from rota.planners.bounce.chosen_group import Chosen, begin_there, sampled_basins, ways_from_starts
+from rota.planners.bounce.group_search import best_group
 from rota.planners.bounce.inexact_plan import Inexact, with_errors
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.monitoring import Watch
@@ -17,6 +18,7 @@ from rota.planners.bounce.planner_settings import BounceSettings
 CANDIDATES = 24  # that are simulated
 FIRST_RUNS, SECOND_RUNS, IN_SECOND = 40, 200, 4  # runs of each, and of the best of them once more
 AS_GOOD = 0.02  # share of the time by which two candidates count as equally watched
+FEW_NODES = 2_000  # partial teams looked at for the one with the shortest worst gap
 TRIES = 2000  # random teams
 
 
@@ -82,7 +84,10 @@ def candidates(
 def _groups(watch: Watch, team: Team, settings: BounceSettings, seed: int) -> Iterator[Chosen]:
     """Groups that begin on their cycles; half of them those that random starts come to, the rest drawn."""
     hits = sampled_basins(watch, team, free=settings.contact_free == "trajectory", seed=seed)
-    nodes = itertools.chain(first_groups(watch), itertools.islice((group for group, _ in hits), CANDIDATES))
+    shortest = best_group(watch, most_nodes=FEW_NODES).group
+    nodes = itertools.chain(
+        [] if shortest is None else [shortest.nodes], itertools.islice((group for group, _ in hits), CANDIDATES)
+    )
     kept = 0
     for group in nodes:
         ratio = watch.ratio(group)
