@@ -8,7 +8,7 @@ from shapely import MultiPolygon, box
 
 from rota.planners.swarm.free_ground_kernels import FREE_BELOW, HELD_FROM, load_with_all, pass_on_distances
 from rota.planners.swarm.place_graph import place_graph_of
-from rota.planners.swarm.rollout import room_for
+from rota.planners.swarm.rollout import have_arrived, room_for
 from rota.planners.swarm.world import kinds_of, walls_of
 
 KINDS, _ = kinds_of(1, body_m=0.0, sensor_m=10.0, speed_m_s=1.0, neighbour_range_m=20.0, wall_range_m=10.0)
@@ -45,3 +45,19 @@ def test_places_are_free_with_few_discs_round_them_and_change_by_more_than_a_lit
     graph.load[:] = HELD_FROM * graph.capacity
     pass_on_distances(2, graph)
     assert (graph.away_m[1] > 0).all()
+
+
+def test_news_of_free_ground_are_waited_for_and_news_of_ground_that_is_taken_are_not() -> None:
+    graph = place_graph_of(walls_of(MultiPolygon([box(0, 0, 200, 20)])), KINDS)
+    graph.load[:] = HELD_FROM * graph.capacity
+    graph.away_m[0] = graph.x  # as if all ground were free beyond the left end, where it has just been taken
+    assert have_arrived(0, graph)
+    last = int(np.argmax(graph.x))
+    graph.load[last] = 0.0
+    steps = 0
+    while steps == 0 or not have_arrived(steps, graph):
+        pass_on_distances(steps, graph)
+        steps += 1
+        assert steps <= graph.news_steps
+    assert steps > 10
+    assert graph.away_m[steps % 2] == pytest.approx(graph.x[last] - graph.x, abs=20.0)

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from benchmarks.missions import EXAMPLES
 from benchmarks.swarm_jams import heap
 from scipy.spatial.distance import pdist
 from shapely import MultiPolygon, box
 from tests.planners.swarm.conftest import PAPER, in_box, scattered
 
+from rota.files.mission_file import read_mission
 from rota.geometry.free_space import free_ground
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, StartBox
 from rota.papers.chen2018.maps import square
@@ -99,6 +101,17 @@ def test_heaps_do_not_go_round_by_news_of_ground_that_is_taken(seed: int) -> Non
     places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
     assert run.at_rest
     assert covered_share(places, np.full(100, 25.0), asked.area) > 0.78
+
+
+@pytest.mark.parametrize("seed", [0, 14, 21])
+def test_sixty_robots_spread_from_a_heap_and_rest_soon(seed: int) -> None:
+    """They pushed each other less while most ground was free, and waited for old news of ground that was taken."""
+    asked = read_mission(EXAMPLES / "swarm-port.yaml").mission
+    run = run_mission(asked, seed=seed)
+    places = np.array([trajectory.positions_m[-1] for trajectory in run.plan])
+    assert run.at_rest
+    assert run.steps < 1200
+    assert covered_share(places, np.full(60, 25.0), free_ground(asked)) > 0.878
 
 
 @pytest.mark.parametrize("late", [False, True])

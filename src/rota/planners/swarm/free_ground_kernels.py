@@ -78,6 +78,25 @@ def pass_on_distances(step: int, graph: Any) -> None:
 
 
 @compiled
+def settle_distances(step: int, graph: Any, settled: Any) -> None:
+    """Write (k,) what ``pass_on_distances`` comes to while nobody moves: the shortest ways to what is free at a step.
+
+    ``far_m`` where no way leads to free ground (Bellman-Ford, by sweeps in place).
+    """
+    n, told = graph.x.shape[0], graph.away_m[step % 2]
+    for k in range(n):
+        settled[k] = 0.0 if told[k] == 0.0 else graph.far_m
+    changes = True
+    while changes:
+        changes = False
+        for k in range(n):
+            for link in range(graph.link_start[k], graph.link_start[k + 1]):
+                away = settled[graph.link_to[link]] + graph.link_m[link]
+                if away < settled[k]:
+                    settled[k], changes = away, True
+
+
+@compiled
 def is_seen(x: float, y: float, px: float, py: float, c: int, grid: Any) -> bool:
     """Whether none of the walls of a grid's cell crosses the way from (x, y) to a place."""
     dx, dy = px - x, py - y

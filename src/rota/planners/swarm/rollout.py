@@ -12,12 +12,12 @@ from rota.errors import CheckpointError, MissionError
 from rota.mission import MovingObstacle
 from rota.planners.swarm.deciding import Controller, Deciding, deciding_room
 from rota.planners.swarm.delayed_news_kernels import load_with_told
-from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
+from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances, settle_distances
 from rota.planners.swarm.kernels import move, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
 from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.settle_kernels import decide_settle, note_wishes
-from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Kinds, Robots, Snapshot
+from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Kinds, PlaceGraph, Robots, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
 
 Floats = NDArray[np.float64]
@@ -135,8 +135,8 @@ class Swarm:
 
     @property
     def news_rest(self) -> bool:
-        """Whether the last step has changed nothing of what is told of free ground."""
-        return have_come_to_rest(self.grid)
+        """Whether news of all free ground have arrived; see ``have_arrived``."""
+        return have_arrived(self.steps, self.grid.place_graph)
 
     def wishes_m(self) -> Floats:
         """(n,) in the order of the fleet: how far robots that settle would go in a step if nothing held them."""
@@ -271,14 +271,28 @@ class Swarm:
         return in_fleet_order(self._robots, x, y)
 
 
-def have_come_to_rest(grid: Grid) -> bool:
-    """Whether what is told of free ground at this step is what was told at the step before."""
-    return np.array_equal(*grid.place_graph.away_m)
+def have_arrived(step: int, graph: PlaceGraph) -> bool:
+    """Whether at a step all places from which a way leads to free ground tell how long it is.
+
+    What others tell is old: of ground that has been taken since. It goes round for long and is not waited for.
+    """
+    settled = settled_news(step, graph)
+    return bool(((settled >= graph.far_m) | (settled == graph.away_m[step % 2])).all())
+
+
+def settled_news(step: int, graph: PlaceGraph) -> Floats:
+    """(k,): what places will tell of free ground if nobody moves any more."""
+    settled = np.empty(len(graph.x))
+    settle_distances(step, graph, settled)
+    return settled
 
 
 def wishes_of(snapshot: Snapshot) -> Floats:
-    """(n,) in the order of the fleet: how far each robot wants to go in the next step; see ``note_wishes``."""
+    """(n,) in the order of the fleet: how far each wants to go once all news have arrived; see ``note_wishes``."""
     wishes, in_order = np.empty(len(snapshot.robots.x)), np.empty(len(snapshot.robots.x))
+    graph = snapshot.grid.place_graph
+    graph = graph._replace(away_m=np.tile(settled_news(snapshot.step, graph), (2, 1)))
+    snapshot = snapshot._replace(grid=snapshot.grid._replace(place_graph=graph))
     note_wishes(snapshot, wishes, deciding_room(snapshot.rule))
     in_order[snapshot.robots.name] = wishes
     return in_order

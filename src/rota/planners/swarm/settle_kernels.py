@@ -173,10 +173,11 @@ def pushes(
 ) -> tuple[float, float]:
     """The step (dx, dy) in metres by which neighbours and walls push robot i: ``OVERLAP_SHARE`` of the overlaps.
 
-    It is less where very many push. crowd: there may be more neighbours than those that count. Walls push by
-    |h|^2 / 4 R for the gradient h of the ground in the disc. One straight wall pushes by nearly twice its overlap,
-    since it does not give way, and so does a round obstacle of however many short walls. Where each of those pushed by
-    its own overlap, together they pushed by far too much, and robots went to and fro for ever.
+    It is less where very many push. crowd: there may be more neighbours than those that count, and no free ground:
+    heaps that have some round them spread worse by lesser pushes. Walls push by |h|^2 / 4 R for the gradient h of the
+    ground in the disc. One straight wall pushes by nearly twice its overlap, since it does not give way, and so does a
+    round obstacle of however many short walls. Where each of those pushed by its own overlap, together they pushed by
+    far too much, and robots went to and fro for ever.
     """
     sensor = kinds.sensor_m[robots.kind[i]]
     if crowd:
@@ -244,16 +245,16 @@ def wish_of(
     dx, dy = gain * gx, gain * gy
     own, walled = own_share(i, neighbours, robots, kinds, grid, room)
     going = share_moving_on(own, walled)
+    told = snapshot.step >= grid.place_graph.news_steps
+    crowd = told and neighbours == snapshot.rule.neighbours
     away_m, wx, wy = 0.0, 0.0, 0.0
-    if going > 0.0:
+    if going > 0.0 or crowd:
         away_m, wx, wy = direction_to_free_ground(x, y, sensor, snapshot.step, cell_of(x, y, grid), grid)
         going = going if wx != 0.0 or wy != 0.0 else 0.0
-    told = snapshot.step >= grid.place_graph.news_steps
+        crowd = crowd and away_m >= grid.place_graph.far_m
     pressed = share_pushed(own, walled, going, told, tightness(i, neighbours, robots, kinds, near))
     if pressed > 0.0:
-        px, py = pushes(
-            i, neighbours, told and neighbours == snapshot.rule.neighbours, robots, kinds, grid, near, outline
-        )
+        px, py = pushes(i, neighbours, crowd, robots, kinds, grid, near, outline)
         dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)
     return dx, dy, going, away_m, wx, wy, walled
 

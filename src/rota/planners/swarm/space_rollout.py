@@ -12,7 +12,7 @@ from rota.planners.swarm.kernels import move_and_sort
 from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.rollout import (
     Beginning,
-    have_come_to_rest,
+    have_arrived,
     in_fleet_order,
     require_places,
     room_for,
@@ -104,8 +104,8 @@ class SpaceSwarm:
 
     @property
     def news_rest(self) -> bool:
-        """Whether the last step has changed nothing of what is told of free ground."""
-        return have_come_to_rest(self.grid)
+        """Whether news of all free ground have arrived; see ``have_arrived``."""
+        return have_arrived(self.steps, self.grid.place_graph)
 
     def wishes_m(self) -> Floats:
         """(n,) in the order of the fleet: how far robots that settle would go in the plane if nothing held them."""
