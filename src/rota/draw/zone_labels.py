@@ -1,4 +1,4 @@
-"""Each zone's name and period, in or right beside it, where they hide least of the routes."""
+"""Each zone's name and period, in it, beside it or on a leader, where they hide least of the routes."""
 
 from __future__ import annotations
 
@@ -23,24 +23,26 @@ Floats = NDArray[np.float64]
 # from the middle outwards
 STEPS_3, STEPS_4 = (0, -1, 1, -2, 2, -3, 3), (0, 1, -1, 2, -2, 3, -3, 4, -4)
 PAD_PT, BESIDE_PT, MARK_RADIUS_PT = 1.7, 2.0, 7.0
+AROUND = (0.0, 1.2, 2.4)  # of a label's height, by which spots outside keep off a zone
 # what it costs to put all of a label off its zone, on an obstacle, or on what must stay readable: robots' marks, other
 # zones and labels, the frame; on a line of its length, on any line; to hide a whole loop, since small loops are soon
 # gone; to keep away from its zone by its own height; and to stand nearer to another zone
-OFF_ZONE, ON_OBSTACLE, ON_OTHERS, ON_LINE, ON_ANY, ON_LOOP, AWAY, ASTRAY = 0.6, 1.0, 5.0, 0.5, 0.6, 8.0, 0.5, 1.0
+OFF_ZONE, ON_OBSTACLE, ON_OTHERS, ON_LINE, ON_ANY, ON_LOOP, AWAY, ASTRAY = 0.6, 1.0, 5.0, 0.5, 1.0, 8.0, 0.25, 1.0
 
 
 def _spots(shape: Polygon, width_m: float, height_m: float, beside_m: float) -> list[Polygon]:
-    """Boxes of this size worth trying for a label: all over the shape, its widest place first, then along its sides."""
+    """Boxes of this size worth trying for a label: all over the shape, its widest place first, then round about it."""
     left, bottom, right, top = shape.bounds
     x_m, y_m = (left + right) / 2, (bottom + top) / 2
     half_m = (right - left) / 2, (top - bottom) / 2
     inside_m = max(half_m[0] - width_m / 2 - beside_m, 0.0), max(half_m[1] - height_m / 2 - beside_m, 0.0)
-    outside_m = half_m[0] + width_m / 2 + beside_m, half_m[1] + height_m / 2 + beside_m
     widest = maximum_inscribed_circle(shape, tolerance=0.05 * np.sqrt(shape.area)).coords[0]
     centres_m = [(float(widest[0]), float(widest[1]))]
     centres_m += [(x_m + i / 3 * inside_m[0], y_m + j / 4 * inside_m[1]) for j in STEPS_4 for i in STEPS_3]
-    centres_m += [(x_m + i / 3 * half_m[0], y_m + side * outside_m[1]) for side in (1, -1) for i in STEPS_3]
-    centres_m += [(x_m + side * outside_m[0], y_m + j / 4 * half_m[1]) for side in (1, -1) for j in STEPS_4]
+    for off_m in (beside_m + share * height_m for share in AROUND):
+        outside_m = half_m[0] + width_m / 2 + off_m, half_m[1] + height_m / 2 + off_m
+        centres_m += [(x_m + i / 3 * half_m[0], y_m + side * outside_m[1]) for side in (1, -1) for i in STEPS_3]
+        centres_m += [(x_m + side * outside_m[0], y_m + j / 4 * half_m[1]) for side in (1, -1) for j in STEPS_4]
     return [box(x - width_m / 2, y - height_m / 2, x + width_m / 2, y + height_m / 2) for x, y in centres_m]
 
 
@@ -105,6 +107,9 @@ def draw_zone_labels(mission: Mission, ax: Axes, routes: Sequence[Route] = (), *
         costs += _away_costs(spots, shape, elsewhere, BESIDE_PT / scale)
         taken.append(spots[int(np.argmin(costs))])
         label.set_position((taken[-1].centroid.x, taken[-1].centroid.y))
+        leader = shapely.shortest_line(taken[-1].centroid, shape)
+        if shapely.distance(taken[-1], shape) > 1.5 * BESIDE_PT / scale:  # hidden by the label as far as that goes
+            ax.plot(*shapely.get_coordinates(leader).T, color=ZONE_EDGE, linewidth=0.8, zorder=5.5)
 
 
 def _parts(zone: Zone, mission: Mission) -> list[Polygon]:
