@@ -23,11 +23,15 @@ def steps_at_rest(settings: SwarmSettings) -> int:
     return STEPS_AT_REST[settings.controller] + unheard
 
 
-def longest_rest_m(mission: Mission) -> float:
-    """The longest step of a robot at rest: ``stop_m``, and no more than a small share of what any robot can drive."""
+def longest_rest_m(mission: Mission, step_s: float | None = None) -> float:
+    """The longest step of a robot at rest: ``stop_m``, and no more than a small share of what any robot can drive.
+
+    step_s: how long a step takes; None: as long as the mission says.
+    """
     settings = SwarmSettings.of(mission)
+    step_s = settings.time_step_s if step_s is None else step_s
     speeds = [robot.speed_m_s for robot in mission.fleet.robots or () if robot.speed_m_s > 0]
-    return min([settings.stop_m, *(AT_REST_SHARE * speed * settings.time_step_s for speed in speeds)])
+    return min([settings.stop_m, *(AT_REST_SHARE * speed * step_s for speed in speeds)])
 
 
 def blocked_robots(swarm: Swarm | SpaceSwarm, mission: Mission) -> tuple[str, ...]:

@@ -138,6 +138,11 @@ class Swarm:
         """Whether news of all free ground have arrived; see ``have_arrived``."""
         return have_arrived(self.steps, self.grid.place_graph)
 
+    def learn_of_free_ground(self) -> None:
+        """Let places tell, from now on, what is free round robots where they are; of a run that was not followed."""
+        load_with_all(self._robots, self.kinds, self.grid.place_graph)
+        pass_on_distances(self.steps + 1, self.grid.place_graph)  # what is told at even or odd steps, as this one is
+
     def wishes_m(self) -> Floats:
         """(n,) in the order of the fleet: how far robots that settle would go in a step if nothing held them."""
         moving = moving_at(self.moving, self.steps * self.rule.time_step_s, self.rule.time_step_s)

@@ -207,6 +207,28 @@ def test_the_silent_have_left_and_a_second_life_is_not_in_the_plan() -> None:
     assert [count for _, _, count in record.coverage] == [2, 1]
 
 
+@pytest.mark.parametrize(("x_m", "wants"), [(30.0, False), (12.0, True)])
+def test_processes_rest_by_the_rule_of_the_simulation(x_m: float, wants: bool) -> None:
+    """Two discs of 9 m that overlap want to part; where both stand all the same, they are blocked."""
+    news_s = 0.1 * scene_of(mission_of(3, 40, (5, 35), sensor_m=9, speed_m_s=10)).grid.place_graph.news_steps
+    for seconds, at_rest in ((1.5, False), (2.5, not wants), (news_s + 2.5, True)):
+        standing = [telling(k, t, 0.1 * t, (10.0, x_m)[k]) for t in range(round(10 * seconds)) for k in range(2)]
+        recorder, end_ns = recorded(*standing, end_s=seconds)
+        assert recorder.is_at_rest(end_ns) == at_rest
+    end = recorder.record(end_ns, stopped=False).plan.run_end
+    assert end is not None
+    assert (end.reason, end.blocked) == (("blocked", ("robot-1", "robot-2")) if wants else ("rest", ()))
+
+
+def test_short_steps_are_no_rest() -> None:
+    slow = scene_of(mission_of(1, 40, (5, 35), sensor_m=9, speed_m_s=1e-3))
+    recorder = Recorder(slow, 0)
+    for t in range(40):
+        one = telling(0, t, 0.1 * t - 10, 20.0 + 5e-6 * t, 5e-5)  # half the speed of this one
+        recorder.hear([write_telling(one, slow.number)], one.told_ns)
+    assert recorder.quiet_s(4 * S) == 0
+
+
 def test_a_plan_over_hills_has_heights() -> None:
     mission = mission_of(2, 40, (5, 35), sensor_m=9, speed_m_s=10)
     scene = scene_of(mission, ground_m=lambda x, y: 0.5 * x + y)

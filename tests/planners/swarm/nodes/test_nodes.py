@@ -10,13 +10,18 @@ from tests.planners.swarm.nodes.air import Air, S, mission_of
 
 from rota.errors import MissionError
 from rota.fleet import SquareSensor
+from rota.mission import MovingObstacle
 from rota.planners.swarm.delayed_news_kernels import MOST_SPEED_GAIN, no_faster
 from rota.planners.swarm.metrics import covered_share
+from rota.planners.swarm.nodes.believing import Belief
+from rota.planners.swarm.nodes.hearing import Known
 from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.scene import Scene, scene_of
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, WAITING, Telling, write_telling
 from rota.planners.swarm.planner import make_swarm, sensors_of
 from rota.planners.swarm.rollout import Beginning
+from rota.planners.swarm.state import Decisions, Room, Snapshot
+from rota.planners.swarm.world import moving_at
 
 
 @pytest.mark.parametrize("controller", ["settle", "reciprocal", "voronoi", "virtual_force"])
@@ -187,3 +192,22 @@ def test_climbing_robots_are_no_faster_than_they_can_be() -> None:
             up = scene.ground_m(x, y) + mission.fleet.altitude_m - one.height_m
             fastest = max(fastest, float(np.hypot(np.hypot(x - one.x, y - one.y), up)) / (one.hold_ns * 1e-9))
     assert 9 < fastest <= 10 * (1 + 1e-9)
+
+
+def test_patience_begins_anew_when_others_come_or_go_or_a_disc_moves() -> None:
+    scene = scene_of(mission_of(3, 40, (5, 35), sensor_m=9, speed_m_s=10))
+    last: list[int] = []
+
+    def decide(begin: int, end: int, snapshot: Snapshot, decisions: Decisions, room: Room) -> None:
+        last.append(snapshot.rule.last_change)
+
+    belief = Belief(scene.own_kind(0), 0, 3, scene.grid, scene.rule(S // 10), decide)
+    other = Known(1, 30.0, 30.0, 0.0, 0.0, 0.5, 9.0, 10.0, 0.0)
+    disc = MovingObstacle(radius_m=1, times_s=(0, 10), positions_m=((0, 0), (5, 0)))
+    still = moving_at((disc,), 11.0, 0.1)
+    body = other._replace(sensor_m=0.0)  # of one that has left, or is silent
+    moves = moving_at((disc,), 5.0, 0.1)
+    scenes = [((), still), ((other,), still), ((other,), still), ((body,), still), ((), still), ((), moves)]
+    for step, (known, moving) in enumerate(scenes):
+        belief.decision((10.0, 10.0), (0.0, 0.0), known, moving, step)
+    assert last == [0, 1, 1, 3, 3, 5]

@@ -32,6 +32,8 @@ class Belief:
         self._grid = grid._replace(start=np.zeros_like(grid.start))
         self._out = Decisions(np.zeros(1), np.zeros(1), np.zeros(1))
         self._room = deciding_room(rule)
+        self._members: frozenset[int] = frozenset()
+        self._last_change = 0
 
     def decision(
         self, place: tuple[float, float], last: tuple[float, float], known: Sequence[Known], moving: Moving, step: int
@@ -41,7 +43,11 @@ class Belief:
         last: the velocity that it went with. known: neighbours first, then mere bodies.
         """
         robots, widest_m = self._filled(place, last, known)
-        snapshot = Snapshot(step, robots, self._kinds, self._grid, moving, self._rule)
+        members = frozenset(other.robot for other in known if other.is_member)
+        if members != self._members or moving.vx.any() or moving.vy.any():
+            self._members, self._last_change = members, step
+        rule = self._rule._replace(last_change=self._last_change)
+        snapshot = Snapshot(step, robots, self._kinds, self._grid, moving, rule)
         graph = self._grid.place_graph
         if len(graph.x):
             load_with_all(robots._replace(x=robots.x[: len(known) + 1]), self._kinds, graph)

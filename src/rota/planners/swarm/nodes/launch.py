@@ -14,12 +14,11 @@ from rota.errors import LinkError, RotaError
 from rota.mission import Mission
 from rota.planners.swarm.nodes.node import RobotNode
 from rota.planners.swarm.nodes.process import period_of, run_robot
-from rota.planners.swarm.nodes.recording import Recorder
+from rota.planners.swarm.nodes.recording import REST_S, Recorder
 from rota.planners.swarm.nodes.scene import Scene
 from rota.planners.swarm.nodes.transport import clock_for, open_port, prepare
 from rota.robot_processes import EVERYTHING, Launch, ProcessSettings, SwarmRecord
 
-REST_S = 2.0  # a swarm that has not moved for so long is at rest
 LEAVE_S = 5.0  # for the processes to end, after they were asked to
 FAILED = 2  # exit code of a process that could not be its robot
 
@@ -27,7 +26,7 @@ FAILED = 2  # exit code of a process that could not be its robot
 def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHING) -> SwarmRecord:
     """Start a process for each robot, record what they tell, end them, and return the record.
 
-    Robots are at rest when none has moved for ``REST_S``. Raises LinkError where a port is taken, and where a process
+    Robots are at rest when ``Recorder.is_at_rest`` says so. Raises LinkError where a port is taken, and where a process
     does not start.
     """
     fleet = len(scene.mission.fleet.robots or ())
@@ -56,7 +55,7 @@ def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHI
             _require_started(processes, scene, now_ns < begin_ns)
             over = until_ns is not None and now_ns >= until_ns
             if until_ns is None or launch.ends_at_rest:
-                over = over or (now_ns > rests_from_ns and recorder.quiet_s(now_ns) >= REST_S)
+                over = over or (now_ns > rests_from_ns and recorder.is_at_rest(now_ns))
             if (
                 (stopped := launch.should_stop())
                 or over
@@ -64,7 +63,7 @@ def run_swarm(scene: Scene, settings: ProcessSettings, launch: Launch = EVERYTHI
             ):
                 break
             time.sleep(scene.period_ns * 1e-9 / 4)
-        at_rest = not stopped and recorder.quiet_s(now_ns) >= REST_S
+        at_rest = not stopped and recorder.is_at_rest(now_ns)
         ended_ns = now_ns if until_ns is None else min(now_ns, until_ns)
         return recorder.record(ended_ns, stopped=not at_rest)
     finally:

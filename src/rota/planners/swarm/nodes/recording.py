@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from array import array
 from collections import deque
 from collections.abc import Iterable
@@ -11,16 +12,19 @@ import numpy as np
 
 from rota.errors import LinkError
 from rota.mission import Mission, Robot
-from rota.plan import Plan, RunEnd, Trajectory
+from rota.plan import EndReason, Plan, RunEnd, Trajectory
+from rota.planners.swarm.deciding import Controller
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.nodes.clocks import Clocks
 from rota.planners.swarm.nodes.scene import Scene
 from rota.planners.swarm.nodes.telling import LEFT, MEMBER, Telling, read_telling
 from rota.planners.swarm.planner import sensors_of, squares_of
-from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.presence import holding_from_joining
+from rota.planners.swarm.rest import blocked_robots, longest_rest_m
+from rota.planners.swarm.rollout import Beginning, Surroundings, Swarm
 from rota.robot_processes import HeightAt, RobotRecord, SwarmRecord, level
 
+REST_S = 2.0  # a swarm that has not moved for so long is at rest
 KEPT = 16  # tellings of each robot, from which its place a moment ago is known
 SAME_TIME_S = 1e-9
 
@@ -95,7 +99,9 @@ class Recorder:
         self._lives: dict[int, Life] = {}
         self._clocks = Clocks(shared=not scene.own_clocks)
         self._sensors_m, self._squares = sensors_of(scene.mission), squares_of(scene.mission)
+        self._rest_m = functools.cache(lambda hold_ns: longest_rest_m(scene.mission, hold_ns * 1e-9))
         self._quiet_since_ns: int | None = None
+        self._blocked: tuple[int | None, tuple[str, ...]] = (None, ())
         self.coverage: list[tuple[float, float, int]] = []
         self.dropped = 0
 
@@ -126,11 +132,42 @@ class Recorder:
     def _rests(self, telling: Telling) -> bool:
         """Whether a robot took part and went no farther than the mission's stop rule allows."""
         way_m = float(np.hypot(telling.vx, telling.vy)) * telling.hold_ns * 1e-9
-        return telling.state != MEMBER or way_m <= SwarmSettings.of(self._scene.mission).stop_m
+        return telling.state != MEMBER or way_m <= self._rest_m(telling.hold_ns)
 
     def quiet_s(self, now_ns: int) -> float:
         """For how long no robot has moved."""
         return 0.0 if self._quiet_since_ns is None else (now_ns - self._quiet_since_ns) * 1e-9
+
+    def is_at_rest(self, now_ns: int) -> bool:
+        """Whether no robot has moved for ``REST_S``, and nobody will: all who want to go on have heard where to."""
+        quiet_s = self.quiet_s(now_ns)
+        if quiet_s < REST_S:
+            return False
+        news_ns = self._scene.grid.place_graph.news_steps * max(life.last.hold_ns for life in self._lives.values())
+        return quiet_s >= REST_S + news_ns * 1e-9 or not self._blocked_robots(now_ns)
+
+    def _blocked_robots(self, now_ns: int) -> tuple[str, ...]:
+        """The robots that want to go on and stand, by ``blocked_robots``; asked once for each time that all stand."""
+        since_ns = self._quiet_since_ns
+        if since_ns is not None and self._blocked[0] != since_ns:
+            self._blocked = since_ns, blocked_robots(self._swarm_at(now_ns), self._scene.mission)
+        return self._blocked[1]
+
+    def _swarm_at(self, now_ns: int) -> Swarm:
+        """The robots that take part, where they stand, as the simulation has them; to be asked what they want."""
+        scene = self._scene
+        there = [k for k in self._alive(now_ns) if self._lives[k].last.state == MEMBER]
+        hold_ns = max((self._lives[k].last.hold_ns for k in there), default=scene.period_ns)
+        places_m = scene.starts_m.copy()
+        for k in there:
+            places_m[k] = self._lives[k].place_at(now_ns)
+        # all news have come by then, as robots see it
+        beginning = Beginning(places_m, steps=scene.grid.place_graph.news_steps)
+        controller = Controller(scene.decide, scene.rule(hold_ns))
+        swarm = Swarm(beginning, scene.fleet, Surroundings(scene.grid.walls), controller)
+        swarm.leave(np.setdiff1d(np.arange(len(self._robots)), there), bodies_stay=False)
+        swarm.learn_of_free_ground()
+        return swarm
 
     def _alive(self, now_ns: int) -> list[int]:
         """The robots that have been heard lately and have not left."""
@@ -167,9 +204,10 @@ class Recorder:
             life.trajectory(robot.name, self._height_at())
             for life, robot in zip(lives, mission.fleet.robots or (), strict=True)
         )
-        end = RunEnd(
-            at_rest=not stopped, steps=max(life.last.tick for life in lives), reason="stopped" if stopped else "rest"
-        )
+        blocked = () if stopped else self._blocked_robots(end_ns)
+        reason: EndReason = "stopped" if stopped else "blocked" if blocked else "rest"
+        steps = max(life.last.tick for life in lives)
+        end = RunEnd(at_rest=reason == "rest", steps=steps, reason=reason, blocked=blocked)
         plan = Plan(
             mission=mission,
             trajectories=holding_from_joining(trajectories, mission),
