@@ -791,7 +791,7 @@ def test_a_plan_is_judged_for_another_mission(yard: Path, plan_path: Path, capsy
     assert run(["check", str(plan_path), "--mission", "yard.yaml"]) == 0
     told = capsys.readouterr()
     assert "lower bound: 1 by the plan's own word" in told.out
-    assert told.err == ""
+    assert told.err == "rota: for robots that change speed at once\n"
     (yard.parent / "other.yaml").write_text(
         YARD.replace("speed_m_s: 1", "speed_m_s: 0.5").replace("name: yard", "name: b")
     )
@@ -845,7 +845,7 @@ def test_what_needs_no_compiled_check_says_nothing_of_compiling(
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
     assert run(["check", str(plan_path)]) == 0
     told = capsys.readouterr()
-    assert told.err == ""
+    assert told.err == "rota: for robots that change speed at once\n"
     assert not (tmp_path / "empty").exists()  # nothing was compiled indeed
     # no table of no demands, and nobody is said to have seen all of nothing
     assert (

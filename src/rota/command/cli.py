@@ -43,6 +43,8 @@ from rota.exports import export_format
 from rota.stopping import OwnThread
 
 if TYPE_CHECKING:
+    from rota.command.executed import Executed
+    from rota.command.flown import ByVehicle
     from rota.plan import Plan
 
 app = typer.Typer(
@@ -158,25 +160,42 @@ def check(
     origin: Annotated[
         str | None, typer.Option(metavar="LAT,LON", help="With --executed: where x = y = 0 lies, as in rota export.")
     ] = None,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="With --executed: as this vehicle's firmware flies the files: arducopter, ..."
+        ),
+    ] = None,
+    wind: Annotated[
+        str | None,
+        typer.Option(metavar="M_S,FROM_DEG", help="With --vehicle: steady wind and whence: 0 north, 90 east."),
+    ] = None,
 ) -> None:
     """Check a plan: exit code 0 when all is met, 1 when not."""
-    from rota.check import check_plan, report_table, report_to_json
-    from rota.command.executed import table_of_worst
+    from rota.check import check_plan
+    from rota.command.executed import AsPlanned
+    from rota.command.flown import flown_by
 
-    answer, made = read_plan_argument(plan), None
+    answer = read_plan_argument(plan)
     if mission is not None:
         answer = plan_for_mission(answer, mission)
-    if executed is not None:
+    made: AsPlanned | Executed | ByVehicle = AsPlanned(plan=answer)
+    if executed is None:
+        given = {"--vehicle": vehicle, "--in-phase-every": in_phase_every, "--origin": origin, "--wind": wind}
+        if (option := next((name for name, value in given.items() if value is not None), None)) is not None:
+            raise RotaError(f"{option}: is for --executed only")
+    elif vehicle is not None:
+        made = flown_by(answer, executed, vehicle, wind, in_phase_every, origin)
+    elif wind is not None:
+        raise RotaError("--wind: is for --vehicle only")
+    else:
         made = plan_as_executed(answer, executed, in_phase_every, origin)
-    elif in_phase_every is not None or origin is not None:
-        raise RotaError(f"{'--origin' if in_phase_every is None else '--in-phase-every'}: is for --executed only")
     mention_compiling(*compiled_for_check(answer.mission))
     with saying_when_interrupted("the plan is not checked to the end"):
-        report = OwnThread(lambda: check_plan(answer if made is None else made.plan)).awaited()
-    table = report_table if made is None else table_of_worst
-    typer.echo(json.dumps(report_to_json(report), indent=1) if as_json else table(report))
-    if made is not None and report.verdict == "violated":
-        say(made.comes_of(answer))
+        report = OwnThread(lambda: check_plan(made.plan)).awaited()
+    typer.echo(json.dumps(made.to_json(report), indent=1) if as_json else made.text(report))
+    for remark in made.remarks(answer, report):
+        say(remark)
     raise typer.Exit(DONE if report.verdict == "met" else VIOLATED)
 
 

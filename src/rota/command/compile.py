@@ -23,13 +23,14 @@ def compile_kernels(
         list[str] | None, typer.Argument(metavar="PLANNER...", help="Only for these; default patrol, swarm and bounce.")
     ] = None,
 ) -> None:
-    """Compile ahead what a first plan waits for."""
+    """Compile ahead what a first plan and its check wait for."""
     from rota.compiled.code_cache import cache_folder, is_writable
     from rota.errors import NoPlanFound, RotaError
     from rota.first_run import compiled_by_two
     from rota.make_plan import search_plan
     from rota.planner import planner_named
     from rota.planner_registry import PLANNERS
+    from rota.vehicles.compile_ahead import fly_a_square
 
     doors = {name: planner_named(name) for name in planners or PLANNERS}
     folder = cache_folder()
@@ -42,6 +43,7 @@ def compile_kernels(
             if small is not None:
                 with compiled_by_two(door, to_the_end=True), suppress(NoPlanFound):
                     search_plan(small)
+        fly_a_square()
     say(f"{len(compiled())} functions compiled in {time.monotonic() - began_s:.0f} s, kept in {folder}")
 
 

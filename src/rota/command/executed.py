@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
 
+from rota.command.without_mass import without_mass
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
@@ -20,18 +21,49 @@ HOUR_S = 3600.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Executed:
+class AsPlanned:
+    """A plan as it is, for the check, and what is said of its report."""
+
+    plan: Plan
+
+    def text(self, report: Report) -> str:
+        """The report as plain text."""
+        from rota.check import report_table
+
+        return report_table(report)
+
+    def to_json(self, report: Report) -> dict[str, Any]:
+        """The report as JSON values."""
+        from rota.check import report_to_json
+
+        return report_to_json(report)
+
+    def remarks(self, planned: Plan, report: Report) -> list[str]:
+        """What people should know beside it: of whom "met" is said."""
+        told = without_mass(planned) if report.verdict == "met" else None
+        return [told] if told is not None else []
+
+
+@dataclass(frozen=True, kw_only=True)
+class Executed(AsPlanned):
     """A plan as a format drives it, and a sentence on what differs from the plan.
 
     off_m: how far places are off the plan's routes. drifts: whether rounds take another time than planned.
     """
 
-    plan: Plan
     told: str
     off_m: float
     drifts: bool
 
-    def comes_of(self, planned: Plan) -> str:
+    def text(self, report: Report) -> str:
+        """The report as plain text, with the worst violation of each kind."""
+        return table_of_worst(report)
+
+    def remarks(self, planned: Plan, report: Report) -> list[str]:
+        """What a violated verdict comes of; of a met one the same as of a plan."""
+        return [self._comes_of(planned)] if report.verdict == "violated" else super().remarks(planned, report)
+
+    def _comes_of(self, planned: Plan) -> str:
         """What a violated verdict comes of: a sentence, which begins with what the check says of the plan itself."""
         from rota.check import check_plan
 

@@ -14,7 +14,7 @@ from rota.check.motion import motion_violations
 from rota.check.routes import commensurable_classes
 from rota.errors import PlanError
 from rota.exports import FORMATS
-from rota.files.executed.mavlink import flown
+from rota.files.executed.mavlink import exactly, told
 from rota.files.executed.plan_as_driven import DRIVEN, plan_as_driven
 from rota.files.mission_items import Item
 from rota.mission import Robot
@@ -137,22 +137,27 @@ def to_and_fro(hold_s: float, speed_m_s: float = 5.0) -> list[Item]:
     )
 
 
+def flown(items: list[Item], autopilot: str) -> Trajectory:
+    first = PLAN.trajectories[0]
+    return exactly(first, told(PLAN, first, items, autopilot))  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("autopilot", "hold_s", "kept_s"),
     [("ardupilot", 1.5, 1), ("px4", 1.5, 1.5), ("ardupilot", 1e5, 65535), ("px4", 1e5, 1e5)],
 )
 def test_autopilots_keep_waits_as_their_sources_say(autopilot: str, hold_s: float, kept_s: float) -> None:
-    made = flown(PLAN, PLAN.trajectories[0], to_and_fro(hold_s), autopilot)  # type: ignore[arg-type]
+    made = flown(to_and_fro(hold_s), autopilot)
     assert made.loop_duration_s == pytest.approx(NORTH_M / 5 + kept_s + NORTH_M / 4, abs=1e-3)
 
 
 def test_the_file_is_judged_and_not_what_was_meant() -> None:
     # the first leg of the first round is flown at the vehicle's own speed, since nothing else was told by then
-    made = flown(PLAN, PLAN.trajectories[0], to_and_fro(0, speed_m_s=100), "px4")
+    made = flown(to_and_fro(0, speed_m_s=100), "px4")
     assert made.loop_duration_s == pytest.approx(NORTH_M / 8 + NORTH_M / 4, abs=1e-3)
     np.testing.assert_allclose(place_at(made, NORTH_M / 8), [0, NORTH_M], atol=0.02)
     with pytest.raises(PlanError, match="robot a: command 20 is none that a route is made of"):
-        flown(PLAN, PLAN.trajectories[0], mission((22, [0, 0, 0, None, *HERE, 25]), (20, [0] * 7)), "px4")
+        flown(mission((22, [0, 0, 0, None, *HERE, 25]), (20, [0] * 7)), "px4")
 
 
 def test_ardupilot_takes_what_is_left_of_a_wait_from_the_leg_before() -> None:

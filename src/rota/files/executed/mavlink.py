@@ -13,6 +13,7 @@ import json
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,23 +40,40 @@ CENTIMETRES = 100.0
 HERE_M = 0.02  # a take-off nearer than this to where the vehicle stands is that place, rounded
 
 
+class Told(NamedTuple):
+    """What a file tells a vehicle: stops once, and then others for ever; none where it stays."""
+
+    once: list[RouteStop]
+    every_round: list[RouteStop]
+
+
 def as_waypoints(plan: Plan, trajectory: Trajectory) -> Trajectory:
     """One robot as ArduPilot flies its list of waypoints."""
+    return exactly(trajectory, told_by_waypoints(plan, trajectory))
+
+
+def told_by_waypoints(plan: Plan, trajectory: Trajectory) -> Told:
+    """What a list of waypoints tells ArduPilot."""
     lines = waypoint_list_text(plan, trajectory).splitlines()[2:]  # without the first line and home
     rows = [[float(word) for word in line.split("\t")] for line in lines]
     items = [Item(int(row[3]), int(row[2]), list(row[4:11])) for row in rows]
-    return flown(plan, trajectory, items, "ardupilot")
+    return told(plan, trajectory, items, "ardupilot")
 
 
 def as_qgroundcontrol(plan: Plan, trajectory: Trajectory, autopilot: Autopilot) -> Trajectory:
     """One robot as an autopilot flies its plan of QGroundControl."""
+    return exactly(trajectory, told_by_qgroundcontrol(plan, trajectory, autopilot))
+
+
+def told_by_qgroundcontrol(plan: Plan, trajectory: Trajectory, autopilot: Autopilot) -> Told:
+    """What a plan of QGroundControl tells an autopilot."""
     document = json.loads(json.dumps(trajectory_to_qgroundcontrol(plan, trajectory, autopilot=autopilot)))
     items = [Item(item["command"], item["frame"], item["params"]) for item in document["mission"]["items"]]
-    return flown(plan, trajectory, items, autopilot)
+    return told(plan, trajectory, items, autopilot)
 
 
-def flown(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Autopilot) -> Trajectory:
-    """The trajectory of items, numbered from 1, which begin with a take-off and end with a jump or unlimited loitering.
+def told(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Autopilot) -> Told:
+    """What items tell, numbered from 1, which begin with a take-off and end with a jump or unlimited loitering.
 
     The loop is what is flown between the second time and the third time that the jump comes: speeds of the first round
     may be the approach's. The vehicle flies at its own speed where none was commanded, and never faster. It takes off
@@ -67,8 +85,12 @@ def flown(plan: Plan, trajectory: Trajectory, items: list[Item], autopilot: Auto
     if math.dist(taken_off, (x, y)) <= HERE_M:
         for number, stop in enumerate(itertools.takewhile(lambda stop: stop.place_m[:2] == taken_off, tuple(stops))):
             stops[number] = replace(stop, place_m=(x, y, stop.place_m[2]))
-    flat = trajectory.positions_m.shape[1] == 2
-    return driven(trajectory.robot, stops[:first_jump], stops[first_jump:second_jump], flat=flat)
+    return Told(stops[:first_jump], stops[first_jump:second_jump])
+
+
+def exactly(trajectory: Trajectory, told: Told) -> Trajectory:
+    """The trajectory of a vehicle without mass that does all that it is told."""
+    return driven(trajectory.robot, told.once, told.every_round, flat=trajectory.positions_m.shape[1] == 2)
 
 
 def _stops(plan: Plan, robot: str, items: list[Item], autopilot: Autopilot) -> tuple[list[RouteStop], int, int]:

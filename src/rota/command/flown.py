@@ -1,0 +1,160 @@
+"""What `rota check --executed FORMAT --vehicle NAME` says: rounds as flown, what lapses and what would help."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rota.command.executed import in_phase_every, table_of_worst
+from rota.command.terminal import mention_compiling
+from rota.command.without_mass import WORTH_SAYING
+from rota.errors import RotaError
+
+if TYPE_CHECKING:
+    from rota.check import Report
+    from rota.files.executed.plan_as_flown import RobotFlown
+    from rota.plan import Plan
+    from rota.vehicles.facts import Vehicle
+    from rota.vehicles.motion import Wind
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByVehicle:
+    """A plan as a vehicle flies a format's files, in what wind; ``plan``: as it is judged."""
+
+    plan: Plan
+    vehicle: Vehicle
+    format: str
+    wind: Wind
+    robots: tuple[RobotFlown, ...]
+
+    def text(self, report: Report) -> str:
+        """A row for each robot (rounds planned and flown, and how far corners are cut), then the report."""
+        rows: list[tuple[str, ...]] = [("robot", "planned s", "flown s", "factor", "late a round s", "corners cut m")]
+        for each in self.robots:
+            cut_m = float(each.motion.cut_m.max(initial=0.0))
+            round_s = each.motion.round_s
+            cells = [f"{each.planned_s:.1f}", f"{round_s:.1f}", f"{each.factor:.2f}", f"{round_s - each.planned_s:.1f}"]
+            rows.append((each.way.robot, *(cells if each.planned_s else ["stays", "", "", ""]), f"{cut_m:.1f}"))
+        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        lines = [f"as {self.vehicle.told} flies {self.format}, {self._wind_text()}:", ""]
+        for name, *row in rows:
+            padded = [cell.rjust(width) for cell, width in zip(row, widths[1:], strict=True)]
+            lines.append("  ".join([name.ljust(widths[0]), *padded]))
+        return "\n".join([*lines, "", table_of_worst(report)])
+
+    def to_json(self, report: Report) -> dict[str, Any]:
+        """The same as JSON values."""
+        from rota.check import report_to_json
+
+        return {
+            "rota_flown": 1,
+            "vehicle": self.vehicle.name,
+            "format": self.format,
+            "wind_m_s": self.wind.speed_m_s,
+            "wind_from_deg": self.wind.from_deg,
+            "robots": [
+                {
+                    "robot": each.way.robot,
+                    "planned_round_s": each.planned_s,
+                    "flown_round_s": each.motion.round_s,
+                    "factor": each.factor,
+                    "legs_s": each.motion.legs_s.tolist(),
+                    "corners_cut_m": each.motion.cut_m.tolist(),
+                }
+                for each in self.robots
+            ],
+            "report": report_to_json(report),
+        }
+
+    def remarks(self, planned: Plan, report: Report) -> list[str]:
+        """What lapses by how much, and what would help."""
+        lines = []
+        lapsed = [d for d in report.demands if d.outcome == "violated" and d.worst_gap_at_least_s > d.period_s]
+        if lapsed:
+            told = (
+                f"{d.name} for ever" if math.isinf(d.worst_gap_at_least_s)
+                else f"{d.name} by {d.worst_gap_at_least_s - d.period_s:.0f} s"
+                for d in lapsed
+            )  # fmt: skip
+            lines.append(f"demands lapse: {', '.join(told)}")
+        if lapsed and 1 < report.worst_ratio < math.inf:
+            lines.append(
+                f"none would lapse whose period is {math.ceil(100 * report.worst_ratio) / 100:.2f} times as long"
+            )
+        planned_s, flown_s = self._planned_s, sum(each.motion.round_s for each in self.robots)
+        if planned_s and flown_s > WORTH_SAYING * planned_s:
+            length_m = sum(trajectory.loop_length_m for trajectory in planned)
+            lines.append(
+                f"rounds take {flown_s / planned_s:.1f} times the planned time: it makes {length_m / flown_s:.1f} m/s"
+                f" on them where {length_m / planned_s:.1f} m/s are planned; plans for slower robots come nearer"
+            )
+            lines += [f"{other.told} takes {self._factor(other):.1f} times it" for other in _tuned(self.vehicle)]
+        return lines
+
+    @property
+    def _planned_s(self) -> float:
+        return sum(each.planned_s for each in self.robots)
+
+    def _factor(self, vehicle: Vehicle) -> float:
+        """All rounds together beside the planned ones, without wind, by the closed form."""
+        from rota.vehicles.models import model_of
+
+        model = model_of(vehicle)
+        return sum(model.round_s(each.way) for each in self.robots) / self._planned_s
+
+    def _wind_text(self) -> str:
+        if not self.wind.speed_m_s:
+            return "without wind"
+        return f"in wind of {self.wind.speed_m_s:g} m/s from {self.wind.from_deg:g} degrees"
+
+
+def flown_by(
+    plan: Plan, name: str, vehicle: str, wind: str | None, in_phase_every_s: float | None, origin: str | None
+) -> ByVehicle:
+    """The plan as a named vehicle flies it. wind: M_S,FROM_DEG. Raises RotaError as ``plan_as_flown`` does."""
+    from rota.exports import export_format, placed_for
+    from rota.files.executed.plan_as_flown import plan_as_flown
+    from rota.vehicles.presets import vehicle_named
+
+    export_format(name, "--executed")
+    known, blows = vehicle_named(vehicle), _wind_given(wind)
+    if origin is not None:
+        plan = placed_for(plan, origin, name)
+    mention_compiling("vehicles")
+    made, robots = plan_as_flown(plan, name, known, blows)
+    if in_phase_every_s is not None:
+        made = in_phase_every(plan, made, in_phase_every_s)
+    return ByVehicle(plan=made, vehicle=known, format=name, wind=blows, robots=robots)
+
+
+def _wind_given(text: str | None) -> Wind:
+    """The wind of the text M_S,FROM_DEG; none without a text. Raises RotaError for other texts."""
+    from rota.vehicles.motion import Wind
+
+    if text is None:
+        return Wind()
+    try:
+        speed_m_s, from_deg = (float(number) for number in text.split(","))
+        return Wind(speed_m_s=speed_m_s, from_deg=from_deg)
+    except (ValueError, RotaError):
+        raise RotaError(
+            f"--wind: {text!r} is not allowed; M_S,FROM_DEG is needed, such as 5,240: 0 m/s or more, and where the wind"
+            " comes from, 0 north, 90 east"
+        ) from None
+
+
+def _tuned(vehicle: Vehicle) -> list[Vehicle]:
+    """Presets of the same formats that are quicker."""
+    from rota.vehicles.presets import VEHICLES
+
+    own = vehicle.acceleration_m_s2
+    return [
+        other
+        for other in VEHICLES.values()
+        if other.formats == vehicle.formats
+        and other.acceleration_m_s2 is not None
+        and own is not None
+        and other.acceleration_m_s2.value > own.value
+    ]

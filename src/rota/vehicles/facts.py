@@ -1,0 +1,39 @@
+"""What is known of a vehicle, each value with where it is from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fact:
+    """A value in SI units (angles in degrees), the name that its firmware has for it, and where that is told."""
+
+    value: float
+    parameter: str
+    source: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vehicle:
+    """A vehicle by its firmware's parameters. None: no value is known from a source, or there is no such limit.
+
+    told: the vehicle in a sentence, "an ArduCopter by default parameters". formats: the export formats whose files it
+    takes and whose motion is modelled. corner_m: how far from a waypoint the vehicle may pass. most_items,
+    most_fence_points: what its memory holds.
+    """
+
+    name: str
+    told: str
+    formats: tuple[str, ...] = ()
+    speed_m_s: Fact | None = None
+    acceleration_m_s2: Fact | None = None
+    jerk_m_s3: Fact | None = None
+    corner_m: Fact | None = None
+    climb_m_s: Fact | None = None
+    descend_m_s: Fact | None = None
+    climb_m_s2: Fact | None = None
+    top_airspeed_m_s: Fact | None = None
+    lean_deg: Fact | None = None
+    most_items: Fact | None = None
+    most_fence_points: Fact | None = None

@@ -1,0 +1,81 @@
+"""Vehicles by their names, as they come from their makers, and copters that are tuned."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rota.errors import RotaError
+from rota.vehicles.facts import Fact, Vehicle
+
+_COPTER_4_6 = "ArduCopter 4.6, default"  # AC_WPNav.cpp, ArduCopter/config.h and ardupilot.org/copter/docs/parameters
+_STORAGE = "ArduPilot 4.6, StorageManager.cpp, a Copter's areas on boards with 16 KiB"
+_PX4 = "PX4 Autopilot, multicopter_autonomous_params.c, default"
+_DJI = "DJI Mobile SDK, DJIWaypoint and DJIWaypointV2"
+
+ARDUCOPTER = Vehicle(
+    name="arducopter",
+    told="an ArduCopter by default parameters",
+    formats=("qgroundcontrol", "waypoints"),
+    speed_m_s=Fact(value=10.0, parameter="WPNAV_SPEED", source=_COPTER_4_6),
+    acceleration_m_s2=Fact(value=2.5, parameter="WPNAV_ACCEL", source=_COPTER_4_6),
+    jerk_m_s3=Fact(value=1.0, parameter="WPNAV_JERK", source=_COPTER_4_6),
+    corner_m=Fact(value=2.0, parameter="WPNAV_RADIUS", source=_COPTER_4_6),
+    climb_m_s=Fact(value=2.5, parameter="WPNAV_SPEED_UP", source=_COPTER_4_6),
+    descend_m_s=Fact(value=1.5, parameter="WPNAV_SPEED_DN", source=_COPTER_4_6),
+    climb_m_s2=Fact(value=1.0, parameter="WPNAV_ACCEL_Z", source=_COPTER_4_6),
+    lean_deg=Fact(value=30.0, parameter="ANGLE_MAX", source=_COPTER_4_6),
+    top_airspeed_m_s=Fact(
+        value=10.0,
+        parameter="at ANGLE_MAX",
+        source="flights of ArduPilot's simulated quadcopter near sea level, measured",
+    ),
+    most_items=Fact(value=650, parameter="(2422 + 2132 + 5204 - 4) bytes / 15", source=_STORAGE),
+    most_fence_points=Fact(value=70, parameter="(48 + 256 + 256) bytes / 8", source=_STORAGE),
+)
+_RANGE = "the documented range's greatest, ardupilot.org/copter/docs/parameters"
+ARDUCOPTER_TUNED = replace(
+    ARDUCOPTER,
+    name="arducopter-tuned",
+    told="an ArduCopter with WPNAV_ACCEL 500 and WPNAV_JERK 5",
+    acceleration_m_s2=Fact(value=5.0, parameter="WPNAV_ACCEL", source=_RANGE),
+    jerk_m_s3=Fact(value=5.0, parameter="WPNAV_JERK", source="a quarter of " + _RANGE),
+)
+PX4 = Vehicle(
+    name="px4",
+    told="a PX4 multicopter by default parameters",
+    speed_m_s=Fact(value=5.0, parameter="MPC_XY_CRUISE", source=_PX4),
+    acceleration_m_s2=Fact(value=3.0, parameter="MPC_ACC_HOR", source=_PX4),
+    jerk_m_s3=Fact(value=4.0, parameter="MPC_JERK_AUTO", source=_PX4),
+    corner_m=Fact(value=2.0, parameter="NAV_ACC_RAD", source="PX4 Autopilot, init.d/rc.mc_defaults"),
+    climb_m_s=Fact(value=3.0, parameter="MPC_Z_V_AUTO_UP", source=_PX4),
+    descend_m_s=Fact(value=1.5, parameter="MPC_Z_V_AUTO_DN", source=_PX4),
+)
+DJI = Vehicle(
+    name="dji",
+    told="a DJI aircraft on a wayline",
+    speed_m_s=Fact(value=15.0, parameter="autoFlightSpeed, the greatest", source=_DJI),
+    corner_m=Fact(value=0.2, parameter="cornerRadiusInMeters", source=_DJI),
+)
+AGV = Vehicle(
+    name="agv",
+    told="a virtual AGV of Siemens' vda-5050-lib, which changes speed at once",
+    speed_m_s=Fact(value=2.0, parameter="vehicleSpeed", source="vda-5050-lib.js, VirtualAgvAdapterOptions, default"),
+)
+TURTLEBOT4 = Vehicle(
+    name="turtlebot4",
+    told="a TurtleBot 4 under Nav2",
+    speed_m_s=Fact(value=0.26, parameter="max_vel_x", source="turtlebot4_navigation/config/nav2.yaml, FollowPath"),
+    acceleration_m_s2=Fact(
+        value=2.5, parameter="acc_lim_x", source="turtlebot4_navigation/config/nav2.yaml, FollowPath"
+    ),
+)
+NONE = Vehicle(name="none", told="a robot that changes speed at once")
+
+VEHICLES = {each.name: each for each in (ARDUCOPTER, ARDUCOPTER_TUNED, PX4, DJI, AGV, TURTLEBOT4, NONE)}
+
+
+def vehicle_named(name: str, where: str = "--vehicle") -> Vehicle:
+    """The vehicle of a name; raises RotaError for others, which says ``where`` it was given."""
+    if name not in VEHICLES:
+        raise RotaError(f"{where}: {name!r} is not one of {', '.join(map(repr, VEHICLES))}")
+    return VEHICLES[name]
