@@ -17,6 +17,7 @@ from rota.check.clocks import clock_margin_s, clock_violations
 from rota.check.demands import DemandedGround, demands_of, visits
 from rota.check.entrances import entrance_violations
 from rota.check.findings import Findings
+from rota.check.holding import holding_of
 from rota.check.motion import motion_violations
 from rota.check.moving import moving_violations
 from rota.check.presence import presence_violations
@@ -109,6 +110,7 @@ def check_plan(plan: Plan, *, finest_m: float = FINEST_M, on_the_way: Callable[[
         holds_from_s=max((trajectory.loop_start_s for trajectory in plan), default=0.0),
         **verdicts.places(),
         run_end=plan.run_end,
+        holding=holding_of(plan),
     )
 
 

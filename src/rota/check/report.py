@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.check.holding import Holding
 from rota.plan import EndReason, RunEnd
 from rota.violation_kinds import ViolationKind
 
@@ -100,6 +101,7 @@ class Report:
     index of its demand in ``demands``. ``shown_unmet_m`` (m, 2) and ``shown_unmet_demand`` (m,): places that were
     looked at by themselves and are unmet, while some of the pieces may be met all the same. ``run_end``: what the plan
     says of the end of a swarm's run; it is not judged.
+    ``holding``: what a swarm has where it holds, and cannot reach; None of other plans.
     ``clock_margin_s``: by how much any two robots' clocks may differ before bodies touch (inf: by anything); None where
     that is not judged, which it is of robots that bounce. ``lower_bound_robots`` is the plan's own claim.
     ``cells_entered``: of a plan that is to cover its floor, how many cells robots enter and how many there are.
@@ -118,6 +120,7 @@ class Report:
     shown_unmet_m: NDArray[np.float64] = field(repr=False)
     shown_unmet_demand: NDArray[np.int64] = field(repr=False)
     run_end: RunEnd | None = None
+    holding: Holding | None = None
     clock_margin_s: float | None = None
     cells_entered: tuple[int, int] | None = None
     not_judged: tuple[str, ...] = ()
@@ -137,6 +140,16 @@ def _run_end_to_json(end: RunEnd) -> dict[str, Any]:
     return {"at_rest": end.at_rest, "steps": end.steps, "reason": end.reason, "blocked": list(end.blocked)}
 
 
+def _holding_to_json(holding: Holding) -> dict[str, Any]:
+    places = [{"x": x, "y": y, "area_m2": area_m2} for x, y, area_m2 in holding.unreached]
+    return {
+        "ground_m2": holding.ground_m2,
+        "in_range_m2": holding.in_range_m2,
+        "seen_m2": holding.seen_m2,
+        "unreached": places,
+    }
+
+
 def report_to_json(report: Report) -> dict[str, Any]:
     """The report as JSON values, by the schema of ``report_schema``: null for "never" and at most 100 unmet points."""
     end = report.run_end
@@ -150,6 +163,7 @@ def report_to_json(report: Report) -> dict[str, Any]:
         "first_coverage_s": report.first_coverage_s,
         "holds_from_s": report.holds_from_s,
         "run_end": None if end is None else _run_end_to_json(end),
+        "holding": None if report.holding is None else _holding_to_json(report.holding),
         "clock_margin_s": None if report.clock_margin_s is None else _finite(report.clock_margin_s),
         "worst_ratio": _finite(report.worst_ratio),
         "worst_ratio_at_least": _finite(report.worst_ratio_at_least),
@@ -235,6 +249,19 @@ def report_schema() -> dict[str, Any]:
                     steps=COUNT,
                     reason={"enum": list(get_args(EndReason))},
                     blocked={"type": "array", "items": TEXT, "description": "robots that want to move on and cannot"},
+                ),
+            ],
+        },
+        holding={
+            "description": "what a swarm has in range and sees through no wall where it holds, and ground that no robot"
+            " can reach; null: the plan is of no swarm",
+            "oneOf": [
+                {"type": "null"},
+                _object(
+                    ground_m2=SIZE,
+                    in_range_m2=SIZE,
+                    seen_m2=SIZE,
+                    unreached={"type": "array", "items": _object(x=NUMBER, y=NUMBER, area_m2=SIZE)},
                 ),
             ],
         },

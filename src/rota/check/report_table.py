@@ -6,6 +6,8 @@ import math
 
 from rota.check.report import DemandVerdict, Report, number_text
 
+TOLD = 5  # parts of the ground that cannot be reached
+
 
 def report_table(report: Report) -> str:
     """The report as plain text: the verdict, one row per demand, then every violation on a line of its own."""
@@ -18,11 +20,29 @@ def report_table(report: Report) -> str:
     lines = [f"verdict: {report.verdict}{_since(report)}", f"robots: {report.robots} (lower bound: {bound}); {extent}"]
     if report.run_end is not None:
         lines.append(f"the plan says that its run was {report.run_end.text()}")
+    lines += _held(report)
     if report.clock_margin_s is not None:
         lines.append(clocks_text(report.clock_margin_s))
     lines += _demand_rows(report) if report.demands else []
     lines += [f"not judged: {open_claim}" for open_claim in report.not_judged]
     return "\n".join([*lines, *(f"violation: {violation.text()}" for violation in report.violations)])
+
+
+def _held(report: Report) -> list[str]:
+    """What a swarm has where it holds, and what of the ground no robot can reach; nothing of other plans."""
+    held = report.holding
+    if held is None:
+        return []
+    share = 1 / held.ground_m2 if held.ground_m2 > 0 else 0.0
+    lines = [f"held at last: {held.in_range_m2 * share:.1%} of the ground in range"]
+    if held.seen_m2 < held.in_range_m2 - 1e-9 * held.ground_m2:
+        lines[0] += f", {held.seen_m2 * share:.1%} seen through no wall"
+    lines += [
+        f"no robot can reach {number_text(area_m2)} m2 at ({x:.2f}, {y:.2f})" for x, y, area_m2 in held.unreached[:TOLD]
+    ]
+    if len(held.unreached) > TOLD:
+        lines.append(f"nor {len(held.unreached) - TOLD} smaller parts")
+    return lines
 
 
 def met_text(report: Report) -> str:

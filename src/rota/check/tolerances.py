@@ -32,6 +32,7 @@ SAME_TIME = 1e-9  # times that differ by this share of them, or by this many sec
 SAME_TURN = 1e-9  # numbers of turns of a loop that differ by this are one number
 SAME_RATIO = 1e-9  # the durations of two loops have the ratio p / q if they miss it by no more than this share
 SAME_STEP = 1e-14  # likewise of loops on a grid, where p and q may be large: rounding alone may lie between
+SLIVER_M = 1e-3  # ground that no body covers is none where it is thinner than twice that: walls and arcs are rounded
 SAME_CORNER_M = 1e-7  # corners of walls nearer to each other than this are one corner, and no slit lies between them
 CONVEX_SHARE = 1e-12  # a polygon whose hull is larger by no more than this share is convex
 SAME_CELL = 1e-9  # lattices begin and end at a line that is missed by no more than this share of a cell

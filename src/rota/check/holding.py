@@ -1,0 +1,112 @@
+"""What robots of a swarm have in range, and see, where they hold for ever, and the ground that none of them can reach.
+
+Only told, not judged: swarms are asked nothing of the ground unless it has a period.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from rota.check.arrays import Floats
+from rota.check.blocking import blocks_motion, blocks_sight
+from rota.check.routes import lines_of, segments_of
+from rota.check.standing import standing_area_of
+from rota.check.tolerances import NO_LENGTH, SLIVER_M, TOUCH_M
+from rota.mission import DiscSensor, Mission, Robot, Sensor
+from rota.plan import Plan
+
+STEPS = 64  # per quarter of a circle
+SAME_AREA = math.sqrt(math.pi / (2 * STEPS * math.sin(math.pi / (2 * STEPS))))  # of a circle and a polygon round it
+SHADOW_STEPS = 4  # of the far side of a wall's shadow, each of an eighth of a circle at most
+SPOT = 0.1  # of the smallest sensor's reach: the radius of the least ground that is told of
+
+
+@dataclass(frozen=True, kw_only=True)
+class Holding:
+    """Areas in square metres, of the ground that nothing keeps from being seen and of what robots have of it at last.
+
+    seen_m2: of what they have in range, as far as no wall is between. ``unreached``: (x, y, area) of each part of the
+    ground that no robot can come to from where it begins, the largest first; a place in it.
+    """
+
+    ground_m2: float
+    in_range_m2: float
+    seen_m2: float
+    unreached: tuple[tuple[float, float, float], ...]
+
+
+def holding_of(plan: Plan) -> Holding | None:
+    """What robots hold in a plan by a planner that makes runs; None for other plans."""
+    mission = plan.mission
+    if not mission.planning.makes_runs:
+        return None
+    hidden = blocks_sight(mission.obstacles)
+    ground = shapely.difference(mission.area, hidden)
+    walls = segments_of(hidden)
+    tree = shapely.STRtree(lines_of(walls))
+    ranges, views = [], []
+    for trajectory in plan:
+        robot, place = mission.fleet.robot(trajectory.robot), trajectory.positions_m[-1]
+        if robot.leaves_s is None:
+            ranges.append(in_range(robot, place))
+            near = tree.query(ranges[-1])
+            views.append(shapely.difference(ranges[-1], shadows(place[:2], walls[near], robot.sensor.reach_m)))
+    in_range_m2, seen_m2 = (shapely.intersection(shapely.union_all(shapes), ground).area for shapes in (ranges, views))
+    return Holding(
+        ground_m2=ground.area, in_range_m2=in_range_m2, seen_m2=seen_m2, unreached=tuple(_unreached(plan, mission))
+    )
+
+
+def in_range(robot: Robot, place_m: Floats) -> Any:
+    """What a robot at a place (2,) or (3,) has in range, walls aside; a disc as a polygon of the same area."""
+    sensor, middle = robot.sensor, shapely.Point(place_m[:2])
+    if not isinstance(sensor, DiscSensor):
+        return shapely.buffer(middle, sensor.side_m / 2, cap_style="square")
+    radius_m = sensor.radius_at_m(float(place_m[2]) if len(place_m) == 3 else 0.0)
+    return shapely.buffer(middle, radius_m * SAME_AREA, quad_segs=STEPS)
+
+
+def shadows(place_m: Floats, walls: Floats, reach_m: float) -> Any:
+    """What walls (n, 4) hide from a place (2,) within a reach, as one shape.
+
+    A wall that the place lies on hides nothing: what is behind it is hidden by the obstacle's other sides.
+    """
+    ends = walls.reshape(-1, 2, 2) - place_m
+    angles, far_m = np.arctan2(ends[..., 1], ends[..., 0]), np.hypot(ends[..., 0], ends[..., 1])
+    turn = np.remainder(angles[:, 0] - angles[:, 1] + math.pi, 2 * math.pi) - math.pi
+    cross = np.abs(ends[:, 0, 0] * ends[:, 1, 1] - ends[:, 0, 1] * ends[:, 1, 0])
+    hides = (far_m.min(axis=1) > TOUCH_M) & (cross > max(NO_LENGTH, TOUCH_M**2)) & (np.abs(turn) < math.pi - 1e-9)
+    if not hides.any():
+        return shapely.Polygon()
+    ends, angles, turn = ends[hides], angles[hides], turn[hides]
+    beyond_m = 1.1 * np.maximum(reach_m, far_m[hides].max(axis=1)) / math.cos(math.pi / 8)
+    way = angles[:, 1:] + turn[:, None] * np.linspace(0, 1, SHADOW_STEPS + 1)
+    back = beyond_m[:, None, None] * np.stack([np.cos(way), np.sin(way)], axis=2)
+    return shapely.union_all(shapely.polygons(np.concatenate([ends, back], axis=1) + place_m))
+
+
+def _unreached(plan: Plan, mission: Mission) -> list[tuple[float, float, float]]:
+    """The parts of the ground that no body covers from anywhere that it can come to: x, y of a place in it, area."""
+    robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
+    if not robots:
+        return []
+    begins: dict[tuple[float, Sensor], tuple[Robot, list[Floats]]]
+    begins = {(robot.body_radius_m, robot.sensor): (robot, []) for robot in robots}
+    for robot, trajectory in zip(robots, plan, strict=True):
+        begins[robot.body_radius_m, robot.sensor][1].append(trajectory.positions_m[0, :2])
+    covered = []
+    for (body_m, _), (robot, starts_m) in begins.items():
+        rooms = shapely.get_parts(shapely.get_parts(np.atleast_1d(standing_area_of(mission, robot).shape)))
+        own = rooms[shapely.dwithin(rooms, shapely.multipoints(np.array(starts_m)), 10 * TOUCH_M)]
+        covered.append(shapely.buffer(shapely.union_all(own), body_m + SLIVER_M, join_style="mitre"))
+    ground = shapely.difference(mission.area, blocks_motion(mission.obstacles))
+    left = shapely.difference(ground, shapely.union_all(covered))
+    parts = shapely.get_parts(shapely.buffer(shapely.buffer(left, -SLIVER_M), SLIVER_M, join_style="mitre"))
+    least_m2 = math.pi * (SPOT * min(robot.sensor.reach_m for robot in robots)) ** 2
+    told = [(shapely.point_on_surface(part), part.area) for part in parts if part.area > least_m2]
+    return sorted(((place.x, place.y, area_m2) for place, area_m2 in told), key=lambda part: -part[2])
