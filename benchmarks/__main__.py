@@ -33,6 +33,7 @@ def main() -> None:
             tile_m=chosen.tile,
             processes=chosen.processes,
             steps=chosen.steps,
+            flights=chosen.flights,
         )
         for name in names:
             for row in FIGURES[name](options):
@@ -78,6 +79,7 @@ def arguments() -> argparse.ArgumentParser:
         "--tile", type=metres, default=1000.0, metavar="M", help="side of a tile of plan-1-km2 and plan-10-km2, metres"
     )
     parser.add_argument("--steps", type=count, default=1000, metavar="N", help="of swarm-million; default 1000")
+    parser.add_argument("--flights", type=Path, metavar="FOLDER", help="recorded flights, for flights")
     return parser
 
 

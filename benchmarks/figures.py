@@ -16,6 +16,7 @@ from benchmarks.cold_start import cold_start
 from benchmarks.create2_sketch import create2_sketch
 from benchmarks.damaged_cache import damaged_cache
 from benchmarks.export_formats import export_formats
+from benchmarks.flights import flights
 from benchmarks.house import house, suite
 from benchmarks.known_plans import known_plans
 from benchmarks.large_areas import one_tile, ten_tiles
@@ -183,6 +184,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "examples": examples,
     "methods": methods,
     "formats": export_formats,
+    "flights": flights,
     "sun-cases": sun_cases,
     "loop-lengths": loop_lengths,
     "sun2019-deploy": sun_deploy,

@@ -37,3 +37,4 @@ class Options(NamedTuple):
     tile_m: float = 1000.0
     processes: int | None = None
     steps: int = 1000
+    flights: Path | None = None

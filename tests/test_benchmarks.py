@@ -18,6 +18,7 @@ import shapely
 from benchmarks import ablation, many_robots, plan_hashes
 from benchmarks.__main__ import arguments, line_of
 from benchmarks.figures import FIGURES, LONG
+from benchmarks.flights import flights
 from benchmarks.house import size_of
 from benchmarks.large_areas import growth_row, write_tiles
 from benchmarks.one_robot import (
@@ -41,6 +42,7 @@ from benchmarks.swarm_adversarial import LATTICES, closest, dense_states, lattic
 from benchmarks.swarm_coverage import mission as swarm_mission, outcome as swarm_outcome
 from scipy.spatial.distance import pdist
 from shapely import MultiPolygon, box
+from tests.vehicles.recorded import recorded_flights, recorded_tracks
 
 from rota.files.mission_file import read_mission
 from rota.mission import DiscSensor, Fleet, Mission, StartBox
@@ -65,6 +67,32 @@ def planned(robots: int, wall_s: float, *, bound: int = 3, verdict: str = "met")
 
 EASY_SEED = 95  # a random mission of one open room
 NO_PLAN = Planned(plan=ran(4.0, code=3, err="rota: no plan: too far | away"), check=None, report=None)
+
+
+# ---------------------------------------------------------------- recorded flights
+
+
+def test_recorded_flights_are_read_and_flown_again(tmp_path: Path) -> None:
+    assert [row.measured for row in flights(Options(folder=tmp_path))] == ["needs --flights FOLDER"]
+    flight = next(each for each in recorded_flights() if each.name == "b_tun2_w5_r2")
+    points = "; ".join(
+        "{:.2f} {:.2f}".format(*stop.place_m) for stop in (flight.way.once + flight.way.every_round)[:-1]
+    )
+    track = recorded_tracks()[flight.name] + [40, 0, 0]
+    lines = [
+        "# accel_m_s2=5; jerk_m_s3=5; radius_m=2; angle_max_deg=30; wind_m_s=5; wind_from_deg=240; speed_m_s=8",
+        f"# points_m: {points}",
+        f"# reached (point index, s): 0 1.0; 1 4.0; 0 40.0; 0 {40 + 1.01 * flight.round_s:.2f}",
+        "t_s,x_m,y_m",
+        *(",".join(f"{number:.2f}" for number in row) for row in track),
+    ]
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    (tmp_path / "manifest.csv").write_text('file,kind\na.csv,"loop, AUTO"\nb.csv,corners\n')
+    rows = list(flights(Options(folder=tmp_path, flights=tmp_path)))
+    assert [row.name.rpartition(": ")[2] for row in rows] == ["5 m/s2, 30 degrees, wind", "all, wind"]
+    # the recorded round was written 1 % too long
+    assert "1 loops: median 0.8" in rows[0].measured
+    assert "tracks at most 0.2" in rows[0].measured
 
 
 # ---------------------------------------------------------------- the program
