@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 from maps import PlainTeam, State, typed_cells
 
 from rota.errors import MissionError
-from rota.planners.bounce.bounce_map import make_team
+from rota.planners.bounce.bounce_map import make_team, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.chosen_group import sampled_basins
 from rota.planners.bounce.enumeration import enumerate_groups, nodes_of, printed
@@ -269,9 +269,28 @@ def test_nodes_of_states_and_zones_that_no_cycle_enters() -> None:
         assert (cycles.state[list(nodes_of(cycles, states))] == states).all()
     never = sorted(set(range(cells.count)) - set((cycles.state // 8).tolist()))
     sees = seen_by_cycles(cycles, np.zeros((2, cells.count), np.bool_), 8)
-    with pytest.raises(MissionError, match=r"^zones gate, yard: no limit cycle .* enters them"):
-        require_watchable(cycles, sees, ["gate", "yard"])
+    nowhere = np.zeros((2, cells.count), np.bool_)
+    with pytest.raises(MissionError, match=r"^zones gate, yard: no limit .* enters them.*; nor do .* other headings"):
+        require_watchable(sees, ["gate", "yard"], cells, nowhere)
     assert never == [] or len(never) < cells.count
+
+
+def test_angles_that_lead_into_a_zone_are_named() -> None:
+    """By 45 degrees all robots of a room end up along its border; other angles' cycles are followed step by step."""
+    cells = typed_cells("\n".join(["....."] * 5))
+    inside = np.array([(cells.column == 2) & (cells.row == 2)])
+    sees = np.zeros((1, 1), np.bool_)
+    entering = []
+    for bounce in range(1, 8):
+        successor = single_map(make_team(cells, [bounce]))
+        for state in range(cells.states):
+            for _ in range(2 * cells.states):
+                state = int(successor[state])
+            if inside[0, state // 8] and f"{45 * bounce}" not in entering:
+                entering.append(f"{45 * bounce}")
+    assert "45" not in entering
+    with pytest.raises(MissionError, match=f"robots that turn by one of {', '.join(entering)} degrees enter all zones$"):
+        require_watchable(sees, ["middle"], cells, inside)
 
 
 def test_a_count_may_be_given_up() -> None:

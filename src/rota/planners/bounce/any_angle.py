@@ -86,7 +86,7 @@ def _one(
     try:
         answer = plan_one(replace(request.mission, planning=settings), told)
     except (MissionError, NoPlanFound) as error:
-        return _Tried(angle_deg=angle_deg, why=str(error))
+        return _Tried(angle_deg=angle_deg, why=str(error).split("; ")[0])  # without what else might do
     report = request.judge(answer.plan)
     if report.verdict != "met":
         return _Tried(angle_deg=angle_deg, why=f"its worst gap is {report.worst_ratio_at_least:.2f} of its period")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.mission import Zone
-from rota.planners.bounce.bounce_map import cycles_and_basins, single_map
+from rota.planners.bounce.bounce_map import cycles_and_basins, make_team, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.cycle_kernels import compare_cycles
 from rota.planners.bounce.kernels import Team
@@ -22,6 +22,7 @@ Ints = NDArray[np.int32]
 Longs = NDArray[np.int64]
 
 MOST_PERIODIC = 12_000  # states on cycles; the table of pairs takes a byte for each two
+MOST_LOOKED_AT = 10_000_000  # states of all bouncing angles, up to which it is told which of them would do
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -154,11 +155,28 @@ def seen_by_cycles(cycles: LimitCycles, inside: Flags, headings: int) -> Flags:
     return np.ascontiguousarray(inside[:, cycles.state // headings].T)
 
 
-def require_watchable(cycles: LimitCycles, sees: Flags, names: Sequence[str]) -> None:
-    """Raise MissionError that names the zones which no robot's limit cycle ever enters."""
+def require_watchable(sees: Flags, names: Sequence[str], cells: Cells, inside: Flags) -> None:
+    """Raise MissionError for zones that no robot's limit cycle ever enters; it names the bouncing angles that would do.
+
+    sees: (p, z) as ``seen_by_cycles``. inside: (z, n) cells of zones.
+    """
     unwatched = [name for k, name in enumerate(names) if not sees[:, k].any()]
-    if unwatched:
-        raise MissionError(
-            f"zones {', '.join(unwatched)}: no limit cycle of any robot enters them, so no team can watch them; other"
-            " bouncing angles (bounce.bouncing_angles_deg: any tries all), headings or cells are needed"
-        )
+    if not unwatched:
+        return
+    never = f"zones {', '.join(unwatched)}: no limit cycle of any robot enters them, so no team can watch them"
+    if cells.states * cells.headings > MOST_LOOKED_AT:
+        raise MissionError(f"{never}; bounce.bouncing_angles_deg: any tries all angles")
+    angles = [f"{360 * bounce / cells.headings:g}" for bounce in _bounces_into_all(cells, inside)]
+    if not angles:
+        raise MissionError(f"{never}; nor do those of any other bouncing angle: other headings or cells are needed")
+    raise MissionError(f"{never}; cycles of robots that turn by one of {', '.join(angles)} degrees enter all zones")
+
+
+def _bounces_into_all(cells: Cells, inside: Flags) -> Iterator[int]:
+    """Heading steps by which a robot may turn so that its limit cycles together enter all zones."""
+    for bounce in range(1, cells.headings):
+        ever = single_map(make_team(cells, [bounce]))
+        for _ in range(len(ever).bit_length()):
+            ever = ever[ever]  # where robots are after twice as many steps: in the end on cycles only
+        if inside[:, ever // cells.headings].any(axis=1).all():
+            yield bounce

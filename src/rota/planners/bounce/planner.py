@@ -207,7 +207,8 @@ def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:
     margin_s = BounceSettings.of(bouncing.mission).clock_margin_s
     most += f" whose clocks may differ by {margin_s:.3g} s" * (margin_s > 0)
     team = f"no team of {most}" + (" was found that" if unproved is not None else "")
-    open_end = "" if unproved is None else f"; that there is none is not proved: {unproved}"
+    other = "; other bouncing angles may do (bounce.bouncing_angles_deg: any tries all)"
+    open_end = other if unproved is None else f"; that there is none is not proved: {unproved}{other}"
     printed = " of those that Algorithm 2 keeps as printed" * (
         BounceSettings.of(bouncing.mission).method == "as_printed"
     )
@@ -218,7 +219,11 @@ def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:
     starts = [cell for cell in start_cells(bouncing.cells, robots) if cell is not None]
     left_out = out_of_reach(watch, bouncing.team, starts, bouncing.mission, bouncing.cells)
     missed = ", ".join(name for name, out in zip(names, left_out, strict=True) if out)
-    why = f"; left alone, no robot comes from its start to a limit cycle that enters {missed}" if missed else open_end
+    why = (
+        f"; left alone, no robot comes from its start to a limit cycle that enters {missed}{other}"
+        if missed
+        else open_end
+    )
     return f"{team} goes its rounds from its starts without contact so that each zone is visited{why}"
 
 
@@ -230,7 +235,7 @@ def watch_of(bouncing: Bouncing) -> Watch:
     radii = np.array([robot.body_radius_m for robot in bouncing.robots])
     cycles = apart_in_time(limit_cycles(bouncing.team), bouncing.cells, radii[:, None] + radii, margin_steps)
     sees = seen_by_cycles(cycles, inside, bouncing.cells.headings)
-    require_watchable(cycles, sees, [zone.name for zone in zones])
+    require_watchable(sees, [zone.name for zone in zones], bouncing.cells, inside)
     periods_s = np.array([zone.period_s for zone in zones], np.float64)
     return Watch(cycles=cycles, sees=sees, period_steps=periods_s / bouncing.step_s)
 
