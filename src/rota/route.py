@@ -13,6 +13,7 @@ from rota.plan import Trajectory
 
 Place3 = tuple[float, float, float]
 Ring = tuple[tuple[float, float], ...]
+Disc = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,10 +30,14 @@ class RouteStop:
 
 @dataclass(frozen=True, kw_only=True)
 class Fence:
-    """Where a robot has to stay: in one polygon, out of others. Rings of (x, y) in metres, three corners or more."""
+    """Where a robot has to stay: in one polygon, out of others and of circles.
+
+    Rings of (x, y) in metres, three corners or more; circles (x, y, radius) in metres.
+    """
 
     inside_m: Ring
     outside_m: tuple[Ring, ...] = ()
+    circles_m: tuple[Disc, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

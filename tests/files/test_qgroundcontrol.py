@@ -19,6 +19,7 @@ from shapely import MultiPolygon, Polygon, box
 
 from rota.errors import PlanError, RotaError
 from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol, write_qgroundcontrol
+from rota.files.rings import circle_ring
 from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
@@ -190,6 +191,24 @@ def test_the_fence_is_the_area_less_what_blocks_motion() -> None:
     assert distance == pytest.approx(math.hypot(300, 300), abs=1e-3)
 
 
+def test_what_was_drawn_as_a_circle_is_one_circle_of_the_fence() -> None:
+    ring = circle_ring((200, 150), 12)
+    dented = ring.copy()
+    dented[7] += 0.01
+    mast, bush = Obstacle(shape=Polygon(ring), blocks="motion"), Obstacle(shape=Polygon(dented + 40), blocks="motion")
+    plan = plan_of(square_loop())
+    plan = replace(plan, mission=replace(plan.mission, obstacles=(mast, bush)))
+    fence = trajectory_to_qgroundcontrol(plan, plan.trajectories[0])["geoFence"]
+    assert [len(polygon["polygon"]) for polygon in fence["polygons"]] == [4, 64]
+    (circle,) = fence["circles"]
+    assert circle["inclusion"] is False
+    # it contains the polygon that stands for the circle, and not much more
+    assert 12 < circle["circle"]["radius"] == pytest.approx(12 / math.cos(math.pi / 64))
+    lat, lon = circle["circle"]["center"]
+    _, _, distance = GEOD.inv(ORIGIN.lon, ORIGIN.lat, lon, lat)
+    assert distance == pytest.approx(math.hypot(200, 150), abs=1e-3)
+
+
 @pytest.mark.parametrize(("side_m", "fenced"), [(102.9, False), (103.1, True)])
 def test_no_fence_closer_to_the_route_than_a_satellite_fix(side_m: float, fenced: bool) -> None:
     area = MultiPolygon([box(-50, -50, side_m, 100)])
@@ -265,6 +284,8 @@ def test_mavsdk_imports_the_same_items(autopilot: Any, firmware: int, tmp_path: 
         loop_start_s=7,
     )
     plan = plan_of(square_loop(), staying, delayed)
+    mast = Obstacle(shape=Polygon(circle_ring((-200, 150), 12)), blocks="motion")
+    plan = replace(plan, mission=replace(plan.mission, obstacles=(*plan.mission.obstacles, mast)))
     paths = write_qgroundcontrol(plan, tmp_path / "out", autopilot=autopilot)
     with vehicle_heard_by_mavsdk(firmware) as mavsdk:
         for path in paths:
@@ -275,9 +296,12 @@ def test_mavsdk_imports_the_same_items(autopilot: Any, firmware: int, tmp_path: 
             assert [(i.seq, i.command) for i in home] == [(0, WAYPOINT)] * len(home)
             compare_items(document["mission"]["items"], imported.mission_items[len(home) :], len(home))
             corners = [corner for polygon in document["geoFence"]["polygons"] for corner in polygon["polygon"]]
+            (circle,) = (each["circle"] for each in document["geoFence"]["circles"])
             assert [(i.x, i.y) for i in imported.geofence_items] == [
-                (round(lat * 1e7), round(lon * 1e7)) for lat, lon in corners
+                (round(lat * 1e7), round(lon * 1e7)) for lat, lon in [*corners, circle["center"]]
             ]
+            assert imported.geofence_items[-1].command == 5004
+            assert imported.geofence_items[-1].param1 == as_float32(circle["radius"])
 
 
 def compare_items(written: list[dict[str, Any]], read: list[Any], first: int) -> None:

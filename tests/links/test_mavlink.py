@@ -13,17 +13,20 @@ from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common as mav
+from shapely import Polygon
 from tests.links.autopilot import FENCE, MISSION, Autopilot, Script, flying
 from tests.links.fleets import dropped, loop_of, plan_of, routes_of, staying, three
 
 from rota.errors import LinkError, PlanError, RotaError
 from rota.files.geodesy import Projection
 from rota.files.mission_items import mission_items
+from rota.files.rings import circle_ring
 from rota.links.link import Report
 from rota.links.link_settings import make_link
 from rota.links.mavlink_address import addresses
 from rota.links.sending import first_reports, routes_for, send_all, start_all
-from rota.plan import Plan
+from rota.mission import Obstacle
+from rota.plan import Plan, Trajectory
 
 pytestmark = pytest.mark.mavsdk
 ARDUPILOT = mav.MAV_AUTOPILOT_ARDUPILOTMEGA
@@ -75,6 +78,38 @@ def test_missions_and_fences_are_sent_read_back_and_found_equal() -> None:
         corners = [(item.command, item.param1) for item in px4.items[FENCE]]
         inside, outside = mav.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, mav.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
         assert corners == [(inside, 4)] * 4 + [(outside, 4)] * 4
+
+
+def test_circles_are_one_item_of_a_fence_and_too_many_corners_are_refused_before_they_are_sent() -> None:
+    plan = plan_of(loop_of("a", 0.0))
+    masts = tuple(Obstacle(shape=Polygon(circle_ring((x, 200), 12)), blocks="motion") for x in (200, 300))
+    plan = replace(plan, mission=replace(plan.mission, obstacles=masts))
+    with flying(Script(firmware=ARDUPILOT)) as vehicles:
+        with_link(plan, vehicles, sending(plan))
+        circles = [item for item in vehicles[0].items[FENCE] if item.command == mav.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION]
+        assert held(vehicles[0], FENCE)[-2:] == [mav.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION] * 2
+        assert [item.param1 for item in circles] == pytest.approx([12.0145] * 2, abs=1e-3)
+    dented = [Polygon(circle_ring((x, 200), 12) + [[k % 2, 0] for k in range(64)]) for x in (200, 300)]
+    ragged = tuple(Obstacle(shape=shape, blocks="motion") for shape in dented)
+    plan = replace(plan, mission=replace(plan.mission, obstacles=ragged))
+    with flying(Script(firmware=ARDUPILOT)) as vehicles:
+        with pytest.raises(LinkError, match="robot a: its fence has 132 points; an ArduCopter holds at most 70: draw"):
+            with_link(plan, vehicles, sending(plan))
+        assert held(vehicles[0]) == [WAYPOINT]  # home, which clearing leaves
+    with flying(Script()) as vehicles:  # PX4 takes them
+        with_link(plan, vehicles, sending(plan))
+        assert len(held(vehicles[0], FENCE)) == 132
+
+
+def test_a_mission_that_no_ardupilot_holds_is_refused_before_it_is_sent() -> None:
+    stop = [[x, y] for x in range(0, 700) for y in (0, 1)]
+    winding = Trajectory(robot="a", times_s=range(len(stop) + 1), positions_m=[*stop, stop[0]])
+    fast = plan_of(loop_of("a", 0.0))
+    plan = Plan(mission=fast.mission, trajectories=(winding,))
+    with flying(Script(firmware=ARDUPILOT)) as vehicles:
+        with pytest.raises(LinkError, match=r"its mission has \d{4} items; an ArduCopter holds at most 1306, or 650"):
+            with_link(plan, vehicles, sending(plan))
+        assert held(vehicles[0]) == [WAYPOINT]
 
 
 def test_ardupilot_holds_what_it_can_keep_of_a_mission() -> None:

@@ -192,8 +192,9 @@ def _summary(link: Link, routes: Sequence[Route]) -> str:
         if off_m is not None and off_m > FAR_FROM_START_M:
             say(f"warning: robot {route.robot} is {off_m:.0f} m from where its route begins; it goes there straight")
         fence = "none" if route.fence is None else f"{len(route.fence.inside_m)} corners"
-        if route.fence is not None and route.fence.outside_m:
-            fence += f", {len(route.fence.outside_m)} out"
+        out = 0 if route.fence is None else len(route.fence.outside_m) + len(route.fence.circles_m)
+        if out:
+            fence += f", {out} out"
         rows.append(
             (
                 route.robot,

@@ -58,7 +58,7 @@ def trajectory_to_qgroundcontrol(plan: Plan, trajectory: Trajectory, *, autopilo
         "version": 1,
         "groundStation": "QGroundControl",
         "description": f"{_description(plan, trajectory)} {fence_note}",
-        "geoFence": {"version": 2, "circles": [], "polygons": fence},
+        "geoFence": fence,
         "rallyPoints": {"version": 2, "points": []},
         "mission": {
             "version": 2,
@@ -91,16 +91,22 @@ def _description(plan: Plan, trajectory: Trajectory) -> str:
     )
 
 
-def _fence(mission: Mission, trajectory: Trajectory, projection: Projection) -> tuple[list[Json], str]:
+def _fence(mission: Mission, trajectory: Trajectory, projection: Projection) -> tuple[Json, str]:
     """The robot's fence as the format has it, and a sentence about it."""
     fence = fence_of(mission, trajectory)
     if fence is None:
-        return [], f"No fence: the route comes closer than {FENCE_MARGIN_M:g} m to the border or an obstacle."
+        told = f"No fence: the route comes closer than {FENCE_MARGIN_M:g} m to the border or an obstacle."
+        return {"version": 2, "circles": [], "polygons": []}, told
 
-    def polygon_to_json(ring: Ring, inclusion: bool) -> Json:
+    def corners_of(ring: Ring) -> Any:
         lon, lat = projection.to_degrees(*zip(*ring, strict=True))
-        corners = np.round(np.column_stack([lat, lon]), DEGREE_DIGITS).tolist()
-        return {"version": 1, "inclusion": inclusion, "polygon": corners}
+        return np.round(np.column_stack([lat, lon]), DEGREE_DIGITS).tolist()
 
-    polygons = [polygon_to_json(fence.inside_m, True), *(polygon_to_json(ring, False) for ring in fence.outside_m)]
-    return polygons, "The fence is the mission's area less its obstacles."
+    rings = [(fence.inside_m, True), *((ring, False) for ring in fence.outside_m)]
+    polygons = [{"version": 1, "inclusion": inside, "polygon": corners_of(ring)} for ring, inside in rings]
+    circles = [
+        {"version": 1, "inclusion": False, "circle": {"center": corners_of(((x, y),))[0], "radius": radius_m}}
+        for x, y, radius_m in fence.circles_m
+    ]
+    told = "The fence is the mission's area less its obstacles."
+    return {"version": 2, "circles": circles, "polygons": polygons}, told

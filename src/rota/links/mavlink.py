@@ -20,13 +20,14 @@ from rota.links.link import Mode
 from rota.links.mavlink_address import addresses
 from rota.links.mavlink_items import (
     DEGREES,
-    WirePolygon,
+    WireShape,
     fence_differences,
     item_differences,
     item_of,
-    polygons_of,
+    require_room,
+    shapes_of,
+    wire_fence,
     wire_items,
-    wire_polygons,
 )
 from rota.links.mavlink_vehicle import MavlinkVehicle, into, worded
 from rota.links.reporting import RealTimeLink
@@ -178,6 +179,9 @@ class MavlinkLink(RealTimeLink):
 
         vehicle = self._vehicle(route.robot)
         wired = wire_items(route, self._projection, vehicle.autopilot)
+        shapes = wire_fence(route.fence, self._projection)
+        if vehicle.autopilot == "ardupilot":
+            require_room(route.robot, wired, shapes)
         items = [
             MissionItem(
                 item.seq, item.frame, item.command, int(item.seq == 0), 1, *item.params, item.x, item.y, item.z, 0
@@ -187,9 +191,8 @@ class MavlinkLink(RealTimeLink):
         raw = vehicle.plugin("mission_raw", "MissionRaw")
         await vehicle.ask("the mission", raw.upload_mission_async, items)
         geofence = vehicle.plugin("geofence", "Geofence")
-        polygons = wire_polygons(route.fence, self._projection)
-        if polygons:
-            await vehicle.ask("the fence", geofence.upload_geofence_async, _fence_data(polygons))
+        if shapes:
+            await vehicle.ask("the fence", geofence.upload_geofence_async, _fence_data(shapes))
         else:
             await vehicle.ask("clearing the fence", geofence.clear_geofence_async)
 
@@ -201,8 +204,8 @@ class MavlinkLink(RealTimeLink):
         sent = wire_items(route, self._projection, vehicle.autopilot)
         found = item_differences(sent, [item_of(item) for item in read], vehicle.autopilot)
         (raw_fence,) = await vehicle.ask("reading the fence", raw.download_geofence_async)
-        polygons = wire_polygons(route.fence, self._projection)
-        return (*found, *fence_differences(polygons, polygons_of(raw_fence)))
+        shapes = wire_fence(route.fence, self._projection)
+        return (*found, *fence_differences(shapes, shapes_of(raw_fence)))
 
     async def clear_route(self, robot: str) -> None:
         """Take mission and fence away."""
@@ -241,14 +244,16 @@ class MavlinkLink(RealTimeLink):
         return self._vehicles[robot]
 
 
-def _fence_data(polygons: list[WirePolygon]) -> Any:
-    from mavsdk.plugins.geofence import FenceType, GeofenceData, Point, Polygon
+def _fence_data(shapes: list[WireShape]) -> Any:
+    from mavsdk.plugins.geofence import Circle, FenceType, GeofenceData, Point, Polygon
 
-    def points(polygon: WirePolygon) -> list[Any]:
-        return [Point(lat / DEGREES, lon / DEGREES) for lat, lon in polygon.corners]
+    def points(shape: WireShape) -> list[Any]:
+        return [Point(lat / DEGREES, lon / DEGREES) for lat, lon in shape.corners]
 
     kinds = {True: FenceType.INCLUSION, False: FenceType.EXCLUSION}
-    return GeofenceData([Polygon(points(polygon), kinds[polygon.keeps_in]) for polygon in polygons], [])
+    polygons = [Polygon(points(shape), kinds[shape.keeps_in]) for shape in shapes if not shape.radius_m]
+    circles = [Circle(points(shape)[0], shape.radius_m, kinds[shape.keeps_in]) for shape in shapes if shape.radius_m]
+    return GeofenceData(polygons, circles)
 
 
 @functools.cache

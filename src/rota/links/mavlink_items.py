@@ -8,12 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rota.errors import LinkError
 from rota.files.geodesy import Projection
 from rota.files.mission_items import DO_JUMP, WAYPOINT, Autopilot, Item, route_items
 from rota.route import Fence, Ring, Route
+from rota.vehicles.facts import Fact
+from rota.vehicles.presets import ARDUCOPTER
 
 DEGREES = 1e7  # MAVLink's whole numbers in a degree
 FRAME_GLOBAL = 0
+MOST_ITEMS = 1306  # (2422 + 2132 + 5204 + 9842 - 4) bytes / 15: ArduPilot 4.6, StorageManager.cpp, Copter, 32 KiB
 CENTIMETRE_M = 0.01 + 1e-4  # with what float32 loses at heights of some hundred metres
 RELATIVE_ALTITUDE = frozenset({3, 6})  # one frame by two names
 WITH_PLACE = frozenset({WAYPOINT, 17, 22})
@@ -34,11 +38,12 @@ class WireItem(NamedTuple):
     z: float
 
 
-class WirePolygon(NamedTuple):
-    """A polygon of a fence."""
+class WireShape(NamedTuple):
+    """A polygon of a fence; with a radius in metres (float32) a circle round its only corner."""
 
     keeps_in: bool
     corners: Corners
+    radius_m: float = 0.0
 
 
 def wire_items(route: Route, projection: Projection, autopilot: Autopilot) -> list[WireItem]:
@@ -79,12 +84,36 @@ def _wired(number: int, item: Item, first: int) -> WireItem:
     return WireItem(number, item.command, item.frame, (a, b, c, d), x, y, float(np.float32(values[6])))
 
 
-def wire_polygons(fence: Fence | None, projection: Projection) -> list[WirePolygon]:
-    """The fence's polygons, the one that keeps in first; none without a fence."""
+def wire_fence(fence: Fence | None, projection: Projection) -> list[WireShape]:
+    """The fence's polygons, the one that keeps in first, and then its circles; none without a fence."""
     if fence is None:
         return []
     rings = [(True, fence.inside_m), *((False, ring) for ring in fence.outside_m)]
-    return [WirePolygon(keeps_in, _corners(ring, projection)) for keeps_in, ring in rings]
+    polygons = [WireShape(keeps_in, _corners(ring, projection)) for keeps_in, ring in rings]
+    return polygons + [
+        WireShape(False, _corners(((x, y),), projection), float(np.float32(radius_m)))
+        for x, y, radius_m in fence.circles_m
+    ]
+
+
+def require_room(robot: str, items: Sequence[WireItem], shapes: Sequence[WireShape]) -> None:
+    """Raise LinkError for a mission or a fence that no ArduCopter has room for; those with little room say so."""
+    points, most_points = sum(len(shape.corners) for shape in shapes), _most(ARDUCOPTER.most_fence_points)
+    if len(items) > MOST_ITEMS:
+        raise LinkError(
+            f"robot {robot}: its mission has {len(items)} items; an ArduCopter holds at most {MOST_ITEMS}, or"
+            f" {_most(ARDUCOPTER.most_items)} with less storage: plan with fewer points or shorter loops"
+        )
+    if points > most_points:
+        raise LinkError(
+            f"robot {robot}: its fence has {points} points; an ArduCopter holds at most {most_points}: draw area and"
+            " obstacles with fewer corners, or obstacles as circles, which are one point each"
+        )
+
+
+def _most(fact: Fact | None) -> int:
+    assert fact is not None
+    return int(fact.value)
 
 
 def _corners(ring: Ring, projection: Projection) -> Corners:
@@ -133,26 +162,37 @@ def _place(item: WireItem) -> str:
     return f"{item.x / DEGREES:.7f}, {item.y / DEGREES:.7f} at {item.z:g} m"
 
 
-def fence_differences(sent: Sequence[WirePolygon], held: Sequence[WirePolygon]) -> list[str]:
-    """A sentence for each polygon that differs."""
+def fence_differences(sent: Sequence[WireShape], held: Sequence[WireShape]) -> list[str]:
+    """A sentence for each polygon or circle that differs."""
     if len(sent) != len(held):
-        return [f"its fence has {len(held)} polygons of {len(sent)}"]
+        return [f"its fence has {len(held)} polygons and circles of {len(sent)}"]
     pairs = enumerate(zip(sent, held, strict=True), start=1)
-    return [f"polygon {number} of its fence is another one" for number, (was, have) in pairs if was != have]
+    names = ("polygon", "circle")
+    return [
+        f"{names[was.radius_m > 0]} {number} of its fence is another one"
+        for number, (was, have) in pairs
+        if was != have
+    ]
 
 
 POLYGON_KEEPS_IN = {5001: True, 5002: False}  # commands of a fence's corners, each with the polygon's count as param1
+CIRCLE_KEEPS_IN = {5003: True, 5004: False}  # commands of its circles, each with the radius as param1
 
 
-def polygons_of(items: Sequence[Any]) -> list[WirePolygon]:
-    """The polygons of a fence as MAVSDK has read its items back; what is no polygon counts as one without corners."""
-    found: list[WirePolygon] = []
+def shapes_of(items: Sequence[Any]) -> list[WireShape]:
+    """The shapes of a fence as MAVSDK has read its items back; what is none counts as one without corners."""
+    found: list[WireShape] = []
     rest = list(items)
     while rest:
+        if rest[0].command in CIRCLE_KEEPS_IN:
+            circle = rest.pop(0)
+            place = (int(circle.x), int(circle.y))
+            found.append(WireShape(CIRCLE_KEEPS_IN[circle.command], (place,), float(circle.param1)))
+            continue
         keeps_in, count = POLYGON_KEEPS_IN.get(rest[0].command), rest[0].param1
         size = int(count) if keeps_in is not None and 3 <= count <= len(rest) else 1
         whole = size > 1 and all(item.command == rest[0].command for item in rest[:size])
         corners = tuple((int(item.x), int(item.y)) for item in rest[:size]) if whole else ()
-        found.append(WirePolygon(bool(keeps_in), corners))
+        found.append(WireShape(bool(keeps_in), corners))
         rest = rest[size:]
     return found
