@@ -349,7 +349,9 @@ def test_what_was_not_searched_to_the_end_is_not_said_to_be_impossible(monkeypat
     found = search_plan(mission, should_stop=lambda: True)
     assert any("not proved to be the shortest of all groups: the search was stopped" in told for told in found.facts)
     monkeypatch.setattr(chosen_group, "best_group", partial(chosen_group.best_group, most_nodes=1))
-    with pytest.raises(NoPlanFound, match=r"was found that .* is not proved: the search ended after 1 partial team; other"):
+    with pytest.raises(
+        NoPlanFound, match=r"was found that .* is not proved: the search ended after 1 partial team; other"
+    ):
         make_plan(mission)
 
 

@@ -289,7 +289,9 @@ def test_angles_that_lead_into_a_zone_are_named() -> None:
             if inside[0, state // 8] and f"{45 * bounce}" not in entering:
                 entering.append(f"{45 * bounce}")
     assert "45" not in entering
-    with pytest.raises(MissionError, match=f"robots that turn by one of {', '.join(entering)} degrees enter all zones$"):
+    with pytest.raises(
+        MissionError, match=f"robots that turn by one of {', '.join(entering)} degrees enter all zones$"
+    ):
         require_watchable(sees, ["middle"], cells, inside)
 
 

@@ -219,11 +219,7 @@ def unwatched_reason(bouncing: Bouncing, unproved: str | None) -> str:
     starts = [cell for cell in start_cells(bouncing.cells, robots) if cell is not None]
     left_out = out_of_reach(watch, bouncing.team, starts, bouncing.mission, bouncing.cells)
     missed = ", ".join(name for name, out in zip(names, left_out, strict=True) if out)
-    why = (
-        f"; left alone, no robot comes from its start to a limit cycle that enters {missed}{other}"
-        if missed
-        else open_end
-    )
+    why = f"; left alone, no robot comes from its start to a limit cycle that enters {missed}" if missed else open_end
     return f"{team} goes its rounds from its starts without contact so that each zone is visited{why}"
 
 
