@@ -82,6 +82,8 @@ def built(kind: Any, value: Any) -> Any:
 
 def _built(kind: Any, value: Any) -> Any:
     origin, inner = get_origin(kind), get_args(kind)
+    if hasattr(origin, "__value__"):  # from Python 3.12 on NDArray is an alias with a name of its own
+        return _built(origin.__value__[inner], value)
     if kind is Any or origin is Literal:
         return value
     if origin in (Union, types.UnionType):
