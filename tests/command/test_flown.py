@@ -6,33 +6,16 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
-from shapely import box
-from tests.files.two_robots import ORIGIN
+from tests.vehicles.small_plans import ROUND_S, square
 
 from rota.check import check_plan
 from rota.command.cli import run
 from rota.files.executed.plan_as_flown import plan_as_flown
 from rota.files.plan_file import write_plan
-from rota.fleet import DiscSensor, Fleet
-from rota.mission import Mission
 from rota.plan import Plan, Trajectory
 from rota.vehicles.motion import Wind
 from rota.vehicles.presets import ARDUCOPTER
-
-SIDE_M, SPEED_M_S = 60.0, 8.0
-ROUND_S = 4 * SIDE_M / SPEED_M_S
-
-
-def square(period_s: float, turn_rate_rad_s: float | None = None) -> Plan:
-    """One robot round a square whose ground it sees once a round."""
-    ring = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * SIDE_M
-    fleet = Fleet(speed_m_s=SPEED_M_S, sensor=DiscSensor(radius_m=12), turn_rate_rad_s=turn_rate_rad_s)
-    area = box(-5, -5, SIDE_M + 5, SIDE_M + 5).difference(box(5, 5, SIDE_M - 5, SIDE_M - 5))
-    mission = Mission(name="square", area=area, period_s=period_s, fleet=fleet, origin=ORIGIN)
-    trajectory = Trajectory(robot="robot-1", times_s=np.linspace(0, ROUND_S, 5), positions_m=ring)
-    return Plan(mission=mission, trajectories=(trajectory,))
 
 
 def written(plan: Plan, folder: Path) -> str:

@@ -33,6 +33,7 @@ from rota.command.plan import plan_and_write
 from rota.command.ros2 import ros2
 from rota.command.serve import serve
 from rota.command.start import new, schema
+from rota.command.straighten import straighten
 from rota.command.study import app as study_app
 from rota.command.swarm_processes import swarm_launch, swarm_node
 from rota.command.sweep import sweep
@@ -197,6 +198,9 @@ def check(
     for remark in made.remarks(answer, report):
         say(remark)
     raise typer.Exit(DONE if report.verdict == "met" else VIOLATED)
+
+
+app.command()(straighten)
 
 
 @app.command()

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from rota.vehicles.facts import Vehicle
     from rota.vehicles.motion import Wind
 
+STRAIGHT_M = 0.2  # what points may be off straight ways by, in what is told of leaving them out
+
 
 @dataclass(frozen=True, kw_only=True)
 class ByVehicle:
@@ -70,6 +72,8 @@ class ByVehicle:
 
     def remarks(self, planned: Plan, report: Report) -> list[str]:
         """What lapses by how much, and what would help."""
+        from rota.vehicles.straight_ways import straightened
+
         lines = []
         lapsed = [d for d in report.demands if d.outcome == "violated" and d.worst_gap_at_least_s > d.period_s]
         if lapsed:
@@ -83,26 +87,21 @@ class ByVehicle:
             lines.append(
                 f"none would lapse whose period is {math.ceil(100 * report.worst_ratio) / 100:.2f} times as long"
             )
-        planned_s, flown_s = self._planned_s, sum(each.motion.round_s for each in self.robots)
+        planned_s = sum(each.planned_s for each in self.robots)
+        flown_s = sum(each.motion.round_s for each in self.robots)
         if planned_s and flown_s > WORTH_SAYING * planned_s:
             length_m = sum(trajectory.loop_length_m for trajectory in planned)
             lines.append(
                 f"rounds take {flown_s / planned_s:.1f} times the planned time: it makes {length_m / flown_s:.1f} m/s"
                 f" on them where {length_m / planned_s:.1f} m/s are planned; plans for slower robots come nearer"
             )
-            lines += [f"{other.told} takes {self._factor(other):.1f} times it" for other in _tuned(self.vehicle)]
+            straight = straightened(planned, STRAIGHT_M)
+            lines += [
+                f"{each.told} takes {_factor(planned, each):.1f} times it, {_factor(straight, each):.1f} times without"
+                f" points on straight ways (rota straighten, {STRAIGHT_M:g} m)"
+                for each in (self.vehicle, *_tuned(self.vehicle))
+            ]
         return lines
-
-    @property
-    def _planned_s(self) -> float:
-        return sum(each.planned_s for each in self.robots)
-
-    def _factor(self, vehicle: Vehicle) -> float:
-        """All rounds together beside the planned ones, without wind, by the closed form."""
-        from rota.vehicles.models import model_of
-
-        model = model_of(vehicle)
-        return sum(model.round_s(each.way) for each in self.robots) / self._planned_s
 
     def _wind_text(self) -> str:
         if not self.wind.speed_m_s:
@@ -143,6 +142,15 @@ def _wind_given(text: str | None) -> Wind:
             f"--wind: {text!r} is not allowed; M_S,FROM_DEG is needed, such as 5,240: 0 m/s or more, and where the wind"
             " comes from, 0 north, 90 east"
         ) from None
+
+
+def _factor(plan: Plan, vehicle: Vehicle) -> float:
+    """All rounds of a vehicle together beside the planned ones, without wind, by the closed form."""
+    from rota.files.executed.plan_as_flown import way_of
+    from rota.vehicles.models import model_of
+
+    model = model_of(vehicle)
+    return sum(model.round_s(way_of(plan, each)) for each in plan) / sum(each.loop_duration_s for each in plan)
 
 
 def _tuned(vehicle: Vehicle) -> list[Vehicle]:

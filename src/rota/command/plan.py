@@ -118,7 +118,7 @@ def _write_outcome(
 ) -> None:
     """Write the plan, tell what it comes to, and keep a run that can be gone on with."""
     try:
-        _write_plan(answer.plan, target, meets_demand=meets_demand)
+        write_or_print(answer.plan, target, meets_demand=meets_demand)
     except RotaError:
         partial.tell()
         raise
@@ -128,7 +128,8 @@ def _write_outcome(
         keep_checkpoint(answer.checkpoint, target, resumed)
 
 
-def _write_plan(answer: Plan, target: str, *, meets_demand: bool) -> None:
+def write_or_print(answer: Plan, target: str, *, meets_demand: bool) -> None:
+    """Write a plan file, or print it where the target is ``-``."""
     from rota.files.plan_file import plan_text, write_plan
 
     if target == STANDARD_STREAM:

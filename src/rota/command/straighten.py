@@ -1,0 +1,61 @@
+"""`rota straighten`: a plan without the points on straight ways, at which autopilots slow down."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rota.command.arguments import PlanPath, compiled_for_check, read_plan_argument, require_target
+from rota.command.exit_codes import DONE, VIOLATED
+from rota.command.interrupt import saying_when_interrupted
+from rota.command.plan import write_or_print
+from rota.command.terminal import mention_compiling, say
+from rota.errors import RotaError
+from rota.stopping import OwnThread
+
+if TYPE_CHECKING:
+    from rota.plan import Plan
+
+TRIED_M = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+
+
+def straighten(
+    plan: PlanPath,
+    output: Annotated[str, typer.Option("-o", "--output", metavar="PLAN", help="The plan file to write; - stdout.")],
+    within_m: Annotated[
+        float | None,
+        typer.Option(
+            "--within-m",
+            metavar="M",
+            help="How far robots may be off; default as far as all stays met, up to 1.",
+        ),
+    ] = None,
+) -> None:
+    """Leave out points on straight ways: autopilots fly fewer legs sooner. Exit code 1 when the result is not met."""
+    from rota.check import check_plan
+    from rota.vehicles.straight_ways import straightened
+
+    require_target(output, source=plan)
+    answer = read_plan_argument(plan)
+    tried_m = TRIED_M if within_m is None else (within_m,)
+    mention_compiling(*compiled_for_check(answer.mission))
+    with saying_when_interrupted("no plan: it is not checked to the end"):
+        for off_m in tried_m:
+            made = straightened(answer, off_m)
+            verdict = OwnThread(partial(check_plan, made)).awaited().verdict
+            if verdict == "met":
+                break
+    if verdict != "met" and within_m is None:
+        raise RotaError(
+            f"{plan}: not met within {off_m:g} m of its ways, either: rota check says what it misses, and --within-m"
+            " takes points away all the same"
+        )
+    write_or_print(made, output, meets_demand=verdict == "met")
+    say(f"{_points(answer)} points become {_points(made)}, at any moment within {off_m:g} m: {verdict}")
+    raise typer.Exit(DONE if verdict == "met" else VIOLATED)
+
+
+def _points(plan: Plan) -> int:
+    return sum(len(trajectory.times_s) for trajectory in plan)

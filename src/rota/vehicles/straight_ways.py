@@ -1,0 +1,38 @@
+"""Plans without the points that stand on straight ways: autopilots slow down for each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from rota.errors import RotaError
+from rota.plan import Plan, Trajectory
+from rota.vehicles.track_kernels import kept_samples
+
+
+def straightened(plan: Plan, within_m: float) -> Plan:
+    """The plan with fewer timed points: at any moment each robot is within so many metres of where it was to be.
+
+    Rounds take as long, waits stay, and no leg is faster. So a plan that is met with a range reserve of ``within_m``
+    (``range_margin_m``) stays met but for what corners of walls hide. Raises RotaError for lengths that are not more
+    than 0, and for robots that bounce, whose points are where they bounce.
+    """
+    if not 0 < within_m < math.inf:
+        raise RotaError(f"within: {within_m:g} m is not allowed; must be greater than 0")
+    if plan.mission.planning.bouncing is not None:
+        raise RotaError(f"{plan.mission.name}: its robots bounce, and do so at every point of their ways")
+    return replace(plan, trajectories=tuple(_straight(trajectory, within_m) for trajectory in plan))
+
+
+def _straight(trajectory: Trajectory, within_m: float) -> Trajectory:
+    times_s, positions_m = trajectory.times_s, np.array(trajectory.positions_m)
+    kept = kept_samples(times_s.copy(), positions_m, trajectory.loop_index, within_m)
+    headings_rad = trajectory.headings_rad
+    return replace(
+        trajectory,
+        times_s=times_s[kept],
+        positions_m=positions_m[kept],
+        headings_rad=None if headings_rad is None else headings_rad[kept],
+    )
