@@ -4,6 +4,8 @@ ArduCopter 4.6.0-dev (commit fbb785859a) in software in the loop, its built-in q
 m/s and 25 m, by the parameters named and else its defaults. loops.csv: waypoints, x east and y north in metres.
 flights.csv: parameters, steady wind, and the time of the last whole round between two passings of the first waypoint,
 as the autopilot reported them (to 0.05 s). tracks.csv: where it was in that round, about once a second.
+corners.csv: equal legs with corners of ``TURNS_DEG``, from rest to rest: their length, the speed set, parameters, where
+the copter stood before it flew to the first point, and the time from that point to the last.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from rota.vehicles.presets import ARDUCOPTER
 
 HERE = Path(__file__).parent
 SPEED_M_S, HEIGHT_M = 8.0, 25.0
+TURNS_DEG = (15, -15, 30, -30, 60, -60, 90, 90, -120, 120, -150, 150, 180)
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,23 @@ def recorded_flights() -> list[Flight]:
         )
         for row in _rows("flights.csv")
     ]
+
+
+def recorded_corners() -> list[tuple[dict[str, float], Way, Vehicle]]:
+    """What was set and recorded, by its column, the way and the copter of each flight of corners."""
+    flights = []
+    for row in _rows("corners.csv"):
+        told = {name: float(text) for name, text in row.items() if name != "flight"}
+        headings = np.radians(np.cumsum([0, *TURNS_DEG]))
+        legs_m = told["leg_m"] * np.column_stack([np.sin(headings), np.cos(headings)])
+        points_m = np.vstack([[told["start_x_m"], told["start_y_m"]], [0, 0], np.cumsum(legs_m, axis=0)])
+        stops = [RouteStop(place_m=(x, y, HEIGHT_M), speed_m_s=told["speed_m_s"]) for x, y in points_m.tolist()]
+        vehicle = replace(
+            copter(told["accel_m_s2"], told["jerk_m_s3"]),
+            corner_m=Fact(value=told["radius_m"], parameter="set", source="here"),
+        )
+        flights.append((told, Way(robot="copter", once=tuple(stops), every_round=()), vehicle))
+    return flights
 
 
 def recorded_tracks() -> dict[str, Floats]:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from tests.vehicles.recorded import copter, loop_way, recorded_flights, recorded_tracks
+from tests.vehicles.recorded import copter, loop_way, recorded_corners, recorded_flights, recorded_tracks
 
 from rota.errors import RotaError
 from rota.route import RouteStop
@@ -42,6 +42,19 @@ def test_the_closed_form_comes_near_to_recorded_rounds() -> None:
     errors = [abs(ArduPilotAuto(flight.vehicle).round_s(flight.way) / flight.round_s - 1) for flight in flights]
     assert np.median(errors) < 0.005
     assert max(errors) < 0.03
+
+
+@pytest.mark.parametrize(("fast", "number", "median", "worst"), [(False, 48, 0.003, 0.02), (True, 15, 0.005, 0.02)])
+def test_corners_take_as_long_as_recorded_ones(fast: bool, number: int, median: float, worst: float) -> None:
+    # at 15 m/s the copter is at its top airspeed of 10 m/s all along
+    errors = []
+    for told, way, vehicle in recorded_corners():
+        if (told["speed_m_s"] == 15) == fast:
+            legs_s = ArduPilotAuto(vehicle).drive(way, STILL).legs_s
+            errors.append(abs(legs_s[1:].sum() / told["whole_s"] - 1))
+    assert len(errors) == number
+    assert np.median(errors) < median
+    assert max(errors) < worst
 
 
 def test_tracks_are_where_recorded_ones_are() -> None:

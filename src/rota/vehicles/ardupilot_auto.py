@@ -67,7 +67,9 @@ class ArduPilotAuto:
         rounds = 1 + max(1, math.ceil(SETTLE_S / around_s)) if around_s else 0
         course, begins = self._course(way, rounds)
         if len(course.points_m) == 1:
-            return _staying(way.robot, np.zeros(1), course.points_m)
+            none = np.empty(0)
+            still = {"times_s": np.zeros(1), "positions_m": course.points_m, "legs_s": none, "cut_m": none}
+            return Motion(robot=way.robot, loop_start_s=0.0, **still)
         track, reached_s = self._flown(way.robot, course, begins[-1], wind)
         return _motion(way.robot, course, begins, track, reached_s)
 
@@ -165,29 +167,20 @@ def _place(course: Course, k: int) -> str:
     return f"({x:.1f}, {y:.1f}) m at a height of {height:.4g} m"
 
 
-def _staying(robot: str, times_s: Floats, positions_m: Floats) -> Motion:
-    """The motion of a copter that stays at the last of these places."""
-    loop_start_s, none = float(times_s[-1]), np.empty(0)
-    return Motion(
-        robot=robot, times_s=times_s, positions_m=positions_m, loop_start_s=loop_start_s, legs_s=none, cut_m=none
-    )
-
-
 def _motion(robot: str, course: Course, begins: list[int], track: Floats, reached_s: Floats) -> Motion:
     """The motion of a track, which repeats its last round; what misses between its ends is spread over the round."""
-    end = begins[-1]
-    begin = begins[-2] if len(begins) > 1 else end
+    end, stays = begins[-1], len(begins) == 1
+    begin = 0 if stays else begins[-2]
     begin_s, end_s = float(reached_s[begin]), float(reached_s[end])
     at_s = np.arange(len(track)) * STEP_S
     sampled_s = at_s[::SAMPLE_STEPS]
     times_s = np.unique(np.concatenate([sampled_s[sampled_s < end_s], [begin_s, end_s]]))
     positions_m = np.column_stack([np.interp(times_s, at_s, axis) for axis in track.T])
-    if begin == end:
-        return _staying(robot, times_s, positions_m)
-    first = int(np.searchsorted(times_s, begin_s))
-    gap_m = positions_m[first] - positions_m[-1]
-    positions_m[first:] += np.outer((times_s[first:] - begin_s) / (end_s - begin_s), gap_m)
-    positions_m[-1] = positions_m[first]
+    if not stays:
+        first = int(np.searchsorted(times_s, begin_s))
+        gap_m = positions_m[first] - positions_m[-1]
+        positions_m[first:] += np.outer((times_s[first:] - begin_s) / (end_s - begin_s), gap_m)
+        positions_m[-1] = positions_m[first]
     passed_s = reached_s[begin : end + 1]
     # a point is nearest between the middles of the legs before it and after it
     middles_s = np.append((passed_s[1:] + passed_s[:-1]) / 2, end_s)
@@ -195,7 +188,7 @@ def _motion(robot: str, course: Course, begins: list[int], track: Floats, reache
         robot=robot,
         times_s=times_s,
         positions_m=positions_m,
-        loop_start_s=begin_s,
+        loop_start_s=end_s if stays else begin_s,
         legs_s=np.diff(passed_s),
         cut_m=np.asarray(nearest_m(track, np.searchsorted(at_s, middles_s), course.points_m[begin + 1 : end + 1])),
     )

@@ -59,8 +59,9 @@ class Way:
 class Motion:
     """Where a vehicle is at any time: ``positions_m`` (n, 3) at ``times_s`` (n,), straight between them.
 
-    It repeats from ``loop_start_s`` on, which is one of the times, where ``legs_s`` is not empty: seconds of each leg
-    of a round, waits before the leg included. cut_m: how near to each leg's end the vehicle comes.
+    It repeats from ``loop_start_s`` on, which is one of the times; where that is the last one, it stays there. legs_s:
+    seconds of each leg of a round, of the way there for one that stays, waits before the leg included. cut_m: how near
+    to each leg's end the vehicle comes.
     """
 
     robot: str
