@@ -134,6 +134,11 @@ def test_robots_behind_one_that_stands_in_the_door_are_blocked() -> None:
     assert plan_from_json(plan_to_json(run.plan)).run_end == end
 
 
+def test_nobody_is_blocked_in_a_crowd_without_free_ground() -> None:
+    # others hold one that they push; it has nowhere to go
+    assert run_mission(doored(0.0, 0.3, robots=20), seed=25).at_rest
+
+
 def test_who_is_blocked_is_told_for_blocked_runs_only() -> None:
     with pytest.raises(PlanError, match="0 robots with the reason 'blocked'"):
         RunEnd(at_rest=False, steps=3, reason="blocked")

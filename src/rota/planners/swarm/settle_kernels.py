@@ -263,7 +263,8 @@ def wish_of(
 def note_wishes(snapshot: Any, wishes: Any, room: Any) -> None:
     """Write how far each robot would go in its next step, (n,) metres in the order of the state, as ``wish_of`` says.
 
-    room: of one thread.
+    0 where it makes for no free ground: pushes in a crowd that has nowhere to go are no wish to go on. room: of one
+    thread.
     """
     robots, kinds, grid, rule = snapshot.robots, snapshot.kinds, snapshot.grid, snapshot.rule
     for i in range(robots.x.shape[0]):
@@ -273,12 +274,11 @@ def note_wishes(snapshot: Any, wishes: Any, room: Any) -> None:
             continue
         neighbours, _ = find_neighbours(i, rule.neighbours, robots, grid, kinds.neighbour_range_m[kind], room.near)
         dx, dy, going, _, wx, wy, _ = wish_of(i, neighbours, snapshot, room)
-        dx, dy = towards(dx, dy, most_m, 1.0)
         if going > 0.0:
-            wx, wy = towards(wx, wy, most_m, 1.0 / most_m)
-            dx, dy = dx + going * (wx - dx), dy + going * (wy - dy)
-        dx, dy = not_into_walls(robots.x[i], robots.y[i], touch_m(kind, kinds), dx, dy, grid)
-        wishes[i] = math.sqrt(dx * dx + dy * dy)
+            share, (dx, dy) = going * most_m / math.sqrt(wx * wx + wy * wy), towards(dx, dy, most_m, 1.0)
+            dx, dy = (1.0 - going) * dx + share * wx, (1.0 - going) * dy + share * wy
+            dx, dy = not_into_walls(robots.x[i], robots.y[i], touch_m(kind, kinds), dx, dy, grid)
+            wishes[i] = math.sqrt(dx * dx + dy * dy)
 
 
 @compiled

@@ -207,12 +207,12 @@ def test_the_silent_have_left_and_a_second_life_is_not_in_the_plan() -> None:
     assert [count for _, _, count in record.coverage] == [2, 1]
 
 
-@pytest.mark.parametrize(("x_m", "wants"), [(30.0, False), (12.0, True)])
-def test_processes_rest_by_the_rule_of_the_simulation(x_m: float, wants: bool) -> None:
-    """Two discs of 9 m that overlap want to part; where both stand all the same, they are blocked."""
+@pytest.mark.parametrize(("places_m", "wants"), [((10.0, 30.0), False), ((2.0, 4.0), True)])
+def test_processes_rest_by_the_rule_of_the_simulation(places_m: tuple[float, float], wants: bool) -> None:
+    """Two discs of 9 m that overlap at a wall want to go on; where both stand all the same, they are blocked."""
     news_s = 0.1 * scene_of(mission_of(3, 40, (5, 35), sensor_m=9, speed_m_s=10)).grid.place_graph.news_steps
     for seconds, at_rest in ((1.5, False), (2.5, not wants), (news_s + 2.5, True)):
-        standing = [telling(k, t, 0.1 * t, (10.0, x_m)[k]) for t in range(round(10 * seconds)) for k in range(2)]
+        standing = [telling(k, t, 0.1 * t, places_m[k]) for t in range(round(10 * seconds)) for k in range(2)]
         recorder, end_ns = recorded(*standing, end_s=seconds)
         assert recorder.is_at_rest(end_ns) == at_rest
     end = recorder.record(end_ns, stopped=False).plan.run_end
