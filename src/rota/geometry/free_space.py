@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.errors import MissionError
 from rota.geometry.tiles import Box, clipped, grown_box
-from rota.mission import AREA, TOUCH_M, Demand, Mission, Obstacle
+from rota.mission import AREA, TOUCH_M, Demand, Mission, Obstacle, Zone
 from rota.polygons import polygons_of
 from rota.start_faults import ENTRANCE_NEAR
 
@@ -68,8 +68,16 @@ def standing_anywhere(mission: Mission, body_radius_m: float, *, arc_corners: in
         raise ValueError(f"body_radius_m: {body_radius_m!r} is not allowed; must be a finite number, 0 or more")
     if arc_corners < 8:
         raise ValueError(f"arc_corners: {arc_corners!r} is not allowed; must be 8 or more")
-    blocking = [obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion]
-    free = _polygons(mission.area.difference(shapely.union_all(blocking)) if blocking else mission.area)
+    blocking = tuple(obstacle.shape for obstacle in mission.obstacles if obstacle.blocks_motion)
+    return _free_of(mission.area, blocking, body_radius_m, arc_corners)
+
+
+@functools.lru_cache(maxsize=8)
+def _free_of(
+    area: MultiPolygon, blocking: tuple[MultiPolygon, ...], body_radius_m: float, arc_corners: int
+) -> MultiPolygon:
+    """The area without what blocks, eroded by the body; each setting up of one ground asks for the same again."""
+    free = _polygons(area.difference(shapely.union_all(blocking)) if blocking else area)
     return _eroded(free, body_radius_m, arc_corners)
 
 
@@ -114,27 +122,34 @@ def demanded_regions(mission: Mission) -> tuple[DemandedRegion, ...]:
     zone without a period asks nothing and takes its ground out of the rest. A zone to visit keeps all of itself that
     lies in the area, whatever overlaps it, and takes its ground out of the rest as well. Regions left empty are absent.
     """
-    hidden = _polygons(shapely.union_all([obstacle.shape for obstacle in mission.obstacles if obstacle.hides_demand]))
+    hiding = tuple(obstacle.shape for obstacle in mission.obstacles if obstacle.hides_demand)
+    return _demanded(mission.area, hiding, mission.zones, mission.period_s)
+
+
+@functools.lru_cache(maxsize=4)
+def _demanded(
+    area: MultiPolygon, hiding: tuple[MultiPolygon, ...], zones: tuple[Zone, ...], outside_s: float | None
+) -> tuple[DemandedRegion, ...]:
+    """The regions of ``demanded_regions``; the setting up of one search asks for them several times."""
+    hidden = _polygons(shapely.union_all(hiding))
     shapes: dict[str, MultiPolygon] = {}
     taken: list[BaseGeometry] = [hidden]
-    watched = [zone for zone in mission.zones if zone.demand == "every_point" and zone.period_s is not None]
+    watched = [zone for zone in zones if zone.demand == "every_point" and zone.period_s is not None]
     for zone in sorted(watched, key=lambda zone: zone.period_s or 0.0):
-        shapes[zone.name] = _polygons(zone.shape.intersection(mission.area).difference(shapely.union_all(taken)))
+        shapes[zone.name] = _polygons(zone.shape.intersection(area).difference(shapely.union_all(taken)))
         taken.append(zone.shape)
-    for zone in mission.zones:
+    for zone in zones:
         if zone.demand == "visit":
-            shapes[zone.name] = _polygons(zone.shape.intersection(mission.area))
+            shapes[zone.name] = _polygons(zone.shape.intersection(area))
     regions = [
         DemandedRegion(name=zone.name, period_s=zone.period_s, demand=zone.demand, shape=shapes[zone.name])
-        for zone in mission.zones
+        for zone in zones
         if zone.period_s is not None
     ]
-    if mission.period_s is not None:
-        outside_zones = (
-            shapely.union_all([hidden, *(zone.shape for zone in mission.zones)]) if mission.zones else hidden
-        )
-        rest = _polygons(mission.area.difference(outside_zones))
-        regions.append(DemandedRegion(name=AREA, period_s=mission.period_s, demand="every_point", shape=rest))
+    if outside_s is not None:
+        outside_zones = shapely.union_all([hidden, *(zone.shape for zone in zones)]) if zones else hidden
+        rest = _polygons(area.difference(outside_zones))
+        regions.append(DemandedRegion(name=AREA, period_s=outside_s, demand="every_point", shape=rest))
     return tuple(region for region in regions if not region.shape.is_empty)
 
 

@@ -22,8 +22,8 @@ Ints = NDArray[np.int64]
 
 MOST_EXCLUDED = 0.05  # of the demanded area: beyond it, planning always stops
 HAIR = 5e-4  # of the reach: ground beyond it that is not as wide is rounding of arcs
-LOOKS = 300  # pieces that are looked at for what walls hide: for a guess
-ROUNDS = 3  # in which the edge of that is looked at more closely, for a figure
+LOOKS = 300  # squares that are looked at for what walls hide: for a guess
+CLOSE_LOOKS, ROUNDS = 1_000, 1  # for a figure, and rounds in which the edge of that is looked at more closely
 UNSURE = 0.6  # of what is allowed: a guess below it will do
 MOST_TOLD = 5  # places
 FEW_WALLS = 2_000  # ground that is clear of them all is soon worked out
@@ -43,15 +43,16 @@ def refuse_much_unseeable(mission: Mission, regions: tuple[DemandedRegion, ...],
     counted in pieces, first in few.
     """
     asked = all_asked(regions)
-    far, allowed_m2 = out_of_range(asked, sight), MOST_EXCLUDED * asked.area
+    near = area_in_range(sight.space, sight.robot, 0.0)
+    far, allowed_m2 = out_of_range(asked, near, sight), MOST_EXCLUDED * asked.area
     is_refused = mission.unseeable == "refuse" and not far.is_empty
-    hidable = _hidable(asked, sight, allowed_m2 - far.area)
+    hidable = _hidable(asked, near, sight, allowed_m2 - far.area)
     if not is_refused:
         if far.area + hidable.area <= allowed_m2:
             return
         if far.area + hidden_ground(hidable, sight, LOOKS).m2 <= UNSURE * allowed_m2:
             return
-    found = _both(far, hidden_ground(hidable, sight, LOOKS, ROUNDS))
+    found = _both(far, hidden_ground(hidable, sight, CLOSE_LOOKS, ROUNDS))
     if is_refused or found.m2 > allowed_m2:
         raise NoPlanFound(_refusal(mission, found, asked.area))
 
@@ -70,31 +71,28 @@ def refuse_unseeable(
     raise NoPlanFound(_refusal(mission, found, asked.area))
 
 
-def out_of_range(asked: BaseGeometry, sight: Sight) -> BaseGeometry:
-    """The ground that no place where robots can be has in range, whatever walls there are."""
+def out_of_range(asked: BaseGeometry, near: BaseGeometry, sight: Sight) -> BaseGeometry:
+    """The ground that no place where robots can be has in range (``near``), whatever walls there are."""
     hair_m = HAIR * inner_reach_m(sight.robot.sensor)
-    parts = _parts(shapely.difference(asked, area_in_range(sight.space, sight.robot, 0.0)))
+    parts = _parts(shapely.difference(asked, near))
     return shapely.union_all([part for part in parts if not part.buffer(-hair_m).is_empty])
 
 
 def hidden_ground(hidable: BaseGeometry, sight: Sight, looks: int, rounds: int = 0) -> Unseeable:
     """What walls hide from all places where robots can be, of ground that they may hide.
 
-    looks: pieces into which the ground is cut, about; a piece is hidden if a place on it is. rounds: so many times
-    those at the edge of what is hidden are cut into four.
+    looks: squares into which the ground is cut, about. What lies in one falls into pieces that are joined; a piece is
+    hidden if a place on it is. rounds: so many times those at the edge of what is hidden are cut into four.
     """
     shapes: list[BaseGeometry] = []
     m2 = 0.0
-    boxes = _boxes_on(hidable, float(np.sqrt(hidable.area / looks)))
+    pieces, boxes = _cut_up(hidable, float(np.sqrt(hidable.area / looks)))
     for turn in range(rounds + 1):
-        pieces = shapely.intersection(hidable, boxes)
-        some = shapely.area(pieces) > 0
-        boxes, pieces = boxes[some], pieces[some]
         hidden = _are_hidden(pieces, sight)
         at_edge = _beside_others(boxes, hidden) if turn < rounds else np.zeros(len(boxes), dtype=np.bool_)
         shapes += list(pieces[hidden & ~at_edge])
         m2 += float(shapely.area(pieces[hidden & ~at_edge]).sum())
-        boxes = _quarters(boxes[at_edge])
+        pieces, boxes = _quartered(pieces[at_edge], boxes[at_edge])
     return Unseeable(shapely.union_all(shapes), m2)
 
 
@@ -109,8 +107,9 @@ def _are_hidden(pieces: NDArray[np.object_], sight: Sight) -> NDArray[np.bool_]:
 
 def unseeable_ground(asked: BaseGeometry, sight: Sight) -> Unseeable:
     """What nobody sees of the ground that is asked for: all that is out of range, and what walls hide."""
-    hidable = _hidable(asked, sight)
-    return _both(out_of_range(asked, sight), hidden_ground(hidable, sight, LOOKS, ROUNDS))
+    near = area_in_range(sight.space, sight.robot, 0.0)
+    hidden = hidden_ground(_hidable(asked, near, sight), sight, CLOSE_LOOKS, ROUNDS)
+    return _both(out_of_range(asked, near, sight), hidden)
 
 
 def _both(far: BaseGeometry, hidden: Unseeable) -> Unseeable:
@@ -123,32 +122,46 @@ def all_asked(regions: tuple[DemandedRegion, ...]) -> BaseGeometry:
     return shapely.union_all([region.shape for region in regions if region.demand == "every_point"])
 
 
-def _hidable(asked: BaseGeometry, sight: Sight, enough_m2: float = 0.0) -> BaseGeometry:
-    """The ground in range that walls may hide: robots do not stand on it, and a wall is in reach.
+def _hidable(asked: BaseGeometry, near: BaseGeometry, sight: Sight, enough_m2: float = 0.0) -> BaseGeometry:
+    """The ground in range (``near``) that walls may hide: robots do not stand on it, and a wall is in reach.
 
     It may be more, as long as it is not more than is enough.
     """
     space, walls, robot, _ = sight
     if not len(walls):
         return shapely.MultiPolygon()
-    ground = shapely.intersection(shapely.difference(asked, space), area_in_range(space, robot, 0.0))
+    ground = shapely.intersection(shapely.difference(asked, space), near)
     if ground.area > enough_m2 and len(walls) <= FEW_WALLS:
-        near = shapely.buffer(shapely.linestrings(walls.reshape(-1, 2, 2)), 1.01 * robot.sensor.reach_m)
-        ground = shapely.intersection(ground, shapely.union_all(near))
+        round_walls = shapely.buffer(shapely.linestrings(walls.reshape(-1, 2, 2)), 1.01 * robot.sensor.reach_m)
+        ground = shapely.intersection(ground, shapely.union_all(round_walls))
     return ground
 
 
-def _boxes_on(ground: BaseGeometry, side_m: float) -> NDArray[np.object_]:
-    """The squares of a lattice that meet the ground, which may be strips far from each other; none for no ground."""
-    if not side_m > 0:
-        return np.zeros(0, dtype=object)
-    shapely.prepare(ground)
-    x0, y0, x1, y1 = ground.bounds
-    boxes = np.array([shapely.box(x0, y0, x0 + max(x1 - x0, y1 - y0), y0 + max(x1 - x0, y1 - y0))])
-    while shapely.bounds(boxes[:1])[0, 2] - shapely.bounds(boxes[:1])[0, 0] > 1.5 * side_m:
-        boxes = _quarters(boxes)
-        boxes = boxes[shapely.intersects(ground, boxes)]
-    return boxes
+def _cut_up(ground: BaseGeometry, side_m: float) -> tuple[NDArray[np.object_], NDArray[np.object_]]:
+    """The ground in pieces (n,) that are joined, each with the square of a lattice (n,) that it lies in.
+
+    It is cut into four again and again: to cut each square out of the whole takes ten times as long on scanned floors.
+    """
+    pieces, boxes = np.zeros(0, dtype=object), np.zeros(0, dtype=object)
+    if side_m > 0:
+        x0, y0, x1, y1 = ground.bounds
+        wide_m = max(x1 - x0, y1 - y0)
+        pieces, boxes = np.array([ground]), np.array([shapely.box(x0, y0, x0 + wide_m, y0 + wide_m)])
+        while len(pieces) and wide_m > 1.5 * side_m:
+            pieces, boxes = _quartered(pieces, boxes)
+            wide_m /= 2
+    return pieces, boxes
+
+
+def _quartered(
+    pieces: NDArray[np.object_], boxes: NDArray[np.object_]
+) -> tuple[NDArray[np.object_], NDArray[np.object_]]:
+    """The pieces (n,) in the quarters of their boxes (n,): those that are joined, each with its quarter."""
+    quarters = _quarters(boxes)
+    parts, of_quarter = shapely.get_parts(shapely.intersection(np.tile(pieces, 4), quarters), return_index=True)
+    polygons, of_part = shapely.get_parts(parts, return_index=True)
+    has_area = shapely.area(polygons) > 0
+    return polygons[has_area], quarters[of_quarter[of_part[has_area]]]
 
 
 def _quarters(boxes: NDArray[np.object_]) -> NDArray[np.object_]:
