@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
+from rota.errors import NoPlanFound
+
 GRACE_S = 20.0  # of processor time, of the whole process; what comes after, such as writing, has a few seconds more
 TICK_S = 0.1  # who waits looks so often
 UNASKED_S = 2.0  # a caller is asked by who waits where the work itself has not asked for so long
@@ -74,6 +76,12 @@ def put_off(should_stop: Callable[[], bool], by_s: float) -> Callable[[], bool]:
         return time.process_time() - since_s[0] >= by_s
 
     return should_stop_later
+
+
+def require_going_on(should_stop: Callable[[], bool], goal: str) -> None:
+    """NoPlanFound once the search is to stop, with what it had not come to."""
+    if should_stop():
+        raise NoPlanFound(f"the search was stopped before {goal}")
 
 
 class WorkLeftError(BaseException):

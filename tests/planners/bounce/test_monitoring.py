@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from maps import PlainTeam, State, typed_cells
 
-from rota.errors import MissionError
+from rota.errors import MissionError, NoPlanFound
+from rota.planners.bounce import bounce_map
 from rota.planners.bounce.bounce_map import make_team, single_map
 from rota.planners.bounce.cells import Cells
 from rota.planners.bounce.chosen_group import sampled_basins
@@ -133,6 +134,31 @@ def test_products_of_cycles_are_the_groups_of_the_joint_space(
     kept, listed = printed(team, inside, headings)
     assert kept == brute.printed(order) == len(listed.length)
     assert kept <= len(expected) or zones  # a transient may enter a zone that the cycle does not
+
+
+def test_a_joint_map_is_gone_through_in_parts_and_left_where_the_search_is_to_stop(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    cells = typed_cells(BENT, headings=8)
+    team, inside = make_team(cells, [3, 3, 3]), inside_of(cells, [{(0, 0)}])
+    outcomes, asked = [], [0]
+
+    def counted(stops_at: int = 10**9) -> bool:
+        asked[0] += 1
+        return asked[0] >= stops_at
+
+    for together in (1 << 22, 10_007):
+        monkeypatch.setattr(bounce_map, "STATES_TOGETHER", together)
+        asked[0] = 0
+        kept, listed = printed(team, inside, 8, counted)
+        outcomes.append((kept, listed.states.tolist(), listed.length.tolist(), listed.basin.tolist()))
+    assert outcomes[0] == outcomes[1]
+    assert asked[0] == 3 * -(-(cells.states**3) // 10_007)
+    for stops_at in (1, asked[0] // 2, asked[0]):  # in each of the three ways through it
+        asked[0] = 0
+        with pytest.raises(NoPlanFound, match="stopped before the joint map was gone through"):
+            printed(team, inside, 8, lambda at=stops_at: counted(at))  # type: ignore[misc]
+        assert asked[0] == stops_at
 
 
 def test_the_cases_have_groups_and_the_printed_order_loses_some() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,12 +24,14 @@ from rota.planners.bounce.map_kernels import (
     strip_labels,
     successors,
 )
+from rota.stopping import require_going_on
 
 Ints = NDArray[np.int32]
 Longs = NDArray[np.int64]
 Words = NDArray[np.uint32]
 
 MEMORY_SHARE = 0.8  # of the machine's memory, for a joint map
+STATES_TOGETHER = 1 << 22  # of a joint map: between two of so many it is asked whether to stop
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,17 +100,23 @@ def require_memory(states: int, robots: int, *, unordered: bool = False, copies:
         )
 
 
-def joint_map(team: Team, *, unordered: bool = False, contact_free: bool = False) -> Words:
+def joint_map(
+    team: Team,
+    *,
+    unordered: bool = False,
+    contact_free: bool = False,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> Words:
     """Successors of all packed states of the team, (n,) uint32; NOWHERE for states with robots in one place.
 
     unordered: robots are not told apart; all must turn alike and be equally wide. contact_free: a contact leads
     NOWHERE; only for robots that are told apart. Raises MissionError for maps that do not fit in memory, ValueError for
-    unordered robots that differ.
+    unordered robots that differ, NoPlanFound once ``should_stop``.
     """
     m, s = len(team.bumped), len(team.x)
     require_memory(s, m, unordered=unordered)
     successor = np.empty(joint_states(s, m, unordered=unordered), np.uint32)
-    states, after, stays = np.empty(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
+    states, after, stays = np.zeros(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
     if unordered and m > 1:
         if contact_free:
             raise ValueError("contact_free is for robots that are told apart")
@@ -117,8 +125,16 @@ def joint_map(team: Team, *, unordered: bool = False, contact_free: bool = False
     elif m == 2:
         pair_successors(team, successor, contact_free)
     else:
-        successors(team, states, after, stays, successor, contact_free)
+        for some in in_turn(len(successor), should_stop):
+            successors(team, states, after, stays, successor[some], contact_free)
     return successor
+
+
+def in_turn(count: int, should_stop: Callable[[], bool]) -> Iterator[slice]:
+    """So many states in groups that are soon gone through; NoPlanFound once ``should_stop``."""
+    for first in range(0, count, STATES_TOGETHER):
+        require_going_on(should_stop, "the joint map was gone through")
+        yield slice(first, min(first + STATES_TOGETHER, count))
 
 
 def binomials(states: int, robots: int) -> Longs:

@@ -71,7 +71,8 @@ def choose_group(
 ) -> Choice:
     """The best group for the mission's purpose among the groups that its method gives.
 
-    Raises MissionError when only some robots have starts, and when the method's joint map does not fit in memory.
+    Raises MissionError when only some robots have starts, and when the method's joint map does not fit in memory;
+    NoPlanFound where the search is to stop before that is gone through.
     """
     settings = BounceSettings.of(mission)
     at = start_cells(cells, robots)
@@ -89,7 +90,7 @@ def choose_group(
             "bounce.start_headings_deg: robots that monitor need starts beside their headings, or neither"
         )
     if settings.method == "as_printed":
-        return _of_printed(watch, team, mission, cells)
+        return _of_printed(watch, team, mission, cells, should_stop)
     if settings.purpose == "basin":
         return _largest_basin(watch, team, mission, cells, rattling, seed)
     if settings.purpose == "worst_gap":
@@ -132,10 +133,10 @@ def _goes_first(new: tuple[float, int], old: tuple[float, int], purpose: str) ->
     return ratio <= 1 and rattles < old_rattles and (rattles == 0 or ratio <= old_ratio)
 
 
-def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells) -> Choice:
+def _of_printed(watch: Watch, team: Team, mission: Mission, cells: Cells, should_stop: Callable[[], bool]) -> Choice:
     """The best of the groups that Algorithm 2 keeps as it is printed, and how many these are."""
     settings, zones = BounceSettings.of(mission), [zone for zone in mission.zones if zone.period_s is not None]
-    kept, listed = printed(team, zone_cells(cells, zones), cells.headings)
+    kept, listed = printed(team, zone_cells(cells, zones), cells.headings, should_stop)
     order = np.argsort(-listed.basin, kind="stable") if settings.purpose == "basin" else range(len(listed.basin))
     chosen = _best_of(_begun(watch, listed, order), settings.purpose)
     whole = kept == len(listed.basin)

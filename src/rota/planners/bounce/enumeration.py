@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rota.planners.bounce.bounce_map import cycles_and_basins, joint_map, require_memory
+from rota.planners.bounce.bounce_map import cycles_and_basins, in_turn, joint_map, require_memory
 from rota.planners.bounce.kernels import Team
 from rota.planners.bounce.limit_cycles import LimitCycles
 from rota.planners.bounce.map_kernels import printed_groups, touching_states
@@ -48,22 +49,25 @@ def enumerate_groups(team: Team, inside: Flags, headings: int, *, contact_free: 
     return JointGroups(states=states[kept], length=free.length[kept], basin=basin[kept])
 
 
-def printed(team: Team, inside: Flags, headings: int) -> tuple[int, JointGroups]:
+def printed(
+    team: Team, inside: Flags, headings: int, should_stop: Callable[[], bool] = lambda: False
+) -> tuple[int, JointGroups]:
     """How many groups Algorithm 2 keeps as it is printed, and the first MOST_PRINTED of them.
 
     Joint states are taken in the order of their packed numbers. A state's trajectory is followed until it meets a state
     that was seen before. It is kept when it closes on itself, has no contact and enters all zones, each from its start
     on. Its states, transient ones included, then belong to the group. Otherwise no later trajectory begins at its
     states. So a group is lost when the first trajectory that leads to it has a contact: the result depends on the
-    order.
+    order. Raises NoPlanFound once ``should_stop``.
     """
     m, s = len(team.bumped), len(team.x)
     require_memory(s, m, copies=BYTES_PRINTED)
-    successor = joint_map(team)
+    successor = joint_map(team, should_stop=should_stop)
     count = len(successor)
     touch = np.zeros(count, np.uint8)
-    states, after, stays = np.empty(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
-    touching_states(team, states, after, stays, touch)
+    states, after, stays = np.zeros(m, np.int32), np.empty(m, np.int32), np.empty(m, np.int8)
+    for some in in_turn(count, should_stop):
+        touching_states(team, states, after, stays, touch[some])
     bits = (inside.astype(np.uint64) << np.arange(len(inside), dtype=np.uint64)[:, None]).sum(axis=0, dtype=np.uint64)
     single = np.repeat(bits, headings)
     zones = single
@@ -72,7 +76,11 @@ def printed(team: Team, inside: Flags, headings: int) -> tuple[int, JointGroups]
     group, path = np.zeros(count, np.int32), np.empty(count, np.int64)
     groups = np.empty((MOST_PRINTED, 3), np.int64)
     all_zones = np.uint64((1 << len(inside)) - 1)
-    kept = printed_groups(successor, touch, zones, all_zones, group, path, groups)
+    progress = np.zeros(3, np.int64)
+    for some in in_turn(count, should_stop):
+        progress[1] = some.stop
+        printed_groups(successor, touch, zones, all_zones, group, path, groups, progress)
+    kept = int(progress[2])
     first, length, basin = groups[: min(kept, MOST_PRINTED)].T.copy()
     return kept, JointGroups(states=unpacked(first, s, m), length=length, basin=basin)
 

@@ -33,12 +33,12 @@ def any_too_near(team: Team, states: Ints) -> bool:
 
 @compiled
 def successors(team: Team, states: Ints, after: Ints, stays: Stays, successor: Words, free: bool) -> None:
-    """Fill ``successor``, (s ** m,) uint32, with the successor of every packed state of m robots.
+    """Fill ``successor``, (n,) uint32, with the successors of n packed states of m robots, from ``states`` (m,) on.
 
-    states, after, stays: (m,) scratch. free: a contact leads NOWHERE, so that only ways without contact are left.
+    ``states``: left at the one after the last. after, stays: (m,) scratch. free: a contact leads NOWHERE, so that only
+    ways without contact are left.
     """
     m, s = len(states), len(team.x)
-    states[:] = 0
     for code in range(len(successor)):
         if any_too_near(team, states):
             successor[code] = NOWHERE
@@ -168,15 +168,17 @@ def printed_groups(
     group: Ints,
     path: Longs,
     groups: Longs,
-) -> int:
-    """Algorithm 2 as it is printed: how many groups are kept, in the order of packed states.
+    progress: Longs,
+) -> None:
+    """Algorithm 2 as it is printed, for the next of the packed states in their order.
 
     touch: (n,) whether a state's step has a contact. zones: (n,) bits of the zones in which its robots are. all_zones:
     all bits. group: (n,) zeros, written: the group of each state, -1 for none. path: (n,) scratch. groups: (most, 3),
-    written: the first state, the cycle length and the number of states of as many groups as fit.
+    written: the first state, the cycle length and the number of states of as many groups as fit. progress: (3,) the
+    next state, the one to end before, and how many groups are kept so far.
     """
-    kept = 0
-    for start in range(len(successor)):
+    kept = progress[2]
+    for start in range(progress[0], progress[1]):
         if group[start] != 0 or successor[start] == NOWHERE:
             continue
         at, depth, contact, seen = np.int64(start), 0, False, np.uint64(0)
@@ -199,15 +201,13 @@ def printed_groups(
         kept += 1
         for k in range(depth):
             group[path[k]] = kept
-    return kept
+    progress[0], progress[2] = progress[1], kept
 
 
 @compiled
 def touching_states(team: Team, states: Ints, after: Ints, stays: Stays, touch: NDArray[np.uint8]) -> None:
-    """Fill ``touch``, (s ** m,): whether the step of a packed state has a contact. The others: (m,) scratch."""
+    """Fill ``touch``, (n,): whether steps of packed states have a contact; the others as for ``successors``."""
     m, s = len(states), len(team.x)
-    for i in range(m):
-        states[i] = 0
     for code in range(len(touch)):
         touch[code] = 0 if any_too_near(team, states) else min(step_team(team, states, stays, after), 1)
         for i in range(m):

@@ -144,8 +144,8 @@ def begin_search(
 
 
 def with_best_bound(context: Context) -> Context:
-    """The search with the highest of all bounds."""
-    if not context.proves_later:
+    """The search with the highest of all bounds; with the one it has where it is to stop."""
+    if not context.proves_later or context.should_stop():
         return context
     bound, enough_robots = what_is_proved(context.problem, context.asked, prove_bound)
     return replace(context, bound=bound, enough_robots=enough_robots, proves_later=False)

@@ -118,7 +118,7 @@ def plan_tours(
     def search(problem: Problem) -> Context:
         return begin_search(
             problem, asked=asked, seed=seed, judge=judge, progress=progress, should_stop=should_stop, watch=watch,
-            executor=executor, prove=bound_to_begin_with(problem),
+            executor=executor, prove=prove_nothing if should_stop() else bound_to_begin_with(problem),
         )  # fmt: skip
 
     context = search(problem)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from shapely import LineString, Polygon, box
 
 from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Sensor, SquareSensor, Zone
+from rota.planners.patrol.annealing import search as searching
 from rota.planners.patrol.annealing.chain_kernels import range_m
 from rota.planners.patrol.annealing.estimate_kernels import lost_at_least, note_leg, unseen_near
 from rota.planners.patrol.annealing.random_kernels import uniform
@@ -438,6 +440,20 @@ def test_mending_loses_nothing_that_was_seen() -> None:
     search.see_more(5000)
     assert search._state.unseen[0] < weight
     assert_books_are_true(search)
+
+
+def test_mending_asks_on_the_way_whether_to_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In however many parts the tries are made, the outcome is the same."""
+    given, outcomes = problem(), []
+    for together, most_asked in ((5000, 1000), (30, 1000), (30, 2)):
+        monkeypatch.setattr(searching, "BENDS", together)
+        search, asked = started(given, budget_penalty=0.0), itertools.count()
+        run(search, 3000)
+        left = search.unseen
+        search.see_more(5000, lambda asked=asked, most=most_asked: next(asked) == most)  # type: ignore[misc]
+        outcomes.append([one.vertices_m.tolist() for one in search.tours])
+    assert outcomes[0] == outcomes[1] != outcomes[2]
+    assert 0 < search.unseen <= left
 
 
 def test_how_far_from_done_is_what_the_books_say() -> None:

@@ -41,7 +41,7 @@ def test_small_ground_has_denser_samples_unless_the_team_is_fixed() -> None:
     assert set_up_problem(replace(small, fleet=replace(small.fleet, robots=team))).spacing_m == pytest.approx(2 / 8)
 
 
-@pytest.mark.parametrize("at", [1, 2, 3])
+@pytest.mark.parametrize("at", [1, 2, 3, 4, 5])
 def test_a_stop_is_heeded_between_the_steps(at: int) -> None:
     asked = itertools.count(1)
     with pytest.raises(NoPlanFound, match="stopped before"):

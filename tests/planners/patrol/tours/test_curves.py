@@ -126,6 +126,8 @@ def test_where_walls_leave_no_room_a_vertex_is_left_out() -> None:
     legs = shapely.LineString(np.vstack([curve, curve[:1]]))
     assert field.buffer(1e-9).covers(legs)
     assert shapely.distance(legs, shapely.points(ring[[0, 1, 3, 4]])).max() < 1e-6
+    stopped = closed_curve(ring, 6.0, grid, lambda: True)  # passes it still, whatever is in the way
+    assert shapely.distance(shapely.linearrings(stopped), shapely.points(ring)).max() < 1e-6
 
 
 def test_one_vertex_is_gone_round_where_there_is_room() -> None:

@@ -42,7 +42,7 @@ class Annealed:
 
 LONGEST_LEG = 6.0  # legs of at most this many reaches, so that what one sees stays near its ends
 MOST_BUCKETS = 4_000_000
-CHUNK = 20_000  # moves between two looks at the stop flag
+CHUNK, BENDS = 20_000, 2_000  # moves, and tries to see more, between two looks at the stop flag
 
 
 class Annealing:
@@ -163,14 +163,16 @@ class Annealing:
             done(made)
         return True
 
-    def see_more(self, tries: int) -> None:
+    def see_more(self, tries: int, should_stop: Callable[[], bool] = lambda: False) -> None:
         """Bend legs towards what is unseen and leave all else alone, so that nothing seen elsewhere is lost."""
-        while tries > 0:
-            made = annealing_kernels.see_more(tries, self._longest_m, self._space, self._samples, self._state)
-            if not self._state.ints[FULL]:
-                return
+        while tries > 0 and not should_stop():
+            some = min(tries, BENDS)
+            made = annealing_kernels.see_more(some, self._longest_m, self._space, self._samples, self._state)
             tries -= made
-            self._grow()
+            if self._state.ints[FULL]:
+                self._grow()
+            elif made < some:  # all is seen
+                return
 
     @property
     def unseen(self) -> int:

@@ -29,9 +29,11 @@ from rota.planners.patrol.ground.viewpoints import (
 )
 from rota.planners.patrol.loop_settings import SamplingSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.stopping import require_going_on
 
 Floats = NDArray[np.float64]
 
+LAID_OUT = "all that the mission asks for was laid out"
 OUT_OF_REACH = 1.01  # of the reach: what is farther from where robots surely come to, nobody sees
 BORDER_INSET = 0.002  # of the inner reach: how far inside of a region the samples of its border lie
 
@@ -117,23 +119,26 @@ def set_up_problem(
     robot, regions = common_robot(mission.fleet), demanded_regions(mission)
     margin_m = range_margin(inner_reach_m(robot.sensor))
     space, sure_space, at_limit = space_for(mission, regions, robot, margin_m)
+    require_going_on(should_stop, LAID_OUT)
     walls = sight_walls(mission)
     sure_sight = Sight(sure_space, walls, robot, 0.0)
     if is_whole:
         refuse_much_unseeable(mission, regions, sure_sight)
+    require_going_on(should_stop, LAID_OUT)
     sampling = EFFORTS[PatrolSettings.of(mission).effort].sampling
     if mission.fleet.robots is not None:  # the least ratio of a fixed team comes no lower with finer samples
         sampling = replace(sampling, few_samples=0)
     points, spacing_m = points_of_regions(regions, space, robot, sampling)
-    require_going_on(should_stop)
+    require_going_on(should_stop, LAID_OUT)
     border_places_m = np.zeros((0, 2))
     if at_limit:
         classes = [periods_of(regions).index(region.period_s) for region in regions]
         last = limit_points(regions, classes, space, robot, range_margin_m=margin_m, spacing_m=spacing_m)
         places_m, ranges_m = nearest_places(last.xy_m, space, walls, robot)
         points, border_places_m = joined([points, last]), places_m[np.isfinite(ranges_m)]
+        require_going_on(should_stop, LAID_OUT)
     points, hopeless = surely_seen(points, space, sure_space, walls, robot)
-    require_going_on(should_stop)
+    require_going_on(should_stop, LAID_OUT)
     seen = places_that_see_all(points, Sight(space, walls, robot, margin_m))
     beside = np.append(seen.unseeable, len(points) + np.arange(len(hopeless)))
     refuse_unseeable(mission, joined([seen.points, hopeless]), beside, regions, sure_sight)
@@ -143,33 +148,15 @@ def set_up_problem(
         if not len(kept):
             raise NoPlanFound("nothing of what is asked can be seen from where robots can be")
         points, samples, _ = laid_out(points[kept], walls, robot, known=known_walls(samples, kept))
-    require_going_on(should_stop)
+    require_going_on(should_stop, LAID_OUT)
     paths = ShortestPaths(space)
+    seen_from = what_places_see(seen.places_m, robot, margin_m, samples)
     return Problem(
-        mission=mission,
-        robot=robot,
-        regions=regions,
-        space=space,
-        sure_space=sure_space,
-        paths=paths,
-        walls=walls,
-        points=points,
-        samples=samples,
-        viewpoints=Viewpoints(
-            seen.places_m,
-            paths.part_of(seen.places_m),
-            *what_places_see(seen.places_m, robot, margin_m, samples),
-        ),
-        border_places_m=border_places_m,
-        range_margin_m=margin_m,
-        spacing_m=spacing_m,
-    )
-
-
-def require_going_on(should_stop: Callable[[], bool]) -> None:
-    """NoPlanFound once the search is to stop."""
-    if should_stop():
-        raise NoPlanFound("the search was stopped before all that the mission asks for was laid out")
+        mission=mission, robot=robot, regions=regions, space=space, sure_space=sure_space, paths=paths, walls=walls,
+        points=points, samples=samples,
+        viewpoints=Viewpoints(seen.places_m, paths.part_of(seen.places_m), *seen_from),
+        border_places_m=border_places_m, range_margin_m=margin_m, spacing_m=spacing_m,
+    )  # fmt: skip
 
 
 def surely_seen(

@@ -78,9 +78,16 @@ class Repaired:
         return self.verdict.verdict == "met"
 
 
-def plan_of(problem: Problem, tours: Sequence[Tour], *, seed: int, bound: ProvedBound | None = None) -> Plan:
+def plan_of(
+    problem: Problem,
+    tours: Sequence[Tour],
+    *,
+    seed: int,
+    bound: ProvedBound | None = None,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> Plan:
     """The plan that drives these tours, with the bound; the fleet's names for robots, or robot-1, robot-2, ..."""
-    rounds = timed_rounds(curved(driven(tours), problem.paths.grid), problem.robot.body_radius_m)
+    rounds = timed_rounds(curved(driven(tours), problem.paths.grid, should_stop), problem.robot.body_radius_m)
     fleet = problem.mission.fleet.robots
     names = [r.name for r in fleet] if fleet else [f"robot-{i + 1}" for i in range(len(rounds))]
     return Plan(
@@ -200,8 +207,11 @@ def judged(
     missed shows when there is more time.
     """
     problem = context.problem
-    plan = plan_of(problem, tours, seed=context.seed, bound=context.bound)
-    shown = plan_of(stretched(problem, 1 + eased_by), tours, seed=context.seed) if eased_by > 0 else plan
+    plan = plan_of(problem, tours, seed=context.seed, bound=context.bound, should_stop=context.should_stop)
+    shown = plan
+    if eased_by > 0:
+        easier = stretched(problem, 1 + eased_by)
+        shown = plan_of(easier, tours, seed=context.seed, should_stop=context.should_stop)
     verdict = context.judge(shown)
     shorter = shorter_m(context, tours, turn, bends=bends)
     new = new_points(context, tours, verdict, turn, shorter_m=shorter)

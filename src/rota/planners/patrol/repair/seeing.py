@@ -21,7 +21,7 @@ def see_the_rest(
     """Bend the tours a little until they see all samples; lead them by a detour to what is left."""
     length_weight = context.settings.repair.length_weight
     search = annealing_of(context, tours, samples, length_weight=length_weight, seed=seed)
-    search.see_more(500 + 40 * search.unseen)
+    search.see_more(500 + 40 * search.unseen, context.should_stop)
     return led_to_the_rest(context, search.tours, points, samples, seed=seed, unseen=search.unseen_samples)
 
 

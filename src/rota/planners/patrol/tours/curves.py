@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -34,17 +34,26 @@ STRAIGHTENINGS = 4  # of an approach's beginning, which may have any heading
 SAME_M = 1e-6  # ways whose lengths differ by less are equally long
 
 
-def curved(tours: Sequence[Tour], grid: EdgeGrid) -> list[Tour]:
-    """The tours as their robots drive them in the space of the grid; the same tours where robots turn on the spot."""
+def _never() -> bool:
+    return False
+
+
+def curved(tours: Sequence[Tour], grid: EdgeGrid, should_stop: Callable[[], bool] = _never) -> list[Tour]:
+    """The tours as their robots drive them in the space of the grid; the same tours where robots turn on the spot.
+
+    Curves may leave the space where the search is to stop.
+    """
     return [
         tour
         if tour.robot.turn_radius_m == 0
-        else replace(tour, vertices_m=closed_curve(tour.vertices_m, tour.robot.turn_radius_m, grid))
+        else replace(tour, vertices_m=closed_curve(tour.vertices_m, tour.robot.turn_radius_m, grid, should_stop))
         for tour in tours
     ]
 
 
-def closed_curve(vertices_m: Floats, radius_m: float, grid: EdgeGrid) -> Floats:
+def closed_curve(
+    vertices_m: Floats, radius_m: float, grid: EdgeGrid, should_stop: Callable[[], bool] = _never
+) -> Floats:
     """A closed curve past the vertices (n, 2) with no arc tighter than the radius, as corners (m, 2) of straight legs.
 
     The shortest of those that pass each vertex in one of 26 headings and stay in the space. Where none does, vertices
@@ -53,7 +62,7 @@ def closed_curve(vertices_m: Floats, radius_m: float, grid: EdgeGrid) -> Floats:
     """
     curve = _Curve(timeable(vertices_m), radius_m * RADIUS_TO_SPARE, grid, closed=True)
     for _ in range(2 * len(vertices_m)):
-        eased = curve.eased() if len(curve.points_m) > 1 else None
+        eased = curve.eased() if len(curve.points_m) > 1 and not should_stop() else None
         if eased is None:
             break
         curve = eased
