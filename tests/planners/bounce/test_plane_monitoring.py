@@ -143,3 +143,17 @@ def test_it_can_be_driven_and_has_no_cells_to_draw(pair: Plan, tmp_path: object)
 def test_a_cycle_that_leaves_walls_along_them_is_taken_where_no_other_serves_and_told() -> None:
     (fact,) = search_plan(hall(2, angle_deg=135.0)).facts
     assert "leaves contacts along a wall, where rounding alone may throw a robot off" in fact
+
+
+def test_a_round_may_begin_at_a_contact_but_for_rounding() -> None:
+    mission = hall(1)
+    (robot,) = mission.fleet.robots or ()
+    for track in tracks_of(mission, robot, 140.0, mission.zones, 0)[:2]:
+        for k, time_s in enumerate(track.times_s[1:-1], start=1):
+            for late_s in (np.nextafter(time_s, 0), time_s, np.nextafter(time_s, np.inf)):
+                begun = track.trajectory("robot-1", float(late_s))
+                assert begun.loop_duration_s == pytest.approx(track.round_s, rel=1e-12)
+                assert len(begun.times_s) == len(track.times_s)
+                np.testing.assert_allclose(begun.positions_m[0], track.places_m[k], atol=1e-9)
+                report = check_plan(Plan(mission=mission, trajectories=(begun,)))
+                assert {v.kind for v in report.violations} <= {"gap"}

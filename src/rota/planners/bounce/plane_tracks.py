@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 
 STARTS, BOUNCES, LONGEST = 1500, 1200, 128  # random starts, contacts until a cycle is looked for, and in a cycle
 FRAMES = 24  # headings that starts have, equally spaced
+SAME_TIME = 1e-9  # share of a round by which two times on it may differ
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,8 +65,11 @@ class Track:
         return float(nearest_touch(self.times_s, np.ascontiguousarray(self.places_m), apart_m, shifts))
 
     def trajectory(self, robot: str, late_s: float) -> Trajectory:
-        """The round for ever, begun ``late_s`` into it."""
-        times, first = self.times_s, int(np.searchsorted(self.times_s, late_s, side="right"))
+        """The round for ever, begun ``late_s`` into it, or at a timed point that is the same but for rounding."""
+        times = self.times_s
+        nearest_s = float(times[np.abs(times - late_s).argmin()])
+        late_s = nearest_s if abs(nearest_s - late_s) <= SAME_TIME * self.round_s else late_s
+        first = int(np.searchsorted(times, late_s, side="right"))
         cut = np.array([np.interp(late_s, times, self.places_m[:, k]) for k in (0, 1)])
         facing = self._facing(first - 1, late_s)
         next_round = slice(1, first) if times[first - 1] < late_s else slice(1, first - 1)
