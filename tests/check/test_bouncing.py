@@ -78,6 +78,15 @@ def test_a_robot_that_rests_must_be_hemmed_in() -> None:
     mission = replace(plan.mission, obstacles=nook, zones=(replace(plan.mission.zones[0], shape=box(0, 0, 1, 1)),))
     mission = replace(mission, fleet=replace(mission.fleet, robots=mission.fleet.robots[:1]))  # type: ignore[index]
     assert check_plan(Plan(mission=mission, trajectories=(hemmed,))).verdict == "met"
+    # and if it turns there for ever, it turns by its angle
+    angle = np.radians(BounceSettings.of(mission).bouncing_angles_deg[0])
+    for turn, wrong in ((angle, []), (angle / 2, ["turns by another angle"])):
+        round_about = np.append(turn * np.arange(int(4 * np.pi / turn)) % (2 * np.pi), 0.0)
+        turning = replace(
+            hemmed, times_s=10.0 * np.arange(len(round_about)), positions_m=[[0.5, 0.5]] * len(round_about),
+            headings_rad=round_about, loop_start_s=0.0,
+        )  # fmt: skip
+        assert sorted(set(kinds(check_plan(Plan(mission=mission, trajectories=(turning,)))))) == wrong
 
 
 def test_points_that_bounce_are_never_in_one_place() -> None:

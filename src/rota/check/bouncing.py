@@ -297,9 +297,16 @@ class _Robot:
         return Around(self._plan, self._floor).meets(self._trajectory, cell, heading, time_s)
 
     def _judge_rest(self, before: int, faced: Ints | None) -> None:
-        """A robot that comes to rest must be hemmed in: whichever way it turns at each bounce, something is there."""
+        """A robot that comes to rest must be hemmed in: whichever way it turns at each bounce, something is there.
+
+        Where it goes on turning there, it must turn by bounces.
+        """
         count = len(self._floor.moves)
         known = [int(faced[-1])] if faced is not None else [before] if before >= 0 else range(count)
+        turned = [] if faced is None else [int(heading) for heading in faced[self._trajectory.loop_index :]]
+        for k, (heading, after) in enumerate(itertools.pairwise(turned), start=self._trajectory.loop_index):
+            if heading != after and self._bounces(heading, after) is None:
+                self._note_turn("turns by another angle", k, (after - heading) % count * 360 / count)
         cell = np.tile(self._cells[-1], (count, 1))
         for first in known:
             if self._floor.blocked(cell, (first + self._bounce * np.arange(count)) % count).all():
