@@ -81,6 +81,7 @@ def built(kind: Any, value: Any) -> Any:
 
 
 def _built(kind: Any, value: Any) -> Any:
+    """The same, with whatever error Python raises."""
     origin, inner = get_origin(kind), get_args(kind)
     if hasattr(origin, "__value__"):  # from Python 3.12 on NDArray is an alias with a name of its own
         return _built(origin.__value__[inner], value)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from rota.papers.plain import alike, built, plain
 from rota.plan import Plan, Trajectory
 
 Json = dict[str, Any]
+T = TypeVar("T")
 AT_A_TIME = 2
 DIGEST = 16  # hex digits
 HEAD = ("study", "rota", "seed", "settings")
@@ -75,9 +76,10 @@ class Records:
         """The records of all that was asked for, in the order of the first asking."""
         return tuple(self._used.values())
 
-    def get(self, kind: Any, run: Mapping[str, Any], make: Callable[[], Any]) -> Any:
+    def get(self, kind: Any, run: Mapping[str, Any], make: Callable[[], T]) -> T:
         """What a run came to, as a value of the type ``kind``; ``make`` is called where there is no record of it."""
-        return self.get_all(kind, [Job(run, make)], at_a_time=1)[0]
+        found: T = self.get_all(kind, [Job(run, make)], at_a_time=1)[0]
+        return found
 
     def get_all(self, kind: Any, jobs: Sequence[Job], *, at_a_time: int = AT_A_TIME) -> list[Any]:
         """The same of several runs, some made at a time; their order is that of the jobs."""
@@ -104,10 +106,10 @@ class Records:
         """The record of a run, known or just made."""
         known = self._known.get(key)
         if known is None:
-            return Record(json.loads(key), made[key])
+            return Record(_stored(job.run), made[key])
         if key in made and not alike(known.came_out, made[key]):
             self.changed.append(Changed(known.run, known.came_out, made[key]))
-        return known
+        return Record(_stored(job.run), known.came_out)
 
     def _value(self, kind: Any, key: str) -> Any:
         """What came out as a value, built once."""
@@ -118,7 +120,7 @@ class Records:
 
 def _key(run: Mapping[str, Any]) -> str:
     """What was run, as text."""
-    return json.dumps(plain(run), ensure_ascii=False)
+    return json.dumps(plain(run), ensure_ascii=False, sort_keys=True)
 
 
 def _stored(value: Any) -> Any:

@@ -77,6 +77,7 @@ class Room:
         steps, walks = runs.settings.error_steps, runs.settings.walks
 
         def make() -> Seen:
+            """The chances as walks at random have them, all at once and in batches."""
             runs.now(f"figure 12: {angle_deg:g}°, turns {told}")
             found = self._run(runs, angle_deg, ERRORS[told], steps)
             after_s = steps * self.step_s
@@ -92,8 +93,7 @@ class Room:
             )  # fmt: skip
 
         run = self._told(runs, angle_deg, told) | {"steps": steps, "walks": walks}
-        found: Seen = runs.records.get(Seen, run, make)
-        return found
+        return runs.records.get(Seen, run, make)
 
     def cover_steps(self, runs: Runs, team: int) -> Floats:
         """(r,) steps until a team has seen all cells, ascending, with the shown angle and error; inf: it never has."""
@@ -105,8 +105,7 @@ class Room:
 
         run = self._told(runs, SHOWN_ANGLE_DEG, SHOWN) | {"steps": COVER_STEPS, "team": team}
         run["walks"] = int(COVER_SHARE * runs.settings.walks)
-        found: Floats = runs.records.get(NDArray[np.float64], run, make)
-        return found
+        return runs.records.get(NDArray[np.float64], run, make)
 
     def _told(self, runs: Runs, angle_deg: float, told: str) -> dict[str, object]:
         return {"what": "inexact turns", **what(self.mission), "angle": angle_deg, "error": told, "seed": runs.seed}

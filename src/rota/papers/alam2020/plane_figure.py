@@ -108,10 +108,9 @@ def _compared(runs: Runs, name: str, mission: Mission, angle_deg: float) -> Both
         both = compare_grid_and_plane(cells, ground, turn=turn, body_radius_m=radius_m, bounces=BOUNCES)
         return cycles_told(mission, cells, turn, both)
 
-    found: BothCycles = runs.records.get(
+    return runs.records.get(
         BothCycles, {"what": "grid beside plane", "room": name, **what(mission), "angle": angle_deg}, make
     )
-    return found
 
 
 def cycles_told(mission: Mission, cells: Cells, turn: int, both: GridBesidePlane) -> BothCycles:

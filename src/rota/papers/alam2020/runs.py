@@ -119,12 +119,11 @@ class Runs(StudyRuns[StudySettings]):
 
     def cover(self, mission: Mission, method: BounceMethod) -> CoverRuns:
         """The mission's team from as many random starts as the settings have, the same for both methods."""
-        found: CoverRuns = self.records.get(
+        return self.records.get(
             CoverRuns,
             self._run("cover", mission, method) | {"seeds": f"{self.seed} to {self.starts[-1]}"},
             lambda: self._covered(mission, method),
         )
-        return found
 
     def drawn(self, mission: Mission, method: BounceMethod, seed: int, *, ways: bool) -> Drawn:
         """One of these runs, to be drawn; ``ways``: or only its starts and the cells entered."""
@@ -134,26 +133,23 @@ class Runs(StudyRuns[StudySettings]):
             kept = drawn_ways(plan) if ways else tuple(_begun(way) for way in plan)
             return Drawn(ways=kept, entries=entries_of_cells(plan))
 
-        found: Drawn = self.records.get(Drawn, self._run("draw", mission, method) | {"seed": seed, "ways": ways}, make)
-        return found
+        return self.records.get(Drawn, self._run("draw", mission, method) | {"seed": seed, "ways": ways}, make)
 
     def driven(self, mission: Mission, method: BounceMethod) -> tuple[Driven | None, ...]:
         """What Create 2 would have to drive of all these runs."""
-        found: tuple[Driven | None, ...] = self.records.get(
+        return self.records.get(
             tuple[Driven | None, ...],
             self._run("drive", mission, method) | {"seeds": f"{self.seed} to {self.starts[-1]}"},
             lambda: tuple(driven(self.plan(mission, method, seed)) for seed in self.starts),
         )
-        return found
 
     def floor_passed(self, mission: Mission, method: BounceMethod) -> Floats:
         """(starts,) share of the ground that bodies pass over in each of these runs."""
-        found: Floats = self.records.get(
+        return self.records.get(
             NDArray[np.float64],
             self._run("floor", mission, method) | {"seeds": f"{self.seed} to {self.starts[-1]}"},
             lambda: np.array([floor_passed(self.plan(mission, method, seed)) for seed in self.starts]),
         )
-        return found
 
     def watching(self, mission: Mission) -> Watching | None:
         """What ``rota plan`` finds for a mission that watches; None: no plan."""
@@ -167,8 +163,7 @@ class Runs(StudyRuns[StudySettings]):
             return watching(search.plan)
 
         run = {"what": "watch", **what(mission), "seed": self.seed}
-        found: Watching | None = self.records.get(Watching | None, run, make)
-        return found
+        return self.records.get(Watching | None, run, make)
 
     def plan(self, mission: Mission, method: BounceMethod, seed: int) -> Plan:
         """A covering run as a plan; no record is kept of it."""

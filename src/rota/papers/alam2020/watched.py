@@ -58,21 +58,17 @@ class ShownGroup:
 def counted_groups(runs: Runs, mission: Mission) -> GroupCounts:
     """The periodic groups of a mission's two robots, counted in every way."""
     runs.now(f"counting groups: {mission.name}")
-    found: GroupCounts = runs.records.get(
-        GroupCounts, {"what": "groups", **what(mission)}, lambda: group_counts(mission)
-    )
-    return found
+    return runs.records.get(GroupCounts, {"what": "groups", **what(mission)}, lambda: group_counts(mission))
 
 
 def counted_regions(runs: Runs, mission: Mission) -> list[int]:
     """How many groups watch pairs of random regions."""
     pairs = runs.settings.region_pairs
-    found: list[int] = runs.records.get(
+    return runs.records.get(
         list[int],
         {"what": "groups of random regions", **what(mission), "pairs": pairs, "seed": runs.seed},
         lambda: random_region_counts(mission, pairs, runs.seed),
     )
-    return found
 
 
 def group_to_show(runs: Runs, mission: Mission) -> ShownGroup:
@@ -85,8 +81,7 @@ def group_to_show(runs: Runs, mission: Mission) -> ShownGroup:
         kept = kept_with_errors(replace(plan, mission=replace(plan.mission, planning=asked)))
         return ShownGroup(ways=drawn_ways(plan), told=told, plan=watching(plan), kept=kept)
 
-    found: ShownGroup = runs.records.get(ShownGroup, {"what": "group shown", **what(mission), "seed": runs.seed}, make)
-    return found
+    return runs.records.get(ShownGroup, {"what": "group shown", **what(mission), "seed": runs.seed}, make)
 
 
 def shown_group(mission: Mission, seed: int) -> tuple[Plan, str]:

@@ -166,8 +166,7 @@ def _decision_us(runs: Runs, mission: Mission, steps: int) -> float:
         return decision_us(mission, EXACT.settings, runs.seed, steps)
 
     run = {"what": "decision time", **what(mission, EXACT), "steps": steps, "seed": runs.seed}
-    found: float = runs.records.get(float, run, make)
-    return found
+    return runs.records.get(float, run, make)
 
 
 def _covered(run: SwarmRun) -> float:

@@ -124,6 +124,7 @@ def coverage_by_four(mission: Mission, controller: Controller, runs: Runs, step:
     steps = min(step, runs.settings.steps)
 
     def make(seed: int) -> float:
+        """The share in percent after so many steps from the starts of a seed."""
         runs.now(f"{mission.name}: {controller.name}, 4 neighbours, seed {seed}")
         ground = free_ground(mission)
         sensors = np.full(len(mission.fleet.robots or ()), paper.SENSOR_M)

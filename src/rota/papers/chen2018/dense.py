@@ -29,8 +29,7 @@ def counted_contacts(runs: Runs, controller: Controller) -> tuple[int, float]:
         return dense_contacts(controller.settings, seed=runs.seed)
 
     run = {"what": "dense states", **what(maps.small("centre"), controller), "tried": TRIED, "seed": runs.seed}
-    found: tuple[int, float] = runs.records.get(tuple[int, float], run, make)
-    return found
+    return runs.records.get(tuple[int, float], run, make)
 
 
 def dense_contacts(settings: SwarmSettings, *, seed: int, tried: int = TRIED) -> tuple[int, float]:

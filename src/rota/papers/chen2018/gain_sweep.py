@@ -72,8 +72,7 @@ def forced(runs: Runs, mission: Mission, gain: float, seed: int) -> Forced:
         )
 
     run = {"what": "gain", **what(mission, FORCES), "gain": gain, "seed": seed, "most_steps": runs.settings.steps}
-    found: Forced = runs.records.get(Forced, run, make)
-    return found
+    return runs.records.get(Forced, run, make)
 
 
 def force(mission: Mission, gain: float, seed: int, most_steps: int) -> tuple[History, bool]:

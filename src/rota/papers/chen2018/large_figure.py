@@ -152,6 +152,7 @@ def _ends(runs: Runs, asked: Sequence[tuple[maps.LargeStart, Controller, int]], 
     """What runs by start, controller and seed cover at some steps; they are not observed in between."""
 
     def make(mission: Mission, seed: int, doing: str) -> Ends:
+        """One run to the last moment; where all rest before, the moments after are alike."""
         runs.now(doing)
         ground = free_ground(mission)
         starts = place_starts(mission, ground, seed=seed, reserve_m=0.0)

@@ -144,6 +144,7 @@ def flight_of(record: SwarmRecord) -> Flight:
 
 
 def _pictures(mission: Mission, flights: dict[str, list[Flight]]) -> tuple[Picture, ...]:
+    """The swarm over the hills, and each controller's moments above the curves of what is covered."""
     shown = {name: many[0].shown_m for name, many in flights.items()}
     published, reach_m = shown[FILTERED.name], paper.GAZEBO_SENSOR_M / 2
     end_s = SHOWN_S[-1]
@@ -220,6 +221,7 @@ def _told(controller: Controller, flights: Sequence[Flight]) -> str:
 
 
 def _table(flights: dict[str, list[Flight]], run_s: float) -> Table:
+    """A row for each controller, below what the paper prints."""
     rows = []
     for name, many in flights.items():
         rows.append((
