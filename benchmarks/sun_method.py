@@ -21,11 +21,8 @@ from rota.make_plan import make_plan
 from rota.mission import Mission
 from rota.papers.sun2019.printed_settings import AS_PRINTED, AS_PRINTED_FIGURE_16
 from rota.plan import Plan
-from rota.planners.patrol.context import begin_search
-from rota.planners.patrol.ground.problem import set_up_problem
-from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
-from rota.planners.patrol.planner_settings import Effort, Sun2019
+from rota.planners.patrol.planner_settings import Effort
+from rota.planners.patrol.sun2019_settings import Sun2019
 
 OURS, REPAIRED = Sun2019(), Sun2019(routes="repaired")
 PRINTED = {CASES[-1]: ("Tables 2, 3 and 4", AS_PRINTED), FIGURE_16: ("Tables 7, 3 and 4", AS_PRINTED_FIGURE_16)}
@@ -73,7 +70,7 @@ def sun_method(options: Options) -> Iterator[Row]:
     repaired = {case: tried(mission, REPAIRED, options.effort) for case, mission in cases.items()}
     yield total_row(repaired, "repaired, not shortened", options.effort)
     for case, (tables, settings) in PRINTED.items():
-        run = as_printed(cases[case], settings)
+        run = tried(cases[case], settings, "quick")
         name = f"Sun 2019, method sun2019, {case.name}, as printed: {tables}, nothing repaired"
         yield Row(name, f"the paper: {case.paper_robots} robots", run.told, None)
 
@@ -90,17 +87,6 @@ def tried(mission: Mission, stages: Sun2019, effort: Effort) -> Tried:
         plan = failure.best
     cpu_s = time.process_time() - began_s
     return Tried(plan, check_plan(plan), cpu_s)
-
-
-def as_printed(mission: Mission, settings: MethodSettings) -> Tried:
-    """The plan of the paper's own tables, routes as they come."""
-    began_s = time.process_time()
-    context = begin_search(
-        set_up_problem(mission.with_effort("quick")), asked=mission, seed=0, judge=check_plan,
-        progress=lambda share, doing: None, should_stop=lambda: False,
-    )  # fmt: skip
-    plan = fewest_robots_by_stages(context, settings).plan
-    return Tried(plan, check_plan(plan), time.process_time() - began_s)
 
 
 def total_row(found: dict[Case, Tried], routes: str, effort: str) -> Row:

@@ -39,8 +39,9 @@ class Setting:
 
     options: of text. least, above, most, below: bounds that always hold, with or without the bound itself. written:
     the least and the most that a mission file may say, None: no other than these. optional: null is a value. empty: a
-    mission file may say null for the default. newer: plan files of older versions lack it. word: of a list, a text that
-    may stand in its place; in Python that is the empty tuple.
+    mission file may say null for the default. newer: plan files of older versions lack it. spared: plan files lack it
+    while it is at its default. word: of a list, a text that may stand in its place; in Python that is the empty tuple.
+    whole: of a list, whether its numbers are whole.
     """
 
     name: str
@@ -57,7 +58,9 @@ class Setting:
     written: Bounds | None = None
     empty: bool = False
     newer: bool = False
+    spared: bool = False
     word: str | None = None
+    whole: bool = False
 
     def bounds(self, in_mission_file: bool) -> dict[str, float]:
         """What numbers must keep to, by pydantic's names: ge, gt, le, lt."""
@@ -107,7 +110,7 @@ class Setting:
                     yield (k,), number, fault
 
     def _number_fault(self, value: Any, in_mission_file: bool) -> Fault | None:
-        whole = self.kind == "whole"
+        whole = self.kind == "whole" or self.whole
         is_number: bool = isinstance(value, Integral if whole else Real) and not isinstance(value, bool)
         if not is_number:
             return Fault("int_type" if whole else "float_type", {})
@@ -152,7 +155,7 @@ class Settings:
                 raise MissionError(f"{self.place}.{path_of((item.name, *where))}: {message}")
             if item.kind in ("pair", "list") and value is not None:
                 value = () if item.word is not None and value == item.word else value
-                value = tuple(float(number) for number in value)
+                value = tuple(int(number) if item.whole else float(number) for number in value)
                 object.__setattr__(self, item.name, value)
             values[item.name] = value
         for where, message in self.contradictions(values):
@@ -198,7 +201,7 @@ def _declared(declared: dataclasses.Field[Any], hint: Any) -> Setting:
     if get_origin(hint) is Literal:
         return Setting(kind="option", options=get_args(hint), **described)
     if get_origin(hint) is tuple:
-        return Setting(kind="list" if Ellipsis in get_args(hint) else "pair", **described)
+        return Setting(kind="list" if Ellipsis in get_args(hint) else "pair", whole=int in get_args(hint), **described)
     kinds: dict[Any, Literal["truth", "whole", "number", "text"]] = {
         bool: "truth",
         int: "whole",

@@ -58,6 +58,13 @@ def test_the_schema_of_settings_is_what_it_was(file: str, planner: str) -> None:
     now = block_of(file, planner)
     if planner == "patrol":  # methods and settings may be added
         assert now["properties"].pop("prefer")["default"] == "shortest"
+        stages = now["properties"]["sun2019"]
+        stages = stages["anyOf"][0] if file == "mission" else stages
+        defaults = [stages["properties"].pop(name)["default"] for name in ("sensors", "frame", "segments")]
+        assert [default is None for default in defaults] == [file == "mission"] * 3
+        if file == "plan":
+            assert stages["default"] | BEFORE["plan"]["patrol"]["properties"]["sun2019"]["default"] == stages["default"]
+            stages["default"] = BEFORE["plan"]["patrol"]["properties"]["sun2019"]["default"]
         named = before["properties"]["method"]["enum"]
         assert set(named) <= set(METHODS)
         named[:] = METHODS

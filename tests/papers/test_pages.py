@@ -54,7 +54,7 @@ def chen(runs: ChenRuns) -> None:
 def sun(runs: SunRuns) -> None:
     """A plan by a quick method; sensors without rules."""
     runs.by_method(runs.map_13, "sequential")
-    runs.sensors(runs.map_13, runs.settings.figure_13.deployments[0].without_rules(), runs.seed)
+    runs.sensors(runs.map_13, runs.figure_13.deployments[0].without_rules(), runs.seed)
 
 
 AGAIN: dict[str, tuple[type[Any], Callable[[Any], None]]] = {

@@ -57,6 +57,8 @@ holds_within_s: null                 # all robots are in their loops, from when 
 planner: patrol                      # or swarm (robots spread and hold), bounce (a bump sensor and a clock)
 patrol:
   effort: normal                     # quick | normal | high
+  method: tours                      # or one to compare with: parallel, sequential, decomposition, sun2019
+  # sun2019: {frame: {alpha_m: 10000}}   # stages of that method and their settings, see docs/methods.md
   period_margin: 0                   # reserve against wind: 0.05 plans with periods shorter by 5 %
   range_margin_m: 0                  # reserve against poor localisation: plans with sensors that reach so much less far
 """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
 from shapely import MultiPolygon, Polygon
@@ -34,7 +33,7 @@ from rota.mission import (
     Zone,
 )
 from rota.planner import planner_named
-from rota.planner_settings import settings_of
+from rota.planner_settings import Settings, settings_of
 
 Json = dict[str, Any]
 
@@ -74,13 +73,7 @@ def obstacle_to_json(obstacle: Obstacle) -> Json:
 
 def _planner_to_json(mission: Mission) -> Json:
     """The planner's name and settings, and what moves in the way of a swarm."""
-    # lists in place of tuples, as reading gives them
-    words = {item.name: item.word for item in settings_of(type(mission.planning))}
-    values = {
-        key: (list(value) or words[key]) if isinstance(value, tuple) else value
-        for key, value in asdict(mission.planning).items()
-    }
-    settings = {"planner": mission.planning.planner, mission.planning.planner: values}
+    settings = {"planner": mission.planning.planner, mission.planning.planner: _settings_to_json(mission.planning)}
     if not mission.planning.heeds_moving_obstacles:
         return settings
     moving = [
@@ -88,6 +81,18 @@ def _planner_to_json(mission: Mission) -> Json:
         for m in mission.moving_obstacles
     ]
     return {"moving_obstacles": moving, **settings}
+
+
+def _settings_to_json(block: Settings) -> Json:
+    """A block of settings, without what is spared; lists in place of tuples, as reading gives them."""
+    told: Json = {}
+    for item in settings_of(type(block)):
+        value = getattr(block, item.name)
+        if item.block is None:
+            told[item.name] = (list(value) or item.word) if isinstance(value, tuple) else value
+        elif not item.spared or value != item.block():
+            told[item.name] = _settings_to_json(value)
+    return told
 
 
 def _fleet_to_json(fleet: Fleet) -> Json:

@@ -129,7 +129,7 @@ def _type(item: Setting, in_mission_file: bool) -> JsonSchema:
     if item.kind in ("truth", "text"):
         return {"type": "boolean" if item.kind == "truth" else "string"}
     bounds = {_BOUNDS[name]: bound for name, bound in item.bounds(in_mission_file).items()}
-    number = {"type": "integer" if item.kind == "whole" else "number", **bounds}
+    number = {"type": "integer" if item.kind == "whole" or item.whole else "number", **bounds}
     if item.kind == "pair":
         return {"type": "array", "items": number, "minItems": 2, "maxItems": 2}
     if item.kind != "list":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import pytest
@@ -11,19 +12,18 @@ from rota.check import check_plan
 from rota.compare import MethodOutcome
 from rota.mission import Mission
 from rota.papers.sun2019.kept import found_of
+from rota.papers.sun2019.printed_settings import AS_PRINTED
 from rota.papers.sun2019.results import Found, Printed
 from rota.papers.sun2019.runs import Runs, StudySettings
 from rota.plan import Plan
-from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
-from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.sun2019_settings import FrameSettings, SegmentSettings, SensorSettings
 
-SMALL = MethodSettings(
-    deployments=(DeploySettings(iterations=3, swarms=4, particles=4, cell_m=4.0),),
-    tour=TourSettings(method="genetic", generations=300, population=40),
-    partition=PartitionSettings(method="pso", joining_legs=True, margin_s=0.5, iterations=4, swarms=4, particles=20),
-    route=RouteSettings(routes="printed"),
+SMALL = replace(
+    AS_PRINTED,
+    sensors=SensorSettings(iterations=3, swarms=4, particles=4, cell_m=4.0),
+    frame=FrameSettings(generations=300, population=40),
+    segments=SegmentSettings(iterations=4, swarms=4, particles=20),
 )
 
 
@@ -43,7 +43,10 @@ def settings() -> StudySettings:
 @pytest.fixture
 def make_runs(settings: StudySettings) -> Callable[..., Runs]:
     def make(**shared: Any) -> Runs:
-        return Runs(settings, **shared)
+        runs = Runs(settings, **shared)
+        quick = replace(runs.figure_13.partition, times="estimate")  # hundreds of routes would be measured
+        runs.figure_13 = runs.figure_16 = replace(runs.figure_13, partition=quick)
+        return runs
 
     return make
 
@@ -67,7 +70,7 @@ def without_search(printed_by_name: dict[tuple[str, int], Printed], monkeypatch:
         return printed_by_name[mission.name, at]
 
     def found(runs: Runs, mission: Mission) -> Found:
-        routes = runs.printed(mission, SMALL).routes
+        routes = runs.printed(mission, runs.figure_13).routes
         assert routes is not None
         plan = Plan(mission=mission, trajectories=routes)
         outcome = MethodOutcome(method="tours", plan=plan, report=check_plan(plan), planning_s=0.0, reason="late")

@@ -30,7 +30,7 @@ pytestmark = pytest.mark.usefixtures("without_search")
 @pytest.fixture
 def case(make_runs: Callable[..., Runs]) -> Case:
     runs = make_runs()
-    return case_of(runs, paper.TABLE_5, runs.map_13, runs.settings.figure_13)
+    return case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13)
 
 
 def changed(case: Case, **outcomes: Found) -> Case:
@@ -129,7 +129,7 @@ def test_loops_belong_to_the_zone_whose_period_they_keep() -> None:
 
 def test_the_papers_odd_route_is_told_with_sub_region_3(make_runs: Callable[..., Runs]) -> None:
     runs = make_runs()
-    odd = case_of(runs, paper.TABLE_6[3], runs.maps_14[3], runs.settings.figure_13)
+    odd = case_of(runs, paper.TABLE_6[3], runs.maps_14[3], runs.figure_13)
     rows = routes_table("routes", [odd, odd]).rows
     assert [row[3] for row in rows[:3]] == ["10.95", "9.33, 8.74, 6.35", "18.48, 18.83, 18.92, 18.65"]
     assert [row[0] for row in rows] == ["Case 4", "", "", "Case 4", "", ""]
@@ -138,7 +138,7 @@ def test_the_papers_odd_route_is_told_with_sub_region_3(make_runs: Callable[...,
 
 def test_methods_are_asked_for_each_case(make_runs: Callable[..., Runs], without_search: list[Asked]) -> None:
     runs = make_runs()
-    case_of(runs, paper.TABLE_5, runs.map_13, runs.settings.figure_13)
+    case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13)
     methods = ("sequential", "parallel", "decomposition", "sun2019", "tours")
     assert without_search == [Asked("sun2019-fig13", method, None) for method in methods]
 

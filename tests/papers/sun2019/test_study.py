@@ -41,7 +41,8 @@ def study(settings: StudySettings) -> Study:
 
 def test_sensors_in_the_table_are_those_of_the_runs(study: Study, settings: StudySettings, make_runs) -> None:
     table, additions = study.sections[0].tables
-    mission, deploy = make_runs().map_13, settings.figure_13.deployments[0]
+    runs = make_runs()
+    mission, deploy = runs.map_13, runs.figure_13.deployments[0]
     for k, (under, theirs) in enumerate(((deploy, "99"), (deploy.without_rules(), "103"))):
         counts = [len(deploy_sensors(mission, under, seed=seed).positions_m) for seed in (2, 3)]
         assert table.rows[k][1:3] == (theirs, brief(counts))
@@ -53,7 +54,7 @@ def test_crossings_in_the_table_are_those_of_the_frames(study: Study, make_runs:
     (table,) = study.sections[1].tables
     assert [row[:2] for row in table.rows] == [("Euclidean", "8"), ("Eq. 14", "2")]
     runs = make_runs(seed=2)
-    deploy, tour = runs.settings.figure_13.deployments[0], runs.settings.figure_13.tour
+    deploy, tour = runs.figure_13.deployments[0], runs.figure_13.tour
     frames = [runs.way(runs.map_8, deploy, tour, seed) for seed in runs.seeds]
     assert table.rows[1][2:4] == (brief([one.zone_crossings for one in frames]), brief([0, 0]))
     sensors = runs.sensors(runs.map_8, deploy, 2)
@@ -161,9 +162,9 @@ def test_other_figures_are_refused(listed: str) -> None:
 def test_what_figures_share_runs_once(settings: StudySettings) -> None:
     told: list[str] = []
     runs = Runs(settings, tell=told.append)
-    printed = runs.printed(runs.map_13, settings.figure_13)
-    assert runs.printed(runs.map_13, settings.figure_13, 0) is printed
-    assert runs.sensors(runs.map_13, settings.figure_13.deployments[0], 0).count == printed.sensors.count
+    printed = runs.printed(runs.map_13, runs.figure_13)
+    assert runs.printed(runs.map_13, runs.figure_13, 0) is printed
+    assert runs.sensors(runs.map_13, runs.figure_13.deployments[0], 0).count == printed.sensors.count
     assert told == [
         f"sun2019-fig13: {doing}, seed 0" for doing in ("deploying sensors and finding the frame", "cutting the frame")
     ]
@@ -173,7 +174,7 @@ def test_maps_whose_periods_have_one_order_share_sensors_and_frames(settings: St
     told: list[str] = []
     runs = Runs(settings, tell=told.append)
     first, other = runs.maps_14[0], runs.maps_14[2]  # zone 2, zone 1 and the rest in both
-    under = settings.figure_13
+    under = runs.figure_13
     one, two = (runs.printed(mission, under) for mission in (first, other))
     assert sum("deploying" in doing for doing in told) == 1
     np.testing.assert_array_equal(one.sensors.positions_m, two.sensors.positions_m)
@@ -187,7 +188,7 @@ def test_mending_is_done_once_with_the_figure_s_own_tables(
 ) -> None:
     runs = make_runs()
     asked: list[tuple[str, MethodSettings]] = []
-    routes = runs.printed(runs.map_15, runs.settings.figure_16).routes
+    routes = runs.printed(runs.map_15, runs.figure_16).routes
     assert routes is not None
 
     def searched(context: Context, settings: MethodSettings) -> SimpleNamespace:
@@ -195,18 +196,18 @@ def test_mending_is_done_once_with_the_figure_s_own_tables(
         return SimpleNamespace(plan=Plan(mission=runs.map_15, trajectories=routes), met=True, within_budgets=True)
 
     monkeypatch.setattr(runs_module, "fewest_robots_by_stages", searched)
-    found = runs.mended(runs.map_15, runs.settings.figure_16)
-    assert runs.mended(runs.map_15, runs.settings.figure_16) is found
+    found = runs.mended(runs.map_15, runs.figure_16)
+    assert runs.mended(runs.map_15, runs.figure_16) is found
     assert (found.robots, found.met) == (len(routes), True)
     ((effort, settings),) = asked
     assert (effort, settings.route.routes) == ("quick", "repaired")
-    assert replace(settings, route=runs.settings.figure_16.route) == runs.settings.figure_16
-    assert StudySettings().figure_16.deployments == (TABLE_7,)
+    assert replace(settings, route=runs.figure_16.route) == runs.figure_16
+    assert StudySettings().figure_16.sensors == TABLE_7
 
 
 def test_the_cheapest_partition_costs_no_more_than_the_swarms(make_runs: Callable[..., Runs]) -> None:
     runs = make_runs()
-    settings = runs.settings.figure_13
+    settings = runs.figure_13
     printed = runs.printed(runs.map_13, settings)
     own = Reading(settings.partition.joining_legs, settings.partition.weight_late)
     least = runs.cheapest(runs.map_13, settings, own, 0)

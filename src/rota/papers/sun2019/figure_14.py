@@ -18,7 +18,7 @@ from rota.papers.tables import joined
 
 def figure_14_section(runs: Runs) -> Section:
     """Figure 14 and Table 6: six other choices of periods."""
-    settings = runs.settings.figure_13
+    settings = runs.figure_13
     cases = [case_of(runs, case, mission, settings) for case, mission in zip(paper.TABLE_6, runs.maps_14, strict=True)]
     cuts = {weight: cuts_by_case(runs, Reading(True, weight)) for weight in WEIGHTS}
     return Section(

@@ -9,7 +9,8 @@ from rota.papers.section import Section
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.runs import StudySettings
 from rota.papers.tables import joined
-from rota.planners.patrol.methods.sun2019.frame_settings import LEAST_WEIGHT, MOST_WEIGHT, TABLE_4
+from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4
+from rota.planners.patrol.sun2019_settings import LEAST_WEIGHT, MOST_WEIGHT
 
 HEADING = "# Sun et al. 2019, figure by figure"
 

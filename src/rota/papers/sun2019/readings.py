@@ -17,8 +17,9 @@ from rota.papers.sun2019.runs import Reading, Runs
 from rota.papers.tables import Table, plus_minus
 from rota.papers.verdict import spread
 from rota.planners.patrol.methods.sun2019.deploy_settings import DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import LEAST_WEIGHT, MOST_WEIGHT, TABLE_4
+from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.sun2019_settings import LEAST_WEIGHT, MOST_WEIGHT
 
 LOCAL_SEARCH = "local search (ours)"
 NEVER_LATE = 1e6  # xi_1 at which a millisecond costs as much as a robot
@@ -61,7 +62,7 @@ def pairs_by_addition(runs: Runs) -> dict[str, Pair]:
         both = (settings, settings.without_rules())
         return Pair(*(tuple(runs.sensors(runs.map_13, one, seed) for seed in seeds) for one in both))
 
-    changed = additions_left_out(runs.settings.figure_13.deployments[0])
+    changed = additions_left_out(runs.figure_13.deployments[0])
     return {name: pair(name, settings) for name, settings in changed.items()}
 
 
@@ -84,7 +85,7 @@ def addition_table(runs: Runs, pairs: dict[str, Pair]) -> Table:
 
 def tours_by_reading(runs: Runs) -> dict[str, tuple[Way, ...]]:
     """The genetic algorithm with each of our readings left out, and the local search, over the same sensors."""
-    tour, deploy = runs.settings.figure_13.tour, runs.settings.figure_13.deployments[0]
+    tour, deploy = runs.figure_13.tour, runs.figure_13.deployments[0]
     ways = {
         AS_HERE: tour,
         "one stretch drawn for a reversal": replace(tour, reversal_tries=1),
@@ -129,7 +130,7 @@ def lengths_table(names: Sequence[str], frames: Sequence[Printed]) -> Table:
 
 def asked_of(runs: Runs) -> list[Asked]:
     """All cases of the paper with their maps and settings; the last is on another map."""
-    figure_13, figure_16 = runs.settings.figure_13, runs.settings.figure_16
+    figure_13, figure_16 = runs.figure_13, runs.figure_16
     asked: list[Asked] = [(paper.TABLE_5, runs.map_13, figure_13)]
     asked += [(case, mission, figure_13) for case, mission in zip(paper.TABLE_6, runs.maps_14, strict=True)]
     return [*asked, (paper.TABLE_8, runs.map_15, figure_16)]
@@ -141,12 +142,12 @@ def robots_by_alpha(runs: Runs) -> dict[float, list[int]]:
     Frames by local search and cut exactly by the estimate of Eq. 26, so that the algorithms' luck has no part in it.
     """
     found = {}
-    for alpha in (runs.settings.figure_13.tour.alpha, 0.0):
+    for alpha in (runs.figure_13.tour.alpha_m, 0.0):
         sums = []
         for seed in runs.seeds:
             cuts = [
                 runs.cut_exactly(
-                    mission, under.deployments[0], replace(under.tour, method="local_search", alpha=alpha), seed
+                    mission, under.deployments[0], replace(under.tour, method="local_search", alpha_m=alpha), seed
                 )
                 for _, mission, under in asked_of(runs)[:-1]
             ]

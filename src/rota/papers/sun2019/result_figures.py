@@ -50,14 +50,14 @@ SCALES = (
 
 def figure_13_section(runs: Runs) -> Section:
     """Figure 13 and Table 5: Section 5.1."""
-    case = case_of(runs, paper.TABLE_5, runs.map_13, runs.settings.figure_13)
+    case = case_of(runs, paper.TABLE_5, runs.map_13, runs.figure_13)
     proving = runs.by_method(runs.map_13, "tours", effort=runs.settings.proving_effort)
     bound = max(case.lower_bound or 0, proving.lower_bound_robots or 0)
     tours = tours_by_reading(runs)
     return Section(
         figure=13,
         heading="the method on the square map",
-        pictures=run_pictures(13, case, _cheapest(runs, case, runs.settings.figure_13)),
+        pictures=run_pictures(13, case, _cheapest(runs, case, runs.figure_13)),
         caption="Figure 13, (a) to (f) as in the paper, made with Tables 2 to 4, and (g), (h) the plans of two "
         f"methods, all with seed {runs.seed}. {SCALES} {RECONSTRUCTED}",
         paper=f"{_run_told(paper.FIGURE_13)} Five routes keep the periods of Table 1 (Table 5).",
@@ -78,11 +78,11 @@ def figure_13_section(runs: Runs) -> Section:
 
 def figure_16_section(runs: Runs) -> Section:
     """Figure 16 and Table 8: Section 5.3."""
-    case = case_of(runs, paper.TABLE_8, runs.map_15, runs.settings.figure_16)
+    case = case_of(runs, paper.TABLE_8, runs.map_15, runs.figure_16)
     return Section(
         figure=16,
         heading="the method on the pentagon",
-        pictures=run_pictures(16, case, _cheapest(runs, case, runs.settings.figure_16)),
+        pictures=run_pictures(16, case, _cheapest(runs, case, runs.figure_16)),
         caption=f"Figure 16, (a) to (f) as in the paper, made with Tables 7, 3 and 4, and (g), (h) the plans of two "
         f"methods, all with seed {runs.seed}. {SCALES} {RECONSTRUCTED} The tour's {paper.FIGURE_16.tour_length:,.2f} "
         "is "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ from rota.planners.patrol.methods.sun2019.graph import proximity_graph
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
 from rota.planners.patrol.methods.sun2019.route_lengths import route_lengths_m
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages, is_good
-from rota.planners.patrol.methods.sun2019.settings import MethodSettings
+from rota.planners.patrol.methods.sun2019.settings import MethodSettings, stage_settings
 from rota.planners.patrol.methods.sun2019.stages import (
     Framed,
     PartFrame,
@@ -42,24 +42,25 @@ from rota.planners.patrol.methods.sun2019.stages import (
     radius_m,
 )
 from rota.planners.patrol.methods.sun2019.tour import Frame, find_frame
-from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings, Sun2019
+from rota.planners.patrol.planner_settings import Effort, Method, PatrolSettings
+from rota.planners.patrol.sun2019_settings import Sun2019
 from rota.planners.patrol.verdict import unmet_reason
 
-AS_THE_PAPER = Sun2019(deployment="ccpso2", tour="genetic", partition="pso", routes="repaired")
 Ints = NDArray[np.int64]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudySettings:
     """What the study runs with. figure_13: Figures 6 to 14; figure_16: Figure 16; by default the paper's tables.
 
-    Of several deployments in them the first counts. effort: of all methods. proving_effort: of one more run of
+    effort: of all methods. proving_effort: of one more run of
     ``tours`` on Figure 13's map, whose plan may have as few robots as are proved to be needed. seeds: of all that
     verdicts rest on; reading_seeds: of readings that no verdict rests on.
     """
 
-    figure_13: MethodSettings = AS_PRINTED
-    figure_16: MethodSettings = AS_PRINTED_FIGURE_16
+    figure_13: Sun2019 = AS_PRINTED
+    figure_16: Sun2019 = AS_PRINTED_FIGURE_16
     effort: Effort = "quick"
     proving_effort: Effort = "normal"
     seeds: int = 8
@@ -86,6 +87,8 @@ class Runs(StudyRuns[StudySettings]):
     def __init__(self, settings: StudySettings, **shared: Any) -> None:
         super().__init__(settings, **shared)
         self.map_8, self.map_13, self.map_15 = figure_8(), figure_13(), figure_15()
+        self.figure_13 = stage_settings(settings.figure_13, settings.effort)
+        self.figure_16 = stage_settings(settings.figure_16, settings.effort)
         self.maps_14 = tuple(with_periods(self.map_13, case.periods_s) for case in paper.TABLE_6)
         self._made: dict[tuple[Any, ...], Any] = {}  # stages that several runs begin with; of them no record is kept
 
@@ -102,8 +105,7 @@ class Runs(StudyRuns[StudySettings]):
     def sensors(self, mission: Mission, settings: DeploySettings, seed: int) -> Sensors:
         """Algorithm 1, or the same without rules."""
         run = {"what": "deployment", **what(mission), "settings": changes(settings), "seed": seed}
-        found: Sensors = self.records.get(Sensors, run, lambda: sensors_of(self._deployed(mission, settings, seed)))
-        return found
+        return self.records.get(Sensors, run, lambda: sensors_of(self._deployed(mission, settings, seed)))
 
     def way(self, mission: Mission, deploy: DeploySettings, tour: TourSettings, seed: int) -> Way:
         """Algorithm 2, or a local search, over the sensors of a deployment with the same seed."""
@@ -115,13 +117,13 @@ class Runs(StudyRuns[StudySettings]):
         run = {
             "what": "frame", **what(mission), "deployment": changes(deploy), "settings": changes(tour), "seed": seed,
         }  # fmt: skip
-        found: Way = self.records.get(Way, run, make)
-        return found
+        return self.records.get(Way, run, make)
 
     def graph(self, mission: Mission, settings: MethodSettings, seed: int) -> Graph:
         """The proximity graph over the sensors."""
 
         def make() -> Graph:
+            """The graph by r_n alone, without alpha."""
             deployment = self._deployed(mission, settings.deployments[0], seed)
             range_m = settings.tour.neighbour_range * deployment.virtual_radius_m
             found = proximity_graph(
@@ -134,8 +136,7 @@ class Runs(StudyRuns[StudySettings]):
             return Graph(np.column_stack([ends[once], found.items[once]]), int(connected_components(links)[0]))
 
         run = {"what": "graph", **what(mission), "settings": _stages(settings), "seed": seed}
-        found: Graph = self.records.get(Graph, run, make)
-        return found
+        return self.records.get(Graph, run, make)
 
     def printed(self, mission: Mission, settings: MethodSettings, seed: int | None = None) -> Printed:
         """Algorithms 1 to 3 and the routes round the segments, as the paper has them, judged by the check.
@@ -151,13 +152,13 @@ class Runs(StudyRuns[StudySettings]):
             return printed_of(mission, stages, seed=at, drawn=at == self.seed)
 
         run = {"what": "as printed", **what(mission), "settings": _stages(settings), "seed": at}
-        found: Printed = self.records.get(Printed, run, make)
-        return found
+        return self.records.get(Printed, run, make)
 
     def cheapest(self, mission: Mission, settings: MethodSettings, reading: Reading, seed: int) -> Cut:
         """The partition that Eq. 28 costs least, by one reading of what the paper leaves open; ground in one part."""
 
         def make() -> Cut:
+            """The one part of the frame, cut by dynamic programming."""
             (part,) = self._framed(mission, settings, seed).parts
             robot = mission.fleet.equal_robot("robot-1")
             under = replace(
@@ -175,8 +176,7 @@ class Runs(StudyRuns[StudySettings]):
             "what": "cheapest partition", **what(mission), "settings": _stages(settings), **reading._asdict(),
             "seed": seed,
         }  # fmt: skip
-        found: Cut = self.records.get(Cut, run, make)
-        return found
+        return self.records.get(Cut, run, make)
 
     def cut_exactly(self, mission: Mission, deploy: DeploySettings, tour: TourSettings, seed: int) -> Cut:
         """The fewest segments of a frame by Eq. 26 as it is estimated: what a frame is worth in robots."""
@@ -195,8 +195,7 @@ class Runs(StudyRuns[StudySettings]):
             "what": "exact partition", **what(mission), "deployment": changes(deploy), "tour": changes(tour),
             "seed": seed,
         }  # fmt: skip
-        found: Cut = self.records.get(Cut, run, make)
-        return found
+        return self.records.get(Cut, run, make)
 
     # ------------------------------------------------------------ plans
 
@@ -205,8 +204,9 @@ class Runs(StudyRuns[StudySettings]):
         doing = f"{mission.name}: mending the paper's routes"
 
         def make() -> Found:
+            """The plan of the same stages, repaired and judged."""
             self.now(doing)
-            planning = PatrolSettings(effort=self.settings.effort, method="sun2019", sun2019=AS_THE_PAPER)
+            planning = PatrolSettings(effort=self.settings.effort, method="sun2019")
             asked = replace(mission, planning=planning)
             context = begin_search(
                 set_up_problem(asked), asked=asked, seed=self.seed, judge=check_plan, should_stop=self.should_stop,
@@ -224,8 +224,7 @@ class Runs(StudyRuns[StudySettings]):
             "what": "mended", **what(mission), "settings": _stages(settings), "effort": self.settings.effort,
             "seed": self.seed,
         }  # fmt: skip
-        found: Found = self.records.get(Found, run, make)
-        return found
+        return self.records.get(Found, run, make)
 
     def by_method(self, mission: Mission, method: Method, *, effort: Effort | None = None) -> Found:
         """The plan of a mission by a method."""
@@ -233,6 +232,7 @@ class Runs(StudyRuns[StudySettings]):
         doing = f"{mission.name}: {method}, {planning.effort}"
 
         def make() -> Found:
+            """The plan of the method, or why there is none."""
             self.now(doing)
             load_compiled_loops()
             outcome = outcome_of(
@@ -245,19 +245,20 @@ class Runs(StudyRuns[StudySettings]):
             return found_of(outcome, drawn=method == "tours")
 
         run = {"what": "plan", **what(mission), "method": method, "effort": planning.effort, "seed": self.seed}
-        found: Found = self.records.get(Found, run, make)
-        return found
+        return self.records.get(Found, run, make)
 
     # ------------------------------------------------------------ without records
 
-    def _once(self, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+    def _once(self, key: tuple[Any, ...], make: Callable[[], T]) -> T:
         """What several runs begin with, made once."""
         if key not in self._made:
             self._made[key] = make()
-        return self._made[key]
+        found: T = self._made[key]
+        return found
 
     def _deployed(self, mission: Mission, settings: DeploySettings, seed: int) -> Deployment:
-        for under in (self.settings.figure_13, self.settings.figure_16):
+        """The deployment, that of the whole frame where there is one."""
+        for under in (self.figure_13, self.figure_16):
             if settings == under.deployments[0] and mission.name != self.map_8.name:
                 return self._framed(mission, under, seed).deployment
 
@@ -265,10 +266,11 @@ class Runs(StudyRuns[StudySettings]):
             self.now(f"{mission.name}: deploying sensors, seed {seed}")
             return deploy_sensors(mission, settings, seed=seed)
 
-        found: Deployment = self._once(("deployed", mission_digest(mission), settings, seed), make)
-        return found
+        return self._once(("deployed", mission_digest(mission), settings, seed), make)
 
     def _toured(self, mission: Mission, deploy: DeploySettings, tour: TourSettings, seed: int) -> Frame:
+        """The frame past the sensors of a deployment."""
+
         def make() -> Frame:
             deployment = self._deployed(mission, deploy, seed)
             self.now(f"{mission.name}: finding the frame, seed {seed}")
@@ -277,8 +279,7 @@ class Runs(StudyRuns[StudySettings]):
                 virtual_radius_m=deployment.virtual_radius_m, settings=tour, seed=seed,
             )  # fmt: skip
 
-        found: Frame = self._once(("toured", mission_digest(mission), deploy, tour, seed), make)
-        return found
+        return self._once(("toured", mission_digest(mission), deploy, tour, seed), make)
 
     def _framed(self, mission: Mission, settings: MethodSettings, seed: int) -> Framed:
         """Algorithms 1 and 2. They heed the order of the periods only, so that maps with the same order share them."""
@@ -289,10 +290,9 @@ class Runs(StudyRuns[StudySettings]):
             return framed_sensors(mission, _paths(mission), settings.deployments[0], settings, seed=seed)
 
         framed: Framed = self._once(("framed", mission.area.wkb, names, settings, seed), make)
-        found: Framed = self._once(
+        return self._once(
             ("retimed", mission_digest(mission), settings, seed), lambda: retimed(framed, mission, settings)
         )
-        return found
 
     def _lengths_m(
         self, part: PartFrame, mission: Mission, settings: MethodSettings, joining_legs: bool, seed: int
@@ -309,10 +309,7 @@ class Runs(StudyRuns[StudySettings]):
                 radius_m=radius_m(robot), joining_legs=joining_legs, settings=settings.route,
             )  # fmt: skip
 
-        found: NDArray[np.float64] = self._once(
-            ("lengths", mission_digest(mission), settings, joining_legs, seed), make
-        )
-        return found
+        return self._once(("lengths", mission_digest(mission), settings, joining_legs, seed), make)
 
 
 def what(mission: Mission) -> dict[str, Any]:

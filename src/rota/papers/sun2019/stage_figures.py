@@ -91,7 +91,7 @@ def _counts(mission: Mission, several: Sequence[Sensors]) -> NDArray[np.int64]:
 
 def figure_8_section(runs: Runs) -> Section:
     """Figure 8: the frame by straight distances and by Eq. 14."""
-    mission, settings = runs.map_8, runs.settings.figure_13
+    mission, settings = runs.map_8, runs.figure_13
     deploy = settings.deployments[0]
     sensors = runs.sensors(mission, deploy, runs.seed)
     straight, graph = (
@@ -138,18 +138,18 @@ def figure_8_section(runs: Runs) -> Section:
         f"{brief([way.blocked_legs for way in graph])} with Eq. 14's. The frame is {abs(longer):.1f} % "
         f"{'longer' if longer >= 0 else 'shorter'} for that.",
         tables=(table,),
-        verdicts=(crossings_verdict(straight, graph, settings.tour.alpha),),
+        verdicts=(crossings_verdict(straight, graph, settings.tour.alpha_m),),
     )
 
 
 def figure_12_section(runs: Runs) -> Section:
     """Figure 12: the stages of the method one after the other."""
-    mission, settings = runs.map_13, runs.settings.figure_13
+    mission, settings = runs.map_13, runs.figure_13
     printed = runs.printed(mission, settings)
     sensors, frame, partition = printed.sensors, printed.way, printed.partition
     range_m = settings.tour.neighbour_range * sensors.virtual_radius_m
     graphs = [runs.graph(mission, settings, seed) for seed in runs.seeds]
-    graphs += [runs.graph(runs.map_15, runs.settings.figure_16, seed) for seed in runs.seeds]
+    graphs += [runs.graph(runs.map_15, runs.figure_16, seed) for seed in runs.seeds]
     edges = tuple(sensors.positions_m[pair] for pair in graphs[0].edges)
     panels: list[MapPanel | CurvePanel] = [
         MapPanel(title="(1) Mission", note=rest_note(mission), mission=mission, named_zones=True),

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from rota.planner_settings import LENGTH_OR_ZERO, PlannerSettings, Settings, setting
+from rota.planner_settings import LENGTH_OR_ZERO, PlannerSettings, setting
 from rota.planners.patrol.method_table import METHODS
+from rota.planners.patrol.sun2019_settings import Sun2019
 from rota.refusals import Where, fleet_blocks, inner, robot_count, shown
 
 Effort = Literal["quick", "normal", "high"]
@@ -15,33 +16,11 @@ if TYPE_CHECKING:
     Method = str
 else:
     Method = Literal[tuple(METHODS)]  # the table is the one place that names them
-DeploymentMethod = Literal["best", "greedy", "exact", "ccpso2"]
 Preference = Literal["shortest", "fewest_turns"]
-FrameTour = Literal["local_search", "genetic"]
-FramePartition = Literal["exact", "pso"]
-SegmentRoutes = Literal["shortened", "repaired", "printed"]
 
 # a plan file of 100,000 robots is some 300 MB, and its check takes minutes; a patrol plans robot by robot
 MOST_PATROLLING = 10_000
 LEAST_REACH_M = 1e-3  # that a reserve must leave of a sensor's reach
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sun2019(Settings):
-    """How the stages of the method ``sun2019`` are done: by ours, which take fewest robots, unless others are named.
-
-    ``deployment`` of virtual sensors: "best" of set covers and swarms, as many as the effort allows; "greedy" or
-    "exact" set cover; "ccpso2", the paper's swarms. ``tour``, the frame past them: "local_search" or the paper's
-    "genetic" algorithm. ``partition`` of the frame: "exact", or the paper's particle swarms, "pso". ``routes`` round
-    the segments: "repaired" until all is seen, by robots as many as that takes; "shortened" besides where they are too
-    long; "printed": cut to the free space and no more, which mostly leaves ground unseen.
-    """
-
-    place: ClassVar[str] = "patrol.sun2019"
-    deployment: DeploymentMethod = setting("best", "of virtual sensors; ccpso2 is the paper's", newer=True)
-    tour: FrameTour = setting("local_search", "past all sensors; genetic is the paper's", newer=True)
-    partition: FramePartition = setting("exact", "of the tour among the robots; pso is the paper's", newer=True)
-    routes: SegmentRoutes = setting("shortened", "printed, or repaired until all is seen, or shortened too", newer=True)
 
 
 @dataclass(frozen=True, kw_only=True)

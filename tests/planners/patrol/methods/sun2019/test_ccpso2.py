@@ -329,15 +329,16 @@ def test_tables_2_and_7_as_printed() -> None:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"method": "magic"}, "deploy.method: 'magic' is not allowed; ccpso2, greedy, exact"),
-        ({"cell_m": 0.0}, r"deploy.cell_m: 0\.0 is not allowed"),
-        ({"iterations": 0}, "deploy.iterations: 0 is not allowed; must be 1 or more"),
-        ({"sensors_max": 0}, "deploy.sensors_max: 0"),
-        ({"group_sizes": ()}, r"deploy.group_sizes: \(\)"),
-        ({"weight_overlapped": 10.0}, "deploy.weights: .* must fall"),
-        ({"rule_probability": 1.5}, r"deploy.rule_probability: 1\.5 is not allowed; must lie in 0\.\.1"),
-        ({"velocity_min": 0.2}, "deploy.velocity_min"),
-        ({"node_limit": 0}, "deploy.node_limit"),
+        ({"method": "magic"}, 'sensors.method: "magic" is not allowed; ccpso2, greedy or exact is needed'),
+        ({"cell_m": 0.0}, r"sensors\.cell_m: 0 is not allowed; it must be greater than 0"),
+        ({"iterations": 0}, "sensors.iterations: 0 is not allowed; it must be at least 1"),
+        ({"sensors_max": 0}, "sensors.sensors_max: 0"),
+        ({"group_sizes": ()}, r"sensors.group_sizes: \[\] is not allowed; it must not be empty"),
+        ({"group_sizes": (4, 10.5)}, r"sensors\.group_sizes\[1\]: 10\.5 is not allowed; a whole number is needed"),
+        ({"weight_overlapped": 10.0}, "weight_overlapped: 10 is not allowed; it must be less than weight_sensor, 10"),
+        ({"rule_probability": 1.5}, r"sensors\.rule_probability: 1\.5 is not allowed; it must be at most 1"),
+        ({"velocity_min": 0.2}, "sensors.velocity_min"),
+        ({"node_limit": 0}, "sensors.node_limit"),
     ],
 )
 def test_wrong_settings_are_refused(wrong: dict, message: str) -> None:

@@ -23,10 +23,12 @@ from rota.planners.patrol.ground.problem import common_robot, set_up_problem
 from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import partition_frame
+from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
 from rota.planners.patrol.methods.sun2019.search import fewest_robots_by_stages
 from rota.planners.patrol.methods.sun2019.settings import MethodSettings, settings_for
 from rota.planners.patrol.methods.sun2019.stages import cut_in_segments, framed_sensors, measured, shared_out
-from rota.planners.patrol.planner_settings import PatrolSettings, Sun2019
+from rota.planners.patrol.planner_settings import PatrolSettings
+from rota.planners.patrol.sun2019_settings import Sun2019
 
 QUICK = PatrolSettings(effort="quick", method="sun2019")
 YARD = Mission(
@@ -129,7 +131,8 @@ def test_names_of_the_papers_stages_stand_for_its_tables() -> None:
     settings = settings_for(replace(QUICK, sun2019=asked))
     assert settings.deployments == (replace(TABLE_2, sensors_max=None),)
     assert (settings.tour, settings.partition) == (TABLE_3, TABLE_4)
-    assert replace(settings, deployments=(TABLE_2,)) == AS_PRINTED
+    printed = settings_for(replace(QUICK, sun2019=AS_PRINTED))
+    assert printed == replace(settings, deployments=(TABLE_2,), route=RouteSettings(routes="printed"))
 
 
 def test_stages_are_read_from_mission_files_and_kept_in_plan_files(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from rota.errors import MissionError
 from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_4, PartitionSettings
 from rota.planners.patrol.methods.sun2019.partition import (
     normalised_lengths,
@@ -95,9 +96,9 @@ def test_the_weights_give_the_cost_that_the_paper_prints() -> None:
 
 def test_table_4() -> None:
     assert (TABLE_4.iterations, TABLE_4.swarms, TABLE_4.particles) == (50, 500, 1000)
-    assert (TABLE_4.least_velocity, TABLE_4.most_velocity) == (-0.1, 0.1)
-    assert (TABLE_4.least_inertia, TABLE_4.most_inertia) == (0.4, 0.9)
-    assert (TABLE_4.own_pull, TABLE_4.swarm_pull) == (2, 2)
+    assert (TABLE_4.velocity_min, TABLE_4.velocity_max) == (-0.1, 0.1)
+    assert (TABLE_4.inertia_min, TABLE_4.inertia_max) == (0.4, 0.9)
+    assert (TABLE_4.c1, TABLE_4.c2) == (2, 2)
 
 
 def test_ends_are_the_nearest_sensors_in_the_order_of_the_frame() -> None:
@@ -144,6 +145,6 @@ def test_what_cannot_be_used_is_refused(wrong: dict[str, object], message: str) 
 
 
 def test_settings_that_cannot_be_are_refused() -> None:
-    for wrong in ({"method": "greedy"}, {"margin_s": -1}, {"swarms": 0}, {"least_velocity": 0.2}):
-        with pytest.raises(ValueError, match=next(iter(wrong))):
+    for wrong in ({"method": "greedy"}, {"margin_s": -1}, {"swarms": 0}, {"velocity_min": 0.2}):
+        with pytest.raises(MissionError, match=next(iter(wrong))):
             PartitionSettings(**wrong)

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString, MultiPolygon, box
 
-from rota.errors import NoPlanFound
+from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.papers.sun2019 import figure_13
@@ -176,5 +176,5 @@ def test_what_cannot_be_used_is_refused() -> None:
     with pytest.raises(NoPlanFound, match="two parts"):
         find_frame(np.array([(3.0, 3.0), (21, 3)]), np.zeros(2, np.int64), apart, virtual_radius_m=10, seed=0)
     for wrong in ({"method": "ants"}, {"neighbour_range": 1.5}, {"population": 30}, {"reversal_tries": 0}):
-        with pytest.raises(ValueError, match=next(iter(wrong))):
+        with pytest.raises(MissionError, match=next(iter(wrong))):
             TourSettings(**wrong)

@@ -11,9 +11,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from shapely import MultiPolygon, box
 
-from rota.errors import NoPlanFound, PlanError
+from rota.errors import MissionError, NoPlanFound, PlanError
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.frame_settings import AStarWeights
 from rota.planners.patrol.methods.sun2019.graph import (
     ProximityGraph,
     changes_zone,
@@ -22,6 +21,7 @@ from rota.planners.patrol.methods.sun2019.graph import (
     shortest_sequence,
 )
 from rota.planners.patrol.methods.sun2019.graph_kernels import search
+from rota.planners.patrol.sun2019_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 OPEN = ShortestPaths(MultiPolygon([box(0, 0, 100, 100)]))
@@ -158,5 +158,5 @@ def test_what_cannot_be_used_is_refused() -> None:
         graph_over([(3, 3)], [0, 1])
     with pytest.raises(ValueError, match="alpha: -1"):
         graph_over([(3, 3)], alpha=-1)
-    with pytest.raises(ValueError, match=r"a_star\.rest: nan"):
+    with pytest.raises(MissionError, match=r"a_star\.rest: \.nan is not allowed; a finite number is needed"):
         AStarWeights(rest=math.nan)

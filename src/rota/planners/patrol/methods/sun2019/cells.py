@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import shapely
@@ -17,10 +16,10 @@ from rota.geometry.free_space import border_segments
 from rota.geometry.line_of_sight import edge_grid, sees
 from rota.planners.patrol.methods.sun2019 import sight_kernels
 from rota.planners.patrol.methods.sun2019.sight_kernels import CellTable, Ground
+from rota.planners.patrol.sun2019_settings import BorderCells
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-BorderCells = Literal["clipped", "centre"]
 
 MOST_SQUARES = 4_000_000
 SLIVER = 1e-9  # of a square, or in m2: what is smaller is rounding

@@ -57,12 +57,12 @@ def rules_of(settings: PartitionSettings) -> Rules:
     """The settings as the kernels take them."""
     return Rules(
         iterations=settings.iterations,
-        least_velocity=float(settings.least_velocity),
-        most_velocity=float(settings.most_velocity),
-        most_inertia=float(settings.most_inertia),
-        least_inertia=float(settings.least_inertia),
-        own_pull=float(settings.own_pull),
-        swarm_pull=float(settings.swarm_pull),
+        least_velocity=float(settings.velocity_min),
+        most_velocity=float(settings.velocity_max),
+        most_inertia=float(settings.inertia_max),
+        least_inertia=float(settings.inertia_min),
+        own_pull=float(settings.c1),
+        swarm_pull=float(settings.c2),
         weight_late=float(settings.weight_late),
         weight_segments=float(settings.weight_segments),
         weight_early=float(settings.weight_early),

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import get_args
+from typing import ClassVar
 
-from rota.errors import MissionError
-from rota.planners.patrol.planner_settings import SegmentRoutes
+from rota.planner_settings import Settings, setting
+from rota.planners.patrol.sun2019_settings import SegmentRoutes
 
 
 @dataclass(frozen=True, kw_only=True)
-class RouteSettings:
+class RouteSettings(Settings):
     """How routes are led round the segments, and how many numbers of robots are tried.
 
     routes: "printed": the segment widened by r_s, cut to the free space, which is all the paper tells; "repaired":
@@ -27,20 +27,10 @@ class RouteSettings:
     when these are too long and are not shortened.
     """
 
-    routes: SegmentRoutes = "shortened"
-    arc_corners: int = 8
-    hole: float = 0.25
-    most_load: float = 1.4
-    repairs: int = 12
-    recuts: int = 4
-
-    def __post_init__(self) -> None:
-        known = get_args(SegmentRoutes)
-        if self.routes not in known:
-            raise MissionError(f"route.routes: {self.routes!r} is not allowed; {', '.join(known)}")
-        for name, least in (("arc_corners", 2), ("repairs", 1), ("recuts", 0)):
-            if getattr(self, name) < least:
-                raise MissionError(f"route.{name}: {getattr(self, name)!r} is not allowed; must be {least} or more")
-        for name in ("hole", "most_load"):
-            if not getattr(self, name) > 0:
-                raise MissionError(f"route.{name}: {getattr(self, name)!r} is not allowed; must be greater than 0")
+    place: ClassVar[str] = "patrol.sun2019.routes"
+    routes: SegmentRoutes = setting("shortened")
+    arc_corners: int = setting(8, least=2)
+    hole: float = setting(0.25, above=0)
+    most_load: float = setting(1.4, above=0)
+    repairs: int = setting(12, least=1)
+    recuts: int = setting(4, least=0)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from rota.errors import MissionError
-from rota.planners.patrol.methods.sun2019.deploy_settings import TABLE_2, DeploySettings
-from rota.planners.patrol.methods.sun2019.frame_settings import TABLE_3, TABLE_4, PartitionSettings, TourSettings
+from rota.planners.patrol.methods.sun2019.deploy_settings import DeployMethod, DeploySettings
+from rota.planners.patrol.methods.sun2019.frame_settings import PartitionSettings, TourSettings
 from rota.planners.patrol.methods.sun2019.route_settings import RouteSettings
-from rota.planners.patrol.planner_settings import DeploymentMethod, Effort, PatrolSettings
+from rota.planners.patrol.planner_settings import Effort, PatrolSettings
+from rota.planners.patrol.sun2019_settings import Sun2019
 
 EVEN = PartitionSettings(too_few="even")
 """Our partition: exact; where robots are too few by Eq. 26, all routes are too long alike, for repair to shorten."""
@@ -37,33 +38,28 @@ class MethodSettings:
 
 # Set covers come first: greedy ones stand in rows, which makes short frames (measured on Figure 13: 110 sensors and a
 # frame of 1,099 m, where swarms have 86 and 1,165 to 1,202 m; the exact cover 88 and 1,114 m).
-BEST: dict[Effort, tuple[DeploySettings, ...]] = {
-    "quick": (DeploySettings(method="greedy"),),
-    "normal": (DeploySettings(method="greedy"), DeploySettings(method="exact")),
-    "high": (DeploySettings(method="greedy"), DeploySettings(method="exact"), DeploySettings()),
-}
+BEST: dict[Effort, tuple[DeployMethod, ...]] = {
+    "quick": ("greedy",), "normal": ("greedy", "exact"), "high": ("greedy", "exact", "ccpso2"),
+}  # fmt: skip
 FRAMES: dict[Effort, int] = {"quick": 1, "normal": 2, "high": 4}
 REPAIRS: dict[Effort, int] = {"quick": 12, "normal": 20, "high": 30}
 
 
 def settings_for(planning: PatrolSettings) -> MethodSettings:
-    """The settings that a mission asks for, with as much work as its effort allows.
+    """The settings that a mission asks for, with as much work as its effort allows."""
+    return stage_settings(planning.sun2019, planning.effort)
 
-    Stages named after the paper's are done as its tables say, but that S_MAX fits the ground: Table 2's 160 sensors
-    are for its own map.
-    """
-    stages, effort = planning.sun2019, planning.effort
+
+def stage_settings(stages: Sun2019, effort: Effort) -> MethodSettings:
+    """The settings of all stages by an effort; swarms cut by the routes' lengths, which Eq. 26 asks for."""
+    methods = BEST[effort] if stages.deployment == "best" else (stages.deployment,)
+    partition = EVEN
+    if stages.partition == "pso":
+        partition = PartitionSettings(method="pso", times="routes", **vars(stages.segments))
     return MethodSettings(
-        deployments=_deployments(stages.deployment, effort),
+        deployments=tuple(DeploySettings(method=method, **vars(stages.sensors)) for method in methods),
         frames=FRAMES[effort],
-        tour=TABLE_3 if stages.tour == "genetic" else TourSettings(),
-        partition=TABLE_4 if stages.partition == "pso" else EVEN,
+        tour=TourSettings(method=stages.tour, **vars(stages.frame)),
+        partition=partition,
         route=RouteSettings(routes=stages.routes, repairs=REPAIRS[effort]),
     )
-
-
-def _deployments(method: DeploymentMethod, effort: Effort) -> tuple[DeploySettings, ...]:
-    """The settings of the deployments that are tried."""
-    if method == "best":
-        return BEST[effort]
-    return (replace(TABLE_2, sensors_max=None),) if method == "ccpso2" else (DeploySettings(method=method),)

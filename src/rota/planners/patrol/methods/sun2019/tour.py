@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rota.geometry.line_of_sight import segments_free
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.methods.sun2019.frame_settings import AStarWeights, TourSettings
+from rota.planners.patrol.methods.sun2019.frame_settings import TourSettings
 from rota.planners.patrol.methods.sun2019.genetic import genetic_tour
 from rota.planners.patrol.methods.sun2019.graph import (
     ProximityGraph,
@@ -24,6 +24,7 @@ from rota.planners.patrol.methods.sun2019.graph import (
     shortest_sequence,
 )
 from rota.planners.patrol.methods.sun2019.local_search import locally_shortest_tour
+from rota.planners.patrol.sun2019_settings import AStarWeights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -85,7 +86,7 @@ def find_frame(
         zone,
         paths,
         neighbour_range_m=settings.neighbour_range * virtual_radius_m,
-        alpha=settings.alpha,
+        alpha=settings.alpha_m,
     )
     straight_m = straight_distances(graph.positions_m)
     distance = graph_distances(graph) if settings.distance == "graph" else straight_m

@@ -17,7 +17,6 @@ from rota.mission import DiscSensor, Mission
 from rota.planners.patrol.ground.problem import common_robot
 from rota.planners.patrol.methods.sun2019.cells import (
     SLIVER,
-    BorderCells,
     Cells,
     Lattice,
     cells_of,
@@ -26,6 +25,7 @@ from rota.planners.patrol.methods.sun2019.cells import (
     lattice_over,
 )
 from rota.planners.patrol.methods.sun2019.sight_kernels import Ground
+from rota.planners.patrol.sun2019_settings import BorderCells
 from rota.polygons import polygons_of
 
 Floats = NDArray[np.float64]
