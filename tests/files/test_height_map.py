@@ -14,7 +14,8 @@ from pyproj import Transformer
 
 from rota.errors import MissionError
 from rota.files.geodesy import Projection
-from rota.files.height_map import GEO_KEYS, NO_DATA, PIXEL_SCALE, TIE_POINT, read_height_map
+from rota.files.height_map import read_height_map
+from rota.files.raster_map import GEO_KEYS, NO_DATA, PIXEL_SCALE, TIE_POINT
 from rota.mission import DiscSensor, Fleet, GeoPoint, Mission
 from rota.planners.swarm.planner_settings import SwarmSettings
 
@@ -112,7 +113,7 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
         (gap, None, mission, "has no heights for part"),
         (unknown, None, placed, "EPSG:9, which is not known"),
         (str(damaged), None, mission, "damaged TIFF"),
-        (str(colours), None, mission, "3 channels; a height map has one"),
+        (str(colours), None, mission, "3 channels; a map of heights has one"),
         (str(line), "0,5", mission, "5 x 1 pixels; at least 2 x 2"),
         (str(line), None, mission, "--heights LOW,HIGH is needed"),
         (str(line), "0;5", mission, "--heights: '0;5' is not allowed"),
