@@ -37,6 +37,8 @@ pictures: demo
 	$(BIN)/rota draw out/coast.rota.json -o docs/coast.png
 	$(BIN)/rota plan examples/swarm-port.yaml -o out/swarm-port.rota.json
 	$(BIN)/rota draw out/swarm-port.rota.json -o docs/swarm-port.png
+	$(BIN)/rota plan examples/swarm-importance.yaml -o out/swarm-importance.rota.json
+	$(BIN)/rota draw out/swarm-importance.rota.json -o docs/swarm-importance.png
 	$(BIN)/rota plan examples/bounce-monitor.yaml -o out/bounce-monitor.rota.json
 	$(BIN)/rota draw out/bounce-monitor.rota.json --cells -o docs/bounce-monitor.png
 	$(BIN)/python -m docs.page_pictures

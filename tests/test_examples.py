@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from docs.crowds_picture import PICTURE, picture
 from PIL import Image
 from pyproj import Geod
 from scipy.ndimage import label
@@ -84,7 +86,7 @@ def bound_of_the_whole_area(mission: Mission) -> int:
 
 def test_these_are_all_the_examples() -> None:
     named = {path.stem for path in EXAMPLES.glob("*.yaml")}
-    swarms = {"swarm-hills", "swarm-port", "swarm-space", "swarm-square", "swarm-squares"}
+    swarms = {"swarm-hills", "swarm-importance", "swarm-port", "swarm-space", "swarm-square", "swarm-squares"}
     others = {"building_map", "bounce-cover", "bounce-free", "bounce-monitor", *swarms}
     assert named == {*MISSIONS, *others, "sweep"}
 
@@ -279,6 +281,30 @@ def test_the_robots_in_space_climb_and_spread_and_nothing_is_wrong(
     assert (ends[:, 2] > 44.99).sum() >= 18
     discs = union_all([Point(x, y).buffer(z / math.sqrt(3), quad_segs=64) for x, y, z in ends])
     assert discs.intersection(box(0, 0, 250, 250)).area / 250**2 > 0.66
+
+
+def test_robots_leave_for_ground_that_matters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`python -m docs.crowds_picture` writes its map anew."""
+    assert np.array_equal(np.asarray(Image.open(PICTURE)), np.asarray(picture()))
+    plan_file = tmp_path / "plan.json"
+    assert run(["plan", str(EXAMPLES / "swarm-importance.yaml"), "-o", str(plan_file)]) == 0
+    told = capsys.readouterr().out
+    plan = read_plan(plan_file)
+    assert plan.run_end is not None
+    assert plan.run_end.at_rest
+    ends = [trajectory.positions_m[-1] for trajectory in plan]
+    # by hand: worth by pixels of 2 m, the gate's 2 in place of the map's
+    x, y = np.meshgrid(np.arange(1, 240, 2), np.arange(1, 160, 2)[::-1])
+    worth = 0.02 + 0.98 * np.asarray(picture(), float) / 255
+    worth[(x > 225) & (y > 70) & (y < 95)] = 2
+    for left, bottom, right, top in [(98, 0, 102, 76), (98, 86, 102, 160), (140, 60, 170, 80)]:
+        worth[(x > left) & (x < right) & (y > bottom) & (y < top)] = 0
+    near = np.min([np.hypot(x - at[0], y - at[1]) for at in ends], axis=0) <= 20
+    share = worth[near].sum() / worth.sum()
+    assert share > 0.7
+    number = re.search(r"Of the ground's importance they have ([0-9.]+)% in range", told)
+    assert number is not None
+    assert float(number[1]) / 100 == pytest.approx(share, abs=0.01)
 
 
 def test_the_port_s_robots_spread_round_its_buildings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,6 +25,7 @@ from rota.fleet import (
     StartPoints as StartPoints,
     inner_reach_m as inner_reach_m,
 )
+from rota.importance import ALLOWED, MOST_IMPORTANCE, ImportanceMap as ImportanceMap, every_importance
 from rota.limits import LARGEST_M, LONGEST_S
 from rota.planner_registry import DEFAULT, door_of
 from rota.planner_settings import Bouncing as Bouncing, PlannerSettings as PlannerSettings, settings_of
@@ -47,6 +48,7 @@ Unseeable = Literal["exclude", "refuse"]
 
 AREA = "area"  # the name of the ground outside zones, wherever zones are told
 NO_PERIOD = "is missing; give seconds for the area, or a zone with a period_s"
+NOTHING_MATTERS = "0 is not allowed; give the ground, or a zone, an importance above 0"
 AREA_IS_TAKEN = "it stands for the ground outside zones; give the zone another name"
 
 
@@ -113,12 +115,14 @@ class Zone:
     """Part of the area with its own period; None asks nothing there.
 
     ``demand`` "every_point": each point must be seen in every window of ``period_s``; "visit": a robot must be inside.
+    ``importance``: what a square metre of it is worth to a swarm, in place of ``Mission.importance``; None: as there.
     """
 
     name: str
     shape: MultiPolygon
     period_s: float | None
     demand: Demand = "every_point"
+    importance: float | None = None
 
     def __post_init__(self) -> None:
         require_text("zone.name", self.name)
@@ -126,7 +130,13 @@ class Zone:
         require(ok, f"zone {self.name}: demand", self.demand, "every_point or visit")
         if self.period_s is not None:
             require_positive(f"zone {self.name}: period_s", self.period_s, LONGEST_S)
+        if self.importance is not None:
+            _require_importance(f"zone {self.name}: importance", self.importance)
         object.__setattr__(self, "shape", _as_multipolygon(f"zone {self.name}", self.shape))
+
+
+def _require_importance(where: str, value: float) -> None:
+    require(0 <= value <= MOST_IMPORTANCE, where, value, ALLOWED)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,7 +177,8 @@ class Mission:
 
     ``period_s`` is the period of the area outside zones (None: nothing is asked there). Zones have unique names other
     than ``AREA``, by which reports call that ground. ``holds_within_s``: all robots are in their loops, from when on
-    periods hold, within so many seconds (None: at any time).
+    periods hold, within so many seconds (None: at any time). ``importance``: what a square metre of ground is worth to
+    a swarm outside zones with an importance of their own, a number or a map; None: 1.
     """
 
     name: str
@@ -181,6 +192,7 @@ class Mission:
     holds_within_s: float | None = None
     planning: PlannerSettings = field(default_factory=_default_settings)
     moving_obstacles: tuple[MovingObstacle, ...] = ()
+    importance: float | ImportanceMap | None = None
 
     def __post_init__(self) -> None:
         require_text("name", self.name)
@@ -193,6 +205,10 @@ class Mission:
             ok = 0 <= self.holds_within_s <= LONGEST_S
             require(ok, "holds_within_s", self.holds_within_s, f"must be 0 to {LONGEST_S:g}, or None")
         require(self.unseeable in ("exclude", "refuse"), "unseeable", self.unseeable, "exclude or refuse")
+        if self.importance is not None and not isinstance(self.importance, ImportanceMap):
+            _require_importance("importance", self.importance)
+        if self.importance == 0 and not any(zone.importance for zone in self.zones):
+            raise MissionError(f"importance: {NOTHING_MATTERS}")
         counted = Counter(zone.name for zone in self.zones)
         for zone in self.zones:
             require(zone.name != AREA, "zone.name", zone.name, AREA_IS_TAKEN)
@@ -253,6 +269,8 @@ def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> 
             yield ("moving_obstacles",), f"the {kind.planner} planner has no use for moving_obstacles: remove them"
         if inner(data, "fleet", "entrances") is not None and not kind.heeds_entrances:
             yield ("fleet", "entrances"), f"the {kind.planner} planner has no use for entrances: remove them"
+        if not kind.heeds_importance:
+            yield from every_importance(data, f"the {kind.planner} planner has no use for importance: remove it")
         if not kind.robots_come_and_go:
             yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
     if kind is None or inner(data, kind.planner, "altitudes_m") is None:
@@ -266,7 +284,11 @@ def _as_written(mission: Mission) -> dict[str, Any]:
     fleet, start = mission.fleet, mission.fleet.start
     return {
         "period_s": mission.period_s,
-        "zones": [{"name": zone.name, "period_s": zone.period_s, "demand": zone.demand} for zone in mission.zones],
+        "importance": mission.importance,
+        "zones": [
+            {"name": zone.name, "period_s": zone.period_s, "demand": zone.demand, "importance": zone.importance}
+            for zone in mission.zones
+        ],
         "moving_obstacles": list(mission.moving_obstacles),
         "fleet": {
             "robots": "fewest" if fleet.robots is None else [_robot_as_written(robot, fleet) for robot in fleet.robots],

@@ -899,7 +899,7 @@ def test_the_measures_of_every_step_are_written_as_a_table(
     assert run(["plan", "few.yaml", "--metrics", "steps.csv"]) == 0
     assert "the run was cut off after 20 steps by swarm.most_steps" in capsys.readouterr().out
     head, *rows = (tmp_path / "steps.csv").read_text().splitlines()
-    assert head.startswith("step,time_s,coverage,deadweight_loss,body_gap_m,wall_gap_m,way_m,")
+    assert head.startswith("step,time_s,coverage,covered_importance,deadweight_loss,body_gap_m,wall_gap_m,way_m,")
     table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
     assert table[:, 0].tolist() == list(range(21))
     assert table[:, 1] == pytest.approx(0.25 * np.arange(21))

@@ -15,7 +15,7 @@ from rota.draw import animate_plan, draw_plan
 from rota.draw.deployment_frames import DeploymentFrames
 from rota.draw.deployment_maps import covered_colour, is_deployment
 from rota.draw.plan_picture import plan_figure
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot
+from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
@@ -89,3 +89,16 @@ def test_the_film_tells_the_share_in_range_at_every_time(spread: Plan, tmp_path:
     animate_plan(spread, tmp_path / "film.gif", seconds=1)
     with Image.open(tmp_path / "film.gif") as gif:
         assert gif.n_frames == 8
+
+
+def test_ground_is_shaded_by_its_importance_under_the_swarm(spread: Plan) -> None:
+    zone = Zone(name="z", shape=box(0, 0, 50, 40), period_s=None, importance=4)
+    shaded = replace(spread, mission=replace(spread.mission, importance=1.0, zones=(zone,)))
+    figure = plan_figure(shaded)
+    (image,) = figure.axes[0].images
+    assert np.asarray(image.get_array())[0, [0, -1]] == pytest.approx([1, 0.25**0.6])
+    assert "importance 4" in [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    # by hand: free ground 50 m x 40 m worth 4, and 50 m x 40 m less the obstacle worth 1; both discs lie in the former
+    covered = (2 * math.pi * 10**2 - LENS_M2) * 4 / (50 * 40 * 4 + 50 * 40 - 200)
+    assert f"{covered:.1%}"[:-3] in " ".join(ax.get_title(loc="left") for ax in figure.axes)
+    assert not plan_figure(spread).axes[0].images

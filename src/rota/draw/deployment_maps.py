@@ -20,6 +20,7 @@ from rota.draw.palette import COVERED, COVERED_EDGE, GROUND, ink_on
 from rota.draw.route_lines import robot_colours
 from rota.draw.two_maps import Half
 from rota.draw.zone_labels import draw_zone_labels
+from rota.importance_cells import importance_in_range
 from rota.plan import Plan
 from rota.plan_summary import range_at_the_end, range_from
 from rota.polygons import polygons_of
@@ -87,7 +88,7 @@ def draw_ways(plan: Plan, ax: Axes) -> None:
 def range_half(plan: Plan) -> Half:
     """What some robot has in range where they hold, in sum and disc by disc, and what nobody has."""
     seen, free, sum_m2 = range_at_the_end(plan)
-    share = seen.area / free.area
+    share, worth = seen.area / free.area, importance_in_range(plan)
     wasted = 1 - seen.area / sum_m2 if sum_m2 > 0 else 0.0
     entries: list[Artist] = [
         Patch(facecolor=covered_colour(1), edgecolor=COVERED_EDGE, label=f"in range: {share:.1%}"),
@@ -97,6 +98,8 @@ def range_half(plan: Plan) -> Half:
         Line2D([], [], linestyle="", label=f"of all discs {wasted:.1%} overlap or lie outside"),
     ]
     title = f"In range of some robot in the end: {share:.1%} of the ground"
+    if worth is not None:
+        title = f"In range in the end: {share:.1%} of the ground, {worth:.1%} of its importance"
     return Half(title=title, draw=lambda ax: draw_range(plan, ax), legend=[*entries, *mission_legend(plan.mission)])
 
 

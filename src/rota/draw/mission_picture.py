@@ -11,6 +11,7 @@ from matplotlib.patheffects import withStroke
 from shapely import MultiPolygon
 from shapely.geometry.polygon import orient
 
+from rota.draw.importance_shade import draw_importance, importance_legend
 from rota.draw.palette import AREA_EDGE, GROUND, NO_ENTRY, NO_SIGHT, OBSTACLE, OUTSIDE, ZONE_EDGE, ZONE_TINTS
 from rota.mission import Mission, Obstacle
 
@@ -101,18 +102,21 @@ def draw_mission(mission: Mission, ax: Axes, *, fill: bool = True) -> PathPatch:
     """Area, zones and obstacles on ``ax`` in metres; returns the patch of the area, to clip by.
 
     With ``fill`` False zones are outlines only, and a map may lie beneath all outlines, from zorder 1.1 to 1.9. Zones
-    are drawn with the longest period lowest. What lies outside the area is grey.
+    are drawn with the longest period lowest. What lies outside the area is grey. Where ground differs in importance, it
+    is shaded by that.
     """
     frame(mission, ax)
     ground = PathPatch(outline(mission.area), facecolor=GROUND, edgecolor="none", zorder=1)
     ax.add_patch(ground)
     # above zones, which end at it, and below obstacles, which may stand on it
     ax.add_patch(PathPatch(outline(mission.area), facecolor="none", edgecolor=AREA_EDGE, linewidth=1.1, zorder=2.5))
+    shaded = fill and draw_importance(mission, ax, ground)
     tints = _zone_tints(mission)
     order = sorted(range(len(mission.zones)), key=lambda k: -(mission.zones[k].period_s or np.inf))
     for k in order:
         zone = mission.zones[k]
-        patch = PathPatch(outline(zone.shape), facecolor=tints[k] if fill else "none", edgecolor=ZONE_EDGE, zorder=2)
+        tint = tints[k] if fill and not (shaded and zone.period_s is None) else "none"
+        patch = PathPatch(outline(zone.shape), facecolor=tint, edgecolor=ZONE_EDGE, zorder=2)
         patch.set_linewidth(0.9)
         patch.set_linestyle("dotted" if zone.period_s is None else "dashed" if zone.demand == "visit" else "solid")
         # a zone sticking out of the area asks nothing out there
@@ -133,9 +137,9 @@ def zone_legend(mission: Mission) -> list[Patch]:
 
 
 def mission_legend(mission: Mission) -> list[Patch]:
-    """Legend entries for the kinds of obstacles that are there."""
+    """Legend entries for the importance of ground, where it differs, and for the kinds of obstacles that are there."""
     kinds = {obstacle.blocks for obstacle in mission.obstacles}
-    entries = []
+    entries = importance_legend(mission)
     if "both" in kinds:
         entries.append(Patch(facecolor=OBSTACLE, edgecolor="#222222", label="obstacle"))
     if "motion" in kinds:

@@ -16,6 +16,7 @@ ROUTE_STYLES: tuple[LineStyle, ...] = ("solid", (0.0, (5.0, 1.2)), (0.0, (1.6, 1
 
 GROUND = "#FDFDFB"
 OUTSIDE = "#ECECEC"
+IMPORTANT = "#B8A4C9"  # ground of the greatest importance; what matters less is nearer to GROUND
 AREA_EDGE = "#333333"
 OBSTACLE = "#4A4A4A"
 NO_ENTRY = "#B3261E"

@@ -75,7 +75,11 @@ def _away_costs(spots: list[Polygon], shape: Polygon, elsewhere: BaseGeometry, b
 
 
 def _label(zone: Zone, ax: Axes, *, brief: bool) -> Text:
-    text = plain(zone.name, 28) + ("" if brief else f"  {asked(zone.period_s, zone.demand)}")
+    told = asked(zone.period_s, zone.demand)
+    if zone.importance is not None:
+        worth = f"importance {zone.importance:.3g}"
+        told = worth if zone.period_s is None else f"{told}, {worth}"
+    text = plain(zone.name, 28) + ("" if brief else f"  {told}")
     label = ax.text(0, 0, text, fontsize=FONT_PT, ha="center", va="center", color="#3A2A08", zorder=6)
     label.set_bbox({"boxstyle": f"round,pad={PAD_PT / FONT_PT}", "fc": "white", "ec": ZONE_EDGE, "lw": 0.5})
     return label

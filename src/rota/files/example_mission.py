@@ -35,8 +35,12 @@ period_s: 60
 zones:
   - {name: gate, period_s: 20, ring: [[65, 45], [80, 45], [80, 60], [65, 60]]}
   - {name: tank, period_s: 30, circle: {centre: [8, 8], radius_m: 6}}
+  # importance: 5 tells a swarm what a square metre of a zone is worth, period_s or not; see below
   # demand: visit asks that a robot comes into the zone, rather than that each of its points is seen
   # - {geojson: zones.geojson}       # one zone per feature, with the properties name and period_s
+
+# For planner: swarm only: what a square metre outside zones with an importance is worth. 0: only zones matter.
+# importance: 1                      # or a map: {map: crowds.png, black: 0, white: 10}, spread over the area
 
 fleet:
   robots: fewest                     # or a number, or a list: [{name: left}, {name: right, speed_m_s: 3}]

@@ -20,7 +20,7 @@ _SHAPE = (
     "cell_m",
 )  # fmt: skip
 _SINGLE = {"zones": "zone", "obstacles": "obstacle", "moving_obstacles": "moving obstacle"}
-_WORDS = {"period_s": "area period"}
+_WORDS = {"period_s": "area period", "importance": "importance of the ground"}
 
 
 def changes(

@@ -22,6 +22,7 @@ from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Document, Place, parse_text
 from rota.mission import (
     NO_PERIOD,
+    NOTHING_MATTERS,
     DiscSensor,
     Fleet,
     Mission,
@@ -105,6 +106,8 @@ def judge_document(document: Document, folder: Path, *, confine: bool) -> Judged
     faults += ground_faults
     if file is not None:
         faults += _period_faults(file, ground)
+        if file.importance == 0 and ground is not None and not any(zone.importance for zone in ground.zones):
+            faults.append(Fault(("importance",), NOTHING_MATTERS))
         name_faults = _robot_faults(file.fleet)
         faults += name_faults
         if ground is not None:
@@ -245,6 +248,7 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         area=ground.area,
         obstacles=ground.obstacles,
         zones=ground.zones,
+        importance=ground.importance,
         period_s=file.period_s,
         fleet=fleet_at_its_starts(_fleet(file.fleet), file, ground)[0],
         origin=ground.origin,

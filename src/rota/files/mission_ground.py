@@ -13,14 +13,17 @@ from shapely import MultiPolygon, unary_union
 from rota.errors import MissionError
 from rota.files.geodesy import Projection, projection_for
 from rota.files.geojson_shapes import Feature
-from rota.files.mission_schema import OriginBlock
+from rota.files.importance_map import read_importance_map
+from rota.files.mission_schema import GroundImportance, ImportanceBlock, OriginBlock
 from rota.files.mission_shapes import Frame, Stop, features_of, shape_as_written, shape_in_metres, to_metres
 from rota.files.occupancy_map import GapsError, InsideError, read_map
-from rota.files.schema_block import FARTHEST_M, LONGEST_S, SHORTEST_S, SMALLEST_M, Duration
+from rota.files.raster_map import Site
+from rota.files.schema_block import FARTHEST_M, LONGEST_S, SHORTEST_S, SMALLEST_M, Duration, Importance
 from rota.files.schema_faults import Fault
 from rota.files.shape_schema import Area, AreaBlock, ObstacleBlock, ObstacleEntry, ZoneBlock
 from rota.files.text_map import text_map
 from rota.files.yaml_text import Place
+from rota.importance import ALLOWED, ImportanceMap
 from rota.mission import AREA, AREA_IS_TAKEN, Demand, GeoPoint, Obstacle, Zone
 from rota.polygons import polygons_of
 from rota.refusals import shown
@@ -31,6 +34,8 @@ _AREA: TypeAdapter[Any] = TypeAdapter(Area)
 _OBSTACLE: TypeAdapter[Any] = TypeAdapter(ObstacleEntry)
 _ZONE: TypeAdapter[ZoneBlock] = TypeAdapter(ZoneBlock)
 _ORIGIN: TypeAdapter[OriginBlock | None] = TypeAdapter(OriginBlock | None)
+_IMPORTANCE: TypeAdapter[Any] = TypeAdapter(GroundImportance | None)
+_ZONE_IMPORTANCE: TypeAdapter[float | None] = TypeAdapter(Importance | None)
 _PERIOD: TypeAdapter[float | None] = TypeAdapter(Duration | None)
 
 
@@ -41,6 +46,7 @@ class Ground(NamedTuple):
     obstacles: tuple[Obstacle, ...]
     zones: tuple[Zone, ...]
     origin: GeoPoint | None
+    importance: float | ImportanceMap | None = None
 
 
 class Noticed(NamedTuple):
@@ -81,7 +87,8 @@ def _ground(data: dict[str, Any], folder: Path, confine: bool, noticed: Noticed)
     if stops and not noticed.faults and area.difference(unary_union(stops)).area == 0:
         noticed.faults.append(Fault(("obstacles",), "cover the whole area; leave free space to move in"))
     origin = frame.projection.origin if frame.projection else None
-    return Ground(area, tuple(obstacles), tuple(zones), origin)
+    importance = _importance(frame, data, Site(area.bounds, origin), noticed)
+    return Ground(area, tuple(obstacles), tuple(zones), origin, importance)
 
 
 # ---------------------------------------------------------------- the area, and with it the frame
@@ -166,6 +173,19 @@ def _extent_fault(area: MultiPolygon) -> str | None:
 # ---------------------------------------------------------------- what lies in it
 
 
+def _importance(frame: Frame, data: dict[str, Any], site: Site, noticed: Noticed) -> float | ImportanceMap | None:
+    """What the ground is worth outside zones, a number or a map."""
+    given = _valid(_IMPORTANCE, data.get("importance"))
+    if not isinstance(given, ImportanceBlock):
+        return None if given is None else float(given)
+    scale = None if given.black is None or given.white is None else (given.black, given.white)
+    try:
+        return read_importance_map(frame.file(given.map), site, scale)
+    except MissionError as error:
+        noticed.faults.extend(Fault(("importance", "map"), fault) for fault in error.faults)
+    return None
+
+
 def _obstacles(frame: Frame, data: dict[str, Any], area: MultiPolygon, noticed: Noticed) -> list[Obstacle]:
     """The obstacles that can be read."""
     obstacles = []
@@ -208,7 +228,8 @@ def _zones_of(
         return
     assert entry.name is not None
     shape = shape_in_metres(frame, place, entry, noticed.warnings)
-    yield (*place, "name"), Zone(name=entry.name, shape=shape, period_s=entry.period_s, demand=entry.demand)
+    told = Zone(name=entry.name, shape=shape, period_s=entry.period_s, demand=entry.demand, importance=entry.importance)
+    yield (*place, "name"), told
 
 
 def _zones_of_file(
@@ -225,14 +246,30 @@ def _zones_of_file(
     for feature in features:
         name = entry.name or feature.name or next(free_names)
         shape = to_metres(frame, source, feature.shape)
-        period_s, demand = _feature_demand(source, entry, feature)
-        yield source, Zone(name=name, shape=shape, period_s=period_s, demand=demand)
+        importance = _feature_importance(source, entry, feature)
+        period_s, demand = _feature_demand(source, entry, feature, importance)
+        yield source, Zone(name=name, shape=shape, period_s=period_s, demand=demand, importance=importance)
 
 
-def _feature_demand(place: Place, entry: ZoneBlock, feature: Feature) -> tuple[float | None, Demand]:
+def _called(feature: Feature) -> str:
+    return feature.where + (f" ({feature.name})" if feature.name else "")
+
+
+def _feature_importance(place: Place, entry: ZoneBlock, feature: Feature) -> float | None:
+    """The importance of a feature: its own property, or else that beside the file's name."""
+    told = feature.properties.get("importance", entry.importance)
+    try:
+        return _ZONE_IMPORTANCE.validate_python(told)
+    except ValidationError:
+        raise Stop(place, f"{_called(feature)} has importance {shown(told)}; {ALLOWED}") from None
+
+
+def _feature_demand(
+    place: Place, entry: ZoneBlock, feature: Feature, importance: float | None
+) -> tuple[float | None, Demand]:
     """Period and demand of a feature: its own properties, or else those beside the file's name."""
-    where = feature.where + (f" ({feature.name})" if feature.name else "")
-    if "period_s" not in feature.properties and "period_s" not in entry.model_fields_set:
+    where, periodic = _called(feature), "period_s" in feature.properties or "period_s" in entry.model_fields_set
+    if not periodic and importance is None:
         raise Stop(place, f"{where} has no property period_s; give it one in the file, or period_s beside geojson")
     period = feature.properties.get("period_s", entry.period_s)
     try:

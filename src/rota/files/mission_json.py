@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from shapely import MultiPolygon, Polygon
 
 from rota.errors import PlanError
@@ -11,6 +12,7 @@ from rota.files.plan_faults import named_field
 from rota.files.plan_schema import (
     DiscSensorFields,
     FleetFields,
+    ImportanceMapFields,
     MissionFields,
     MovingObstacleFields,
     RobotFields,
@@ -21,6 +23,7 @@ from rota.mission import (
     DiscSensor,
     Fleet,
     GeoPoint,
+    ImportanceMap,
     Mission,
     MovingObstacle,
     Obstacle,
@@ -53,9 +56,11 @@ def mission_to_json(mission: Mission) -> Json:
                 "period_s": _number(zone.period_s),
                 "demand": zone.demand,
                 "shape": polygons_to_json(zone.shape),
+                **({} if zone.importance is None else {"importance": float(zone.importance)}),
             }
             for zone in mission.zones
         ],
+        **({} if mission.importance is None else {"importance": _importance_to_json(mission.importance)}),
         "period_s": _number(mission.period_s),
         "unseeable": mission.unseeable,
         **({} if mission.holds_within_s is None else {"holds_within_s": float(mission.holds_within_s)}),
@@ -69,6 +74,17 @@ def obstacle_to_json(obstacle: Obstacle) -> Json:
     """An obstacle, with what it asks only where that is nothing."""
     asks = {} if obstacle.asks == "all" else {"asks": obstacle.asks}
     return {"shape": polygons_to_json(obstacle.shape), "blocks": obstacle.blocks, **asks}
+
+
+def _importance_to_json(importance: float | ImportanceMap) -> Json | float:
+    """What the ground is worth outside zones: a number, or rows of numbers and where they lie."""
+    if not isinstance(importance, ImportanceMap):
+        return float(importance)
+    return {
+        "low_m": list(importance.low_m),
+        "step_m": list(importance.step_m),
+        "values": importance.values.tolist(),
+    }
 
 
 def _planner_to_json(mission: Mission) -> Json:
@@ -173,7 +189,15 @@ def mission_from_fields(fields: MissionFields) -> Mission:
     for k, zone in enumerate(fields.zones):
         shape = _polygons(zone.shape, f"mission.zones[{k}].shape")
         with named_field(f"mission.zones[{k}]"):
-            zones.append(Zone(name=zone.name, shape=shape, period_s=zone.period_s, demand=zone.demand))
+            zones.append(
+                Zone(
+                    name=zone.name,
+                    shape=shape,
+                    period_s=zone.period_s,
+                    demand=zone.demand,
+                    importance=zone.importance,
+                )
+            )
     fleet = _fleet(fields.fleet)
     with named_field("mission"):
         return Mission(
@@ -181,6 +205,7 @@ def mission_from_fields(fields: MissionFields) -> Mission:
             area=area,
             obstacles=tuple(obstacles),
             zones=tuple(zones),
+            importance=_importance(fields.importance),
             period_s=fields.period_s,
             fleet=fleet,
             origin=None if fields.origin is None else GeoPoint(lat=fields.origin.lat, lon=fields.origin.lon),
@@ -189,6 +214,16 @@ def mission_from_fields(fields: MissionFields) -> Mission:
             planning=_planning(fields),
             moving_obstacles=tuple(_moving_obstacle(moving) for moving in fields.moving_obstacles),
         )
+
+
+def _importance(fields: ImportanceMapFields | float | None) -> ImportanceMap | float | None:
+    """What the ground is worth outside zones. Raises PlanError for rows of different lengths."""
+    if not isinstance(fields, ImportanceMapFields):
+        return fields
+    if len({len(row) for row in fields.values}) > 1:
+        raise PlanError("mission.importance.values: rows of different lengths; all must have as many numbers")
+    (x, y), (across, up) = fields.low_m, fields.step_m
+    return ImportanceMap(values=np.array(fields.values), low_m=(x, y), step_m=(across, up))
 
 
 def _planning(fields: MissionFields) -> PlannerSettings:

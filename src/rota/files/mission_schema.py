@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag, create_model
 from rota.files.schema_block import (
     Block,
     Duration,
+    Importance,
     Length,
     LengthOrZero,
     Moment,
@@ -26,6 +27,7 @@ from rota.fleet import TURNS_ONE_WAY
 from rota.mission import all_refused
 from rota.planner import loadable_planners, planner_named
 from rota.planner_registry import DEFAULT, PLANNERS, planner_names
+from rota.refusals import inner
 
 MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check takes minutes
 
@@ -178,6 +180,38 @@ class OriginBlock(Block):
     lon: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-180, le=180)]
 
 
+class ImportanceBlock(Block):
+    """A map of what a square metre of ground is worth to a swarm."""
+
+    map: Text = Field(description="path of a picture (PNG, PGM), spread over the area with north up, or of a GeoTIFF")
+    black: Importance | None = Field(None, description="what a square metre is worth where a picture is black")
+    white: Importance | None = Field(None, description="and where it is white; a GeoTIFF holds importance without them")
+
+    @classmethod
+    def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
+        """One of black and white without the other."""
+        given = given_of(data, "black", "white")
+        if len(given) == 1:
+            missing = "white" if given == ["black"] else "black"
+            yield (missing,), f"is missing; it goes with {given[0]}"
+
+
+def _number_or_block(value: Any) -> str | None:
+    if isinstance(value, dict | ImportanceBlock):
+        return "<block>"
+    return "<number>" if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+GroundImportance = Annotated[
+    Annotated[Importance, Tag("<number>")] | Annotated[ImportanceBlock, Tag("<block>")],
+    Discriminator(
+        _number_or_block,
+        custom_error_type="wrong_kind",
+        custom_error_message="a number from 0 on or {map: FILE, black: ..., white: ...} is needed",
+    ),
+]
+
+
 class MissionFile(Block):
     """A mission: an area to watch, obstacles, zones with revisit periods, and a fleet."""
 
@@ -192,6 +226,10 @@ class MissionFile(Block):
     unseeable: Literal["exclude", "refuse"] = "exclude"
     holds_within_s: Moment | None = Field(
         None, description="robots are in their loops, from when on periods hold, within so many seconds; null: any time"
+    )
+    importance: GroundImportance | None = Field(
+        None,
+        description="of a swarm: what a square metre outside zones with an importance is worth, or a map; null: 1",
     )
     zones: list[ZoneBlock] = Field(default=[])
     fleet: FleetBlock
@@ -211,6 +249,11 @@ class MissionFile(Block):
                 if other != planner and data.get(other) is not None:
                     yield (other,), f"settings of another planner; planner is {planner}: remove this block"
         yield from all_refused(planner_named(planner).settings if planner in planner_names() else None, data)
+        zones = data.get("zones")
+        for k, zone in enumerate(zones if isinstance(zones, list) and data.get("period_s") is not None else []):
+            if inner(zone, "importance") is not None and not {"period_s", "geojson"} & set(zone):
+                message = "is missing; the area has one: give seconds, or null to ask nothing in this zone"
+                yield ("zones", k, "period_s"), message
         if data.get("coordinates") == "wgs84" and data.get("origin") is not None:
             yield ("origin",), "belongs to missions in metres; with wgs84 it is the centre of the area: remove it"
 

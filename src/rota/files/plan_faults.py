@@ -13,6 +13,7 @@ from rota.errors import PlanError, RotaError
 from rota.files.plan_schema import (
     DiscSensorFields,
     FleetFields,
+    ImportanceMapFields,
     MissionFields,
     PlanFields,
     SquareSensorFields,
@@ -41,7 +42,7 @@ def plan_faults(error: ValidationError) -> Iterator[str]:
 def _path(location: tuple[int | str, ...]) -> str:
     """Where a field stands, as in ``mission.zones[2].shape``."""
     # pydantic names the member of a union it tried; that is no part of the file
-    parts = [part for part in location if part not in ("disc", "square", "fewest", "list")]
+    parts = [part for part in location if part not in ("disc", "square", "fewest", "list", "map", "number")]
     return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parts).lstrip(".") or "plan"
 
 
@@ -51,6 +52,7 @@ def _all_keys() -> list[str]:
         PlanFields,
         MissionFields,
         FleetFields,
+        ImportanceMapFields,
         StartFields,
         TrajectoryFields,
         DiscSensorFields,

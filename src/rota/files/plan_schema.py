@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, create_model, model_validator
 
 from rota.files.settings_schema import settings_field
+from rota.importance import MOST_IMPORTANCE
 from rota.limits import LARGEST_M, LONGEST_S
 from rota.mission import Asks, Blocks, Demand, Unseeable
 from rota.plan import EndReason
@@ -30,6 +31,7 @@ Length = Annotated[float, Field(gt=0, le=LARGEST_M)]
 Radius = Annotated[float, Field(ge=0, le=LARGEST_M)]
 Time = Annotated[float, Field(ge=0, le=LONGEST_S)]
 Period = Annotated[float, Field(gt=0, le=LONGEST_S)]
+Importance = Annotated[float, Field(ge=0, le=MOST_IMPORTANCE)]
 Name = Annotated[str, Field(min_length=1)]
 
 
@@ -121,6 +123,24 @@ class ZoneFields(_Strict):
     period_s: Period | None
     demand: Demand
     shape: Polygons
+    importance: Importance | None = None
+
+
+class ImportanceMapFields(_Strict):
+    """What a square metre is worth at the places of a grid, row by row from the south; straight between places."""
+
+    low_m: Annotated[Point, Field(description="x, y of the first place of the first row")]
+    step_m: Annotated[list[Length], Field(min_length=2, max_length=2, description="x, y between places")]
+    values: Annotated[list[Annotated[list[Importance], Field(min_length=1)]], Field(min_length=1)]
+
+
+def _importance_tag(value: object) -> str:
+    return "map" if isinstance(value, dict | ImportanceMapFields) else "number"
+
+
+GroundImportance = Annotated[
+    Annotated[ImportanceMapFields, Tag("map")] | Annotated[Importance, Tag("number")], Discriminator(_importance_tag)
+]
 
 
 class OriginFields(_Strict):
@@ -145,6 +165,7 @@ class MissionFields(_Strict):
     area: Polygons
     obstacles: list[ObstacleFields]
     zones: list[ZoneFields]
+    importance: GroundImportance | None = None
     period_s: Period | None
     unseeable: Unseeable
     holds_within_s: Time | None = None

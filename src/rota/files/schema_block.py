@@ -9,6 +9,8 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, ModelWrapValidatorHandler, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from rota.importance import MOST_IMPORTANCE
+
 # generous for anything that moves on this planet, and so that no square, sum or quotient overflows or is lost
 SMALLEST_M, FARTHEST_M = 1e-3, 1e7  # beyond it no projection holds, and sums of squares lose the millimetres
 SHORTEST_S, LONGEST_S = 1e-3, 1e9
@@ -24,6 +26,7 @@ Coordinate = Annotated[Number, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Duration = Annotated[Number, Field(ge=SHORTEST_S, le=LONGEST_S)]
 Moment = Annotated[Number, Field(ge=0, le=LONGEST_S)]
 Rate = Annotated[Number, Field(ge=SLOWEST, le=FASTEST)]
+Importance = Annotated[Number, Field(ge=0, le=MOST_IMPORTANCE)]
 Where = tuple[str | int, ...]
 
 

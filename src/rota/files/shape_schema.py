@@ -9,7 +9,18 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field
 from pydantic_core import PydanticCustomError
 
 from rota.files.rings import ring_fault
-from rota.files.schema_block import FARTHEST_M, Block, Coordinate, Duration, Length, Positive, Text, Where, given_of
+from rota.files.schema_block import (
+    FARTHEST_M,
+    Block,
+    Coordinate,
+    Duration,
+    Importance,
+    Length,
+    Positive,
+    Text,
+    Where,
+    given_of,
+)
 
 Point = tuple[Coordinate, Coordinate]
 
@@ -143,22 +154,25 @@ class ZoneBlock(Shape):
             "outer",
             "circle",
             "geojson",
-            anyOf=[{"required": ["geojson"]}, {"required": ["name", "period_s"]}],
+            anyOf=[{"required": [*keys]} for keys in (("geojson",), ("name", "period_s"), ("name", "importance"))],
         )
     )
 
     name: Text | None = None
     period_s: Duration | None = Field(None, description="seconds; null: nothing is asked there")
+    importance: Importance | None = Field(
+        None, description="of a swarm's ground: what a square metre is worth there; null: as outside zones"
+    )
     demand: Literal["every_point", "visit"] = "every_point"
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """As a shape; a zone that is no GeoJSON file needs a name and a period."""
+        """As a shape; a zone that is no GeoJSON file needs a name, and a period or an importance."""
         yield from super().faults(data)
         if data.get("geojson") is None:
             if data.get("name") is None:
                 yield ("name",), "is missing; give the zone a name"
-            if "period_s" not in data:
+            if "period_s" not in data and data.get("importance") is None:
                 yield ("period_s",), "is missing; give seconds, or null to ask nothing in this zone"
 
 

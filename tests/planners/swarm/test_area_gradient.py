@@ -11,8 +11,9 @@ from tests.planners.swarm.conftest import PAPER, in_box
 from rota.planners.swarm.arc_kernels import area_gradient, exposed_arcs
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.kernels import find_neighbours
+from rota.planners.swarm.own_ground_kernels import own_share
 from rota.planners.swarm.planner import ALL_NEIGHBOURS
-from rota.planners.swarm.settle_kernels import decide_settle, own_share
+from rota.planners.swarm.settle_kernels import decide_settle
 from rota.planners.swarm.world import walls_of
 
 ALL = PAPER._replace(neighbours=ALL_NEIGHBOURS)
@@ -85,7 +86,7 @@ def test_the_own_share_is_that_of_the_voronoi_cell() -> None:
     room, robots, kinds = deciding_room(ALL), swarm.robots, swarm.kinds
     for i in range(20):
         near, _ = find_neighbours(i, ALL_NEIGHBOURS, robots, swarm.grid, 50.0, room.near)
-        share, walled = own_share(i, near, robots, kinds, swarm.grid, room)
+        share, walled, _ = own_share(i, near, robots, kinds, swarm.grid, room)
         disc = Point(robots.x[i], robots.y[i]).buffer(25, quad_segs=512)
         assert share == pytest.approx(cells[robots.name[i]].intersection(disc).area / disc.area, abs=1e-4)
         assert not walled

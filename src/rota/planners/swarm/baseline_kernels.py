@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from rota.planners.swarm.importance_kernels import importance_in_disc, matters
 from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
 from rota.planners.swarm.velocity_set_kernels import centroid_in_disc, cut, is_cut, square_round
 
@@ -25,10 +26,21 @@ def towards(dx: float, dy: float, speed: float, time_s: float) -> tuple[float, f
 
 
 @compiled
+def centroid_of_worth(x: float, y: float, outline: Any, corners: int, sensor: float, grid: Any) -> tuple[float, float]:
+    """The centroid of a polygon's part in the disc round (x, y), from there; of its importance where that differs."""
+    if not matters(grid):
+        _, cx, cy = centroid_in_disc(outline, corners, sensor)
+        return cx, cy
+    whole, mx, my = importance_in_disc(x, y, outline, corners, sensor, grid.importance)
+    return (mx / whole, my / whole) if whole > 0.0 else (0.0, 0.0)
+
+
+@compiled
 def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: Any) -> None:
     """Decide by Lloyd's step, over-relaxed: a robot makes for the centroid of its Voronoi cell in its sensor's disc.
 
-    The ``rule.neighbours`` nearest robots bound a cell, and so do the nearest points of walls in sensor range. Where
+    Where ground differs in importance, it is the centroid of that (Cortes et al. 2004, Section III). The
+    ``rule.neighbours`` nearest robots bound a cell, and so do the nearest points of walls in sensor range. Where
     sensors differ, cells are those of the power diagram: the border runs where both discs have the same power. Decides
     for the robots begin..end - 1 of a ``Snapshot``, into ``Decisions``. room: of one thread.
     """
@@ -61,7 +73,7 @@ def decide_voronoi(begin: int, end: int, snapshot: Any, decisions: Any, room: An
                 outline, spare = spare, outline
         decisions.vx[i], decisions.vy[i] = 0.0, 0.0
         if corners > 0:
-            _, cx, cy = centroid_in_disc(outline, corners, sensor)
+            cx, cy = centroid_of_worth(x, y, outline, corners, sensor, grid)
             cx, cy = OVER_RELAXATION * cx, OVER_RELAXATION * cy
             decisions.vx[i], decisions.vy[i] = towards(cx, cy, kinds.speed_m_s[kind], rule.time_step_s)
 

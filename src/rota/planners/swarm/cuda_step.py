@@ -41,6 +41,9 @@ class CudaStep:
         near = grid._replace(
             start=cuda.to_device(grid.start), wall_start=wall_start, wall_item=wall_item, walls=walls,
             place_graph=grid.place_graph._replace(**arrays),
+            importance=grid.importance._replace(
+                **{name: cuda.to_device(getattr(grid.importance, name)) for name in ("values", "sums", "moments")}
+            ),
         )  # fmt: skip
         discs = Moving(*map(cuda.to_device, snapshot.moving))
         new = Decisions(*(cuda.device_array(n, np.float64) for _ in range(3)))

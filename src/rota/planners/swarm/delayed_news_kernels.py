@@ -19,7 +19,7 @@ import numpy as np
 
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.filter_kernels import filter_velocities
-from rota.planners.swarm.free_ground_kernels import add_load
+from rota.planners.swarm.free_ground_kernels import clear_load, load_with_disc
 from rota.planners.swarm.kernels import cell_of, compiled
 from rota.planners.swarm.reciprocal_kernels import decide_reciprocal, sample_key
 from rota.planners.swarm.settle_kernels import decide_settle
@@ -155,14 +155,14 @@ def load_with_told(snapshot: Any, hearing: Any, past: Any) -> None:
     """
     robots, graph = snapshot.robots, snapshot.grid.place_graph
     listener = robots.x.shape[0]
-    graph.load[:] = 0.0
+    clear_load(graph)
     for i in range(robots.x.shape[0]):
         sensor = snapshot.kinds.sensor_m[robots.kind[i]]
         if sensor > 0.0:
             teller = robots.name[i]
             age = age_of(snapshot.rule.seed, listener, teller, snapshot.step, hearing)
             news_then = past[(snapshot.step - age) % past.shape[0]]
-            add_load(news_then[0, teller], news_then[1, teller], sensor, 1.0, graph)
+            load_with_disc(news_then[0, teller], news_then[1, teller], sensor, graph)
 
 
 @compiled

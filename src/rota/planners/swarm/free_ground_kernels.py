@@ -15,6 +15,7 @@ import math
 from typing import Any
 
 from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.offer_kernels import cost_m, cover_places, pass_on_offers, settle_offers
 
 REACH = 2.0  # sensor radii, within which a robot loads places
 # square metres of discs for one of ground: a place gets free with less than the one, and is held from the other on;
@@ -50,13 +51,28 @@ def load_with_capacity(area_m2: Any, sensor_m: float, graph: Any) -> None:
 
 
 @compiled
+def clear_load(graph: Any) -> None:
+    """Begin with places that nobody holds."""
+    graph.load[:] = 1.0 if graph.worth.shape[0] else 0.0
+
+
+@compiled
+def load_with_disc(x: float, y: float, sensor_m: float, graph: Any) -> None:
+    """Load the places about (x, y) with a robot's disc, or take it from them where ground differs in importance."""
+    if graph.worth.shape[0]:
+        cover_places(x, y, sensor_m, graph)
+    else:
+        add_load(x, y, sensor_m, 1.0, graph)
+
+
+@compiled
 def load_with_all(robots: Any, kinds: Any, graph: Any) -> None:
     """Load the places with the discs of robots where they are."""
-    graph.load[:] = 0.0
+    clear_load(graph)
     for i in range(robots.x.shape[0]):
         sensor = kinds.sensor_m[robots.kind[i]]
         if sensor > 0.0:
-            add_load(robots.x[i], robots.y[i], sensor, 1.0, graph)
+            load_with_disc(robots.x[i], robots.y[i], sensor, graph)
 
 
 @compiled
@@ -67,6 +83,9 @@ def pass_on_distances(step: int, graph: Any) -> None:
     taken, old numbers go round from place to place and back and grow for ever, and robots that went by them went to and
     fro for ever. Measured: 2 of 12 heaps of 100 robots did so; silence for two steps costs rooms 1 % of the ground.
     """
+    if graph.worth.shape[0]:
+        pass_on_offers(step, graph)
+        return
     old, new = graph.away_m[step % 2], graph.away_m[(step + 1) % 2]
     for k in range(graph.x.shape[0]):
         least, most = 0.0, HELD_FROM if old[k] == 0.0 else FREE_BELOW
@@ -83,6 +102,9 @@ def settle_distances(step: int, graph: Any, settled: Any) -> None:
 
     ``far_m`` where no way leads to free ground (Bellman-Ford, by sweeps in place).
     """
+    if graph.worth.shape[0]:
+        settle_offers(step, graph, settled)
+        return
     n, told = graph.x.shape[0], graph.away_m[step % 2]
     for k in range(n):
         settled[k] = 0.0 if told[k] == 0.0 else graph.far_m
@@ -122,7 +144,8 @@ def direction_to_free_ground(
     in the 25 cells of the map round about, which reach as far as ways do.
     """
     graph = grid.place_graph
-    least, dx, dy = graph.far_m, 0.0, 0.0
+    differs = graph.worth.shape[0] > 0
+    least, dx, dy = graph.way_m + graph.dear_m, 0.0, 0.0
     away_m = graph.away_m[step % 2]
     i = min(max(int((x - graph.x0) / graph.cell_m), 0), graph.columns - 1)
     j = min(max(int((y - graph.y0) / graph.cell_m), 0), graph.rows - 1)
@@ -130,11 +153,12 @@ def direction_to_free_ground(
         begin = graph.cell_start[row * graph.columns + max(i - 2, 0)]
         end = graph.cell_start[row * graph.columns + min(i + 2, graph.columns - 1) + 1]
         for k in range(begin, end):
-            if away_m[k] >= least:
+            told_m = cost_m(away_m[k], graph) if differs else away_m[k]
+            if told_m >= least:
                 continue
             ex, ey = graph.x[k] - x, graph.y[k] - y
             length = math.sqrt(ex * ex + ey * ey)
-            away = away_m[k] + SIGHT_SHARE * length
+            away = told_m + SIGHT_SHARE * length
             if length <= within_m and away < least and is_seen(x, y, graph.x[k], graph.y[k], c, grid):
                 least, dx, dy = away, ex, ey
     return least, dx, dy

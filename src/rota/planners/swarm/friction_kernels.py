@@ -27,7 +27,7 @@ def friction_unit_m(sensor_m: float, most_m: float, snapshot: Any) -> float:
     robots whose steps are short where they stood. It is greater with late news, and grows when robots could have driven
     ``PATIENCE`` times through the whole map since anything changed but themselves: so whatever goes to and fro ends.
     """
-    rule, far_m = snapshot.rule, snapshot.grid.place_graph.far_m
+    rule, far_m = snapshot.rule, snapshot.grid.place_graph.way_m
     unit_m = min(sensor_m, STEPS_FOR_SENSOR * most_m)
     if rule.late:
         unit_m *= LATE_FRICTION

@@ -15,10 +15,12 @@ from rota.planners.swarm.kernels import cell_of, compiled, to_wall
 class Pixels(NamedTuple):
     """Pixels of side ``pixel_m`` (rows, columns): 1 where a pixel is free, else 0, and the mark that each got last.
 
-    (x0, y0): the centre of the first pixel, in metres.
+    worth: the importance of each, or (0, 0) where all are worth as much. (x0, y0): the centre of the first pixel, in
+    metres.
     """
 
     free: NDArray[np.uint8]
+    worth: NDArray[np.float64]
     marks: NDArray[np.int32]
     x0: float
     y0: float
@@ -26,15 +28,15 @@ class Pixels(NamedTuple):
 
 
 @compiled
-def newly_marked(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) -> int:
-    """Mark the free pixels whose centres are in range of any robot; returns how many there are.
+def newly_marked(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) -> tuple[int, float]:
+    """Mark the free pixels whose centres are in range of any robot; returns how many there are, and their worth.
 
     squares: (n,) in the order of the fleet, whose footprints are squares of that half side, not discs of that radius.
     pixels: ``Pixels``, whose marks become ``mark``, a number that none of them was marked with before.
     """
-    free, marks, x0, y0, pixel_m = pixels
+    free, worth, marks, x0, y0, pixel_m = pixels
     rows, columns = free.shape
-    count = 0
+    count, total, differs = 0, 0.0, worth.shape[0] > 0
     for k in range(robots.x.shape[0]):
         x, y, sensor = robots.x[k], robots.y[k], kinds.sensor_m[robots.kind[k]]
         low = max(math.ceil((y - sensor - y0) / pixel_m), 0)
@@ -48,7 +50,8 @@ def newly_marked(robots: Any, kinds: Any, squares: Any, pixels: Any, mark: int) 
                 if marks[j, i] != mark and free[j, i] != 0:
                     marks[j, i] = mark
                     count += 1
-    return count
+                    total += worth[j, i] if differs else 0.0
+    return count, total
 
 
 @compiled

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,8 @@ PLATEAU = 0.25  # of a run that was cut off, over which its coverage must not ha
 class History:
     """One value for each step, (steps + 1,), the start first.
 
-    coverage: share of the region in range of anybody, by pixels. deadweight_loss: the share of all footprints' area
+    coverage: share of the region in range of anybody, by pixels. covered_importance: the share of its importance, which
+    is the same where all ground is worth as much. deadweight_loss: the share of all footprints' area
     that covers nothing new of the region, 1 - covered / sum of them. body_gap_m, wall_gap_m: least distance between
     the rims of bodies, and of a body and a wall (inf: none is near). way_m: mean length of the robots' ways so far.
     reversals: share of the robots that turned back by more than a right angle. outside: robots that have left the
@@ -32,6 +34,7 @@ class History:
     """
 
     coverage: Floats
+    covered_importance: Floats
     deadweight_loss: Floats
     body_gap_m: Floats
     wall_gap_m: Floats
@@ -71,11 +74,16 @@ class Observer:
 
     region: what is to be covered. rest_m: a robot that goes no farther in a step rests, and does not turn back.
     squares: (n,) in the order of the fleet, robots whose footprint is not the disc of their sensor's radius but the
-    square round it; None: none.
+    square round it; None: none. worth: the importance at places x, y, arrays of one shape; None: all is worth as much.
     """
 
     def __init__(
-        self, swarm: Swarm, region: MultiPolygon, rest_m: float, squares: NDArray[np.bool_] | None = None
+        self,
+        swarm: Swarm,
+        region: MultiPolygon,
+        rest_m: float,
+        squares: NDArray[np.bool_] | None = None,
+        worth: Callable[[Floats, Floats], Floats] | None = None,
     ) -> None:
         self._swarm, self._first_step = swarm, swarm.steps
         self._squares = np.zeros(len(swarm), np.bool_) if squares is None else squares
@@ -88,7 +96,9 @@ class Observer:
         shapely.prepare(region)
         self._region = region
         free = shapely.contains_xy(region, x, y).astype(np.uint8)
-        self._pixels = Pixels(free, np.full(free.shape, -1, np.int32), x0 + pixel / 2, y0 + pixel / 2, pixel)
+        weights = np.zeros((0, 0)) if worth is None else np.where(free > 0, worth(x, y), 0.0)
+        self._pixels = Pixels(free, weights, np.full(free.shape, -1, np.int32), x0 + pixel / 2, y0 + pixel / 2, pixel)
+        self._all_worth = float(weights.sum())
         self._free_pixels = max(int(free.sum()), 1)
         self._region_m2 = region.area
         self._before = np.zeros((2, len(swarm)))
@@ -100,14 +110,16 @@ class Observer:
         """Measure the swarm as it is now; elapsed_s: what the step took."""
         swarm = self._swarm
         n, robots = len(swarm), swarm.robots
-        seen = newly_marked(robots, swarm.kinds, self._squares, self._pixels, swarm.steps) / self._free_pixels
+        count, worth = newly_marked(robots, swarm.kinds, self._squares, self._pixels, swarm.steps)
+        seen = count / self._free_pixels
+        worth = worth / self._all_worth if self._all_worth > 0 else seen
         between, beside = least_gaps(robots, swarm.kinds, swarm.grid)
         turned = turned_back(robots, self._before[0], self._before[1], self._rest_m_s) / n
         self._way_m += float(np.sqrt(robots.vx**2 + robots.vy**2).mean()) * swarm.rule.time_step_s if self._rows else 0
         outside = n - int(shapely.intersects_xy(self._region, robots.x, robots.y).sum())
         footprints_m2 = float((np.where(self._squares, 4.0, math.pi) * swarm.sensors_m**2).sum())
         loss = 1 - seen * self._region_m2 / footprints_m2 if footprints_m2 > 0 else 0.0
-        self._rows.append((seen, loss, between, beside, self._way_m, turned, outside, elapsed_s / n))
+        self._rows.append((seen, worth, loss, between, beside, self._way_m, turned, outside, elapsed_s / n))
 
     def history(self) -> History:
         """All that was measured."""
@@ -118,7 +130,10 @@ class Observer:
         )
 
 
-_NAMES = ("coverage", "deadweight_loss", "body_gap_m", "wall_gap_m", "way_m", "reversals", "outside", "decision_s")
+_NAMES = (
+    "coverage", "covered_importance", "deadweight_loss", "body_gap_m", "wall_gap_m", "way_m", "reversals", "outside",
+    "decision_s",
+)  # fmt: skip
 
 
 def covered_share(

@@ -13,7 +13,9 @@ from scipy.spatial import cKDTree
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.importance_cells import ImportanceCells
 from rota.planners.swarm.free_ground_kernels import load_with_capacity
+from rota.planners.swarm.importance_field import with_worth
 from rota.planners.swarm.state import Kinds, PlaceGraph
 
 Floats = NDArray[np.float64]
@@ -29,8 +31,10 @@ def empty_place_graph() -> PlaceGraph:
     return _linked(np.empty((0, 2)), np.empty((0, 2), np.int64), 1.0, np.zeros(2), (1, 1))
 
 
-def place_graph_of(walls: Floats, kinds: Kinds) -> PlaceGraph:
+def place_graph_of(walls: Floats, kinds: Kinds, importance: ImportanceCells | None = None) -> PlaceGraph:
     """Places and ways in the ground within walls (m, 4), closed rings, in which the largest body has room.
+
+    importance: of the ground; None: all is worth as much.
 
     Each square of a lattice has a place, or one for each part into which walls divide it, and so has each corner that
     ways may turn about. Any two places that are near each other are joined where a body can go straight between them.
@@ -60,7 +64,8 @@ def place_graph_of(walls: Floats, kinds: Kinds) -> PlaceGraph:
     pairs = pairs[shapely.covers(free, shapely.linestrings(places[pairs]))]
     graph = _linked(places, pairs, apart_m, low, (columns, rows))
     load_with_capacity(area_m2, sensor_m, graph)
-    return graph._replace(capacity=graph.load.copy())
+    graph = graph._replace(capacity=graph.load.copy())
+    return graph if importance is None else with_worth(graph, area_m2 > 0, sensor_m, importance)
 
 
 def _power(cells: int) -> int:
@@ -134,6 +139,11 @@ def _linked(places: Floats, pairs: NDArray[np.int64], cell_m: float, low: Floats
         away_m=np.full((2, n), far_m),
         far_m=far_m,
         news_steps=news_steps,
+        way_m=far_m,
+        worth=np.empty(0),
+        reach_m=0.0,
+        most=0.0,
+        dear_m=0.0,
     )
 
 

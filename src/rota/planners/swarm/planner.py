@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +14,12 @@ from shapely import MultiPolygon
 from rota.checkpoint import Checkpoint
 from rota.errors import CheckpointError, MissionError
 from rota.geometry.free_space import free_ground
+from rota.importance_cells import importance_at, states_importance
 from rota.mission import DiscSensor, Mission, SquareSensor, inner_reach_m
 from rota.plan import EndReason, Plan, RunEnd
 from rota.planners.swarm.baseline_kernels import decide_virtual_force, decide_voronoi
 from rota.planners.swarm.deciding import Controller
+from rota.planners.swarm.importance_field import importance_for
 from rota.planners.swarm.messages import hearing_of, oldest_steps
 from rota.planners.swarm.metrics import History, Observer
 from rota.planners.swarm.planner_settings import SwarmSettings
@@ -92,7 +95,7 @@ def run_mission(
     observer = None
     if isinstance(swarm, Swarm):
         presence.begin(swarm)
-        observer = Observer(swarm, ground, settings.stop_m, squares_of(mission)) if observed else None
+        observer = _observer_of(swarm, mission, ground) if observed else None
     stopped = False
     while (
         swarm.steps < settings.most_steps
@@ -120,6 +123,11 @@ def run_mission(
         history=None if observer is None else observer.history(),
         state=_state_of(state, mission, swarm, log, still),
     )
+
+
+def _observer_of(swarm: Swarm, mission: Mission, ground: MultiPolygon) -> Observer:
+    worth = partial(importance_at, mission) if states_importance(mission) else None
+    return Observer(swarm, ground, SwarmSettings.of(mission).stop_m, squares_of(mission), worth)
 
 
 def _beginning(mission: Mission, ground: MultiPolygon, seed: int) -> Checkpoint:
@@ -227,7 +235,8 @@ def make_swarm(
         hearing=hearing_of(settings),
         device=settings.device,
     )
-    surroundings = Surroundings(walls_of(ground), mission.moving_obstacles)
+    importance = importance_for(mission, ground, sensors_of(mission))
+    surroundings = Surroundings(walls_of(ground), mission.moving_obstacles, importance)
     return Swarm(beginning, fleet_of(mission, reserve_m), surroundings, controller, threads=threads)
 
 
@@ -265,6 +274,7 @@ def make_space_swarm(
         rule_of(settings, state.seed)._replace(last_change=last_change_of(mission)),
         bands=bands,
         full_m=np.minimum(full, bands.high_m),
+        importance=importance_for(mission, ground, sensors_of(mission)),
         settles=settings.controller == "settle",
         safe=settings.filter,
         threads=threads,

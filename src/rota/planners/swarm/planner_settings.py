@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from rota.importance import every_importance
 from rota.planner_settings import DURATION, LENGTH, LENGTH_OR_ZERO, PlannerSettings, setting
 from rota.refusals import Where, every_change_of_presence, every_period, fleet_blocks, inner, robot_count
 
@@ -17,6 +18,7 @@ SetBoundary = Literal["tangent", "circle"]
 MOST_DELAY = 20  # steps; robots with older news of each other could only stand
 MOST_SAMPLES, MOST_STEPS, MOST_NEIGHBOURS = 1e6, 1e8, 1e5  # more would take a year
 PLANE_ONLY = {"velocity": "centroid", "boundary": "tangent", "delay_steps": 0, "messages_lost": 0.0, "device": "cpu"}
+HEEDING_IMPORTANCE = ("settle", "voronoi")
 IN_SPACE = ("settle", "reciprocal")
 OF_RECIPROCAL = ("velocity", "samples", "boundary", "horizon_s", "neighbours", "neighbour_range_m", "alpha")
 NEEDED = {"samples": ("velocity", "sampled"), "horizon_s": ("boundary", "circle")}
@@ -54,6 +56,7 @@ class SwarmSettings(PlannerSettings):
     planner: ClassVar[str] = "swarm"
     makes_runs: ClassVar[bool] = True
     heeds_moving_obstacles: ClassVar[bool] = True
+    heeds_importance: ClassVar[bool] = True
     robots_come_and_go: ClassVar[bool] = True
     controller: Controller = setting("settle", "reciprocal is the paper's own")
     velocity: VelocityChoice = setting("centroid", "of the set: exact, or the mean of random samples")
@@ -133,6 +136,11 @@ class SwarmSettings(PlannerSettings):
                 yield (*where, "turn_rate_rad_s"), "robots of a swarm turn at once: remove it"
             if inner(block, "turn_radius_m"):
                 yield (*where, "turn_radius_m"), "robots of a swarm turn at once: remove it"
+        controller = inner(data, "swarm", "controller") or "settle"
+        if controller not in HEEDING_IMPORTANCE:
+            heeding = " and ".join(HEEDING_IMPORTANCE)
+            message = f"the controller {controller} heeds none; {heeding} do: remove it, or choose one of them"
+            yield from every_importance(data, message)
         if not flying:
             return
         if data.get("moving_obstacles"):

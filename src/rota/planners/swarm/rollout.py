@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rota.errors import CheckpointError, MissionError
+from rota.importance_cells import ImportanceCells
 from rota.mission import MovingObstacle
 from rota.planners.swarm.deciding import Controller, Deciding, deciding_room
 from rota.planners.swarm.delayed_news_kernels import load_with_told
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances, settle_distances
 from rota.planners.swarm.kernels import move, move_and_sort
 from rota.planners.swarm.messages import Messages, most_unheard_m
-from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.settle_kernels import decide_settle, note_wishes
 from rota.planners.swarm.state import Decisions, FleetKinds, Grid, Kinds, PlaceGraph, Robots, Snapshot
 from rota.planners.swarm.world import make_grid, moving_at, require_room, widest_m, with_absent
@@ -55,10 +55,14 @@ class Beginning:
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What robots move among: walls, (m, 4) segments, at least one; and discs that move and do not give way."""
+    """What robots move among: walls, (m, 4) segments, at least one; and discs that move and do not give way.
+
+    importance: of the ground; None: all is worth as much.
+    """
 
     walls: Floats
     moving: tuple[MovingObstacle, ...] = ()
+    importance: ImportanceCells | None = None
 
 
 class Swarm:
@@ -84,9 +88,10 @@ class Swarm:
         self.moving = surroundings.moving
         unheard_m = 0.0 if hearing is None else most_unheard_m(hearing, kinds, rule.time_step_s)
         self._slack_m, self._unsorted_m = _slack_m(kinds, n, rule.time_step_s), 0.0
-        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, unheard_m + self._slack_m)
-        if decide is decide_settle:
-            self.grid = self.grid._replace(place_graph=place_graph_of(walls, kinds))
+        self.grid: Grid = make_grid(
+            walls, kinds, n, rule.time_step_s, unheard_m + self._slack_m,
+            importance=surroundings.importance, mapped=decide is decide_settle,
+        )  # fmt: skip
         if beginning.news_m is not None:
             news_m = require_places(beginning.news_m, len(self.grid.place_graph.x))
             self.grid.place_graph.away_m[self.steps % 2] = news_m

@@ -10,6 +10,7 @@ from shapely.geometry.base import BaseGeometry
 
 from rota.geometry.free_space import free_ground, sight_walls
 from rota.geometry.line_of_sight import visibility_polygon
+from rota.importance_cells import importance_in_range
 from rota.plan import Plan
 from rota.plan_summary import range_at_the_end, range_from, rounded
 from rota.planners.swarm.reach import unreached_ground
@@ -35,7 +36,9 @@ def covered_sentence(plan: Plan) -> str:
     share, most = in_range.area / free.area, min(1.0, sum_m2 / free.area)
     seen = seen_at_the_end(plan)
     sight = "" if seen is None else f" and see {seen.intersection(free).area / free.area:.1%}, through no wall"
-    return f"They then have {share:.1%} of the area in range{sight}; footprints without overlap would have {most:.1%}."
+    told = f"They then have {share:.1%} of the area in range{sight}; footprints without overlap would have {most:.1%}."
+    worth = importance_in_range(plan)
+    return told if worth is None else f"{told} Of the ground's importance they have {worth:.1%} in range."
 
 
 def reach_sentences(plan: Plan) -> Iterator[str]:

@@ -10,8 +10,10 @@ from rota.planners.swarm.arc_kernels import arcs_in_ground, area_gradient, expos
 from rota.planners.swarm.baseline_kernels import FULL_SHARE_CAUSES, overlaps_with_robots, towards
 from rota.planners.swarm.free_ground_kernels import direction_to_free_ground
 from rota.planners.swarm.friction_kernels import friction_unit_m, rubbed
+from rota.planners.swarm.importance_kernels import matters, unit_of_worth, worth_gradient
 from rota.planners.swarm.kernels import cell_of, compiled, find_neighbours, to_wall
-from rota.planners.swarm.velocity_set_kernels import cut, is_cut, square_round
+from rota.planners.swarm.offer_kernels import offered
+from rota.planners.swarm.own_ground_kernels import own_share
 
 # ------------------------------------------------------------ steps
 
@@ -29,10 +31,11 @@ TOUCH_SHARE = 1e-3  # of the sensor's radius; a body so near a wall does not pus
 # ------------------------------------------------------------ by the share of the ground in range that is a robot's own
 
 FULL_PUSH_BELOW, NO_PUSH_ABOVE = 0.85, 1.1  # pushes count in full up to one share, and not at all from the other on
+# where ground differs in importance: there robots cover most where discs overlap; measured in docs/ablation.md
+FULL_PUSH_WHERE_IT_DIFFERS, NO_PUSH_WHERE_IT_DIFFERS = 0.2, 0.5
 PARKED_BELOW, PUSHED_FROM = 0.12, 0.25  # of redundant robots
 MOVE_ON_BELOW, MOVE_ON_BELOW_AT_WALLS = 0.5, 0.85  # with less, robots go on to free ground
 MOVE_ON_GAIN = 3.0  # they do so at full speed when 1 / MOVE_ON_GAIN is missing from that share
-WALL_FADE = 0.1  # of the sensor's radius, over which a wall in range comes to count in full
 GAP_TO_AHEAD = 0.6  # of the sum of two bodies' radii, which the one behind keeps between them
 
 
@@ -56,69 +59,6 @@ def not_into_walls(x: float, y: float, near_m: float, dx: float, dy: float, grid
         if into > 0.0 and 0.0 < distance2 < near_m * near_m:
             dx, dy = dx - into * wx / distance2, dy - into * wy / distance2
     return dx, dy
-
-
-@compiled
-def area_in_disc(outline: Any, corners: int, radius: float) -> float:
-    """Area of a convex polygon that holds the origin, as far as it lies in the disc of a radius round the origin."""
-    twice, r2 = 0.0, radius * radius
-    px, py = outline.x[corners - 1], outline.y[corners - 1]
-    for k in range(corners):
-        qx, qy = outline.x[k], outline.y[k]
-        dx, dy = qx - px, qy - py
-        a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - r2
-        root, t0, t1 = b * b - a * c, 0.0, 0.0
-        if a > 0.0 and root > 0.0:
-            root = math.sqrt(root)
-            t0, t1 = min(max((-b - root) / a, 0.0), 1.0), min(max((-b + root) / a, 0.0), 1.0)
-        # the side from t0 to t1 lies in the disc: a sector up to it, a triangle over it, a sector after it
-        ux, uy, wx, wy = px + t0 * dx, py + t0 * dy, px + t1 * dx, py + t1 * dy
-        twice += ux * wy - uy * wx
-        twice += r2 * math.atan2(px * uy - py * ux, px * ux + py * uy) if t0 > 0.0 else 0.0
-        twice += r2 * math.atan2(wx * qy - wy * qx, wx * qx + wy * qy) if t1 < 1.0 else 0.0
-        px, py = qx, qy
-    return 0.5 * twice
-
-
-@compiled
-def own_share(i: int, neighbours: int, robots: Any, kinds: Any, grid: Any, room: Any) -> tuple[float, float]:
-    """The share of its disc's ground that robot i has to itself, by the power diagram, and how much walls are in range.
-
-    Both are 0..1. A wall leaves the ground on this side of its nearest point, as in ``decide_voronoi``. What walls
-    change sets in gradually: a robot that a wall pushed out of its range at once would come back, for ever. room.near:
-    ``neighbours`` robots, by ``find_neighbours``.
-    """
-    near, outline, spare = room
-    x, y, sensor = robots.x[i], robots.y[i], kinds.sensor_m[robots.kind[i]]
-    corners, walled = square_round(sensor, outline), 0.0
-    c = cell_of(x, y, grid)
-    for item in range(grid.wall_start[c], grid.wall_start[c + 1]):
-        dx, dy = to_wall(x, y, grid.walls[grid.wall_item[item]])
-        distance = math.sqrt(dx * dx + dy * dy)
-        if distance >= sensor:
-            continue
-        walled = max(walled, min((sensor - distance) / (WALL_FADE * sensor), 1.0))
-        if distance > 1e-12 and is_cut(outline, corners, dx / distance, dy / distance, distance):
-            corners = cut(outline, corners, dx / distance, dy / distance, distance, spare)
-            outline, spare = spare, outline
-    whole = area_in_disc(outline, corners, sensor) if corners > 0 else 0.0
-    if whole <= 0.0:
-        return 1.0, walled
-    for k in range(neighbours):
-        j = near.robot[k]
-        distance, other = math.sqrt(near.distance2[k]), kinds.sensor_m[robots.kind[j]]
-        if distance <= 1e-9:
-            continue
-        ex, ey = (robots.x[j] - x) / distance, (robots.y[j] - y) / distance
-        bound = 0.5 * (distance + (sensor * sensor - other * other) / distance)
-        if bound <= 0.0:
-            return 0.0, walled
-        if is_cut(outline, corners, ex, ey, bound):
-            corners = cut(outline, corners, ex, ey, bound, spare)
-            outline, spare = spare, outline
-            if corners == 0:
-                return 0.0, walled
-    return area_in_disc(outline, corners, sensor) / whole, walled
 
 
 @compiled
@@ -211,14 +151,39 @@ def tightness(i: int, neighbours: int, robots: Any, kinds: Any, near: Any) -> fl
 
 
 @compiled
-def share_pushed(own: float, walled: float, going: float, told: bool, tight: float) -> float:
+def moving_on(
+    x: float, y: float, sensor: float, own: float, has: float, walled: float, crowd: bool, snapshot: Any
+) -> tuple[float, float, float, float]:
+    """How far a robot at (x, y) makes for free ground, 0..1, how far away that is, and the way (wx, wy) there.
+
+    Where ground differs in importance, it counts how much it ``has`` for itself beside what is offered elsewhere, and
+    everywhere as at walls.
+    own, walled: as ``own_share`` returns them. crowd: how far away it is must be told in any case.
+    """
+    grid = snapshot.grid
+    if not (matters(grid) or crowd) and share_moving_on(own, walled) <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    away_m, wx, wy = direction_to_free_ground(x, y, sensor, snapshot.step, cell_of(x, y, grid), grid)
+    if wx == 0.0 and wy == 0.0:
+        return 0.0, away_m, wx, wy
+    if matters(grid):
+        offer = offered(away_m, grid.place_graph)
+        own, walled = has / offer if offer > 0.0 else 1.0, 1.0
+    return share_moving_on(own, walled), away_m, wx, wy
+
+
+@compiled
+def share_pushed(own: float, walled: float, going: float, told: bool, tight: float, differs: bool) -> float:
     """How far a robot goes by pushes, 0..1, not by the gradient: not at walls, nor where it makes for free ground.
 
     going: as ``share_moving_on`` returns it. told: news of free ground would have come by now if there were any. Then a
     robot with hardly any ground of its own is redundant and parks: many that push each other never rest. tight: by
-    ``tightness``; robots do not park side by side, where nobody could make way.
+    ``tightness``; robots do not park side by side, where nobody could make way. differs: ground differs in importance.
     """
-    pressed = min(max((NO_PUSH_ABOVE - own) / (NO_PUSH_ABOVE - FULL_PUSH_BELOW), 0.0), 1.0)
+    full, none = FULL_PUSH_BELOW, NO_PUSH_ABOVE
+    if differs:
+        full, none = FULL_PUSH_WHERE_IT_DIFFERS, NO_PUSH_WHERE_IT_DIFFERS
+    pressed = min(max((none - own) / (none - full), 0.0), 1.0)
     if told:
         parked = min(max((own - PARKED_BELOW) / (PUSHED_FROM - PARKED_BELOW), 0.0), 1.0)
         pressed *= max(parked, tight)
@@ -239,20 +204,20 @@ def wish_of(
     near, outline = room.near, room.outline
     kind = robots.kind[i]
     sensor, x, y = kinds.sensor_m[kind], robots.x[i], robots.y[i]
-    gx, gy = area_gradient(sensor, exposed_arcs(i, neighbours, robots, kinds, grid, near, outline), outline)
+    count = exposed_arcs(i, neighbours, robots, kinds, grid, near, outline)
+    gx, gy = worth_gradient(x, y, sensor, count, outline, grid)
     gx, gy = not_into_walls(x, y, touch_m(kind, kinds), gx, gy, grid)
+    own, walled, whole = own_share(i, neighbours, robots, kinds, grid, room)
+    unit = unit_of_worth(x, y, sensor, whole, grid)
+    gx, gy = gx / unit, gy / unit
     gain = OVERLAP_SHARE * math.sqrt(gx * gx + gy * gy) / (4.0 * sensor)
     dx, dy = gain * gx, gain * gy
-    own, walled = own_share(i, neighbours, robots, kinds, grid, room)
-    going = share_moving_on(own, walled)
     told = snapshot.step >= grid.place_graph.news_steps
     crowd = told and neighbours == snapshot.rule.neighbours
-    away_m, wx, wy = 0.0, 0.0, 0.0
-    if going > 0.0 or crowd:
-        away_m, wx, wy = direction_to_free_ground(x, y, sensor, snapshot.step, cell_of(x, y, grid), grid)
-        going = going if wx != 0.0 or wy != 0.0 else 0.0
-        crowd = crowd and away_m >= grid.place_graph.far_m
-    pressed = share_pushed(own, walled, going, told, tightness(i, neighbours, robots, kinds, near))
+    going, away_m, wx, wy = moving_on(x, y, sensor, own, own * whole, walled, crowd, snapshot)
+    crowd = crowd and away_m >= grid.place_graph.way_m + grid.place_graph.dear_m
+    tight = tightness(i, neighbours, robots, kinds, near)
+    pressed = share_pushed(own, walled, going, told, tight, matters(grid))
     if pressed > 0.0:
         px, py = pushes(i, neighbours, crowd, robots, kinds, grid, near, outline)
         dx, dy = dx + pressed * (px - dx), dy + pressed * (py - dy)

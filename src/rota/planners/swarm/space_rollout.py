@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.importance_cells import ImportanceCells
 from rota.planners.swarm.chunks import Chunks
 from rota.planners.swarm.deciding import deciding_room
 from rota.planners.swarm.free_ground_kernels import load_with_all, pass_on_distances
 from rota.planners.swarm.kernels import move_and_sort
-from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.rollout import (
     Beginning,
     have_arrived,
@@ -45,7 +45,7 @@ class SpaceSwarm:
     samples, circle and alpha are of no use. bands: for each robot. full_m: (n,) for each robot the height in its band
     from which on its footprint grows no more; -inf for one that never grows. settles: robots decide in the plane by
     "settle", with the footprints that they have at full_m, and climb there; else by the reciprocal controller. safe:
-    whether the last filter is applied.
+    whether the last filter is applied. importance: of the ground; None: all is worth as much.
     """
 
     def __init__(
@@ -57,6 +57,7 @@ class SpaceSwarm:
         *,
         bands: Bands,
         full_m: Floats,
+        importance: ImportanceCells | None = None,
         settles: bool = False,
         safe: bool = True,
         threads: int = 1,
@@ -64,9 +65,7 @@ class SpaceSwarm:
         n, names = len(beginning.places_m), beginning.known_names
         kinds, kind = fleet
         self.steps, self.rule, self.kinds = beginning.steps, rule, kinds
-        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s)
-        if settles:
-            self.grid = self.grid._replace(place_graph=place_graph_of(walls, kinds))
+        self.grid: Grid = make_grid(walls, kinds, n, rule.time_step_s, importance=importance, mapped=settles)
         if beginning.news_m is not None:
             news_m = require_places(beginning.news_m, len(self.grid.place_graph.x))
             self.grid.place_graph.away_m[self.steps % 2] = news_m

@@ -51,9 +51,11 @@ class PlaceGraph(NamedTuple):
 
     Place k has the links link_start[k] up to link_start[k + 1], each to the place link_to and link_m long. Cell (i, j)
     of the lattice has the places cell_start[c] up to cell_start[c + 1], c = j * columns + i. away_m (2, k): how far it
-    is to free ground, as told at even and at odd steps, at most far_m. load (k,): the area of discs round each place,
-    weighted by a cone, in units of one disc; capacity (k,): the area of ground by the same measure. After news_steps
-    steps the news of a place have come to all that links lead to.
+    is to free ground, as told at even and at odd steps, far_m where none is; no way is longer than way_m. load (k,):
+    the area of discs round each place, weighted by a cone, in units of one disc; capacity (k,): the area of ground by
+    the same measure. After news_steps steps the news of a place have come to all that links lead to. Where ground
+    differs in importance, worth (k,) is that of the ground about each place, else empty; then load is the share of it
+    that nobody covers, and ``offer_kernels`` tells of away_m, reach_m, most and dear_m.
     """
 
     x: Floats
@@ -72,6 +74,26 @@ class PlaceGraph(NamedTuple):
     away_m: Floats
     far_m: float
     news_steps: int
+    way_m: float
+    worth: Floats
+    reach_m: float
+    most: float
+    dear_m: float
+
+
+class ImportanceField(NamedTuple):
+    """Importance of the square cells of a ground, (rows, columns), per square metre; (0, 0) where all is worth as much.
+
+    (x0, y0): the lower left corner; side_m: of a cell. sums, moments (rows, columns + 1): of each row from its left end
+    up to a cell's left side, the integral of importance along x, and that of importance times x - x0.
+    """
+
+    values: Floats
+    sums: Floats
+    moments: Floats
+    x0: float
+    y0: float
+    side_m: float
 
 
 class Grid(NamedTuple):
@@ -92,6 +114,7 @@ class Grid(NamedTuple):
     wall_item: Ints
     walls: Floats
     place_graph: PlaceGraph
+    importance: ImportanceField
 
 
 class Moving(NamedTuple):

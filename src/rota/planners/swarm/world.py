@@ -10,10 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPolygon
 
 from rota.errors import MissionError
+from rota.importance_cells import ImportanceCells
 from rota.mission import MovingObstacle
 from rota.planners.swarm.filter_kernels import ROUNDING_M
+from rota.planners.swarm.importance_field import field_of
 from rota.planners.swarm.kernels import walls_of_cells
-from rota.planners.swarm.place_graph import empty_place_graph
+from rota.planners.swarm.place_graph import empty_place_graph, place_graph_of
 from rota.planners.swarm.state import FleetKinds, Grid, Kinds, Moving
 
 Floats = NDArray[np.float64]
@@ -101,12 +103,21 @@ def require_room(
             raise MissionError(f"{where}: there is no room to join; it stands outside the free space or in a wall")
 
 
-def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, slack_m: float = 0.0) -> Grid:
+def make_grid(
+    walls: Floats,
+    kinds: Kinds,
+    robots: int,
+    time_step_s: float,
+    slack_m: float = 0.0,
+    *,
+    importance: ImportanceCells | None = None,
+    mapped: bool = False,
+) -> Grid:
     """A grid over all walls; whatever concerns a robot stands in its cell or in the cells next to it.
 
     walls: (m, 4), at least one. Cells are as wide as the farthest that any robot looks, and wider where there would be
     more than a few for each robot. slack_m: how far robots may be from where others know them, and from where they were
-    when they were sorted.
+    when they were sorted. importance: of the ground; None: all is worth as much. mapped: with the graph of places.
     """
     low = np.minimum(walls[:, :2], walls[:, 2:]).min(axis=0)
     size = np.maximum(walls[:, :2], walls[:, 2:]).max(axis=0) - low
@@ -126,7 +137,8 @@ def make_grid(walls: Floats, kinds: Kinds, robots: int, time_step_s: float, slac
         wall_start=np.zeros(cells + 1, np.int64),
         wall_item=np.empty(0, np.int64),
         walls=walls,
-        place_graph=empty_place_graph(),
+        place_graph=place_graph_of(walls, kinds, importance) if mapped else empty_place_graph(),
+        importance=field_of(importance),
     )
     within = max(float(kinds.wall_range_m.max()), float(kinds.sensor_m.max()), widest_m(kinds, time_step_s))
     total = walls_of_cells(grid, within, False)

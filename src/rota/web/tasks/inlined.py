@@ -95,7 +95,7 @@ def _zones(entry: Any, folder: Path) -> Iterator[Any]:
         return
     for feature in features:
         zone: Json = {"name": entry.get("name") or feature.name}
-        for key in ("period_s", "demand"):
+        for key in ("period_s", "demand", "importance"):
             if key in feature.properties or key in entry:
                 zone[key] = feature.properties.get(key, entry.get(key))
         yield {**zone, **_written(feature.shape.geoms[0])}
@@ -113,7 +113,7 @@ def _written(polygon: Polygon) -> Json:
 
 def _still_named(document: Json, files: dict[str, bytes]) -> dict[str, bytes]:
     """The files that the document names, and those that such a file names."""
-    text = str([document.get(key) for key in ("area", "obstacles", "zones")])
+    text = str([document.get(key) for key in ("area", "obstacles", "zones", "importance")])
     named = {name for name in files if repr(name) in text}
     for name in list(named):
         if len(files[name]) < 2**16:

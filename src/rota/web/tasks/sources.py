@@ -94,7 +94,7 @@ def _mission(name: str, value: Any, contents: dict[str, bytes]) -> Source:
     if not isinstance(value, dict):
         raise Refusal(422, f"{name}: holds no mission; keys and values are needed")
     others = {other: content for other, content in contents.items() if other != name}
-    blocks = [value.get("area"), *_listed(value, "obstacles"), *_listed(value, "zones")]
+    blocks = [value.get("area"), value.get("importance"), *_listed(value, "obstacles"), *_listed(value, "zones")]
     for block in blocks:
         for key in ("geojson", "map"):
             if isinstance(block, dict) and isinstance(block.get(key), str):

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from rota.errors import MissionError
 from rota.geometry.free_space import free_ground
+from rota.importance_cells import ImportanceCells
 from rota.mission import Mission
+from rota.planners.swarm.importance_field import importance_for
 from rota.planners.swarm.nodes.apart import RADIO_SILENCES, least_radio_m
 from rota.planners.swarm.nodes.hearing import Start
 from rota.planners.swarm.nodes.telling import LONGEST_HOLD_NS, MOST_ROBOTS, swarm_number
-from rota.planners.swarm.place_graph import place_graph_of
 from rota.planners.swarm.planner import DECIDE, fleet_of, rule_of, sensors_of, squares_of
 from rota.planners.swarm.planner_settings import SwarmSettings
 from rota.planners.swarm.settle_kernels import decide_settle
@@ -38,7 +39,7 @@ class Scene:
     told nothing for so long is forgotten; clock_error_ns: by which clocks may differ; own_clocks: each robot
     goes by its own, see ``apart``. radio_m: how far tellings are received. decide: the controller, the very
     function that the simulation runs. ground_m: the height of the ground at a place (x, y), over which robots fly at
-    the fleet's altitude.
+    the fleet's altitude. importance: of the ground; None: all is worth as much.
     """
 
     mission: Mission
@@ -47,6 +48,7 @@ class Scene:
     starts_m: NDArray[np.float64]
     fleet: FleetKinds
     grid: Grid
+    importance: ImportanceCells | None
     period_ns: int
     silent_ns: int
     clock_error_ns: int
@@ -114,9 +116,8 @@ def scene_of(
             f"radio range: {radio_m:.6g} m is not allowed: bodies keep apart from {least_m:.6g} m on, what two robots"
             f" drive in {RADIO_SILENCES:g} times {silent_s:.6g} s and their bodies' radii"
         )
-    grid = make_grid(walls, fleet.kinds, len(robots), settings.time_step_s)
-    if settles:
-        grid = grid._replace(place_graph=place_graph_of(walls, fleet.kinds))
+    importance = importance_for(mission, ground, sensors_of(mission))
+    grid = make_grid(walls, fleet.kinds, len(robots), settings.time_step_s, importance=importance, mapped=settles)
     return Scene(
         mission=mission,
         seed=seed,
@@ -124,6 +125,7 @@ def scene_of(
         starts_m=place_starts(mission, ground, seed=seed, reserve_m=0.0),
         fleet=fleet,
         grid=grid,
+        importance=importance,
         period_ns=period_ns,
         silent_ns=round(silent_s * 1e9),
         clock_error_ns=round(clock_error_s * 1e9),

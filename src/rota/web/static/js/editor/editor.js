@@ -176,7 +176,7 @@ export class Editor extends EventTarget {
   judged(result) {
     this.fields.showFaults(this.isEmpty ? [] : result.faults);
     this.ground = result.ground ?? this.ground;
-    const isAbout = (fault, shape) => startsWith(fault.path, shape.path) && !["name", "period_s", "demand"].includes(String(fault.path[shape.path.length]));
+    const isAbout = (fault, shape) => startsWith(fault.path, shape.path) && !["name", "period_s", "demand", "importance"].includes(String(fault.path[shape.path.length]));
     this.faulty = new Set(shapesOf(this.store.document).filter((shape) => result.faults.some((fault) => isAbout(fault, shape))).map((shape) => shape.key));
     this.drawShapes();
     if (this.waitsForFit && (result.ground || !this.needsFiles)) {

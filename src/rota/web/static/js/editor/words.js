@@ -8,6 +8,7 @@ const NAMES = {
   leaves_s: "leaves at",
   joins_s: "joins at",
   period_s: "period",
+  importance: "importance",
   radius_m: "radius",
   robots: "robots",
   sensor: "sensor",

@@ -51,7 +51,7 @@ export class Missions extends EventTarget {
   }
 
   files() {
-    const input = el("input", { type: "file", multiple: true, id: "mission-files", accept: ".yaml,.yml,.json,.geojson,.png,.pgm,.jpg" });
+    const input = el("input", { type: "file", multiple: true, id: "mission-files", accept: ".yaml,.yml,.json,.geojson,.png,.pgm,.jpg,.tif,.tiff" });
     input.addEventListener("change", () => {
       const files = [...input.files];
       input.value = ""; // so that a file that was mended can be chosen again
