@@ -38,7 +38,7 @@ class Record(NamedTuple):
 
 
 def flights(options: Options) -> Iterator[Row]:
-    """Times of rounds in mode AUTO, by wind and limits, and how far predicted tracks are off recorded ones."""
+    """Times of rounds in mode AUTO and how far tracks are off recorded ones; needs ``--flights FOLDER``."""
     if options.flights is None:
         yield Row("recorded loops, rounds predicted", ASKED, "needs --flights FOLDER", None)
         return

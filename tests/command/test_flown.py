@@ -44,6 +44,21 @@ def test_what_lapses_is_told_with_rounds_and_what_would_help(
     assert "an ArduCopter with WPNAV_ACCEL 500 and WPNAV_JERK 5 takes 1." in err
 
 
+def test_who_exports_to_a_copter_is_told_what_it_takes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, told = (
+        written(square(100), tmp_path),
+        "rota: the plan is for robots that change speed at once; an ArduCopter by",
+    )
+    for name, said in (("waypoints", True), ("qgroundcontrol", True), ("qgroundcontrol-px4", False), ("nav2", False)):
+        assert run(["export", path, "--to", name, "-o", str(tmp_path / name)]) == 0
+        assert (told in capsys.readouterr().err) is said
+    placeless = square(100)
+    placeless = replace(placeless, mission=replace(placeless.mission, origin=None))
+    path = written(placeless, tmp_path)
+    assert run(["export", path, "--to", "waypoints", "-o", str(tmp_path / "w"), "--origin", "54,12"]) == 0
+    assert told in capsys.readouterr().err
+
+
 def test_the_verdict_is_the_check_s_on_what_is_flown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     made, (robot,) = plan_as_flown(square(100), "waypoints", ARDUCOPTER, Wind())
     flown_s = robot.motion.round_s

@@ -163,9 +163,7 @@ def check(
     ] = None,
     vehicle: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME", help="With --executed: as this vehicle's firmware flies the files: arducopter, ..."
-        ),
+        typer.Option(metavar="NAME", help="With --executed: as the firmware of arducopter or arducopter-tuned flies."),
     ] = None,
     wind: Annotated[
         str | None,

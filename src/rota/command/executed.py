@@ -40,7 +40,7 @@ class AsPlanned:
 
     def remarks(self, planned: Plan, report: Report) -> list[str]:
         """What people should know beside it: of whom "met" is said."""
-        told = without_mass(planned) if report.verdict == "met" else None
+        told = without_mass(planned) if report.verdict == "met" and report.demands else None
         return [told] if told is not None else []
 
 

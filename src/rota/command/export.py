@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 
 from rota.command.arguments import compiled_for_check
 from rota.command.terminal import STANDARD_STREAM, mention_compiling, say
+from rota.command.without_mass import without_mass
 from rota.errors import RotaError
 from rota.exports import FORMATS, export_format, export_of, placed_for
+from rota.vehicles.presets import ARDUCOPTER
 
 if TYPE_CHECKING:
     from rota.command.executed import Executed
@@ -58,6 +60,8 @@ def write_export(
     paths = made.write(output)
     if kind.in_phase is not None:
         say(f"what keeps robots in phase: {kind.in_phase} (rota check --executed {to} judges that)")
+    if to in ARDUCOPTER.formats and (told := without_mass(made.plan, is_flown=True)) is not None:
+        say(f"the plan is {told}")
     return paths
 
 

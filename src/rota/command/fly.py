@@ -20,6 +20,7 @@ from rota.command.arguments import PlanPath, read_plan_argument
 from rota.command.interrupt import run_to_its_end
 from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
 from rota.command.terminal import STANDARD_STREAM, say
+from rota.command.without_mass import without_mass
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
@@ -61,6 +62,8 @@ def fly(
     answer = read_plan_argument(plan)
     made = chosen_link(link, answer, origin, settings)
     watching = _watching(plan, link, settings or [], origin)
+    if link == "mavlink" and not (pause or home) and (told := without_mass(answer, is_flown=True)) is not None:
+        say(f"the plan is {told}")
     run_to_its_end(_command(made, home) if pause or home else _fly(made, answer, start, yes, seconds, watching))
 
 

@@ -33,7 +33,7 @@ def straighten(
         ),
     ] = None,
 ) -> None:
-    """Leave out points on straight ways: autopilots fly fewer legs sooner. Exit code 1 when the result is not met."""
+    """Leave out the points of a plan on straight ways."""
     from rota.check import check_plan
     from rota.vehicles.straight_ways import straightened
 

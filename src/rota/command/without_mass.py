@@ -10,15 +10,15 @@ if TYPE_CHECKING:
 WORTH_SAYING = 1.02  # a vehicle that takes no more than this many times as long
 
 
-def without_mass(plan: Plan) -> str | None:
+def without_mass(plan: Plan, *, is_flown: bool = False) -> str | None:
     """That the verdict is for robots that change speed at once, with what a copter takes; None where nobody loops.
 
-    The copter is told of missions that lie on the globe, where one can be sent.
+    The copter is told of missions that lie on the globe, where one can be sent. is_flown: it is sent one.
     """
     if plan.mission.planning.bouncing is not None or not any(each.loop_duration_s for each in plan):
         return None
     told = "for robots that change speed at once"
-    if plan.mission.origin is None:
+    if plan.mission.origin is None and not is_flown:
         return told
     from rota.files.executed.plan_as_flown import way_of
     from rota.vehicles.models import model_of
