@@ -47,8 +47,8 @@ def figure_6_verdicts(complete: Mapping[str, Sequence[bool]], few: Sequence[int]
         ),
         Verdict(
             f"It has {paper.CONTACTS_FIGURE_6} contact of both robots", "5.1, Figure 6", "cannot be told",
-            "The map is not published. On ours runs with no more than one step of contact are "
-            f"{few[0]} of {starts} as printed, {few[1]} improved.",
+            f"The map is not published. On ours runs with no more than one step of contact are {few[0]} of {starts} as "
+            f"printed, {few[1]} improved.",
         ),
     )  # fmt: skip
 
@@ -113,8 +113,7 @@ def reasons_verdict(teams: Sequence[CoverRuns], layouts: Sequence[Sequence[Cover
         "There is nothing to explain here, since five take more than four on no layout for certain. Collisions do "
         f"grow: the share of steps with contacts by {often.told}, from four to five on our layout. And an intricate "
         f"layout does not make the fifth robot a burden: on {fewer} of {len(layouts)} random ones five have no more "
-        "runs "
-        "cut than four.",
+        "runs cut than four.",
     )  # fmt: skip
 
 
@@ -150,7 +149,7 @@ def apart_verdict(shown: ShownGroup, figure: int) -> Verdict:
     return Verdict(
         "Robots on overlapping ways never collide and watch for ever, without a word between them",
         f"5.2, Figure {figure}", "does not hold" if shown.plan.violations else "holds",
-        f"Proved by the check for the group shown, with exact clocks and turns; chance has no part in it. Clocks may "
+        "Proved by the check for the group shown, with exact clocks and turns; chance has no part in it. Clocks may "
         f"differ {clocks} before bodies touch, and with turns off by up to {WATCH_ERROR_DEG:g}° robots that only react "
         f"keep the period of {watched} of the time.",
     )  # fmt: skip
@@ -163,7 +162,7 @@ def driven_verdict(drives: Sequence[Driven | None], place: str) -> Verdict:
     slower = " to ".join(dict.fromkeys(f"{factor:.2f}" for factor in (min(slowing), max(slowing))))
     return Verdict(
         "Two iRobot Create 2, each with an Arduino Uno and one program, drive the trajectory", place, "cannot be told",
-        f"Three snapshots and a video stand for it; no times or distances are printed. Sketches can be exported of "
+        "Three snapshots and a video stand for it; no times or distances are printed. Sketches can be exported of "
         f"{len(driven)} of {len(drives)} plans of ours, on clocks {slower} times slower than planned; "
         f"{sum(one.bumps for one in driven) / max(legs, 1):.0%} of their legs end in a contact. They have been driven "
         "in a simulator of the chip (`create2-sketch` in docs/benchmarks.md), never on a robot.",

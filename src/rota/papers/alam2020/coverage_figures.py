@@ -94,11 +94,10 @@ def figure_6_section(runs: Runs) -> Section:
         "ways are drawn a little apart.",
         paper="One joint trajectory of two robots by 135° that covers the laboratory, with one contact of both robots "
         "(Section 5.1). Neither the map nor the number of steps is printed.",
-        ours=f"As printed, all cells are covered from {printed.complete.sum()} of {len(printed.seeds)} starts, "
-        f"after {plus_minus(printed.steps)} steps; improved, from {improved.complete.sum()}, after "
+        ours=f"As printed, all cells are covered from {printed.complete.sum()} of {len(printed.seeds)} starts, after "
+        f"{plus_minus(printed.steps)} steps; improved, from {improved.complete.sum()}, after "
         f"{plus_minus(improved.steps)}. Runs with no more than one step of contact, as the paper's: {few[0]} as "
-        "printed, "
-        f"{few[1]} improved.",
+        f"printed, {few[1]} improved.",
         tables=(table,),
         verdicts=(
             *figure_6_verdicts({method: each.complete.tolist() for method, each in by_method.items()}, few),
@@ -176,14 +175,13 @@ def _by_robots(runs: Runs, grid: _Grid) -> Section:
         caption=f"Figure {grid.figure}. The layout is ours. Lines are means, bands go from least to most; logarithmic.",
         paper=SAID[grid.figure],
         ours=f"{complete} of {len(by_team) * count} runs cover all cells. Mean steps for "
-        f"{joined([str(robots) for robots in paper.TEAMS])} robots: "
-        f"{_slashed(means['as_printed'])} as printed, {_slashed(means['improved'])} improved. "
+        f"{joined([str(robots) for robots in paper.TEAMS])} robots: {_slashed(means['as_printed'])} as printed, "
+        f"{_slashed(means['improved'])} improved. "
         + _trend(means["as_printed"], "As printed")
         + " "
         + _trend(means["improved"], "improved")
-        + f". Layouts matter: on {five_slower} of {len(others)} random ones with as "
-        "many blocked cells five robots take longer than four as printed, and on "
-        f"{larger_slower} some team takes longer than a smaller one.",
+        + f". Layouts matter: on {five_slower} of {len(others)} random ones with as many blocked cells five robots "
+        f"take longer than four as printed, and on {larger_slower} some team takes longer than a smaller one.",
         tables=(table, _layouts_table(grid, others, printed, runs.settings.layout_steps)),
         verdicts=(
             (fewer_steps_verdict(printed, others),)
@@ -217,8 +215,8 @@ def _layouts_table(grid: _Grid, others: list[list[CoverRuns]], shown: list[Cover
     count = sum(len(teams[0].seeds) for teams in others)
     rows.append((f"runs that cover all in {most_steps:,} steps", *(f"{number} of {count}" for number in complete)))
     return Table(
-        title=f"Algorithm 1 as printed on {len(others)} random layouts of {grid.size} cells: "
-        f"mean steps of each, runs cut at {most_steps:,}",
+        title=f"Algorithm 1 as printed on {len(others)} random layouts of {grid.size} cells: mean steps of each, runs "
+        f"cut at {most_steps:,}",
         head=("layout", *(f"{robots} robots" for robots in paper.TEAMS)),
         rows=tuple(rows),
     )
@@ -297,8 +295,8 @@ def figure_9_section(runs: Runs) -> Section:
         ours=f"As printed, {printed.complete.sum()} of {len(printed.seeds)} starts lead to full coverage: {reached} "
         f"after {plus_minus(until['as_printed'])} steps, everything after {plus_minus(printed.steps)}. "
         + ("Most of the time goes into the last cells. " if 2 * early < float(printed.steps.mean()) else "")
-        + f"Improved: {plus_minus(until['improved'])} and {plus_minus(improved.steps)} "
-        f"({improved.complete.sum()} of {len(improved.seeds)} complete).",
+        + f"Improved: {plus_minus(until['improved'])} and {plus_minus(improved.steps)} ({improved.complete.sum()} of "
+        f"{len(improved.seeds)} complete).",
         tables=(table,),
         verdicts=(large_room_verdict(by_method),),
     )

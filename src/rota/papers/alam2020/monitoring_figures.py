@@ -93,15 +93,14 @@ def _monitoring(runs: Runs, place: _Place) -> Section:
         ),
         caption=f"Figure {place.figure}, with regions of ours, on a map chosen because cycles cross on it by the "
         "paper's angle (few maps have that); it was not looked for by its count of groups. (a) and (b) by the paper's "
-        "angle, (c) and "
-        f"(d) by {OTHER_ANGLE_DEG:g}°: of the groups on two limit cycles that share cells, if there are any, "
-        "the one that enters most; of these the one with the shortest worst gap. Robots begin in the circles, "
-        "on their cycles, and never leave them.",
+        f"angle, (c) and (d) by {OTHER_ANGLE_DEG:g}°: of the groups on two limit cycles that share cells, if there are "
+        "any, the one that enters most; of these the one with the shortest worst gap. Robots begin in the circles, on "
+        "their cycles, and never leave them.",
         paper=f"r = {said} periodic groups of two robots by {angle_deg:g}° (Section 5.2). Map, regions, and whether "
         "robots are told apart, are not printed.",
         ours=f"By {angle_deg:g}° one robot has {counted(ours.cycles, 'limit cycle')} of {ours.states:,} states "
-        f"together; {ours.apart:,} groups watch both regions with robots told apart, {ours.unordered:,} without "
-        f"names, and Algorithm 2 in the order of its cells keeps {ours.printed:,}. "
+        f"together; {ours.apart:,} groups watch both regions with robots told apart, {ours.unordered:,} without names, "
+        f"and Algorithm 2 in the order of its cells keeps {ours.printed:,}. "
         + (f"The paper's number is ours {' and '.join(same)}, by chance. " if same else "")
         + f"With {len(spread):,} pairs of random regions of {REGION_CELLS} x {REGION_CELLS} cells on the same map the "
         f"number told apart goes from {min(spread):,} to {max(spread):,} (median {int(np.median(spread)):,}): {said} "

@@ -74,14 +74,11 @@ def figure_24_section(runs: Runs) -> Section:
         heading="claims without a figure",
         pictures=(),
         caption=f"Robots leave or join {CHANGE_S:g} s after the start; those that leave stay as bodies, those that "
-        f"join stand "
-        "until then, and only those that take part count as cover. Contact is what Rota's check says of the plan, with "
-        f"walls and the obstacle; the obstacle of {CROSSING.radius_m:g} m crosses from 250 s to 400 s.",
-        paper="“Any UAV can join in or quit the swarm without influencing the others' decisions” (Section 2); "
-        "robots are "
-        "asynchronous (5.2) and may be unlike (abstract); moving obstacles are avoided (Eq. 15); nothing is to be "
-        "tuned "
-        "(Section 6); a KD-tree makes decisions cheap (4.3).",
+        "join stand until then, and only those that take part count as cover. Contact is what Rota's check says of the "
+        f"plan, with walls and the obstacle; the obstacle of {CROSSING.radius_m:g} m crosses from 250 s to 400 s.",
+        paper="“Any UAV can join in or quit the swarm without influencing the others' decisions” (Section 2); robots "
+        "are asynchronous (5.2) and may be unlike (abstract); moving obstacles are avoided (Eq. 15); nothing is to be "
+        "tuned (Section 6); a KD-tree makes decisions cheap (4.3).",
         ours=f"One decision takes {small:.2f} µs with 25 robots and {large:.2f} µs with "
         f"{runs.settings.large_robots:,}, with a grid of cells in place of the KD-tree.",
         tables=(table,),

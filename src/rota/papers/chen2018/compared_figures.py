@@ -82,17 +82,14 @@ def figure_17_section(runs: Runs) -> Section:
                 tuple(panels), columns=3,
             ),
         ),
-        caption=f"Figure 17, (a) to (f) as in the paper, and (g) to (i) for settle, Rota's default, at k = {step} "
-        "or at "
-        "rest before. RD at the same start is in Figure 12.",
+        caption=f"Figure 17, (a) to (f) as in the paper, and (g) to (i) for settle, Rota's default, at k = {step} or "
+        "at rest before. RD at the same start is in Figure 12.",
         paper=f"At k = {step} RD is superior in convergence speed and coverage to the V-based method and VFA, which "
-        "can "
-        "“be easily found visually” (Section 5.1); no values are told.",
+        "can “be easily found visually” (Section 5.1); no values are told.",
         ours=claimed(not better, "RD covers more", f"{joined(better)} cover more than RD")
         + " Both baselines are made as well as we can: over-relaxed steps, a gain from a sweep (Figure 18), all "
-        "neighbours in range, the last filter. That they heed all neighbours in range matters little: with “the "
-        "same parameters as RD”, its 4 "
-        "neighbours, they cover "
+        "neighbours in range, the last filter. That they heed all neighbours in range matters little: with “the same "
+        "parameters as RD”, its 4 neighbours, they cover "
         + joined([f"{np.mean(at[f'{name}, 4 neighbours']):.1f} %" for name in baselines])
         + ". How the paper's were made is not told.",
         tables=(table,),
@@ -181,31 +178,26 @@ def figure_18_section(runs: Runs) -> Section:
                 panels,
             ),
         ),
-        caption=f"Figure 18, (a) to (c) as in the paper, with robot {paper.ROBOT_FIGURE_18} in red. Numbers are "
-        "given to "
-        "robots at random, so that it is not the robot of the paper. A reversal is a velocity at more than a right "
+        caption=f"Figure 18, (a) to (c) as in the paper, with robot {paper.ROBOT_FIGURE_18} in red. Numbers are given "
+        "to robots at random, so that it is not the robot of the paper. A reversal is a velocity at more than a right "
         "angle to the one before, counted of all robots in all steps; robots at rest turn no more.",
         paper="RD's trajectories are smoother and oscillate less than those of the V-based method and VFA.",
         ours=claimed(
             holds,
             "RD turns back least",
-            f"of RD's velocities {means[EXACT]:.2f} % are reversals, of the V-based method's {means[VORONOI]:.2f} "
-            "%, of "
-            f"VFA's {means[FORCES]:.2f} %",
+            f"of RD's velocities {means[EXACT]:.2f} % are reversals, of the V-based method's {means[VORONOI]:.2f} %, "
+            f"of VFA's {means[FORCES]:.2f} %",
         )
         + " RD's ways are the shortest, in part because robots stop where they cover less. How rough VFA is, is a "
-        "matter "
-        "of its gain, which the paper does not print: ours is the largest in the table below by which no run turns "
-        "back "
-        "in 1 % of its steps.",
+        "matter of its gain, which the paper does not print: ours is the largest in the table below by which no run "
+        "turns back in 1 % of its steps.",
         tables=(table, gain_table(runs)),
         verdicts=(
             Verdict(
                 "RD's trajectories are smoother and oscillate less", "5.1, Figure 18", smoother.outcome,
                 f"Reversals fewer than the better of both by {smoother.told}: RD {means[EXACT]:.2f} % (as printed, by "
-                f"random velocities, {means[SAMPLED]:.2f} %), "
-                f"V-based "
-                f"{means[VORONOI]:.2f} %, VFA {means[FORCES]:.2f} %.",
+                f"random velocities, {means[SAMPLED]:.2f} %), V-based {means[VORONOI]:.2f} %, VFA {means[FORCES]:.2f} "
+                "%.",
             ),
         ),
     )  # fmt: skip
@@ -263,17 +255,15 @@ def figure_19_section(runs: Runs) -> Section:
             ),
         ),
         caption="Figure 19: means over the seeds, and from the least to the most. Curves count pixels of 0.5 m, which "
-        "reads 0.1 points high at most; ends in the table are exact. Deadweight loss is not defined in the paper; "
-        "ours is "
-        "1 − area covered / sum of the discs' areas.",
+        "reads 0.1 points high at most; ends in the table are exact. Deadweight loss is not defined in the paper; ours "
+        "is 1 − area covered / sum of the discs' areas.",
         paper="RD has a higher coverage rate and less deadweight loss than the other two “at the same time”; no values "
         "are told.",
         ours=claimed(
             ends[EXACT] > max(ends[VORONOI], ends[FORCES]),
             "RD covers most",
-            f"in the end RD covers {ends[EXACT]:.1%}, the V-based method {ends[VORONOI]:.1%}, VFA "
-            f"{ends[FORCES]:.1%} and "
-            f"settle {ends[SETTLE]:.1%}; {ahead}",
+            f"in the end RD covers {ends[EXACT]:.1%}, the V-based method {ends[VORONOI]:.1%}, VFA {ends[FORCES]:.1%} "
+            f"and settle {ends[SETTLE]:.1%}; {ahead}",
         )
         + " What RD does not cover lies in gaps that no robot is drawn to: with 4 neighbours a robot heeds "
         "half-planes, not areas, and rests as soon as they surround it.",

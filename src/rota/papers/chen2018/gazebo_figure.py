@@ -49,8 +49,7 @@ def figure_23_section(runs: Runs) -> Section:
         heading="Section 5.3, sixteen robots with square sensors",
         pictures=(Picture("chen2018-figure-23.png", SHOWS, tuple(panels), columns=3),),
         caption="Figure 23, at the paper's three moments. Start box (40 m, in the middle), body and time step are "
-        "ours. The "
-        "planner spreads the discs within the squares; squares are what is measured.",
+        "ours. The planner spreads the discs within the squares; squares are what is measured.",
         paper="In ROS and Gazebo 16 UAVs at up to 20 m/s reach “steady state” and “their maximum coverage” at 10 s; no "
         "values are told, nor where they start, nor the step.",
         ours=f"{_told(by_controller[EXACT.name])} At most {MOST:.1%} can be covered. With a step of 0.25 s a robot "

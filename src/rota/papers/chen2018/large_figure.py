@@ -62,13 +62,10 @@ def figure_21_section(runs: Runs) -> Section:
             ),
         ),
         caption="Figure 21, from a box in the corner, which is our choice, as are the four obstacles: the paper's "
-        "picture "
-        "shows both, its text tells neither. Pictures and the first table: one seed. Disc by disc at most about "
-        "95.5 % can "
-        "be covered without obstacles.",
+        "picture shows both, its text tells neither. Pictures and the first table: one seed. Disc by disc at most "
+        "about 95.5 % can be covered without obstacles.",
         paper=f"The algorithm is converged at {paper.STEPS_FIGURE_21:,} (“t”, which must be steps) and has "
-        "collision-free "
-        "interaction and excellent scalability.",
+        "collision-free interaction and excellent scalability.",
         ours=("By our reading RD all but jams: it covers " if shown.coverage < JAMMED else "RD covers ")
         + f"{shown.coverage:.1%} "
         + (f"at rest after {shown.steps:,} steps" if shown.at_rest else f"after {shown.steps:,} steps, not at rest")
@@ -76,12 +73,11 @@ def figure_21_section(runs: Runs) -> Section:
         f"{by_controller[FORCES.name].coverage:.1%}, settle {by_controller[SETTLE.name].coverage:.1%}. Inside the box "
         "a robot is surrounded by its 4 nearest from the start: its set is empty, Algorithm 2 gives it velocity 0, and "
         "it stays until those outside have gone; (b) shows that only the outer robots move. It is no standstill: it "
-        "creeps on, "
-        f"{_creeping(runs)} (the same seed, from the corner). The start box decides how far it comes by step "
-        f"{steps:,} (last table). "
+        f"creeps on, {_creeping(runs)} (the same seed, from the corner). The start box decides how far it comes by "
+        f"step {steps:,} (last table). "
         + ("By RD no two bodies touch" if least_m >= 2 * paper.BODY_M else "By RD bodies touch")
-        + f": the least distance of middles is {least_m:.3f} m. What else the "
-        "paper's program did with empty sets is not told.",
+        + f": the least distance of middles is {least_m:.3f} m. What else the paper's program did with empty sets is "
+        "not told.",
         tables=(_table(by_controller), places),
         verdicts=(_verdict(ends, by_controller[SETTLE.name], steps),),
     )

@@ -45,12 +45,10 @@ def figure_20_section(runs: Runs) -> Section:
                 (panel,),
             ),
         ),
-        caption="Figure 20. Area and start box grow with the robots, as dense as in Table 2; the paper does not "
-        "tell how. "
-        f"At most {settings.scale_steps:,} steps, where curves end for what has not settled by then, which is what "
-        f"was cut "
-        "off before its coverage had stayed for a quarter of the run. Rest alone would say nothing of methods that "
-        "creep or tremble around a good place for long.",
+        caption="Figure 20. Area and start box grow with the robots, as dense as in Table 2; the paper does not tell "
+        f"how. At most {settings.scale_steps:,} steps, where curves end for what has not settled by then, which is "
+        "what was cut off before its coverage had stayed for a quarter of the run. Rest alone would say nothing of "
+        "methods that creep or tremble around a good place for long.",
         paper="RD is more scalable than the other two (Section 5.1); no values are told.",
         ours=claimed(
             fastest == EXACT.name,
@@ -128,6 +126,5 @@ def _scale_verdict(settled: dict[tuple[str, int], list[float]], settings: StudyS
     return Verdict(
         "RD converges faster and is more scalable", "5.1, Figure 20", outcome,
         f"Steps by which its coverage settles before the better of both: {told}. How the paper's baselines were made "
-        "is "
-        "not told.",
+        "is not told.",
     )  # fmt: skip

@@ -95,17 +95,15 @@ def figure_12_section(runs: Runs) -> Section:
             12, "25 robots in a box, their ways, and their discs over the square in the end", mission, shown
         ),
         caption="Figure 12, by RD with the exact centroid from the box “between” centre and corner, 50 m to 100 m "
-        "along "
-        "both sides. Darker ground is covered by several robots.",
+        "along both sides. Darker ground is covered by several robots.",
         paper=f"The algorithm is convergent at k = {paper.STEPS_FIGURE_12} (one run). Where the start box is, τ, and "
         "whether the set ends at the tangent or the circle are not told.",
-        ours=f"From the box between centre and corner RD {rests(steps[SHOWN])}, and "
-        f"covers {covered:.1%} of at most 78.5 %. The paper's {paper.STEPS_FIGURE_12} is "
-        f"{_within(within)}. The place of the start box explains the number: the nearer to the corner, the longer. By "
-        "1,000 random velocities, as printed, runs hardly ever come to rest: their noise (Figure 9) moves robots by "
-        "more "
-        "than a thousand times what the stop rule allows, so that the paper must have found the centre, or the end, in "
-        "another way. Without a filter the circle of t = τ lets robots through the walls of a corner.",
+        ours=f"From the box between centre and corner RD {rests(steps[SHOWN])}, and covers {covered:.1%} of at most "
+        f"78.5 %. The paper's {paper.STEPS_FIGURE_12} is {_within(within)}. The place of the start box explains the "
+        "number: the nearer to the corner, the longer. By 1,000 random velocities, as printed, runs hardly ever come "
+        "to rest: their noise (Figure 9) moves robots by more than a thousand times what the stop rule allows, so that "
+        "the paper must have found the centre, or the end, in another way. Without a filter the circle of t = τ lets "
+        "robots through the walls of a corner.",
         tables=(_parameters(), table),
         verdicts=convergence_verdicts(by_start, _within(within)),
     )
@@ -193,8 +191,7 @@ def figure_13_section(runs: Runs) -> Section:
         ours="Holds for runs that start at rest with the tangent, without any filter: no contact in any run. It does "
         f"not hold in general: from dense states in motion bodies touch in {dense[EXACT.name][0]:,} of {TRIED:,} "
         "single steps, since a fifth neighbour, and a robot whose own set is empty, are not reckoned with; and with "
-        "the "
-        f"circle at τ = 5 s they touch in {touched[CIRCLE_5.name]} runs as well. With the last filter there are "
+        f"the circle at τ = 5 s they touch in {touched[CIRCLE_5.name]} runs as well. With the last filter there are "
         f"{dense[FILTERED.name][0]} contacts, and {_unchanged(runs)}. The text below Figure 14 has the condition the "
         "wrong way round: contact is a distance *smaller* than the sum of the radii.",
         tables=(table,),
@@ -248,13 +245,12 @@ def figure_14_section(runs: Runs) -> Section:
             14, "25 robots in a box, their ways round a square obstacle, and their discs in the end", mission, shown
         ),
         caption="Figure 14, by RD from the box between centre and corner; that the obstacle of 10 m stands in the "
-        "middle "
-        "of the area is our choice.",
+        "middle of the area is our choice.",
         paper=f"The algorithm is convergent at k = {paper.STEPS_FIGURE_14:,}; robots go round the obstacle.",
-        ours=f"RD {rests(taken)}; the paper's {paper.STEPS_FIGURE_14:,} is "
-        f"{'among' if inside else 'outside'} ours. Robots go round the obstacle. A wall within sensor range takes "
-        "away half of all velocities, so that robots near it wait for others: it costs RD steps and coverage, "
-        "and the methods that push by overlaps hardly anything.",
+        ours=f"RD {rests(taken)}; the paper's {paper.STEPS_FIGURE_14:,} is {'among' if inside else 'outside'} ours. "
+        "Robots go round the obstacle. A wall within sensor range takes away half of all velocities, so that robots "
+        "near it wait for others: it costs RD steps and coverage, and the methods that push by overlaps hardly "
+        "anything.",
         tables=(table,),
         verdicts=(
             Verdict(
@@ -322,9 +318,8 @@ def figure_16_section(runs: Runs) -> Section:
         "Bodies touch it at 0.5 m, far below.",
         paper=f"Only robots {told} have the obstacle in range, and none touches it.",
         ours=f"None touches it: {shown.obstacle_m:.2f} m is the least. {len(near)} robots have it in range at some "
-        f"time, in the paper {len(paper.ROBOTS_AT_OBSTACLE)}. They keep near the border of their range: as soon as "
-        "a wall "
-        "is in it, all velocities towards it are ruled out.",
+        f"time, in the paper {len(paper.ROBOTS_AT_OBSTACLE)}. They keep near the border of their range: as soon as a "
+        "wall is in it, all velocities towards it are ruled out.",
         verdicts=(
             Verdict(
                 "No robot touches the obstacle", "5.1, Figure 16", untouched.outcome,

@@ -16,8 +16,8 @@ HEADING = "# Sun et al. 2019, figure by figure"
 
 NOT_REPRODUCED = (
     "**Maps.** No coordinates are printed. Ours were drawn after the text, and that of Figure 13 was tuned until set "
-    "covers take about as many sensors as the paper's swarms; Figures 8 and 15 are freer still. Numbers "
-    "compare in size, not digit by digit.",
+    "covers take about as many sensors as the paper's swarms; Figures 8 and 15 are freer still. Numbers compare in "
+    "size, not digit by digit.",
     "**Weights.** λ of Eq. 11, ξ and T_m of Eq. 28, the probabilities p and q, and τ of the fusion rule are not "
     "printed. Costs of Eq. 11 (Figures 6c, 13b, 16b) have a scale of their own. Those of Eq. 28 do not: T_m = 0.5 s, "
     "ξ₂ = 1,000 and ξ₃ = 100 give 5,709.0 for the times of Table 5, where the paper prints 5,709.23; its 9,343.48 of "
@@ -49,8 +49,8 @@ OURS = (
     "The end does not depend on it. Velocities are shares of the zone's box; S_MAX is shared out among zones by their "
     "cells; cells at borders are clipped.",
     "**Genetic algorithm.** Groups of four are drawn anew every 500 generations, and a reversal draws up to 20 "
-    "stretches until one shortens the tour; Algorithm 2 has one population and one draw (effect: last table of "
-    "Figure 13).",
+    "stretches until one shortens the tour; Algorithm 2 has one population and one draw (effect: last table of Figure "
+    "13).",
     "**A\\*** without weights; legs through obstacles are left out of the graph, which is what τ₃ is for; f(M − 1) of "
     "Eq. 16 is read g(M − 1).",
     "**Number of segments.** Each of Algorithm 3's swarms has a number of its own, spread over those that could be "
@@ -60,24 +60,18 @@ OURS = (
     "long together, and round a frame of 1,027 m without five of its 96 legs they would hardly be (2 × 974 m + 5 × "
     "31.4 m = 2,105 m before bends save anything). We keep the legs; Figure 14's last table has both readings.",
     f"**ξ₁ = {TABLE_4.weight_late:g}.** The paper's plans bound it. Table 6 prints 10.95 s for a single route of zone "
-    "1 "
-    "in five cases; at the 8 s of Section 5.1 that route would be late by 3.45 s, the margin counted, and two routes "
-    "are "
-    f"called cheaper: ξ₁ ≥ 320, and ≥ {LEAST_WEIGHT:g} where the spare 1.42 s goes to the rest. In Case 6 routes are "
-    "late "
-    f"by 5.76 s, and a plan without that is called dearer: ξ₁ ≤ {MOST_WEIGHT:g} if two routes more would do. We take a "
-    "value between; Figure 14's last table has both ends. With 10,000 Case 6 as printed would cost 68,807.",
+    "1 in five cases; at the 8 s of Section 5.1 that route would be late by 3.45 s, the margin counted, and two routes "
+    f"are called cheaper: ξ₁ ≥ 320, and ≥ {LEAST_WEIGHT:g} where the spare 1.42 s goes to the rest. In Case 6 routes "
+    f"are late by 5.76 s, and a plan without that is called dearer: ξ₁ ≤ {MOST_WEIGHT:g} if two routes more would do. "
+    "We take a value between; Figure 14's last table has both ends. With 10,000 Case 6 as printed would cost 68,807.",
     "**One frame for all cases.** 10.95 s stands five times in Table 6, 38.22 s and 9.33 s twice, equal to the digit: "
-    "the "
-    "paper seems to have used one frame for all its cases, though zones are deployed in the order of their periods. We "
-    "deploy and tour anew for each case.",
+    "the paper seems to have used one frame for all its cases, though zones are deployed in the order of their "
+    "periods. We deploy and tour anew for each case.",
     "**The map's lengths.** Our map was drawn to take about as many sensors as the paper's, not to have its lengths: "
-    "by "
-    "Table 6 its frame has some 94 m to 108 m in sub-region 1, 172 m in 2 and 705 m in the rest (Figure 13 has ours "
+    "by Table 6 its frame has some 94 m to 108 m in sub-region 1, 172 m in 2 and 705 m in the rest (Figure 13 has ours "
     "beside them), and zone-1 takes fewer sensors here than the paper's 10.",
     "***parallel*** gives each robot a strip. The paper says that more robots widen the scan, that is fly abreast; "
-    "ours is "
-    "a reading, which takes more robots where periods are short.",
+    "ours is a reading, which takes more robots where periods are short.",
     "**Routes** are the segments widened by r_s and cut to the free ground; ground that they enclose is gone round as "
     "well where it has a quarter of a disc. T^a is the length of that route over V (Eq. 26).",
 )
@@ -87,8 +81,7 @@ COMPARING = (13, 14, 16)
 HOW_TO_READ = (
     "*paper*: as printed there.",
     "*Eq. 26*: the paper's algorithms with its parameters, run here with several seeds; T^a is the length of the "
-    "closed "
-    "route over V. *6.1 (5 to 7), 1.5 (1 to 3) late*: mean and range over the seeds.",
+    "closed route over V. *6.1 (5 to 7), 1.5 (1 to 3) late*: mean and range over the seeds.",
     "*as printed*: these routes driven as they are.",
     "*mended*: the same algorithms with the same tables, but that routes are led to what they leave unseen and the "
     "frame is cut anew until the check passes (in mission files `sun2019: {deployment: ccpso2, tour: genetic, "
@@ -99,8 +92,8 @@ HOW_TO_READ = (
     "set cover, local search, exact partition, routes shortened). None of the paper's three optimisers is in it.",
     "*tours*: the method that Rota plans with by default.",
     "*lower bound*: no plan has fewer robots, proved.",
-    "A route belongs to the sub-region whose period it must keep. *7.00 / 2*: a loop of 7.00 s that two robots "
-    "share. A loop may also be longer than T^c where it passes the zone several times a round; the worst gap decides.",
+    "A route belongs to the sub-region whose period it must keep. *7.00 / 2*: a loop of 7.00 s that two robots share. "
+    "A loop may also be longer than T^c where it passes the zone several times a round; the worst gap decides.",
 )
 
 
@@ -114,11 +107,9 @@ def page_markdown(sections: Sequence[Section], *, seed: int, settings: StudySett
         HEADING,
         f"{'Figure' if len(sections) == 1 else 'Figures'} {figures} of {paper.CITATION}, made again by `rota study "
         f"sun2019` with seeds {seed} to {seed + settings.seeds - 1} and effort {settings.effort}; pictures, and plans "
-        "of "
-        f"methods, have seed {seed}. Each figure has the paper's numbers beside those of its own algorithms, as "
-        "printed "
-        "and mended, and of other methods. The lower bound is a number of robots below which no plan exists, proved. "
-        "Every plan of ours was judged by `rota check`, which knows nothing of the planners.",
+        f"of methods, have seed {seed}. Each figure has the paper's numbers beside those of its own algorithms, as "
+        "printed and mended, and of other methods. The lower bound is a number of robots below which no plan exists, "
+        "proved. Every plan of ours was judged by `rota check`, which knows nothing of the planners.",
         made_from("sun2019"),
         *claims(sections),
         "## What cannot be reproduced",

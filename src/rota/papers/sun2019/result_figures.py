@@ -61,8 +61,8 @@ def figure_13_section(runs: Runs) -> Section:
         caption="Figure 13, (a) to (f) as in the paper, made with Tables 2 to 4, and (g), (h) the plans of two "
         f"methods, all with seed {runs.seed}. {SCALES} {RECONSTRUCTED}",
         paper=f"{_run_told(paper.FIGURE_13)} Five routes keep the periods of Table 1 (Table 5).",
-        ours=f"{_ours(case, paper.FIGURE_13)} At effort {runs.settings.proving_effort} tours takes "
-        f"{_robots(proving)}; at least {bound} are needed, proved. {_alpha_told(case.shown)}",
+        ours=f"{_ours(case, paper.FIGURE_13)} At effort {runs.settings.proving_effort} tours takes {_robots(proving)}; "
+        f"at least {bound} are needed, proved. {_alpha_told(case.shown)}",
         tables=(
             *case_tables("Table 5 (Section 5.1)", [case]),
             lengths_table(case.names, case.printed),
@@ -83,10 +83,9 @@ def figure_16_section(runs: Runs) -> Section:
         figure=16,
         heading="the method on the pentagon",
         pictures=run_pictures(16, case, _cheapest(runs, case, runs.figure_16)),
-        caption=f"Figure 16, (a) to (f) as in the paper, made with Tables 7, 3 and 4, and (g), (h) the plans of two "
+        caption="Figure 16, (a) to (f) as in the paper, made with Tables 7, 3 and 4, and (g), (h) the plans of two "
         f"methods, all with seed {runs.seed}. {SCALES} {RECONSTRUCTED} The tour's {paper.FIGURE_16.tour_length:,.2f} "
-        "is "
-        "copied from Section 5.1.",
+        "is copied from Section 5.1.",
         paper=f"{_run_told(paper.FIGURE_16)} Seven routes keep the periods (Table 8).",
         ours=_ours(case, paper.FIGURE_16),
         tables=case_tables("Table 8 (Section 5.3)", [case]),
@@ -145,9 +144,8 @@ def _run_told(run: paper.PaperRun) -> str:
     return (
         f"{sum(run.sensors)} sensors ({by_zone}); their cost falls from {run.first_cost:,.0f} to "
         f"{run.last_cost:,.0f}{after}. The tour is {run.tour_length:,.2f} long{way}, stable after generation "
-        f"{run.stable_generation:,}{best}. The partition costs "
-        f"{run.partition_cost:,.2f} after iteration {run.partition_iteration}, where Table 4 has "
-        f"{paper.TABLE_4_ITERATIONS}."
+        f"{run.stable_generation:,}{best}. The partition costs {run.partition_cost:,.2f} after iteration "
+        f"{run.partition_iteration}, where Table 4 has {paper.TABLE_4_ITERATIONS}."
     )
 
 
@@ -156,20 +154,18 @@ def _ours(case: Case, run: paper.PaperRun) -> str:
     shown, runs = case.shown, case.printed
     by_zone = " + ".join(map(str, sensors_by_zone(case.mission, shown.sensors)))
     told = [
-        f"Over {len(runs)} seeds {spread([one.sensors.count for one in runs])} sensors, with seed "
-        f"{case.seed} {shown.sensors.count} ({by_zone}), {_beside(shown.sensors.count, sum(run.sensors))} the paper."
+        f"Over {len(runs)} seeds {spread([one.sensors.count for one in runs])} sensors, with seed {case.seed} "
+        f"{shown.sensors.count} ({by_zone}), {_beside(shown.sensors.count, sum(run.sensors))} the paper."
     ]
     if shown.sensors.cost is not None:
         cost = shown.sensors.cost
         told.append(f"Their cost falls from {cost[0]:,.0f} to {cost[-1]:,.0f}, reached in iteration {settled(cost)}.")
     told.append(
-        f"The tour is {shown.way.tour_length:,.2f} long, {shown.way.length_m:,.2f} of it way"
-        f"{_longer(shown.way, run)} with {shown.way.zone_crossings} crossings, by generation "
-        f"{shown.way.fell_at[-1]:,}; "
-        f"over the seeds {spread([one.way.length_m for one in runs])} m. The partition costs "
-        f"{shown.partition.cost:,.2f} from iteration {settled(shown.partition.history)} on and has "
-        f"{counted(shown.robots, 'segment')}, {_beside(shown.robots, len(case.paper.routes))} the paper; over the "
-        "seeds "
+        f"The tour is {shown.way.tour_length:,.2f} long, {shown.way.length_m:,.2f} of it way{_longer(shown.way, run)} "
+        f"with {shown.way.zone_crossings} crossings, by generation {shown.way.fell_at[-1]:,}; over the seeds "
+        f"{spread([one.way.length_m for one in runs])} m. The partition costs {shown.partition.cost:,.2f} from "
+        f"iteration {settled(shown.partition.history)} on and has {counted(shown.robots, 'segment')}, "
+        f"{_beside(shown.robots, len(case.paper.routes))} the paper; over the seeds "
         f"{with_late_spread(case.robots, case.late)}. By sub-region (in the order zone-1, zone-2, rest) the paper has "
         f"{' + '.join(map(str, case.theirs))} robots, ours are {' + '.join(brief(k) for k in case.ours.T.tolist())}."
     )

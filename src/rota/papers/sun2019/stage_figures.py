@@ -68,11 +68,9 @@ def figure_6_section(runs: Runs) -> Section:
         caption=f"Figure 6, with seed {runs.seed}. {RECONSTRUCTED} It does not say which map Figure 6 shows: under the "
         f"same Table 2 it has {paper.SENSORS_WITH_RULES} sensors with the rules there and "
         f"{sum(paper.FIGURE_13.sensors)} in Figure 13. The weights λ of Eq. 11 are not printed, so that costs cannot "
-        "be "
-        "set beside each other.",
-        paper="CCPSO2 with the rules (addition, movement, deletion, fusion) takes "
-        f"{paper.SENSORS_WITH_RULES} sensors, standard CCPSO2 {paper.SENSORS_WITHOUT_RULES}; the rules make it converge"
-        " faster (Section 4.2).",
+        "be set beside each other.",
+        paper=f"CCPSO2 with the rules (addition, movement, deletion, fusion) takes {paper.SENSORS_WITH_RULES} sensors, "
+        f"standard CCPSO2 {paper.SENSORS_WITHOUT_RULES}; the rules make it converge faster (Section 4.2).",
         ours=f"{brief([one.count for one in pairs[AS_HERE].with_rules])} sensors with the rules, "
         f"{brief([one.count for one in pairs[AS_HERE].without])} without. The rules save "
         f"{brief(pairs[AS_HERE].saved)}, the paper's {printed[1] - printed[0]}. That rests on three additions of ours, "
@@ -171,8 +169,7 @@ def figure_12_section(runs: Runs) -> Section:
         ),
         caption=f"Figure 12, with seed {runs.seed}. {RECONSTRUCTED} Every sensor is drawn with the "
         f"{sensors.virtual_radius_m:g} m that it sees (r_v = 2 r_s); the graph joins sensors at most {range_m:g} m "
-        "apart "
-        "(r_n) with no wall between them. Crosses: routes that are late by Eq. 26.",
+        "apart (r_n) with no wall between them. Crosses: routes that are late by Eq. 26.",
         paper="Sensors are deployed zone by zone, from the smallest period up, joined to a closed frame, and the frame "
         "is cut into one segment for each robot (Section 4.5). The text says T₁ > T₂ > T₃, Table 1 the contrary, which "
         "we follow: the smallest period is the most important.",
@@ -208,8 +205,8 @@ def figure_15_section(runs: Runs) -> Section:
         caption=f"Figure 15. {RECONSTRUCTED} Sizes, places and the sensors' radius are ours.",
         paper="A pentagon with a hexagonal and a circular sub-region and two obstacles; periods are told by Table 8 "
         "only, the radius of the sensors is not told again (Section 5.3).",
-        ours=f"{_ground(mission)}; {periods}, the rest {mission.period_s:g} s; robots go "
-        f"{mission.fleet.speed_m_s:g} m/s and see {mission.fleet.sensor.reach_m:g} m.",
+        ours=f"{_ground(mission)}; {periods}, the rest {mission.period_s:g} s; robots go {mission.fleet.speed_m_s:g} "
+        f"m/s and see {mission.fleet.sensor.reach_m:g} m.",
     )
 
 

@@ -52,9 +52,9 @@ def rules_verdicts(pairs: Mapping[str, Pair]) -> tuple[Verdict, ...]:
         Verdict(
             "The rules make CCPSO2 converge faster", "4.2", sooner[LETTER].outcome,
             f"In speed: by the letter the cost is within twice its own last value sooner by {sooner[LETTER].told}; "
-            "with "
-            f"our additions by {sooner[AS_HERE].told}. Not in depth: the cost falls below what the run without rules "
-            f"ends with in {passes[LETTER]} of {seeds} seeds by the letter, in {passes[AS_HERE]} with our additions.",
+            f"with our additions by {sooner[AS_HERE].told}. Not in depth: the cost falls below what the run without "
+            f"rules ends with in {passes[LETTER]} of {seeds} seeds by the letter, in {passes[AS_HERE]} with our "
+            "additions.",
         ),
     )  # fmt: skip
 
@@ -78,9 +78,8 @@ def crossings_verdict(straight: Sequence[Way], graph: Sequence[Way], alpha: floa
     return Verdict(
         "Distances of Eq. 14 make the frame cross between sub-regions less often", "4.3", fewer.outcome,
         f"{brief([way.zone_crossings for way in graph])} crossings for "
-        f"{brief([way.zone_crossings for way in straight])} "
-        f"(the paper: {paper.CROSSINGS_GRAPH} for {paper.CROSSINGS_EUCLIDEAN}), by α = {alpha:,.0f}: fewer by "
-        f"{fewer.told}.",
+        f"{brief([way.zone_crossings for way in straight])} (the paper: {paper.CROSSINGS_GRAPH} for "
+        f"{paper.CROSSINGS_EUCLIDEAN}), by α = {alpha:,.0f}: fewer by {fewer.told}.",
     )  # fmt: skip
 
 
@@ -102,8 +101,7 @@ def graph_verdict(graphs: Sequence[Graph]) -> Verdict:
     return Verdict(
         "r_n ≥ 2 r_v makes the graph connected", "4.3", whole.outcome,
         "True without walls: discs that cover a connected area overlap. With walls two sensors whose discs meet may "
-        "not "
-        f"see each other. On the paper's maps, with r_n = 2 r_v, the graph is in one part in {whole.told}"
+        f"not see each other. On the paper's maps, with r_n = 2 r_v, the graph is in one part in {whole.told}"
         + (f", in {parts} parts at most. Legs between parts then lead round the walls." if parts > 1 else "."),
     )  # fmt: skip
 
