@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import get_args
 
 import numpy as np
@@ -20,7 +21,7 @@ from rota.papers.sun2019.maps import with_periods
 from rota.papers.sun2019.readings import LETTER, Pair
 from rota.papers.sun2019.results import Found, Sensors, ZoneSensors
 from rota.papers.sun2019.runs import Runs
-from rota.papers.sun2019.verdicts import coverage_verdict, rules_verdicts, verdicts_of_cases
+from rota.papers.sun2019.verdicts import adapts_verdict, coverage_verdict, rules_verdicts, verdicts_of_cases
 from rota.papers.verdict import Outcome
 from rota.plan import Plan, Trajectory
 
@@ -154,6 +155,25 @@ def test_two_seeds_are_too_few_for_verdicts_that_chance_can_make(case: Case) -> 
     in_time = found["Every route keeps its period, but in Case 6"].outcome
     assert in_time == ("not reproduced" if late else "holds")  # one late route is enough, and ξ₁ is ours
     assert coverage_verdict(case, "5.1").outcome == "not reproduced"
+
+
+@pytest.mark.parametrize(
+    ("robots", "outcome"),
+    [
+        ((6, 5, 7, 8, 8, 13), "holds"),  # of Cases 4 and 5 one number
+        ((6, 6, 6, 6, 6, 6), "does not hold"),  # never more
+        ((6, 5, 5, 8, 8, 13), "does not hold"),  # Case 3 fewer than Case 1
+    ],
+)
+def test_a_method_that_adapts_takes_never_fewer_robots_and_mostly_more(robots: tuple[int, ...], outcome: str) -> None:
+    cases = [
+        SimpleNamespace(robots=[n] * 8, late=[0] * 8, paper=one) for n, one in zip(robots, paper.TABLE_6, strict=True)
+    ]
+    found = adapts_verdict(cases)
+    assert found.outcome == outcome
+    pairs = [(0, 2), (0, 3), (0, 4), (0, 5), (1, 3), (1, 4), (1, 5), (3, 4), (3, 5)]
+    more = 8 * sum(robots[later] > robots[one] for one, later in pairs)
+    assert f"more in {more} of {8 * len(pairs)} pairs" in found.why
 
 
 def sensors(count: int, cost: list[float]) -> Sensors:
