@@ -12,6 +12,7 @@ from benchmarks.create2.robot import Create2
 from shapely import Polygon, box, union_all
 
 from rota.errors import PlanError
+from rota.files.create2_course import Surroundings, stretches_of
 from rota.files.create2_driven import Driven, touching_legs
 from rota.files.create2_legs import BODY_RADIUS_M, driven, drives_of
 from rota.mission import Obstacle
@@ -262,3 +263,17 @@ def test_loops_of_different_lengths_meet_after_many_rounds() -> None:
     late = Driven(times_s=[0, 1, 6], places_m=[(9, 0), (5, 0), (9, 0)], legs=[0, 0, 1], loop_s=6)
     off = Driven(times_s=[0, 4, 6], places_m=[(0, 9), (5, 0.5), (0, 9)], legs=[0, 0, 1], loop_s=6)
     assert touching_legs([late, off], 0.3) == set()
+
+
+def test_a_robot_that_is_bumping_into_a_wall_is_not_bumped_into_on_purpose() -> None:
+    """One bumps into the west wall and backs off while the other comes from the south: a race where they would meet."""
+    ground = TypedMap(rows=("....", "....", "....", "...."), cell_m=0.5)
+    plan = bounced_plan(ground, ((1, 3, 5), (0, 0, 2)), turn=3, speed_m_s=0.15)
+    courses = tuple(stretches_of(trajectory) for trajectory in plan)
+    both = Surroundings(plan, courses, BODY_RADIUS_M)
+    (_, at_wall, *_), (_, below, *_) = courses
+    assert (at_wall.stays, below.stays) == (True, True)
+    contact = both.contact(0, at_wall, math.radians(225))
+    assert contact is not None
+    assert not contact.of_robots
+    assert both.contact(1, below, math.radians(90)) is None

@@ -112,9 +112,10 @@ class Surroundings:
         self._step_s = min(stays_s, default=(way.end_s - way.begin_s) / steps)
 
     def contact(self, robot: int, pause: Stretch, heading_rad: float) -> Contact | None:
-        """What a robot (its number) that stays and turns in the plan would bump into; None: nothing within its move.
+        """What a robot (its number) that stays and turns in the plan would bump into; None: nothing that can be told.
 
-        So it is where a diagonal move is blocked since a cell beside it holds but a bit of an obstacle.
+        There is nothing within its move where a diagonal one is blocked since a cell beside it holds but a bit of an
+        obstacle. A robot that bumps into a wall meanwhile, and backs off, is met there or where it stays: a race.
         """
         direction = np.array([math.cos(heading_rad), math.sin(heading_rad)])
         if self._cell_m == 0:  # without a grid it turns where it touches
@@ -124,9 +125,13 @@ class Surroundings:
         wall_m = self._wall_ahead_m(pause.begin_m, direction)
         velocity_m_s = direction * move_m / self._step_s
         robots = (n for n in range(len(self._courses)) if n != robot)
-        robot_m = min((self._robot_ahead_m(other, pause, velocity_m_s) for other in robots), default=math.inf)
+        robot_m, other = min(
+            ((self._robot_ahead_m(other, pause, velocity_m_s), other) for other in robots), default=(math.inf, -1)
+        )
         nearest = Contact(ahead_m=min(wall_m, robot_m), of_robots=robot_m < wall_m)
-        return nearest if nearest.ahead_m <= move_m + SAME_M else None
+        if nearest.ahead_m > move_m + SAME_M or (nearest.of_robots and self._is_at_a_wall(other, pause.begin_s)):
+            return None
+        return nearest
 
     def _move_m(self, heading_rad: float) -> float:
         """Length of one move along a heading: that of the shortest whole vector of cells in this direction."""
@@ -169,6 +174,12 @@ class Surroundings:
             return math.inf
         touch_s = max(nearest_s - math.sqrt(((2 * self._radius_m) ** 2 - miss2) / speed2), 0.0)
         return touch_s * float(np.linalg.norm(velocity_m_s)) if touch_s <= self._step_s else math.inf
+
+    def _is_at_a_wall(self, robot: int, time_s: float) -> bool:
+        """Whether a robot tries to move on, and a wall is in its way."""
+        place_m, velocity_m_s = self._motion_at(robot, time_s)
+        speed_m_s = float(np.linalg.norm(velocity_m_s))
+        return speed_m_s > 0 and self._wall_ahead_m(place_m, velocity_m_s / speed_m_s) < speed_m_s * self._step_s
 
     def _motion_at(self, robot: int, time_s: float) -> tuple[Floats, Floats]:
         """Where a robot is and how it moves, or tries to: one that stays and turns afterwards has bumped, too."""
