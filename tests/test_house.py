@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -30,6 +31,12 @@ METHOD_STAGES = [
     ["fewest", "large"],
     ["tours", "fixed_team"],
 ]
+
+# what needs the date: of files, of messages, of what is kept, of a plan that is told when it starts
+SYSTEM_CLOCK = {
+    "rota.command.fly", "rota.command.ros2", "rota.compiled.code_cache", "rota.compiled.source_stamp",
+    "rota.links.plan_clock", "rota.links.vda5050_vehicle", "rota.sweep.planned_cells", "rota.web.store.database",
+}  # fmt: skip
 
 MODULES = {module_name(file): file for file in FILES}
 
@@ -144,6 +151,13 @@ def test_the_published_method_is_loaded_by_its_name_only() -> None:
     others = [module for module in MODULES if not within(module, own) and not within(module, "rota.papers")]
     theirs = [module for module in others if any(within(name, own) for name in imported_modules(module))]
     assert theirs == []
+
+
+def test_only_dates_come_from_a_clock_that_people_set() -> None:
+    """Set back or forth it would end a search, a lease or a lapse at once, or never: durations are by other clocks."""
+    reading = re.compile(r"\btime\.time(_ns)?\(|\bdatetime\.(now|today|utcnow)\(|\blocaltime\(|\bgmtime\(\)")
+    found = {module for module, file in MODULES.items() if reading.search(file.read_text())}
+    assert found == SYSTEM_CLOCK
 
 
 def test_modules_and_functions_stay_short() -> None:

@@ -133,6 +133,16 @@ def test_a_mission_with_faults_is_not_planned_and_all_of_them_are_told(client: T
     assert [fault["path"] for fault in answer.json()["error"]["faults"]] == [["name"], ["period_s"]]
 
 
+def test_a_job_with_fewer_starts_than_robots_are_surely_needed_is_refused_as_in_the_form(client: TestClient) -> None:
+    job_when(client, started(client, SQUARE), "done")  # before loops are compiled, nothing is proved
+    yard = {**YARD, "fleet": {**YARD["fleet"], "start": {"points": [[1, 1]]}}}
+    answer = client.post("/api/jobs", json={"mission": kept(client, yard)})
+    assert answer.status_code == 422
+    (fault,) = answer.json()["error"]["faults"]
+    assert fault["path"] == ["fleet", "start"]
+    assert fault["message"].startswith("1 start is given, and at least ")
+
+
 @pytest.mark.slow  # fills memory
 def test_a_job_that_takes_too_much_memory_is_ended(tmp_path: Path) -> None:
     with serving(tmp_path, Limits(job_memory_bytes=100 * 2**20)) as client:

@@ -13,9 +13,11 @@ from tests.web.serving import SQUARE, Json, job_when, kept, serving, started
 
 from rota.check import check_plan
 from rota.files.mission_changes import changes
+from rota.files.plan_file import plan_from_text, plan_text
+from rota.web.limits import Limits
 from rota.web.store import database as tables
 from rota.web.store.database import Database
-from rota.web.store.jobs import interrupt_jobs
+from rota.web.store.jobs import interrupt_jobs, queued_jobs
 from rota.web.store.plans import forget_lost_steps, keep_plan, list_plans
 from rota.web.tasks.planning import new_plan
 
@@ -76,11 +78,26 @@ def test_a_plan_is_stale_while_its_mission_asks_for_something_else(tmp_path: Pat
         for path, name in (("export/csv", "square-stale.csv"), ("plan.rota.json", "square-stale.rota.json"),
                            ("picture.png", "square-stale.png"), ("page.html", "square-stale.html")):  # fmt: skip
             assert f'filename="{name}"' in client.get(f"/api/plans/{plan}/{path}").headers["content-disposition"]
+        taken = client.get(f"/api/plans/{plan}/plan.rota.json").content
+        assert json.loads(taken)["mission_changes"] == ["area period 60 → 20 s"]
         client.put(address, json={"document": SQUARE})  # as it was
         assert client.get(f"/api/plans/{plan}").json()["stale"] == []
+        held = client.get(f"/api/plans/{plan}/plan.rota.json").content
+        assert "mission_changes" not in json.loads(held)
+        assert plan_text(plan_from_text(taken, "taken")) == held.decode()
         assert 'filename="square.csv"' in client.get(f"/api/plans/{plan}/export/csv").headers["content-disposition"]
         client.delete(address)
         assert client.get(f"/api/plans/{plan}").json()["stale"] == []
+
+
+def test_a_clock_that_is_set_back_turns_no_queue_round(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    years = iter(range(2030, 2000, -1))
+    monkeypatch.setattr("rota.web.store.jobs.now", lambda: f"{next(years)}-01-01T00:00:00.000Z")
+    with serving(tmp_path, Limits(planning_jobs=0)) as client:
+        mission = kept(client, SQUARE)
+        asked = [client.post("/api/jobs", json={"mission": mission}).json()["id"] for _ in range(3)]
+        assert [job for job, _ in queued_jobs(Database(tmp_path))] == asked
+        assert [job["id"] for job in client.get("/api/jobs").json()] == asked[::-1]
 
 
 def test_what_was_made_from_an_older_revision_is_refused_and_a_save_may_be_sent_again(tmp_path: Path) -> None:

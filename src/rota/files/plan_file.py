@@ -127,6 +127,8 @@ def _refuse_constant(constant: str) -> NoReturn:
 def plan_from_json(document: object) -> Plan:
     """The plan that ``plan_to_json`` made; ``meets_demand`` is not believed but left to the check.
 
+    Nor is anything made of ``mission_changes``: the plan is for the mission in the file.
+
     Raises PlanError: one line per fault, each with the field's path, its value and what is allowed.
     """
     if not isinstance(document, dict) or "rota_plan" not in document:

@@ -225,6 +225,10 @@ class PlanFields(_Strict):
     meets_demand: Annotated[
         bool | None, Field(description="false: written with --best although the check does not pass; else absent")
     ] = None
+    mission_changes: Annotated[
+        list[str] | None,
+        Field(description="what has changed in its mission since, as the page told; absent: not told"),
+    ] = None
     run_end: Annotated[
         RunEndFields | None, Field(description="of a swarm: whether its robots were at rest; absent: not told")
     ] = None

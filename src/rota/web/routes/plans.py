@@ -74,10 +74,14 @@ async def playback(request: Request) -> Response:
 
 
 async def plan_file(request: Request) -> Response:
-    """The plan file."""
-    name = await _file_name(request, ".rota.json")
-    packed = await run_in_threadpool(packed_plan, state_of(request).database, request.path_params["id"])
-    return download(await run_in_threadpool(gzip.decompress, packed), name, "application/json")
+    """The plan file; of a plan whose mission has changed it says what did."""
+    database, plan = state_of(request).database, request.path_params["id"]
+    shown = await run_in_threadpool(plan_json, database, plan)
+    packed = await run_in_threadpool(packed_plan, database, plan)
+    text = await run_in_threadpool(gzip.decompress, packed)
+    if shown["stale"]:
+        text = b'{"mission_changes": ' + json.dumps(shown["stale"]).encode() + b",\n " + text.removeprefix(b"{")
+    return download(text, f"{shown['name']}{_mark(shown)}.rota.json", "application/json")
 
 
 async def picture(request: Request) -> Response:

@@ -84,13 +84,13 @@ def job_json(database: Database, job: str) -> Json:
 
 def list_jobs(database: Database) -> list[Json]:
     """All jobs, the newest first."""
-    rows = database.connection().execute("SELECT * FROM jobs ORDER BY created_at DESC, rowid DESC")
+    rows = database.connection().execute("SELECT * FROM jobs ORDER BY rowid DESC")
     return [_shown(row) for row in rows]
 
 
 def queued_jobs(database: Database) -> list[tuple[str, float | None]]:
     """The jobs that wait, in their turn, each with its time limit in seconds."""
-    sql = "SELECT id, time_limit_s FROM jobs WHERE state = 'queued' ORDER BY created_at, rowid"
+    sql = "SELECT id, time_limit_s FROM jobs WHERE state = 'queued' ORDER BY rowid"
     return [(row[0], row[1]) for row in database.connection().execute(sql)]
 
 

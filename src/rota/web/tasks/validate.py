@@ -44,7 +44,10 @@ def require_plannable(context: Context, given: Json, body: bytes) -> tuple[Json,
         judged = judged_document(document, folder, context.vertices)
     if judged.mission is None:
         raise Refusal(422, "the mission has faults", faults_json(judged))
-    if faults := list(hopeless(judged.mission, 1)):
+    faults: list[Json] = []
+    # to prove a bound takes seconds on large ground, and only starts are held against it
+    bound = _bound(judged.mission, faults) if judged.mission.fleet.start and is_ready(judged.mission) else None
+    if faults := [*faults, *hopeless(judged.mission, _least(bound))]:
         raise Refusal(422, "the mission cannot work", faults)
     if given["effort"] is not None:
         judged.mission.with_effort(given["effort"])
@@ -85,9 +88,8 @@ def _answer(judged: JudgedDocument) -> Json:
     bound = None if mission is None or compiling else _bound(mission, faults)
     warnings = [fault_json(warning.place, warning.message) for warning in judged.warnings]
     if mission is not None:
-        least = 1 if bound is None else max(bound["robots"], 1)
-        faults += hopeless(mission, least)
-        warnings += doubtful(mission, least)
+        faults += hopeless(mission, _least(bound))
+        warnings += doubtful(mission, _least(bound))
     return {
         "faults": faults,
         "warnings": warnings,
@@ -107,6 +109,11 @@ def _bound(mission: Mission, faults: list[Json]) -> Json | None:
         faults.append(fault_json((), str(error)))
         return None
     return None if found is None else {"robots": found[0], "reason": found[1]}
+
+
+def _least(bound: Json | None) -> int:
+    """Robots that any plan needs for sure."""
+    return 1 if bound is None else max(int(bound["robots"]), 1)
 
 
 def _free_m2(mission: Mission) -> float:

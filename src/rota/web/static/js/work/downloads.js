@@ -42,7 +42,7 @@ export class Downloads {
     const goesOn = plan.partial ? " A longer search may find a better one." : "";
     const verdict = unsure || isStale(plan) ? "" : `, ${plan.verdict}`;
     const note = staleNote(plan, unsure);
-    const names = note === null || unsure ? [] : [el("p", { class: "soft" }, "Names of files say so: -stale.")];
+    const names = note === null || unsure ? [] : [el("p", { class: "soft" }, "Names of files say so: -stale. The plan file says what has changed.")];
     this.title.replaceChildren(`Of ${which} ${plan.name}: ${robotsText(plan)}${verdict}.${goesOn}`);
     this.note.replaceChildren(...(note === null ? [] : [note, ...names]));
     if (!isAnother && this.body.childElementCount > 0) {
