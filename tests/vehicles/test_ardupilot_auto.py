@@ -131,6 +131,27 @@ def test_stops_at_one_place_are_one_with_all_their_waits() -> None:
     assert twice.loop_start_s == at_once.loop_start_s
 
 
+def test_long_waits_are_not_flown_through_and_endless_flights_are_refused() -> None:
+    def way(hold_s: float) -> Way:
+        stops = [stop(x, y, hold_s=hold_s if (x, y) == (60, 60) else 0.0) for x, y in [*SQUARE[1:], SQUARE[0]]]
+        return Way(robot="copter", once=(stop(0, 0),), every_round=tuple(stops))
+
+    model = ArduPilotAuto(copter())
+    short, long = model.drive(way(50), STILL), model.drive(way(65_000), STILL)
+    assert long.round_s == pytest.approx(short.round_s + 64_950, abs=0.02)
+    assert len(long.times_s) < len(short.times_s) + 500
+    assert long.legs_s == pytest.approx([*short.legs_s[:2], short.legs_s[2] + 64_950, short.legs_s[3]], abs=0.02)
+    late_s = np.array([1.0, 10.0, 20.0])
+    np.testing.assert_allclose(
+        long.at(long.loop_start_s + long.round_s - late_s),
+        short.at(short.loop_start_s + short.round_s - late_s),
+        atol=0.05,
+    )
+    far = loop_way([(0.0, 0.0), (1e5, 0.0)])
+    with pytest.raises(RotaError, match=r"robot copter: its approach .* motion is worked out for 20000 s at most"):
+        model.drive(far, STILL)
+
+
 def test_wind_that_is_too_strong_is_told_with_its_leg() -> None:
     model = ArduPilotAuto(copter())
     assert model.top_airspeed_m_s == pytest.approx(10.0, abs=0.15)

@@ -19,6 +19,8 @@ from rota.vehicles.track_kernels import nearest_m
 STEP_S = 0.005  # of the control loop that flew the recorded flights
 SAMPLE_STEPS = 10
 SETTLE_S = 60.0  # before the round that stands for all
+LONGEST_WAIT_S = 60.0  # that is flown: a copter hovers by then
+MOST_FLOWN_S = 30_000.0  # 150 MB
 SLACK_S, SLACK_SHARE = 60.0, 1.5  # of the time that legs take, until a copter counts as stuck
 INPUT_TC_S = 0.15  # ATC_INPUT_TC
 # PSC_POSXY_P, PSC_VELXY_P, _I, _D, _FLTE, ATC_INPUT_TC, ATC_ACCEL_R_MAX, ATC_SLEW_YAW: defaults of ArduCopter 4.6. The
@@ -70,8 +72,7 @@ class ArduPilotAuto:
             none = np.empty(0)
             still = {"times_s": np.zeros(1), "positions_m": course.points_m, "legs_s": none, "cut_m": none}
             return Motion(robot=way.robot, loop_start_s=0.0, **still)
-        track, reached_s = self._flown(way.robot, course, begins[-1], wind)
-        return _motion(way.robot, course, begins, track, reached_s)
+        return _motion(way.robot, course, begins, *self._flown(way.robot, course, begins[-1], wind))
 
     def round_s(self, way: Way) -> float:
         """A round's seconds in closed form, see ``MotionModel``."""
@@ -119,16 +120,33 @@ class ArduPilotAuto:
         legs = np.asarray(legs_of(points_m, speeds_m_s, self._climbing, self._limits, self._shape))
         return Course(points_m, speeds_m_s, waits_s, legs), begins
 
-    def _flown(self, robot: str, course: Course, end: int, wind: Wind) -> tuple[Floats, Floats]:
-        """The course as it is flown: (steps + 1, 3) positions, one each STEP_S, and when points were reached, (n,)."""
+    def _flown(self, robot: str, course: Course, end: int, wind: Wind) -> tuple[Floats, Floats, Floats]:
+        """The course as it is flown: times (steps,), positions (steps, 3) then, and when points were reached, (n,).
+
+        Of long waits the beginning is flown, and nothing changes in the rest. Raises RotaError for courses that a
+        copter does not get along, and for those that take longer than any flight.
+        """
+        rest_s = np.maximum(course.waits_s - LONGEST_WAIT_S, 0.0)
+        course = course._replace(waits_s=course.waits_s - rest_s)
         most_s = SLACK_SHARE * (self._against_wind_s(robot, course, wind) + float(course.waits_s.sum())) + SLACK_S
+        if most_s > MOST_FLOWN_S:
+            raise RotaError(
+                f"robot {robot}: its approach and two rounds or more take some {most_s / SLACK_SHARE:.0f} s;"
+                f" motion is worked out for {MOST_FLOWN_S / SLACK_SHARE:.0f} s at most"
+            )
         track, reached_s = np.empty((math.ceil(most_s / STEP_S), 3)), np.zeros(len(course.points_m))
         air = Air(LINEAR_PER_S, SQUARE_PER_M, *wind.toward_m_s)
         steps = fly(course, end, self._shape, self._control, air, STEP_S, track, reached_s)
         if reached_s[end] == 0:
             late = int(np.flatnonzero(reached_s[1 : end + 1] == 0)[0]) + 1
             raise RotaError(f"robot {robot}: {self.vehicle.told} does not get to {_place(course, late)}")
-        return np.vstack([course.points_m[:1], track[: steps + 1]]), reached_s
+        at_s = np.arange(steps + 2) * STEP_S
+        waiting = np.flatnonzero(rest_s[: end + 1])
+        rested_s = np.append(0.0, np.cumsum(rest_s[waiting]))
+        goes_on_s = reached_s[waiting] + LONGEST_WAIT_S
+        at_s += rested_s[np.searchsorted(goes_on_s, at_s)]
+        reached_s += rested_s[np.searchsorted(goes_on_s, reached_s)]
+        return at_s, np.vstack([course.points_m[:1], track[: steps + 1]]), reached_s
 
     def _against_wind_s(self, robot: str, course: Course, wind: Wind) -> float:
         """About how long the legs take in this wind. Raises RotaError for one along which it blows the copter back."""
@@ -145,7 +163,8 @@ class ArduPilotAuto:
                 f"robot {robot}: wind of {wind.speed_m_s:g} m/s from {wind.from_deg:g} degrees: {self.vehicle.told},"
                 f" which makes {top_m_s:.1f} m/s through the air, cannot fly the leg to {_place(course, k + 1)}"
             )
-        return float((course.legs[:, WHOLE] + course.legs[:, LENGTH] / np.maximum(ground_m_s, 0.05)).sum())
+        blown_s = course.legs[:, LENGTH] / np.maximum(ground_m_s, 0.05)
+        return float(np.maximum(course.legs[:, WHOLE], blown_s).sum())
 
     @property
     def top_airspeed_m_s(self) -> float:
@@ -167,12 +186,11 @@ def _place(course: Course, k: int) -> str:
     return f"({x:.1f}, {y:.1f}) m at a height of {height:.4g} m"
 
 
-def _motion(robot: str, course: Course, begins: list[int], track: Floats, reached_s: Floats) -> Motion:
+def _motion(robot: str, course: Course, begins: list[int], at_s: Floats, track: Floats, reached_s: Floats) -> Motion:
     """The motion of a track, which repeats its last round; what misses between its ends is spread over the round."""
     end, stays = begins[-1], len(begins) == 1
     begin = 0 if stays else begins[-2]
     begin_s, end_s = float(reached_s[begin]), float(reached_s[end])
-    at_s = np.arange(len(track)) * STEP_S
     sampled_s = at_s[::SAMPLE_STEPS]
     times_s = np.unique(np.concatenate([sampled_s[sampled_s < end_s], [begin_s, end_s]]))
     positions_m = np.column_stack([np.interp(times_s, at_s, axis) for axis in track.T])
