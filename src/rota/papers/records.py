@@ -184,6 +184,11 @@ def mission_digest(mission: Mission) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:DIGEST]
 
 
+def what(mission: Mission) -> Json:
+    """What tells a mission apart, for a record."""
+    return {"mission": mission.name, "digest": mission_digest(mission)}
+
+
 def drawn_ways(plan: Plan) -> tuple[Trajectory, ...]:
     """A plan's trajectories as records keep them to be drawn: to ``DIGITS``, without points at the same moment."""
     return tuple(_rounded(trajectory) for trajectory in plan.trajectories)

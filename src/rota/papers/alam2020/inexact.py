@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.alam2020 import maps
-from rota.papers.alam2020.runs import Runs, what
+from rota.papers.alam2020.runs import Runs
+from rota.papers.records import what
 from rota.planners.bounce.cells import Cells, make_cells
 from rota.planners.bounce.inexact_turns import (
     Estimate,

@@ -15,7 +15,8 @@ from rota.geometry.free_space import free_ground
 from rota.mission import Mission
 from rota.papers.alam2020 import maps, paper
 from rota.papers.alam2020.grid_beside_plane import GridBesidePlane, compare_grid_and_plane
-from rota.papers.alam2020.runs import Runs, what
+from rota.papers.alam2020.runs import Runs
+from rota.papers.records import what
 from rota.papers.section import Picture, Section
 from rota.papers.tables import Table, number
 from rota.planners.bounce.bounce_map import cycles_and_basins, make_team, single_map

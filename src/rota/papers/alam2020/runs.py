@@ -19,7 +19,7 @@ from rota.geometry.free_space import free_ground
 from rota.make_plan import search_plan
 from rota.mission import Mission
 from rota.papers.alam2020 import paper
-from rota.papers.records import DIGEST, drawn_ways, mission_digest, plan_digest
+from rota.papers.records import DIGEST, drawn_ways, plan_digest, what
 from rota.papers.study_runs import StudyRuns
 from rota.plan import Plan, Trajectory
 from rota.planners.bounce.cells import make_cells
@@ -181,11 +181,6 @@ class Runs(StudyRuns[StudySettings]):
             self.now(f"covering by {mission.name}, {method}, start {seed}")
             found.append(covered_by(bouncing, seed=seed))
         return cover_runs(bouncing, found, self.starts)
-
-
-def what(mission: Mission) -> dict[str, object]:
-    """What tells a mission apart, for a record."""
-    return {"mission": mission.name, "digest": mission_digest(mission)}
 
 
 def _bouncing(mission: Mission, method: BounceMethod) -> Bouncing:

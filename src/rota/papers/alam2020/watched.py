@@ -8,8 +8,8 @@ import numpy as np
 
 from rota.mission import Mission
 from rota.papers.alam2020 import maps
-from rota.papers.alam2020.runs import Runs, Watching, watching, what
-from rota.papers.records import drawn_ways
+from rota.papers.alam2020.runs import Runs, Watching, watching
+from rota.papers.records import drawn_ways, what
 from rota.plan import Plan, Trajectory
 from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there

@@ -16,7 +16,7 @@ from rota.mission import Mission
 from rota.papers import records
 from rota.papers.chen2018 import paper
 from rota.papers.plain import changes
-from rota.papers.records import mission_digest, plan_digest
+from rota.papers.records import plan_digest
 from rota.papers.study_runs import StudyRuns
 from rota.planners.swarm.metrics import covered_share
 from rota.planners.swarm.planner import SwarmRun, run_mission, sensors_of, squares_of
@@ -206,10 +206,8 @@ class Runs(StudyRuns[StudySettings]):
 
 def what(mission: Mission, controller: Controller | None = None) -> dict[str, object]:
     """What tells a mission, and a controller, apart, for a record."""
-    found: dict[str, object] = {"mission": mission.name, "digest": mission_digest(mission)}
-    if controller is not None:
-        found |= {"controller": controller.name, "settings": changes(controller.settings)}
-    return found
+    chosen = {"controller": controller.name, "settings": changes(controller.settings)} if controller else {}
+    return records.what(mission) | chosen
 
 
 def outcome_of(mission: Mission, run: SwarmRun, *, drawn: bool = False) -> Outcome:

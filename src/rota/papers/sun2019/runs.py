@@ -17,7 +17,7 @@ from rota.geometry.free_space import demanded_regions, standing_space
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import Mission
 from rota.papers.plain import changes
-from rota.papers.records import mission_digest
+from rota.papers.records import mission_digest, what
 from rota.papers.study_runs import StudyRuns
 from rota.papers.sun2019 import paper
 from rota.papers.sun2019.kept import found_of, printed_of
@@ -310,11 +310,6 @@ class Runs(StudyRuns[StudySettings]):
             )  # fmt: skip
 
         return self._once(("lengths", mission_digest(mission), settings, joining_legs, seed), make)
-
-
-def what(mission: Mission) -> dict[str, Any]:
-    """What tells a mission apart, for a record."""
-    return {"mission": mission.name, "digest": mission_digest(mission)}
 
 
 def _stages(settings: MethodSettings) -> dict[str, Any]:
