@@ -85,7 +85,7 @@ HOW_TO_READ = (
     "*as printed*: these routes driven as they are.",
     "*mended*: the same algorithms with the same tables, but that routes are led to what they leave unseen and the "
     "frame is cut anew until the check passes (in mission files `sun2019: {deployment: ccpso2, tour: genetic, "
-    "partition: pso, routes: repaired}`).",
+    "partition: pso, routes: repaired, sensors: {sensors_max: 160}}`).",
     "*sequential*, *parallel*, *decomposition*: the traditional methods of Section 4.1, which group zones of like "
     "periods and are mended as well; both are ours. In *parallel* each robot has a strip.",
     "*sun2019*: that method as it is by default: the paper's stages, each done by another algorithm, all ours (greedy "
@@ -115,7 +115,9 @@ def page_markdown(sections: Sequence[Section], *, seed: int, settings: StudySett
         "## What cannot be reproduced",
         listed(NOT_REPRODUCED),
         "## Readings and additions of ours",
-        "What the paper leaves open had to be filled in, and some of its rules did little as they are printed.",
+        "What the paper leaves open had to be filled in, and some of its rules did little as they are printed. Every "
+        "value of Tables 2 to 4 and of the weights, probabilities and thresholds is a [setting of missions and "
+        "sweeps](methods.md#settings-of-its-stages).",
         listed(OURS),
         *comparing,
         *(section.markdown for section in sections),
