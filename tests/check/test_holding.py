@@ -13,7 +13,8 @@ from shapely import MultiPolygon, box
 
 from rota.check import check_plan, report_table, report_to_json
 from rota.check.holding import Holding, holding_of, shadows
-from rota.mission import DiscSensor, Fleet, Mission, Obstacle, Robot, SquareSensor
+from rota.importance_cells import importance_in_range
+from rota.mission import DiscSensor, Fleet, ImportanceMap, Mission, Obstacle, Robot, SquareSensor, Zone
 from rota.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
 
@@ -123,3 +124,25 @@ def test_robots_that_leave_hold_nothing() -> None:
     fleet = replace(plan.mission.fleet, robots=(replace(robots[0], leaves_s=5.0), robots[1]))
     gone = replace(plan, mission=replace(plan.mission, fleet=fleet))
     assert holding(gone).in_range_m2 == pytest.approx(math.pi * REACH_M**2)
+
+
+def test_importance_in_range_is_that_of_closed_forms_and_of_the_planner_s_own_count() -> None:
+    plan = held((20, 20), (12, 34), obstacles=(wall(0, 0, 10, 20),))
+    assert holding(plan).importance_in_range is None
+    half = Zone(name="z", shape=MultiPolygon([box(20, 0, 40, 40)]), period_s=None, importance=3)
+    valued = replace(plan, mission=replace(plan.mission, zones=(half,)))
+    # half a disc lies in the zone; of the ground 600 m2 are worth 1 and 800 m2 3; the discs overlap by nothing
+    inside_m2, outside_m2 = math.pi * REACH_M**2 / 2, math.pi * REACH_M**2 / 2
+    corner_m2 = holding(plan).in_range_m2 - inside_m2 - outside_m2
+    share = (3 * inside_m2 + outside_m2 + corner_m2) / (3 * 800 + 600)
+    told = holding(valued).importance_in_range
+    sticking_m2 = shapely.Point(12, 34).buffer(REACH_M, quad_segs=64).intersection(box(20, 0, 40, 40)).area
+    assert told == pytest.approx(share + 2 * sticking_m2 / 3000, abs=2e-3)
+    rng = np.random.default_rng(3)
+    hills = ImportanceMap(values=rng.uniform(0, 5, (7, 9)), low_m=(2, 3), step_m=(4.5, 5.5))
+    valued = replace(plan, mission=replace(plan.mission, zones=(half,), importance=hills))
+    assert holding(valued).importance_in_range == pytest.approx(importance_in_range(valued), abs=3e-3)
+    report = check_plan(valued)
+    assert report.holding is not None
+    assert f"{report.holding.importance_in_range:.1%} of its importance in range" in report_table(report)
+    assert json.loads(json.dumps(report_to_json(report)))["holding"]["importance_in_range"] is not None

@@ -14,6 +14,7 @@ import shapely
 
 from rota.check.arrays import Floats
 from rota.check.blocking import blocks_motion, blocks_sight
+from rota.check.importance import importance_in_range
 from rota.check.routes import lines_of, segments_of
 from rota.check.standing import standing_area_of
 from rota.check.tolerances import NO_LENGTH, SLIVER_M, TOUCH_M
@@ -31,13 +32,15 @@ class Holding:
     """Areas in square metres, of the ground that nothing keeps from being seen and of what robots have of it at last.
 
     seen_m2: of what they have in range, as far as no wall is between. ``unreached``: (x, y, area) of each part of the
-    ground that no robot can come to from where it begins, the largest first; a place in it.
+    ground that no robot can come to from where it begins, the largest first; a place in it. importance_in_range: the
+    share of the ground's importance in range; None where the mission states none.
     """
 
     ground_m2: float
     in_range_m2: float
     seen_m2: float
     unreached: tuple[tuple[float, float, float], ...]
+    importance_in_range: float | None = None
 
 
 def holding_of(plan: Plan) -> Holding | None:
@@ -56,9 +59,13 @@ def holding_of(plan: Plan) -> Holding | None:
             ranges.append(in_range(robot, place))
             near = tree.query(ranges[-1])
             views.append(shapely.difference(ranges[-1], shadows(place[:2], walls[near], robot.sensor.reach_m)))
-    in_range_m2, seen_m2 = (shapely.intersection(shapely.union_all(shapes), ground).area for shapes in (ranges, views))
+    reached, seen = (shapely.intersection(shapely.union_all(shapes), ground) for shapes in (ranges, views))
     return Holding(
-        ground_m2=ground.area, in_range_m2=in_range_m2, seen_m2=seen_m2, unreached=tuple(_unreached(plan, mission))
+        ground_m2=ground.area,
+        in_range_m2=reached.area,
+        seen_m2=seen.area,
+        unreached=tuple(_unreached(plan, mission)),
+        importance_in_range=importance_in_range(mission, ground, reached),
     )
 
 

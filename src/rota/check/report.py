@@ -147,6 +147,7 @@ def _holding_to_json(holding: Holding) -> dict[str, Any]:
         "in_range_m2": holding.in_range_m2,
         "seen_m2": holding.seen_m2,
         "unreached": places,
+        "importance_in_range": holding.importance_in_range,
     }
 
 
@@ -262,6 +263,7 @@ def report_schema() -> dict[str, Any]:
                     in_range_m2=SIZE,
                     seen_m2=SIZE,
                     unreached={"type": "array", "items": _object(x=NUMBER, y=NUMBER, area_m2=SIZE)},
+                    importance_in_range={**ratio, "description": "share of the ground's; null: none is stated"},
                 ),
             ],
         },

@@ -37,6 +37,8 @@ def _held(report: Report) -> list[str]:
     lines = [f"held at last: {held.in_range_m2 * share:.1%} of the ground in range"]
     if held.seen_m2 < held.in_range_m2 - 1e-9 * held.ground_m2:
         lines[0] += f", {held.seen_m2 * share:.1%} seen through no wall"
+    if held.importance_in_range is not None:
+        lines[0] += f", {held.importance_in_range:.1%} of its importance in range"
     lines += [
         f"no robot can reach {number_text(area_m2)} m2 at ({x:.2f}, {y:.2f})" for x, y, area_m2 in held.unreached[:TOLD]
     ]
