@@ -44,6 +44,7 @@ from benchmarks.sun_frame import sun_frame
 from benchmarks.sun_method import sun_method
 from benchmarks.swarm_adversarial import swarm_adversarial
 from benchmarks.swarm_coverage import swarm_coverage
+from benchmarks.swarm_importance import swarm_importance
 from benchmarks.swarm_jams import swarm_jams
 from benchmarks.swarm_million import swarm_million
 from benchmarks.swarm_peer import swarm_peer
@@ -192,6 +193,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "sun2019-method": sun_method,
     "swarm-coverage": swarm_coverage,
     "swarm-jams": swarm_jams,
+    "swarm-importance": swarm_importance,
     "swarm-rest": swarm_rest,
     "swarm-adversarial": swarm_adversarial,
     "swarm-step": swarm_step,

@@ -34,7 +34,8 @@ rows into `benchmarks/measured.csv` and writes this page anew. `--effort` is hee
 - `parcel-nl` (a Dutch parcel) and `cumberland` (a scanned building) need data that is not part of the repository;
   without it their rows say so.
 - `one-robot` installs coverage-path-planner from PyPI, which names no licence, into a temporary folder to run beside
-  it; `sun2019-frame` does so with fast-tsp, and `swarm-peer` with pyrvo.
+  it; `sun2019-frame` does so with fast-tsp, `swarm-peer` with pyrvo, and `swarm-importance` with coverage_control
+  (GPL-3.0, no dependency).
 - `random-missions` plans a thousand small missions; `--missions 1 --first-seed N` plans one of them again, and Ctrl-C
   ends it with what is done.
 
