@@ -46,9 +46,12 @@ def cluster_or_none(address: str | None) -> AbstractContextManager[Executor | No
 
 
 def compiled_for_check(mission: Mission) -> tuple[str, ...]:
-    """The package whose loops the check of a mission's plans runs: none where no period asks for every point."""
+    """The package whose loops the check of a mission's plans runs: none where no period asks for every point.
+
+    Of swarms it runs them in any case, to tell what they hold.
+    """
     every_point = any(zone.period_s is not None and zone.demand == "every_point" for zone in mission.zones)
-    return ("check",) if every_point or mission.period_s is not None else ()
+    return ("check",) if every_point or mission.period_s is not None or mission.planning.makes_runs else ()
 
 
 def require_target(target: str, source: str | Path) -> None:
