@@ -13,9 +13,10 @@ from pyproj import Geod
 from shapely import LinearRing, MultiPolygon, Polygon, box
 from shapely.geometry import shape
 
-from rota.errors import RotaError
+from rota.errors import MissionError, RotaError
 from rota.files.geodesy import Projection
 from rota.files.geojson import geojson_text, plan_to_geojson, write_geojson
+from rota.files.mission_file import read_mission
 from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, Robot, Zone
 from rota.plan import Plan, Trajectory
 from rota.planners.swarm.planner_settings import SwarmSettings
@@ -73,6 +74,36 @@ def test_features_and_their_properties() -> None:
     }
     assert stay["geometry"]["type"] == "Point"
     assert features(document, "approach")[0]["properties"]["times_s"] == [0.0, 10.0]
+
+
+def test_zones_come_back_with_their_importance(tmp_path: Path) -> None:
+    zone = Zone(name="gate", shape=box(-200, -200, -100, -100), period_s=None, importance=2.5)
+    fleet = Fleet(
+        speed_m_s=10,
+        sensor=DiscSensor(radius_m=50),
+        robots=(Robot(name="a", speed_m_s=10, sensor=DiscSensor(radius_m=50)),),
+    )
+    mission = dataclasses.replace(plan().mission, zones=(zone,), period_s=None, fleet=fleet, planning=SwarmSettings())
+    document = plan_to_geojson(Plan(mission=mission, trajectories=()))
+    document["features"] = features(document, "zone")
+    (tmp_path / "zones.geojson").write_text(json.dumps(document))
+    mission_file = {
+        "rota": 1,
+        "name": "m",
+        "coordinates": "metres",
+        "origin": {"lat": ORIGIN.lat, "lon": ORIGIN.lon},
+        "area": [[-300, -300], [300, -300], [300, 300], [-300, 300]],
+        "zones": [{"geojson": "zones.geojson"}],
+        "fleet": {"robots": 1, "speed_m_s": 10, "sensor": {"shape": "disc", "radius_m": 50}},
+        "planner": "swarm",
+    }
+    (tmp_path / "m.json").write_text(json.dumps(mission_file))
+    (found,) = read_mission(tmp_path / "m.json").mission.zones
+    assert (found.name, found.period_s, found.importance) == ("gate", None, 2.5)
+    document["features"][0]["properties"]["importance"] = -1
+    (tmp_path / "zones.geojson").write_text(json.dumps(document))
+    with pytest.raises(MissionError, match=r"\(gate\) has importance -1; a number from 0 to 1e\+06 is needed"):
+        read_mission(tmp_path / "m.json")
 
 
 def test_loops_close_and_have_their_length_on_the_globe() -> None:

@@ -55,7 +55,9 @@ def plan_to_geojson(plan: Plan) -> Json:
         features.append(_feature(_shape(obstacle.shape, to_map), kind="obstacle", blocks=obstacle.blocks, **asks))
     for zone in mission.zones:
         shape = _shape(zone.shape, to_map)
-        features.append(_feature(shape, kind="zone", name=zone.name, period_s=zone.period_s, demand=zone.demand))
+        worth = {} if zone.importance is None else {"importance": zone.importance}
+        told = {"name": zone.name, "period_s": zone.period_s, "demand": zone.demand, **worth}
+        features.append(_feature(shape, kind="zone", **told))
     for trajectory in plan.trajectories:
         features.extend(_routes(trajectory, to_map))
     frame = {} if mission.origin is not None else {"coordinates_in": "metres"}

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 CELLS_PER_SENSOR = 16.0  # of the smallest sensor's radius
-DEAR = 4.0  # longest ways on the map that nothing offered counts as
+DEAR = 4.0  # of twice the longest way on the map: so much farther an offer of nothing counts as
 
 
 def importance_for(mission: Mission, ground: MultiPolygon, sensors_m: Floats) -> ImportanceCells | None:
