@@ -45,6 +45,30 @@ def swarm_rest(options: Options) -> Iterator[Row]:
         f"{min(passed)} to {max(passed)} pass",
         min(passed) >= DOOR_ROBOTS // 2,
     )
+    yield blocked_row()
+
+
+def blocked_row() -> Row:
+    """In how many runs robots are told as blocked: behind one that stands in the door, and with nobody in the way."""
+    behind = [is_blocked(gated(diameter_m), seed) for diameter_m in DIAMETERS_M for seed in SEEDS]
+    free = [
+        is_blocked(door(diameter_m, wider_m), seed)
+        for diameter_m in DIAMETERS_M
+        for wider_m in (WIDER_M, -diameter_m)
+        for seed in SEEDS
+    ]
+    return Row(
+        f"swarm, blocked robots told: {len(behind)} runs with one in the door, {len(free)} with nobody, or no door",
+        "all; none",
+        f"{sum(behind)}; {sum(free)}",
+        all(behind) and not any(free),
+    )
+
+
+def is_blocked(asked: Mission, seed: int) -> bool:
+    """Whether a run ends with robots that are told as blocked."""
+    end = run_mission(asked, seed=seed).plan.run_end
+    return end is not None and end.reason == "blocked"
 
 
 def late_row() -> Row:
@@ -76,9 +100,17 @@ def grid(share: float, delay_steps: int) -> Mission:
     return replace(asked, fleet=replace(asked.fleet, robots=robots, start=None), planning=settings)
 
 
-def door(diameter_m: float) -> Mission:
-    """Robots in a room with a door that is wider than they are by ``WIDER_M``."""
-    half = (diameter_m + WIDER_M) / 2
+def gated(diameter_m: float) -> Mission:
+    """The same, with one of them that stands in the door and takes part no more."""
+    asked = door(diameter_m)
+    first, *others = asked.fleet.robots or ()
+    gate = replace(first, start=(ROOM_M + 0.1, 10.0), leaves_s=TIME_STEP_S)
+    return replace(asked, fleet=replace(asked.fleet, robots=(gate, *others)))
+
+
+def door(diameter_m: float, wider_m: float = WIDER_M) -> Mission:
+    """Robots in a room with a door that is wider than they are by so much; none where it has no width."""
+    half = (diameter_m + wider_m) / 2
     walls = (box(ROOM_M, 0, ROOM_M + 0.2, 10 - half), box(ROOM_M, 10 + half, ROOM_M + 0.2, 20))
     asked = mission(DOOR_ROBOTS, (40, 20), StartBox(low_m=(1, 5), high_m=(9, 15)), 6000)
     obstacles = tuple(Obstacle(shape=MultiPolygon([wall])) for wall in walls)
