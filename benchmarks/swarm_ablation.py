@@ -35,7 +35,7 @@ LEFT_OUT = {  # the file in planners/swarm, what is written there, and what inst
     "waiting for any news": ("planner.py", " and swarm.news_rest else 0", " else 0"),
     "rest as a share of what robots drive": ("rest.py", "WANTS_SHARE = 0.01,", "WANTS_SHARE = 1e9,"),
     "lesser pushes in crowds": ("settle_kernels.py", "pushes(i, neighbours, crowd,", "pushes(i, neighbours, False,"),
-    "these only without free ground": ("settle_kernels.py", "crowd and away_m >= grid.place_graph.far_m", "crowd"),
+    "these only without free ground": ("settle_kernels.py", "crowd and away_m >=", "crowd and 1e300 >="),
     "parking": ("settle_kernels.py", "    if told:\n        parked", "    if False:\n        parked"),
     "no parking side by side": ("settle_kernels.py", "max(parked, tight)", "parked"),
     "friction by short steps": ("friction_kernels.py", "min(sensor_m, STEPS_FOR_SENSOR * most_m)", "sensor_m"),
