@@ -231,6 +231,10 @@ class Bouncing:
     clock_margin_s: float
     cell_origin: tuple[float, float] | None
 
+    def angles_of(self, robots: int) -> tuple[float, ...]:
+        """The bouncing angle in degrees of each of so many robots: one for all of them, or one for each."""
+        return self.bouncing_angles_deg * (robots if len(self.bouncing_angles_deg) == 1 else 1)
+
     def first_corner_m(self, bounds_m: tuple[float, float, float, float]) -> tuple[float, float]:
         """The lower left corner of the first cell: that of the area's bounds (x0, y0, x1, y1).
 

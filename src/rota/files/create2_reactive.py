@@ -32,11 +32,11 @@ def program_texts(plan: Plan, *, covers: str) -> tuple[str, ...]:
     """The programs' texts, in the plan's order of robots."""
     require_bouncing(plan)
     mission = plan.mission
-    angles = mission.bouncing.bouncing_angles_deg
-    each = angles * len(plan.trajectories) if len(angles) == 1 else angles
     return tuple(
         _text(mission, trajectory.robot, angle_deg, turning_speed_m_s(plan, trajectory), covers)
-        for trajectory, angle_deg in zip(plan.trajectories, each, strict=True)
+        for trajectory, angle_deg in zip(
+            plan.trajectories, mission.bouncing.angles_of(len(plan.trajectories)), strict=True
+        )
     )
 
 

@@ -15,7 +15,7 @@ from rota.planners.bounce.cells import make_cells
 from rota.planners.bounce.chosen_group import begin_there
 from rota.planners.bounce.enumeration import enumerate_groups, printed
 from rota.planners.bounce.group_count import count_groups
-from rota.planners.bounce.inexact_plan import Kept, kept_with_errors
+from rota.planners.bounce.inexact_plan import Kept, with_errors
 from rota.planners.bounce.limit_cycles import seen_by_cycles, zone_cells
 from rota.planners.bounce.monitoring import Watch, groups
 from rota.planners.bounce.planner import Bouncing, bouncing_robots, monitoring_plan, watch_of
@@ -78,7 +78,7 @@ def group_to_show(runs: Runs, mission: Mission) -> ShownGroup:
         runs.now(f"a group to show: {mission.name}")
         plan, told = shown_group(mission, runs.seed)
         asked = replace(BounceSettings.of(mission), turning_error_deg=WATCH_ERROR_DEG)
-        kept = kept_with_errors(replace(plan, mission=replace(plan.mission, planning=asked)))
+        kept = with_errors(replace(plan, mission=replace(plan.mission, planning=asked))).kept
         return ShownGroup(ways=drawn_ways(plan), told=told, plan=watching(plan), kept=kept)
 
     return runs.records.get(ShownGroup, {"what": "group shown", **what(mission), "seed": runs.seed}, make)

@@ -130,11 +130,6 @@ def covering(plan: Plan, *, most_runs: int = COVERING_RUNS) -> Covering:
     return Covering(error_deg=error_deg, runs=runs, lasting_s=COVERING_S, cells=cells.count, times_s=times_s)
 
 
-def kept_with_errors(plan: Plan) -> tuple[Kept, ...]:
-    """The shares of ``with_errors``."""
-    return with_errors(plan).kept
-
-
 def _runs_within(crew: Crew, lasting_s: float, most: int, least: int, work: float) -> int:
     """How many runs take this work, by the mean length of a chord of the ground; ``least`` at least, or ``most``."""
     ground = crew.rim.free
@@ -148,12 +143,10 @@ def _crew(plan: Plan) -> Crew:
     """The plan's robots as the simulation in the plane has them."""
     mission = plan.mission
     robots = [mission.fleet.robot(trajectory.robot) for trajectory in plan]
-    angles = BounceSettings.of(mission).bouncing_angles_deg
-    each = angles * len(robots) if len(angles) == 1 else angles
     return make_crew(
         free_ground(mission),
         [robot.body_radius_m for robot in robots],
-        [math.radians(angle) for angle in each],
+        [math.radians(angle) for angle in BounceSettings.of(mission).bouncing.angles_of(len(robots))],
         speed_m_s=min(robot.speed_m_s for robot in robots),
         turn_s=_turn_s(mission, plan),
     )

@@ -97,8 +97,7 @@ def free_team(
 
 def _tracks(mission: Mission, robots: tuple[Robot, ...], seed: int) -> tuple[list[Track], list[int]]:
     """All tracks, and for each the number of the first robot of the kind that has it."""
-    angles = BounceSettings.of(mission).bouncing_angles_deg
-    each = angles * len(robots) if len(angles) == 1 else angles
+    each = BounceSettings.of(mission).bouncing.angles_of(len(robots))
     zones = [zone for zone in mission.zones if zone.period_s is not None]
     tracks: list[Track] = []
     owners: list[int] = []
@@ -126,8 +125,7 @@ def _kinds_of_tracks(tracks: list[Track]) -> Iterator[NDArray[np.bool_]]:
 
 def _kinds(mission: Mission, robots: tuple[Robot, ...]) -> list[int]:
     """For each robot the first robot that has the same angle, speed, turn rate and body."""
-    angles = BounceSettings.of(mission).bouncing_angles_deg
-    each = angles * len(robots) if len(angles) == 1 else angles
+    each = BounceSettings.of(mission).bouncing.angles_of(len(robots))
     keys = [
         (angle, robot.speed_m_s, robot.turn_rate_rad_s, robot.body_radius_m)
         for angle, robot in zip(each, robots, strict=True)

@@ -55,11 +55,9 @@ class Bouncing:
 def bouncing_robots(mission: Mission, cells: Cells, count: int | None = None) -> Bouncing:
     """The mission's robots on cells; ``count`` of them when it asks for as few as possible."""
     robots, settings = robots_of(mission, count), BounceSettings.of(mission)
-    angles = settings.bouncing_angles_deg
-    each = angles * len(robots) if len(angles) == 1 else angles
     radii = np.array([robot.body_radius_m for robot in robots])
     apart_m = radii[:, None] + radii if settings.contact == "swept" else np.zeros((len(robots),) * 2)
-    bounces = [round(angle * settings.headings / 360) for angle in each]
+    bounces = [round(angle * settings.headings / 360) for angle in settings.bouncing.angles_of(len(robots))]
     team = make_team(cells, bounces, apart_m=apart_m)
     pace = pace_of(mission, cells, len(robots))
     return Bouncing(mission=mission, cells=cells, robots=robots, team=team, apart_m=apart_m, pace=pace)
