@@ -92,10 +92,11 @@ def require_head(head: Sequence[str], path: Path) -> None:
 def write_kept(rows: Iterable[Kept], path: Path = KEPT) -> None:
     """Write all rows, in the order of FIGURES and within a name as they come."""
     places = {name: k for k, name in enumerate(FIGURES)}
+    ordered = sorted(rows, key=lambda row: places[row.name])  # before the file is emptied: a name may be unknown
     with path.open("w", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(Kept._fields)
-        lines.writerows(sorted(rows, key=lambda row: places[row.name]))
+        lines.writerows(ordered)
 
 
 def replaced(old: Sequence[Kept], new: Iterable[Kept]) -> list[Kept]:

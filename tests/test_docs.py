@@ -58,6 +58,9 @@ def test_kept_rows_are_replaced_by_command_and_figure(tmp_path: Path) -> None:
     assert kept[-1] == added
     write_kept(rows, tmp_path / "kept.csv")
     assert (tmp_path / "kept.csv").read_text() == KEPT.read_text()
+    with pytest.raises(KeyError):  # of a name that is not known nothing is written
+        write_kept([*rows, added._replace(command="unheard-of")], tmp_path / "kept.csv")
+    assert (tmp_path / "kept.csv").read_text() == KEPT.read_text()
 
 
 def test_kept_rows_with_other_columns_are_refused(tmp_path: Path) -> None:
