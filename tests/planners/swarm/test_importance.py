@@ -228,3 +228,21 @@ def test_processes_know_what_ground_is_worth() -> None:
     assert scene.grid.importance.values.max() == 1
     assert scene.grid.place_graph.most == pytest.approx(np.pi * 12**2, rel=0.05)
     assert not len(scene_of(mission(4)).grid.place_graph.worth)
+
+
+def test_hearsay_of_what_has_been_taken_dies_out() -> None:
+    like = Fleet(speed_m_s=2.0, sensor=DiscSensor(radius_m=16), body_radius_m=0.4)
+    robots = tuple(like.equal_robot(f"robot-{k + 1}") for k in range(8))
+    wall = tuple(Obstacle(shape=MultiPolygon([box(95, *ys[:1], 100, *ys[1:])])) for ys in ((0, 60), (70, 140)))
+    asked = mission(
+        8,
+        area=MultiPolygon([box(0, 0, 200, 140)]),
+        obstacles=wall,
+        importance=0.2,
+        zones=(zone("stage", 5, 140, 80, 190, 130), zone("gates", 2, 120, 5, 195, 30)),
+        fleet=replace(like, robots=robots, start=StartBox(low_m=(5, 5), high_m=(40, 40))),
+    )
+    run = run_mission(asked, seed=0)
+    # before hops had a least length, robots went to and fro behind the door for 2,800 steps
+    assert run.at_rest
+    assert run.steps < 1000

@@ -16,6 +16,7 @@ from rota.planners.swarm.kernels import compiled
 
 LEVEL, LEVELS = 0.7071067811865476, 12
 KEPT_FROM = 0.6  # of a level, down to which an offer that was told is told again
+LEAST_HOP = 0.5  # of the distance between places
 ROUNDING = 1e-9
 
 
@@ -107,7 +108,7 @@ def heard(place: int, told: Any, graph: Any) -> float:
     least = graph.far_m
     for link in range(graph.link_start[place], graph.link_start[place + 1]):
         number = told[graph.link_to[link]]
-        passed = number + graph.link_m[link]
+        passed = number + max(graph.link_m[link], LEAST_HOP * graph.cell_m)
         if level_of(passed, graph) == level_of(number, graph) and is_better(passed, least, graph):
             least = passed
     return least
@@ -118,7 +119,7 @@ def pass_on_offers(step: int, graph: Any) -> None:
     """Make the next step's numbers of those told at this one: that of least cost, a place's own or by way of another.
 
     Hearsay that would cost more than before tells nothing for a step, as in ``pass_on_distances``, and none is told of
-    ways longer than way_m.
+    ways longer than way_m. Each hop counts as ``LEAST_HOP`` at least: rumours between places side by side lived long.
     """
     old, new = graph.away_m[step % 2], graph.away_m[(step + 1) % 2]
     for k in range(graph.x.shape[0]):
