@@ -8,6 +8,14 @@ import sys
 ROOM_BYTES = 2**30
 
 
+NO_ROOM = ("bad_alloc", "can't start new thread")  # how GEOS and Python's threads say what others call MemoryError
+
+
+def is_out_of_memory(error: Exception) -> bool:
+    """Whether an error says that memory was refused, whichever library was the one to ask for it."""
+    return isinstance(error, MemoryError) or any(said in str(error) for said in NO_ROOM)
+
+
 def limit_memory(most_bytes: int) -> None:
     """Let allocations beyond ``most_bytes``, and some room, fail; data only is counted, since loops map much more.
 

@@ -20,7 +20,7 @@ from rota.errors import MissionError, RotaError
 from rota.web.refusal import Json, Refusal, unkept
 from rota.web.store.database import Database
 from rota.web.tasks.context import Context, as_given
-from rota.web.tasks.memory import limit_memory
+from rota.web.tasks.memory import is_out_of_memory, limit_memory
 
 TASKS = {
     "validate": "rota.web.tasks.validate:validate",
@@ -112,12 +112,16 @@ def _serve(context: Context, inbox: Inbox, outbox: Outbox) -> None:
             outbox.send(refused(Refusal(422, "the mission has faults", _plain_faults(error))))
         except RotaError as error:
             outbox.send(refused(Refusal(422, str(error))))
-        except MemoryError:
-            outbox.send(refused(Refusal(413, "this needs more memory than the server gives to one request")))
         except Exception as error:
-            traceback.print_exc()
-            told = "a fault in Rota, not in what was sent; the server's log has it"
-            outbox.send(refused(unkept(error) or Refusal(500, told)))
+            outbox.send(refused(_failure(error)))
+
+
+def _failure(error: Exception) -> Refusal:
+    """What a task that failed is answered with; a fault of ours goes to the log."""
+    if is_out_of_memory(error):
+        return Refusal(413, "this needs more memory than the server gives to one request")
+    traceback.print_exception(error)
+    return unkept(error) or Refusal(500, "a fault in Rota, not in what was sent; the server's log has it")
 
 
 def done(context: Context, message: Json, content: bytes) -> tuple[Json, bytes]:
@@ -150,11 +154,11 @@ def _plan(context: Context, inbox: Inbox, outbox: Outbox, stop: threading.Event)
         message, _ = inbox.get()
     try:
         outbox.send(PlanningJob(context, message["job"], outbox.send, stop).run())
-    except MemoryError:
-        outbox.send({"event": "ended", "outcome": "failed", "message": "planning needed more memory than is allowed"})
     except Exception as error:
         traceback.print_exc()
         told = str(unkept(error) or "a fault in Rota, not in the mission; the server's log has it")
+        if is_out_of_memory(error):
+            told = "planning needed more memory than is allowed"
         outbox.send({"event": "ended", "outcome": "failed", "message": told})
 
 
