@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 Longs = NDArray[np.int64]
 
 DRAWN_PLACES = 5_000  # of one run: so many places at most, evenly spread over its steps
-SPARSE = 100  # steps between them, from which on only those that tables name are drawn
+SPARSE, SPARSE_STEPS = 100, 10  # steps between them, from which on only so many of those that tables name are drawn
 MOMENTS = (40, 50, 100, 200, 300, 500, 574, 1000, 2000, 3000)
 
 
@@ -164,6 +164,11 @@ def kept_steps(steps: int) -> Longs:
     return np.array(sorted({step for step in grid if step < steps} | {steps}))
 
 
+def few_of(steps: Longs) -> Longs:
+    """``SPARSE_STEPS`` of the steps, evenly spread over them, the first and the last among them."""
+    return steps[np.linspace(0, len(steps) - 1, min(SPARSE_STEPS, len(steps))).round().astype(np.int64)]
+
+
 class Runs(StudyRuns[StudySettings]):
     """Runs of missions by controllers, two at a time, each with a record."""
 
@@ -220,7 +225,7 @@ def outcome_of(mission: Mission, run: SwarmRun, *, drawn: bool = False) -> Outco
     ways = None
     if drawn:
         stride = -(-(run.steps + 1) * len(run.plan.trajectories) // DRAWN_PLACES)
-        shown = np.array(sorted({*range(0, run.steps, stride), *at.tolist()} if stride < SPARSE else set(at.tolist())))
+        shown = np.array(sorted({*range(0, run.steps, stride), *at.tolist()})) if stride < SPARSE else few_of(at)
         gaps_m = history.body_gap_m + 2 * paper.BODY_M
         ways = Ways(at=shown, places_m=places_at_steps(mission, run, shown), gaps_m=gaps_m)
     return Outcome(
