@@ -131,7 +131,7 @@ class OwnThread(Generic[Result]):
 
     def _leave(self) -> None:
         self.is_left = True
-        _LEFT.append(self._thread)
+        _LEFT[:] = [*(thread for thread in _LEFT if thread.is_alive()), self._thread]
 
     def _run(self) -> None:
         work, self._work = self._work, None

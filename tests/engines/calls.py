@@ -7,6 +7,8 @@ import signal
 import time
 from pathlib import Path
 
+from rota.stopping import OwnThread
+
 
 def doubled(value: int) -> int:
     return 2 * value
@@ -35,6 +37,12 @@ def die(count: Path) -> None:
     with count.open("a") as stream:
         stream.write("x")
     os.kill(os.getpid(), signal.SIGKILL)
+
+
+def leave_work(go: Path) -> int:
+    """Leave a thread that works until a file is there; answer with this process's number."""
+    assert OwnThread(lambda: wait_for(go)).result(lambda: True) is None
+    return os.getpid()
 
 
 def begin_and_wait(begun: Path, go: Path, value: int) -> int:

@@ -19,6 +19,7 @@ from tests.engines.calls import (
     die_at_first,
     doubled,
     environment,
+    leave_work,
     printed,
     process_and,
     refuse,
@@ -79,6 +80,14 @@ def test_a_process_killed_from_outside_costs_its_own_call_only(two: LocalProcess
     assert int((tmp_path / "begun1").read_text()) == numbers[1]
     (tmp_path / "go").touch()
     assert [call.result() for call in calls] == [0, 1]
+
+
+def test_a_process_that_left_work_running_does_no_more_calls(tmp_path: Path) -> None:
+    with LocalProcesses(1) as one:
+        left = one.submit(leave_work, tmp_path / "go").result()
+        after = {one.submit(process_and, value).result()[0] for value in range(3)}
+    assert len(after) == 1
+    assert left not in after
 
 
 def test_a_call_that_ends_every_process_is_given_up(two: LocalProcesses, tmp_path: Path) -> None:
