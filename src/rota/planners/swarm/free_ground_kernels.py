@@ -16,6 +16,7 @@ from typing import Any
 
 from rota.planners.swarm.kernels import compiled
 from rota.planners.swarm.offer_kernels import cost_m, cover_places, pass_on_offers, settle_offers
+from rota.planners.swarm.place_kernels import places_of_row, rows_within
 
 REACH = 2.0  # sensor radii, within which a robot loads places
 # square metres of discs for one of ground: a place gets free with less than the one, and is held from the other on;
@@ -29,12 +30,9 @@ def add_load(x: float, y: float, sensor_m: float, discs: float, graph: Any) -> N
     """Load the places within reach of (x, y) with ``discs`` discs, each spread as a cone as large as a disc."""
     reach_m = REACH * sensor_m
     top = 3.0 / (REACH * REACH) * discs
-    i0 = max(int((x - reach_m - graph.x0) / graph.cell_m), 0)
-    i1 = min(int((x + reach_m - graph.x0) / graph.cell_m), graph.columns - 1)
-    j0 = max(int((y - reach_m - graph.y0) / graph.cell_m), 0)
-    j1 = min(int((y + reach_m - graph.y0) / graph.cell_m), graph.rows - 1)
-    for j in range(j0, j1 + 1):
-        begin, end = graph.cell_start[j * graph.columns + i0], graph.cell_start[j * graph.columns + i1 + 1]
+    low, high = rows_within(y, reach_m, graph)
+    for row in range(low, high):
+        begin, end = places_of_row(row, x, reach_m, graph)
         for k in range(begin, end):
             dx, dy = graph.x[k] - x, graph.y[k] - y
             distance2 = dx * dx + dy * dy

@@ -16,7 +16,7 @@ import numpy as np
 from rota.compiled.kernel import kernel
 
 # no function here allocates an array, so numba's reference counts ("nrt") would only take time
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 
 
 def compiled(function: Callable[..., Any]) -> Any:

@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 from rota.planners.swarm.kernels import compiled
+from rota.planners.swarm.place_kernels import places_of_row, rows_within
 
 LEVEL, LEVELS = 0.7071067811865476, 12
 KEPT_FROM = 0.6  # of a level, down to which an offer that was told is told again
@@ -30,12 +31,9 @@ def share_in_disc(distance: float, radius: float, side: float) -> float:
 def cover_places(x: float, y: float, sensor_m: float, graph: Any) -> None:
     """Take the part that the disc round (x, y) covers from what is left of the ground about each place, graph.load."""
     reach_m = sensor_m + 0.5 * graph.cell_m
-    i0 = max(int((x - reach_m - graph.x0) / graph.cell_m), 0)
-    i1 = min(int((x + reach_m - graph.x0) / graph.cell_m), graph.columns - 1)
-    j0 = max(int((y - reach_m - graph.y0) / graph.cell_m), 0)
-    j1 = min(int((y + reach_m - graph.y0) / graph.cell_m), graph.rows - 1)
-    for j in range(j0, j1 + 1):
-        begin, end = graph.cell_start[j * graph.columns + i0], graph.cell_start[j * graph.columns + i1 + 1]
+    low, high = rows_within(y, reach_m, graph)
+    for row in range(low, high):
+        begin, end = places_of_row(row, x, reach_m, graph)
         for k in range(begin, end):
             dx, dy = graph.x[k] - x, graph.y[k] - y
             graph.load[k] *= 1.0 - share_in_disc(math.sqrt(dx * dx + dy * dy), sensor_m, graph.cell_m)
@@ -45,12 +43,9 @@ def cover_places(x: float, y: float, sensor_m: float, graph: Any) -> None:
 def offer_of(place: int, graph: Any) -> float:
     """The importance that a robot of the least sensor would find at a place and that nobody covers yet."""
     x, y, reach_m, total = graph.x[place], graph.y[place], graph.reach_m + 0.5 * graph.cell_m, 0.0
-    i0 = max(int((x - reach_m - graph.x0) / graph.cell_m), 0)
-    i1 = min(int((x + reach_m - graph.x0) / graph.cell_m), graph.columns - 1)
-    j0 = max(int((y - reach_m - graph.y0) / graph.cell_m), 0)
-    j1 = min(int((y + reach_m - graph.y0) / graph.cell_m), graph.rows - 1)
-    for j in range(j0, j1 + 1):
-        begin, end = graph.cell_start[j * graph.columns + i0], graph.cell_start[j * graph.columns + i1 + 1]
+    low, high = rows_within(y, reach_m, graph)
+    for row in range(low, high):
+        begin, end = places_of_row(row, x, reach_m, graph)
         for k in range(begin, end):
             if graph.load[k] * graph.worth[k] > 0.0:
                 dx, dy = graph.x[k] - x, graph.y[k] - y
