@@ -241,7 +241,7 @@ def first_room(n_team):
     return SeenTimes(np.empty(FIRST_ROOM), np.empty(FIRST_ROOM), bounds, robots)
 
 
-@kernel(nogil=True)
+@kernel
 def worst_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     """Worst gap of each piece: an upper bound for its points, exact for a single point.
 

@@ -196,7 +196,7 @@ def _gap_of_followers(first, passing, legs, team, limit_s):
     return gap + 2 * SAME_TIME
 
 
-@kernel(nogil=True)
+@kernel
 def passing_gaps(offsets, corners, limits_s, slack_m, grid, legs, team, walls):
     """Times (n,) that no point of each piece waits longer for a look, and first looks (n,), in seconds; inf: not told.
 

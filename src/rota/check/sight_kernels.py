@@ -292,7 +292,7 @@ def _sees_some(x, y, reach_m, square, walls, ground, crossings, all_m):
     return 1 if _sees_along(every, x, y, reach_m, square, walls_of, ground_of) else 0
 
 
-@kernel(nogil=True)
+@kernel
 def sees_ground(points, reach_m, square, grid, walls, ground, crossings):
     """Whether each point (n, 2), outside of the ground, sees some of the ground within reach_m: (n,) bool.
 

@@ -83,7 +83,7 @@ def rasterise(segments, margin_m, grid):
     return Binned(segments, offsets, index)
 
 
-@kernel(nogil=True)
+@kernel
 def swath_cuts(offsets, corners, grid, ways, margin_m):
     """For each piece a line (n, 3) nx, ny, c: n.p = c, along the edge of what a way sees; nan where there is none.
 
@@ -126,7 +126,7 @@ def swath_cuts(offsets, corners, grid, ways, margin_m):
     return cuts
 
 
-@kernel(nogil=True)
+@kernel
 def halve(offsets, corners, cuts, narrowest_m):
     """Cut each convex piece in two along its line, or across the longer side of its box where the line is nan.
 

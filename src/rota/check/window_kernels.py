@@ -33,7 +33,7 @@ def gap_within(times, n, from_s, to_s):
     return worst, when
 
 
-@kernel(nogil=True)
+@kernel
 def gaps_within(offsets, corners, slack_m, grid, legs, team, walls, window_s):
     """Worst gap of each piece within a window (from, to): an upper bound for its points, exact for a single point.
 

@@ -94,7 +94,7 @@ def _may_link(k, corners, sides, may):
         may[m] = there & here
 
 
-@kernel(nogil=True)
+@kernel
 def bitangents_of(first, last, corners, corner_part, grid, known):
     """Pairs (p, 2) of the corners first to last, and a later one each, that ``bitangents`` links."""
     pairs = np.empty((1024, 2), np.int32)
@@ -145,7 +145,7 @@ def _sides_of(corners):
     return sides
 
 
-@kernel(nogil=True)
+@kernel
 def tangents(points, part, corners, corner_part, grid):
     """(n, c) bool: the corners of its own part that each point sees along a tangent."""
     linked = np.empty((len(points), len(corners)), np.bool_)
@@ -183,7 +183,7 @@ class Ends(NamedTuple):
     items: Any
 
 
-@kernel(nogil=True)
+@kernel
 def path_lengths(a, b, corners, between, grid, symmetric):
     """(n, m) lengths of shortest paths from ends a to ends b, inf between different parts.
 
@@ -223,7 +223,7 @@ class Goals(NamedTuple):
     ends: Any
 
 
-@kernel(nogil=True)
+@kernel
 def searched_lengths(rows, a, b, corners, links, grid, symmetric, most_m):
     """Some rows (first, last) of the lengths of shortest paths from ends a to ends b, as ``path_lengths`` gives them.
 
@@ -305,7 +305,7 @@ def _search(a, from_a, goals, corners, links, lengths, found, most_m):
                 heappush(heap, (way, np.int64(on)))
 
 
-@kernel(nogil=True)
+@kernel
 def corner_chain(a, from_a, b, from_b, corners, start, items):
     """Corners on the shortest path from point a (2,) to point b (2,) that bends; none where there is no such path.
 

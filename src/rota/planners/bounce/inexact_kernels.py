@@ -98,7 +98,7 @@ class Stretch(NamedTuple):
     end_s: float
 
 
-@kernel(nogil=True)
+@kernel
 def _uniform(random):
     """The next number of splitmix64 in 0..1; random: (1,) its state."""
     random[0] += _GOLDEN
@@ -107,7 +107,7 @@ def _uniform(random):
     return float((z ^ (z >> _SHIFT_3)) >> _SHIFT_DOUBLE) * 2.0**-53
 
 
-@kernel(nogil=True)
+@kernel
 def _error(random, size, shape):
     """The error of one turn in radians."""
     if size == 0.0:
@@ -117,7 +117,7 @@ def _error(random, size, shape):
     return size * sqrt(-2 * log(1 - _uniform(random))) * cos(2 * pi * _uniform(random))
 
 
-@kernel(nogil=True)
+@kernel
 def _mark(stretch, lattice, entered_s):
     """Note in entered_s (n,) when a ``Stretch`` enters cells not entered before; returns how many."""
     x, y, u, v, begin_s, end_s = stretch
@@ -157,7 +157,7 @@ def _mark(stretch, lattice, entered_s):
             row += step_y
 
 
-@kernel(nogil=True)
+@kernel
 def _is_inside(x, y, sides):
     """Whether a point is inside rings given as sides (k, 4), by counting those to its right."""
     inside = False
@@ -168,7 +168,7 @@ def _is_inside(x, y, sides):
     return inside
 
 
-@kernel(nogil=True)
+@kernel
 def _note_visits(stretch, sides, watching, count):
     """Append when a ``Stretch`` is within a zone's sides (k, 4) to the ``count`` visits; returns their number."""
     x, y, u, v, begin_s, end_s = stretch
@@ -197,7 +197,7 @@ def _note_visits(stretch, sides, watching, count):
     return count
 
 
-@kernel(nogil=True)
+@kernel
 def _watch(watching, count, period_s, end_s, watched_s, z):
     """Add to watched_s (z,) the time for which zone z had been visited within a period, by ``count`` visits.
 
@@ -218,7 +218,7 @@ def _watch(watching, count, period_s, end_s, watched_s, z):
         known_until[z] = max(known_until[z], last + period_s)
 
 
-@kernel(nogil=True)
+@kernel
 def _begin(i, now_s, rim, robots, crew, random):
     """Let robot i go on: straight, or with another turn where a wall that it touches is in the way."""
     x, y, dx, dy = robots.x, robots.y, robots.dx, robots.dy
@@ -232,7 +232,7 @@ def _begin(i, now_s, rim, robots, crew, random):
     robots.until_s[i] = now_s + way / crew.speed_m_s if e >= 0 else inf
 
 
-@kernel(nogil=True)
+@kernel
 def _turn(i, now_s, robots, crew, random):
     """Let robot i turn."""
     error = _error(random, crew.error_rad, crew.shape)
@@ -241,7 +241,7 @@ def _turn(i, now_s, robots, crew, random):
     robots.until_s[i] = now_s + crew.turn_s
 
 
-@kernel(nogil=True)
+@kernel
 def _meeting(robots, crew):
     """The soonest contact of two robots on their present ways: seconds until then, and both robots; inf: none."""
     x, y, dx, dy, moving = robots.x, robots.y, robots.dx, robots.dy, robots.moving
@@ -266,14 +266,14 @@ def _meeting(robots, crew):
     return best, first, second
 
 
-@kernel(nogil=True)
+@kernel
 def _ahead(i, robots, speed, now_s, then_s):
     """The place (x, y) in metres where robot i is at then_s if it goes on as it does at now_s."""
     way = speed * (then_s - now_s) if robots.moving[i] else 0.0
     return robots.x[i] + way * robots.dx[i], robots.y[i] + way * robots.dy[i]
 
 
-@kernel(nogil=True)
+@kernel
 def _drive(robots, speed, now_s, then_s, lattice, entered_s):
     """Move all robots that drive; returns how many cells they enter that were not entered before."""
     new = 0
@@ -285,7 +285,7 @@ def _drive(robots, speed, now_s, then_s, lattice, entered_s):
     return new
 
 
-@kernel(nogil=True)
+@kernel
 def _watch_zones(robots, speed, now_s, then_s, zones, duration_s, watching, watched_s):
     """Note from now_s to then_s who is in which zone; watched_s: (z,) of this run, see ``_watch``."""
     for z in range(len(zones.periods_s)):
@@ -296,7 +296,7 @@ def _watch_zones(robots, speed, now_s, then_s, zones, duration_s, watching, watc
         _watch(watching, count, zones.periods_s[z], duration_s, watched_s, z)
 
 
-@kernel(nogil=True)
+@kernel
 def _act(event, touching, now_s, rim, robots, crew, random):
     """Let happen what is due at now_s: robot ``event`` ends its way or turn, or else both of ``touching`` turn."""
     if event >= 0:
@@ -312,7 +312,7 @@ def _act(event, touching, now_s, rim, robots, crew, random):
             _turn(i, now_s, robots, crew, random)
 
 
-@kernel(nogil=True)
+@kernel
 def run_inexact(rim, crew, duration_s, starts, seeds, lattice, zones, results):
     """Let a team drive once for each row of ``starts`` (r, m, 3): x, y, heading; seeds: (r,).
 

@@ -78,7 +78,7 @@ class CyclesReached(NamedTuple):
     marks: NDArray[np.uint64]
 
 
-@kernel(nogil=True)
+@kernel
 def place_on(rim, e, s):
     """Centre of the disc and unit tangent of the rim there."""
     elements, kinds, radius = rim
@@ -90,7 +90,7 @@ def place_on(rim, e, s):
     return elements[e, 0] + radius * nx, elements[e, 1] + radius * ny, ny, -nx
 
 
-@kernel(nogil=True)
+@kernel
 def is_blocked(rim, x, y, dx, dy):
     """Whether something that the disc at (x, y) touches stops it from moving along (dx, dy)."""
     elements, kinds, radius = rim
@@ -110,7 +110,7 @@ def is_blocked(rim, x, y, dx, dy):
     return False
 
 
-@kernel(nogil=True)
+@kernel
 def first_contact(rim, x, y, dx, dy):
     """The rim element that the disc touches first along the unit vector (dx, dy), where on it, and after how far.
 
@@ -146,7 +146,7 @@ def first_contact(rim, x, y, dx, dy):
     return element, where, best
 
 
-@kernel(nogil=True)
+@kernel
 def leave(rim, turning, first_heading, e, s, j):
     """Place, unit tangent, heading and number of turns with which the disc leaves the rim; no turns: it is stuck.
 
@@ -179,7 +179,7 @@ def leave(rim, turning, first_heading, e, s, j):
     return x, y, tx, ty, nan, 0, 0
 
 
-@kernel(nogil=True)
+@kernel
 def bounce(rim, turning, first_heading, e, s, j):
     """The next state, the way to it, the heading on that way, and d s' / d s; element -1: the disc is stuck."""
     x, y, tx, ty, heading, turns, tried = leave(rim, turning, first_heading, e, s, j)
@@ -198,7 +198,7 @@ def bounce(rim, turning, first_heading, e, s, j):
     return e1, s1, turns, way, heading, aside / (dx * uy - dy * ux)
 
 
-@kernel(nogil=True)
+@kernel
 def follow(rim, turning, first_heading, e, s, j, out):
     """Fill rows of ``out`` (p, 6) with states in turn: element, s, turns, then heading, way and slope to the next.
 
@@ -213,7 +213,7 @@ def follow(rim, turning, first_heading, e, s, j, out):
     return len(out)
 
 
-@kernel(nogil=True)
+@kernel
 def once_round(rim, turning, first_heading, e, s, j, period):
     """The state after ``period`` bounces, the way, the return map's slope, and a mark of the places on the way.
 
@@ -233,7 +233,7 @@ def once_round(rim, turning, first_heading, e, s, j, period):
     return e, s, j, way, slope, mark
 
 
-@kernel(nogil=True)
+@kernel
 def cycles_reached(rim, turning, discs, bounces, longest, reached):
     """Let a disc go from each place of ``Discs``, and write the cycle it comes to, if any, into ``CyclesReached``.
 
@@ -279,7 +279,7 @@ def cycles_reached(rim, turning, discs, bounces, longest, reached):
             s = min(max(s + (s1 - s) / (1 - slope), 0.0), rim.elements[e, 4])
 
 
-@kernel(nogil=True)
+@kernel
 def _return_time(rim, turning, first_heading, e, s, j, longest):
     """Bounces until the state comes back to within CLOSE_M, or 0 where ``longest`` are not enough."""
     e1, s1, j1 = e, s, j

@@ -14,7 +14,7 @@ SLACK = 1e-5  # share of a depth given away: depths are kept with 24 bits
 ROUNDING = 1e-9  # of a sector: a wall that ends so near a border may reach across it
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def depths(xy: Any, wall_start: Any, wall_item: Any, walls: Any) -> Any:
     """(n, 2, DEPTH_SECTORS) float32 squared metres: up to there nothing is hidden, and beyond there everything is.
 
@@ -51,7 +51,7 @@ def _borders() -> Any:
     return borders
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def _shadow(ux: float, uy: float, vx: float, vy: float, borders: Any, clear: Any, blocked: Any) -> None:
     """Let one wall, from u to v as seen from the point, bring down the depths of the sectors that it reaches into."""
     turn = ux * vy - uy * vx

@@ -10,7 +10,7 @@ import numpy as np
 from rota.compiled.kernel import kernel
 
 
-@kernel(nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def nearest_on_segments(points: Any, segments: Any, square: int) -> Any:
     """For each point (n, 2) the place (n, 2) on the segments (k, 4) at the least range (n,), inf when k is 0.
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from rota.compiled.kernel import kernel
 
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 STANDING_M2 = 1e-18  # a leg with less length (squared) is a place where the robot stands
 TOUCH_M = 1e-7  # a sample this close to a wall lies on it: that wall does not hide it
 DEPTH_SECTORS = 32  # of directions round a sample, a multiple of 4

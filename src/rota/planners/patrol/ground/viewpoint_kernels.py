@@ -10,7 +10,7 @@ from rota.compiled.kernel import kernel
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 
 
-@kernel(nogil=True)
+@kernel
 def places_see(x: Any, y: Any, reach: float, square: int, period_class: int, s: Samples, room: int) -> Any:
     """Samples that each place sees: starts (n + 1,) and indices; no place sees more than ``room``."""
     n = x.shape[0]

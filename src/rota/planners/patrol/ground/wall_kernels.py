@@ -30,7 +30,7 @@ class WallCells(NamedTuple):
     items: Any
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def walls_that_hide(xy: Any, reach: float, cells: WallCells) -> Any:
     """The walls within reach of each point (n, 2) that hide anything from it: starts (n + 1,), and their numbers."""
     n = xy.shape[0]
@@ -51,7 +51,7 @@ def walls_that_hide(xy: Any, reach: float, cells: WallCells) -> Any:
     return start, found[: start[n]].copy()
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, turn: int) -> Any:
     """The numbers of the walls within reach of a point, ascending; asked (w,): the last turn that asked for each."""
     left = max(math.floor((x - reach - cells.x0) / cells.cell_m), 0)
@@ -77,7 +77,7 @@ def walls_near(x: float, y: float, reach: float, cells: WallCells, asked: Any, t
     return np.sort(near[:count])
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def away_from(x: float, y: float, wall: Any) -> float:
     """Distance of a point from a wall."""
     ux, uy, wx, wy = x - wall[0], y - wall[1], wall[2] - wall[0], wall[3] - wall[1]
@@ -87,7 +87,7 @@ def away_from(x: float, y: float, wall: Any) -> float:
     return away
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def nearest_walls(x: float, y: float, items: Any, walls: Any) -> Any:
     """Which of the walls with the numbers items are the nearest in some direction: the others hide nothing more.
 
@@ -122,7 +122,7 @@ def nearest_walls(x: float, y: float, items: Any, walls: Any) -> Any:
     return needed
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed: Any) -> None:
     """Mark the walls that are the nearest in the middle between two neighbouring directions, of very many walls.
 
@@ -164,7 +164,7 @@ def mark_nearest(x: float, y: float, items: Any, walls: Any, angles: Any, needed
             needed[hit] = True
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: float, sectors: int) -> Any:
     """How far a wall is from (x, y), and the first and last of the sectors that it lies in, both ends at angles.
 
@@ -190,7 +190,7 @@ def sectors_of(x: float, y: float, wall: Any, first_angle: float, last_angle: fl
     return away, first, min(last, first + sectors - 1)
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def lies_on(wall: Any, x: float, y: float) -> Any:
     """Whether a point lies on a wall, its ends not included."""
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y
@@ -199,7 +199,7 @@ def lies_on(wall: Any, x: float, y: float) -> Any:
     return turn * turn <= TOUCH_M * TOUCH_M * (wx * wx + wy * wy) and ux * vx + uy * vy < 0
 
 
-@kernel(error_model="numpy", nogil=True)
+@kernel(error_model="numpy")
 def ray_hits(dx: float, dy: float, wall: Any, x: float, y: float) -> float:
     """Distance along a ray from (x, y) along d to the wall, inf when it misses or starts on the wall's line."""
     ux, uy, vx, vy = wall[0] - x, wall[1] - y, wall[2] - x, wall[3] - y

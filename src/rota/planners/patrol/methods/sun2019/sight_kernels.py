@@ -124,7 +124,7 @@ def cells_seen(px: float, py: float, cells: CellTable, ground: Ground, known: An
     return count
 
 
-@kernel(nogil=True)
+@kernel
 def cells_seen_from(places: Any, cells: CellTable, ground: Ground, most: int) -> Any:
     """Starts (n + 1,) and items of the cells seen from each place (n, 2); ``most`` is the most that a place sees."""
     known = np.zeros(1 + cells.corners.shape[0], np.int64)

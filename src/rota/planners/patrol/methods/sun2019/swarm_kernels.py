@@ -207,7 +207,7 @@ def best_neighbour(i: int, j: int, reach: int, best_fitness: Any) -> int:
     return chosen
 
 
-@kernel(nogil=True)
+@kernel
 def near_groups(place: Any, box: Any, seeds: Any, size: int) -> Any:
     """Order (n,) of sensors in which each ``size`` in a row are near each other: a seed and the sensors nearest to it.
 
