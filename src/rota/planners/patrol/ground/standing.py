@@ -11,6 +11,7 @@ from shapely import MultiPolygon, Polygon
 
 from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, entered, standing_anywhere, standing_space_in
+from rota.geometry.threads import side_by_side
 from rota.geometry.tiles import grown_box
 from rota.mission import Mission, Robot
 from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
@@ -87,19 +88,26 @@ def _drawn_coarsely(mission: Mission, body_radius_m: float) -> tuple[MultiPolygo
     """Where the centre of a body may be, and surely comes to, with few corners."""
     if not has_many_corners(mission):
         return _drawn(mission, body_radius_m, ARC_CORNERS)
-    space = standing_anywhere(mission, body_radius_m, arc_corners=COARSE_ARC_CORNERS)
+    space, sure = _anywhere(mission, body_radius_m, COARSE_ARC_CORNERS)
     space = with_pockets_opened(mission, space, body_radius_m)
-    return _behind_entrances(mission, space, body_radius_m, COARSE_ARC_CORNERS)
+    return _behind_entrances(mission, space, sure, body_radius_m, COARSE_ARC_CORNERS)
 
 
 def _drawn(mission: Mission, body_radius_m: float, arc_corners: int) -> tuple[MultiPolygon, MultiPolygon]:
     """The same with so many corners of a whole turn."""
-    space = standing_anywhere(mission, body_radius_m, arc_corners=arc_corners)
-    return _behind_entrances(mission, space, body_radius_m, arc_corners)
+    space, sure = _anywhere(mission, body_radius_m, arc_corners)
+    return _behind_entrances(mission, space, sure, body_radius_m, arc_corners)
+
+
+def _anywhere(mission: Mission, body_radius_m: float, arc_corners: int) -> tuple[MultiPolygon, MultiPolygon]:
+    """Where the centres of a body and of one that keeps off walls may be, entrances aside; drawn on two cores."""
+    radii_m = sorted({body_radius_m, clear_body_m(mission, body_radius_m)})
+    spaces = side_by_side(lambda radius_m: standing_anywhere(mission, radius_m, arc_corners=arc_corners), radii_m)
+    return spaces[0], spaces[-1]
 
 
 def _behind_entrances(
-    mission: Mission, space: MultiPolygon, body_radius_m: float, arc_corners: int
+    mission: Mission, space: MultiPolygon, sure: MultiPolygon, body_radius_m: float, arc_corners: int
 ) -> tuple[MultiPolygon, MultiPolygon]:
     """The part of the space that ways lead to from the fleet's entrances, and of that where bodies keep off walls.
 
@@ -109,7 +117,6 @@ def _behind_entrances(
     if mission.fleet.entrances is None:
         return space, space
     clear_m = clear_body_m(mission, body_radius_m)
-    sure = standing_anywhere(mission, clear_m, arc_corners=arc_corners)
     cut_off = _parts_beside(sure, entered(sure, mission, clear_m, arc_corners=arc_corners))
     sure = drawn_finer(mission, sure, cut_off, clear_m)
     space = drawn_finer(mission, space, cut_off, body_radius_m)
@@ -137,12 +144,12 @@ def with_pockets_opened(mission: Mission, space: MultiPolygon, body_radius_m: fl
 
 def drawn_finer(mission: Mission, space: MultiPolygon, parts: Sequence[Polygon], body_radius_m: float) -> MultiPolygon:
     """The space, with round corners drawn finely about some of its parts, which that may join to others."""
-    finer = [
-        standing_space_in(
+    finer = side_by_side(
+        lambda part: standing_space_in(
             mission, body_radius_m, grown_box(part.bounds, 2 * body_radius_m), arc_corners=POCKET_ARC_CORNERS
-        )
-        for part in parts
-    ]
+        ),
+        parts,
+    )
     return polygons_of(shapely.union_all([space, *finer])) if finer else space
 
 
