@@ -188,7 +188,7 @@ def adapts_verdict(cases: Sequence[Case]) -> Verdict:
         if one is not later and all(b <= a for a, b in zip(one.paper.periods_s, later.paper.periods_s, strict=True))
     ]
     more = np.array([np.subtract(later.robots, one.robots) for one, later in pairs])  # (pairs, seeds)
-    does = mostly((more > 0).all(axis=0).tolist())
+    does = mostly([bool(run.all()) for run in (more > 0).T])
     robots, late = together(cases)
     return Verdict(
         "The method adapts the number of robots to the periods", "5.2, 6", does.outcome,
