@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import importlib
 import itertools
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -141,6 +144,23 @@ def test_the_first_check_waits_until_its_own_work_on_the_mission_is_done(monkeyp
     use(monkeypatch, planner)
     assert search_plan(MISSION).plan is GOOD
     assert ready_when_checked == [True]
+
+
+LOADED = """
+import sys
+import rota.check
+from tests import test_make_plan as here
+loaded = []
+rota.check.get_ready = lambda mission: None
+with here.pytest.MonkeyPatch.context() as patch:
+    here.use(patch, lambda *_, **__: loaded.append("rota.check.judge" in sys.modules) or here.GOOD)
+    here.search_plan(here.MISSION)
+assert loaded == [True]
+"""
+
+
+def test_the_check_is_loaded_before_the_planner_loads_beside_it() -> None:
+    subprocess.run([sys.executable, "-c", LOADED], check=True, cwd=Path(__file__).parents[1])
 
 
 def test_a_plan_that_the_check_does_not_pass_is_no_plan(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -203,6 +203,9 @@ class _Judge:
 
     def get_ready(self) -> None:
         """Begin the check's work on the mission alone, while the planner makes its first plan."""
+        from rota.check import load
+
+        load()
         self._ready.start()
 
     def __call__(self, plan: Plan) -> Report:

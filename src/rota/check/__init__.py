@@ -18,6 +18,7 @@ __all__ = [
     "Violation",
     "check_plan",
     "get_ready",
+    "load",
     "met_text",
     "report_schema",
     "report_table",
@@ -35,6 +36,14 @@ def check_plan(plan: Plan, *, finest_m: float = 0.01, on_the_way: Callable[[], N
     from rota.check.judge import check_plan as judge  # loads the compiled loops only when they are needed
 
     return judge(plan, finest_m=finest_m, on_the_way=on_the_way)
+
+
+def load() -> None:
+    """Load what ``check_plan`` runs on: in one thread, before others load the same libraries.
+
+    Python fails now and then where one thread loads a package that another one has loaded in part (KeyError).
+    """
+    import rota.check.judge  # noqa: F401
 
 
 def get_ready(mission: Mission) -> None:
