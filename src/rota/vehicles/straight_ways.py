@@ -20,7 +20,7 @@ def straightened(plan: Plan, within_m: float) -> Plan:
     than 0, and for robots that bounce, whose points are where they bounce.
     """
     if not 0 < within_m < math.inf:
-        raise RotaError(f"within: {within_m:g} m is not allowed; must be greater than 0")
+        raise RotaError(f"within_m: {within_m:g} is not allowed; must be greater than 0")
     if plan.mission.planning.bouncing is not None:
         raise RotaError(f"{plan.mission.name}: its robots bounce, and do so at every point of their ways")
     return replace(plan, trajectories=tuple(_straight(trajectory, within_m) for trajectory in plan))
