@@ -53,7 +53,7 @@ def test_a_plan_that_is_not_met_is_straightened_only_when_one_says_how_far(
     assert not straight.exists()
     assert run(["straighten", str(path), "-o", str(straight), "--within-m", "1"]) == 1
     assert len(read_plan(straight).trajectories[0].times_s) == 6
-    for text, said in (("0", "within_m: 0 m is not allowed"), ("-1", "within_m: -1 is not allowed")):
+    for text, said in (("0", "within_m: 0 is not allowed"), ("-1", "within_m: -1 is not allowed")):
         assert run(["straighten", str(path), "-o", str(straight), "--within-m", text]) == 2
         assert said in capsys.readouterr().err
     assert run(["straighten", str(path), "-o", str(path)]) == 2
