@@ -36,6 +36,7 @@ from benchmarks.reader_runs import mutated_missions
 from benchmarks.row import Options, Row
 from benchmarks.scanned_floors import FLOORS, corners_of, write_floor
 from benchmarks.shell import python, rota
+from benchmarks.small_jobs import small_jobs
 from benchmarks.starts import warm_start
 from benchmarks.stopping import stopping
 from benchmarks.sun_cases import sun_cases
@@ -217,6 +218,7 @@ FIGURES: dict[str, Callable[[Options], Iterator[Row]]] = {
     "check-legs": check_legs,
     "random-missions": random_missions,
     "anytime": anytime,
+    "small-jobs": small_jobs,
     "stopping": stopping,
     "house": house,
     "suite": suite,
