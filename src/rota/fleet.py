@@ -9,6 +9,7 @@ from functools import cached_property
 
 from rota.errors import MissionError
 from rota.limits import LARGEST_M, LONGEST_S
+from rota.motion_limits import AT_ONCE, MotionLimits
 from rota.refusals import require, require_positive, require_text
 
 Place = tuple[float, float]
@@ -83,6 +84,7 @@ class Robot:
     """One robot. ``turn_rate_rad_s`` None: it turns in no time. ``start``: (x, y) in metres, or None for anywhere.
 
     ``turn_radius_m``: it turns on arcs of this radius or more, never on the spot; 0: it turns where it stands.
+    ``motion``: how fast it changes its speed and passes corners.
 
     It takes part from ``joins_s`` on until ``leaves_s`` (None: for ever). Before, it stands at its start, and after
     that where it is: it neither moves nor sees, but its body is there.
@@ -94,6 +96,7 @@ class Robot:
     body_radius_m: float = 0.0
     turn_rate_rad_s: float | None = None
     turn_radius_m: float = 0.0
+    motion: MotionLimits = AT_ONCE
     start: Place | None = None
     joins_s: float = 0.0
     leaves_s: float | None = None
@@ -171,6 +174,7 @@ class Fleet:
     body_radius_m: float = 0.0
     turn_rate_rad_s: float | None = None
     turn_radius_m: float = 0.0
+    motion: MotionLimits = AT_ONCE
     altitude_m: float = 30.0
     start: StartBox | StartPoints | None = None
     entrances: tuple[Place, ...] | None = None
@@ -201,6 +205,7 @@ class Fleet:
             body_radius_m=self.body_radius_m,
             turn_rate_rad_s=self.turn_rate_rad_s,
             turn_radius_m=self.turn_radius_m,
+            motion=self.motion,
         )
 
     def robot(self, name: str) -> Robot:

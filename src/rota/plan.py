@@ -19,6 +19,7 @@ EndReason = Literal["rest", "blocked", "most_steps", "stopped"]
 
 
 NAMED = 5  # blocked robots
+BACKWARDS_SHARE = 1e-9  # by which rounding may make an acceleration greater than its leg allows
 
 
 def _frozen(values: object) -> Floats:
@@ -29,11 +30,13 @@ def _frozen(values: object) -> Floats:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trajectory:
-    """Timed points of one robot: straight legs at constant speed, then the loop for ever.
+    """Timed points of one robot: straight legs, each at a constant acceleration, then the loop for ever.
 
     times_s: (n,) seconds, from 0, strictly increasing; n >= 1. positions_m: (n, 2) or (n, 3) metres. headings_rad: (n,)
-    or None (the direction of motion). ``loop_start_s`` is one of the times: equal to the last, the robot stays where
-    it is; otherwise the position then equals the last position exactly and the robot repeats from there.
+    or None (the direction of motion). accelerations_m_s2: (n - 1,) along each leg, or None: all legs are driven at
+    constant speeds. A leg of length L in the time T with the acceleration a begins at the speed L / T - a T / 2 and
+    ends at L / T + a T / 2; neither is below 0. ``loop_start_s`` is one of the times: equal to the last, the robot
+    stays where it is; otherwise the position then equals the last position exactly and the robot repeats from there.
 
     Raises PlanError for all else, for values that are not finite, times beyond 1e10 s and loops of less than 1e-6 s.
     """
@@ -42,6 +45,7 @@ class Trajectory:
     times_s: Floats
     positions_m: Floats
     headings_rad: Floats | None = None
+    accelerations_m_s2: Floats | None = None
     loop_start_s: float = 0.0
 
     def __post_init__(self) -> None:
@@ -49,6 +53,8 @@ class Trajectory:
         object.__setattr__(self, "positions_m", _frozen(self.positions_m))
         if self.headings_rad is not None:
             object.__setattr__(self, "headings_rad", _frozen(self.headings_rad))
+        if self.accelerations_m_s2 is not None:
+            object.__setattr__(self, "accelerations_m_s2", _frozen(self.accelerations_m_s2))
         object.__setattr__(self, "loop_start_s", float(self.loop_start_s))
         times, positions = self.times_s, self.positions_m
         if times.ndim != 1 or not len(times):
@@ -88,6 +94,63 @@ class Trajectory:
                 f"robot {self.robot}: its loop takes {times[-1] - self.loop_start_s:.3g} s; loops take"
                 f" {SHORTEST_LOOP_S:g} s or more, or no time where the robot stays"
             )
+        self._require_forward()
+
+    def _require_forward(self) -> None:
+        """Raise PlanError for accelerations that are no numbers, or with which a leg would begin or end backwards."""
+        if self.accelerations_m_s2 is None:
+            return
+        given, legs = self.accelerations_m_s2, len(self.times_s) - 1
+        if given.shape != (legs,):
+            raise PlanError(
+                f"robot {self.robot}: accelerations_m_s2 has shape {given.shape}, not ({legs},), one per leg"
+            )
+        if not np.isfinite(given).all():
+            k = int(np.flatnonzero(~np.isfinite(given))[0])
+            raise PlanError(f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]}; accelerations must be finite")
+        lengths = np.sqrt((np.diff(self.positions_m, axis=0) ** 2).sum(axis=1))
+        most = 2 * lengths / np.diff(self.times_s) ** 2
+        backwards = np.flatnonzero(np.abs(given) > most * (1 + BACKWARDS_SHARE))
+        if len(backwards):
+            k = int(backwards[0])
+            raise PlanError(
+                f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]:.6g}; on this leg at most {most[k]:.6g} m/s2"
+                " either way are allowed, or the robot would drive backwards"
+            )
+
+    @property
+    def bends(self) -> Floats:
+        """(n - 1,) how the way along each leg bends in time, from -1 to 1.
+
+        Of the share u of the leg's time it is the share u + bend u (u - 1) of the leg.
+
+        0 at constant speed; 1 from rest, -1 to rest. A leg of no length has 0.
+        """
+        if self.accelerations_m_s2 is None:
+            return np.zeros(len(self.times_s) - 1)
+        lengths = np.sqrt((np.diff(self.positions_m, axis=0) ** 2).sum(axis=1))
+        swept = self.accelerations_m_s2 * np.diff(self.times_s) ** 2 / 2
+        return np.asarray(np.clip(np.divide(swept, lengths, out=np.zeros(len(swept)), where=lengths > 0), -1.0, 1.0))
+
+    def at(self, times_s: object) -> Floats:
+        """Positions (..., d) in metres at the times (...) in seconds, a number or an array, in any round.
+
+        Before 0 the robot is where it begins.
+        """
+        asked_s = np.asarray(times_s, dtype=np.float64)
+        if self.loop_duration_s > 0:
+            late = asked_s > self.loop_start_s
+            again_s = self.loop_start_s + np.mod(asked_s - self.loop_start_s, self.loop_duration_s)
+            asked_s = np.where(late, again_s, asked_s)
+        if len(self.times_s) == 1:
+            return np.broadcast_to(self.positions_m[0], (*asked_s.shape, self.positions_m.shape[1])).copy()
+        leg = np.clip(np.searchsorted(self.times_s, asked_s, side="right") - 1, 0, len(self.times_s) - 2)
+        share = np.clip((asked_s - self.times_s[leg]) / (self.times_s[leg + 1] - self.times_s[leg]), 0.0, 1.0)
+        along = (share + self.bends[leg] * share * (share - 1))[..., None]
+        begin = self.positions_m[leg]
+        return np.asarray(
+            np.where(along == 1, self.positions_m[leg + 1], begin + along * (self.positions_m[leg + 1] - begin))
+        )
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Trajectory):
@@ -100,6 +163,7 @@ class Trajectory:
             and np.array_equal(self.times_s, other.times_s)
             and np.array_equal(self.positions_m, other.positions_m)
             and same_headings
+            and np.array_equal(self.bends, other.bends)
         )
 
     @property
