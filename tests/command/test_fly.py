@@ -63,6 +63,18 @@ def test_scripts_say_yes_beforehand_and_failures_are_told(plan: str, capsys: pyt
     assert "Ctrl-C ends it" in capsys.readouterr().err
 
 
+def test_what_is_driven_is_kept_in_phase_and_logged(
+    plan: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = str(tmp_path / "flown.rota-log")
+    options = ["--set", "clock=50", "--set", "slower=0.05", "--start", "--yes", "--seconds", "1.5", "--log", log]
+    assert run(["fly", plan, *options]) == 0
+    said = "robots are kept in phase; driven at less than 0.470 of the plan's pace, gate lapses"
+    assert said in capsys.readouterr().out.splitlines()  # 28.2 s of 60 s
+    run(["watch", plan, "--judge", log])
+    assert "reports, judged from" in capsys.readouterr().out
+
+
 def test_a_fault_of_one_robot_is_an_error_of_the_command(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["fly", plan, "--set", "clock=0", "--set", "faults=b:refuses", "--start", "--yes"]) == 2
     told = capsys.readouterr()
@@ -79,6 +91,10 @@ def test_a_fault_of_one_robot_is_an_error_of_the_command(plan: str, capsys: pyte
         (["--start"], "--start: somebody has to say yes on a terminal; scripts give --yes"),
         (["--yes"], "--yes: is for --start only"),
         (["--seconds", "3"], "--seconds: is for --start only"),
+        (["--hands-off"], "--hands-off: is for --start only"),
+        (["--log", "x.rota-log"], "--log: is for --start only"),
+        (["--start", "--yes", "--hands-off"], "--hands-off: robots on the link simulated drive only while"),
+        (["--start", "--yes", "--hands-off", "--log", "x"], "--hands-off: --log is for robots that are driven along"),
         (["--start", "--yes", "--seconds", "nan"], "--seconds: nan is not allowed; a number greater than 0 is needed"),
         (["--pause", "--home"], "--start, --pause, --home: only one of them is allowed"),
         (["--link", "radio"], "--link: 'radio' is not one of 'simulated'"),

@@ -9,7 +9,7 @@ import shlex
 import sys
 import threading
 from collections.abc import Sequence
-from contextlib import aclosing
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from io import UnsupportedOperation
 from typing import TYPE_CHECKING, Annotated
@@ -19,20 +19,18 @@ import typer
 from rota.command.arguments import PlanPath, read_plan_argument
 from rota.command.interrupt import run_to_its_end
 from rota.command.link_option import LinkName, LinkOrigin, LinkSettings, ListSettings, chosen_link, opened
-from rota.command.terminal import STANDARD_STREAM, say
+from rota.command.terminal import STANDARD_STREAM, mention_compiling, say
 from rota.command.without_mass import without_mass
 from rota.errors import RotaError
 
 if TYPE_CHECKING:
+    from rota.command.fly_along import Along
     from rota.links.link import Link
     from rota.plan import Plan
     from rota.route import Route
 
 FAR_FROM_START_M = 20.0  # from where its route begins; nothing has been planned for a robot's way there
-NEWS_EVERY_S = 10.0
 LONGEST_ANSWER = 1000  # bytes
-RELEASED = "robots get no more stops from here on, and wait at the last one that they have"
-GO_ON = "robots go on with their routes; --pause stops them, --home calls them back"
 
 
 def fly(
@@ -44,6 +42,12 @@ def fly(
     yes: Annotated[bool, typer.Option("--yes", help="With --start: ask nothing.")] = False,
     pause: Annotated[bool, typer.Option("--pause", help="Send nothing; let all robots stop where they are.")] = False,
     home: Annotated[bool, typer.Option("--home", help="Send nothing; let all robots return to their start.")] = False,
+    hands_off: Annotated[
+        bool, typer.Option("--hands-off", help="With --start: leave them alone then; nobody keeps them in phase.")
+    ] = False,
+    log: Annotated[
+        str | None, typer.Option(metavar="LOG", help="With --start: write all that arrives, for `rota watch --judge`.")
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option(metavar="SECONDS", help="With --start: end after so long; default at Ctrl-C.")
     ] = None,
@@ -58,22 +62,44 @@ def fly(
     if list_settings:
         typer.echo(settings_help(link))
         return
-    _require_sense(plan, start, yes, pause, home, seconds)
+    _require_sense(plan, start, yes, pause, home, _only_started(yes, seconds, hands_off, log))
     answer = read_plan_argument(plan)
     made = chosen_link(link, answer, origin, settings)
     watching = _watching(plan, link, settings or [], origin)
+    if hands_off and made.drives_along:
+        raise RotaError(f"--hands-off: robots on the link {link} drive only while this command goes on")
+    order = Order(start=start, yes=yes, hands_off=hands_off, seconds=seconds, log=log)
     if link == "mavlink" and not (pause or home) and (told := without_mass(answer, is_flown=True)) is not None:
         say(f"the plan is {told}")
-    run_to_its_end(_command(made, home) if pause or home else _fly(made, answer, start, yes, seconds, watching))
+    run_to_its_end(_command(made, home) if pause or home else _fly(made, answer, order, watching))
 
 
-def _require_sense(plan: str, start: bool, yes: bool, pause: bool, home: bool, seconds: float | None) -> None:
-    if pause + home + start > 1:
-        raise RotaError("--start, --pause, --home: only one of them is allowed")
-    if (yes or seconds is not None) and not start:
-        raise RotaError(f"{'--yes' if yes else '--seconds'}: is for --start only")
+@dataclass(frozen=True, kw_only=True)
+class Order:
+    """What is to be done once the robots hold their routes."""
+
+    start: bool
+    yes: bool
+    hands_off: bool
+    seconds: float | None
+    log: str | None
+
+
+def _only_started(yes: bool, seconds: float | None, hands_off: bool, log: str | None) -> list[str]:
+    """The options given that are for --start only."""
     if seconds is not None and not 0 < seconds < math.inf:
         raise RotaError(f"--seconds: {seconds:g} is not allowed; a number greater than 0 is needed")
+    if hands_off and (seconds is not None or log is not None):
+        raise RotaError(f"--hands-off: {'--seconds' if log is None else '--log'} is for robots that are driven along")
+    given = {"--yes": yes, "--hands-off": hands_off, "--log": log is not None, "--seconds": seconds is not None}
+    return [option for option, is_given in given.items() if is_given]
+
+
+def _require_sense(plan: str, start: bool, yes: bool, pause: bool, home: bool, only_started: list[str]) -> None:
+    if pause + home + start > 1:
+        raise RotaError("--start, --pause, --home: only one of them is allowed")
+    if only_started and not start:
+        raise RotaError(f"{only_started[0]}: is for --start only")
     if start and not yes and (plan == STANDARD_STREAM or not sys.stdin.isatty()):
         raise RotaError("--start: somebody has to say yes on a terminal; scripts give --yes")
 
@@ -87,11 +113,49 @@ def _watching(plan: str, link: str, settings: list[str], origin: str | None) -> 
     return shlex.join(words)
 
 
-async def _fly(link: Link, plan: Plan, start: bool, yes: bool, seconds: float | None, watching: str) -> None:
-    from rota.links.sending import routes_for
+async def _fly(link: Link, plan: Plan, order: Order, watching: str) -> None:
+    from rota.links.sending import first_reports, routes_for, send_all, start_all
 
+    listens = link.drives_along or link.keeps_phase or order.seconds is not None or order.log is not None
+    drives = order.start and not order.hands_off and listens
+    along = _made_along(plan, link, order.log) if drives else None
     async with opened(link):
-        await _send_and_start(link, routes_for(plan, link), start, yes, seconds, watching)
+        routes = routes_for(plan, link)
+        await send_all(link, routes)
+        await first_reports(link, [route.robot for route in routes])
+        typer.echo(_summary(link, routes))
+        if along is not None and (told := along.told_before()) is not None:
+            typer.echo(told)
+        if not order.start:
+            typer.echo("Nothing was started: --start does.")
+            return
+        if not order.yes and not await _confirmed(f"Start {len(routes)} robots? Type yes: "):
+            typer.echo("Nothing was started; the robots hold their routes.")
+            return
+        await start_all(link, routes)
+        _tell_started(link, len(routes), watching)
+        if along is not None:
+            await along.drive(order.seconds)
+
+
+def _made_along(plan: Plan, link: Link, log: str | None) -> Along:
+    from rota.command.fly_along import Along
+    from rota.live.ready import make_ready
+
+    mention_compiling("live")
+    make_ready()
+    return Along(plan, link, log)
+
+
+def _tell_started(link: Link, robots: int, watching: str) -> None:
+    if link.in_process:
+        typer.echo(f"Started: {robots} robots.")
+        return
+    from rota.files.timed_places import instant_text
+
+    now = instant_text(datetime.now(UTC))
+    typer.echo(f"Started: {robots} robots at {now}. To watch them, from another terminal:")
+    typer.echo(f"{watching} --set start_time={now}")
 
 
 async def _command(link: Link, home: bool) -> None:
@@ -100,33 +164,6 @@ async def _command(link: Link, home: bool) -> None:
     async with opened(link):
         await command_all(link.come_home if home else link.pause, link.robots)
     typer.echo(f"{len(link.robots)} robots {'are called home' if home else 'have stopped'}.")
-
-
-async def _send_and_start(
-    link: Link, routes: Sequence[Route], start: bool, yes: bool, seconds: float | None, watching: str
-) -> None:
-    from rota.links.sending import first_reports, send_all, start_all
-
-    await send_all(link, routes)
-    await first_reports(link, [route.robot for route in routes])
-    typer.echo(_summary(link, routes))
-    if not start:
-        typer.echo("Nothing was started: --start does.")
-        return
-    if not yes and not await _confirmed(f"Start {len(routes)} robots? Type yes: "):
-        typer.echo("Nothing was started; the robots hold their routes.")
-        return
-    await start_all(link, routes)
-    if link.in_process:
-        typer.echo(f"Started: {len(routes)} robots.")
-    else:
-        from rota.files.timed_places import instant_text
-
-        now = instant_text(datetime.now(UTC))
-        typer.echo(f"Started: {len(routes)} robots at {now}. To watch them, from another terminal:")
-        typer.echo(f"{watching} --set start_time={now}")
-    if link.drives_along or seconds is not None:
-        await _drive_along(link, seconds)
 
 
 async def _confirmed(question: str) -> bool:
@@ -153,36 +190,6 @@ async def _confirmed(question: str) -> bool:
         return (await answer).strip().lower() == "yes"
     except asyncio.CancelledError:
         raise asyncio.CancelledError("nothing was started; the robots hold their routes") from None
-
-
-async def _drive_along(link: Link, seconds: float | None) -> None:
-    """Take reports, without which these robots stop, and tell now and then how they are."""
-    if link.drives_along:
-        say("robots drive while this goes on; Ctrl-C ends it")
-
-    async def news() -> None:
-        while True:
-            await asyncio.sleep(NEWS_EVERY_S)
-            known = [report for robot in link.robots if (report := link.latest(robot)) is not None]
-            charges = [report.battery for report in known if report.battery is not None]
-            battery = f", lowest battery {min(charges):.0%}" if charges else ""
-            dropped = sum(rejected.messages for rejected in link.rejections.values())
-            say(f"{len(known)} of {len(link.robots)} robots heard{battery}, {dropped} messages dropped")
-
-    teller = asyncio.create_task(news())
-    failed: set[str] = set()
-    try:
-        async with asyncio.timeout(seconds), aclosing(link.reports()) as reports:
-            async for report in reports:
-                if report.mode == "failed" and report.robot not in failed:
-                    failed.add(report.robot)
-                    say(f"robot {report.robot} has failed")
-    except TimeoutError:
-        pass
-    finally:
-        teller.cancel()
-        if not link.in_process:
-            say(RELEASED if link.drives_along else GO_ON)
 
 
 def _summary(link: Link, routes: Sequence[Route]) -> str:

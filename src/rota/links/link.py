@@ -75,6 +75,10 @@ class Link(Protocol):
     def drives_along(self) -> bool:
         """Whether robots drive on only while this link is open and its ``reports`` are being taken."""
 
+    @property
+    def keeps_phase(self) -> bool:
+        """Whether ``keep`` lets its robots gain and lose time."""
+
     async def open(self) -> None:
         """Connect, and wait until every robot has been heard and is of the type that the settings ask for."""
 
@@ -89,6 +93,13 @@ class Link(Protocol):
 
     async def start(self, robot: str) -> None:
         """Let the robot drive its route, or go on after ``pause``."""
+
+    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+        """Let a robot on its route gain ``late_s`` (below 0: lose as much) on a clock that goes at ``rate`` (0 to 1).
+
+        Called about once a second for each robot, with what is late then. The link does what its robots can, by their
+        speeds and waits, no faster than they may drive; what they cannot make up shows in the next call.
+        """
 
     async def pause(self, robot: str) -> None:
         """Let the robot stop where it is; ``start`` goes on from there."""

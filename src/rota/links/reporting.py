@@ -45,6 +45,10 @@ class RealTimeLink(ReportingLink):
     """
 
     in_process = False
+    keeps_phase = False
+
+    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+        """Links to robots that cannot be kept in phase do nothing."""
 
     def __init__(self, robots: Collection[str], bounds_m: Bounds, start_time: str, where: str) -> None:
         super().__init__(robots, bounds_m)

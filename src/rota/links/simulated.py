@@ -39,7 +39,9 @@ class SimulatedSettings(Settings):
     seed: int = setting(0, "the same seed and orders give the same reports", least=0)
     clock: float = setting(1.0, "simulated seconds in a second; 0: as fast as reports are taken", least=0, most=1e6)
     rate_hz: float = setting(5.0, "reports of each vehicle in a second", above=0, most=1000)
+    slower: float = setting(0.0, "share by which each vehicle is slower than it is told", least=0, most=0.9)
     speed_noise: float = setting(0.02, "standard deviation of a vehicle's pace, as a share", least=0, most=1)
+    stop_noise_s: float = setting(0.0, "time lost at each stop, about so much more or less often", least=0, most=1e4)
     position_noise_m: float = setting(0.1, "standard deviation of reported places, each axis", least=0, most=1e6)
     delay_s: float = setting(0.1, "mean time that a report takes", least=0, most=1e4)
     lost: float = setting(0.0, "share of reports that never arrive", least=0, most=1)
@@ -65,7 +67,8 @@ def link_to(plan: Plan, settings: SimulatedSettings) -> SimulatedLink:
     """Simulated vehicles for all robots of a plan, each where its robot begins."""
     altitude_m = plan.mission.fleet.altitude_m
     homes = {trajectory.robot: route_of(trajectory, altitude_m).start_m for trajectory in plan}
-    return SimulatedLink(homes, plan.mission.area.bounds, settings)
+    top_m_s = {trajectory.robot: plan.mission.fleet.robot(trajectory.robot).speed_m_s for trajectory in plan}
+    return SimulatedLink(homes, plan.mission.area.bounds, top_m_s, settings)
 
 
 class SimulatedLink(ReportingLink):
@@ -73,17 +76,22 @@ class SimulatedLink(ReportingLink):
 
     takes_fences = True
     drives_along = True
+    keeps_phase = True
     in_process = True
 
-    def __init__(self, homes: dict[str, Place3], bounds_m: Bounds, settings: SimulatedSettings) -> None:
+    def __init__(
+        self, homes: dict[str, Place3], bounds_m: Bounds, top_m_s: dict[str, float], settings: SimulatedSettings
+    ) -> None:
         super().__init__(tuple(homes), bounds_m)
         self._number = {name: k for k, name in enumerate(homes)}
         self._settings = settings
         self._faults = parsed_faults(settings.faults, self._names)
         self._rng = np.random.default_rng(settings.seed)
         self._fleet = Vehicles(
-            vehicles=[Vehicle(home_m=home) for home in homes.values()],
+            vehicles=[Vehicle(home_m=home, top_m_s=top_m_s[name]) for name, home in homes.items()],
             rng=self._rng,
+            slower=settings.slower,
+            stop_noise_s=settings.stop_noise_s,
             speed_noise=settings.speed_noise,
             battery_s=settings.battery_s if settings.battery_s is not None else math.inf,
         )
@@ -150,6 +158,11 @@ class SimulatedLink(ReportingLink):
             raise LinkError(f"robot {robot}: it has no route to start")
         vehicle.mode = "running"
         self._fleet.running[self._number[robot]] = True
+
+    async def keep(self, robot: str, late_s: float, rate: float) -> None:
+        """Faster or slower legs, shorter waits, or a stop where it is."""
+        self._vehicle(robot)
+        self._fleet.keep(self._number[robot], late_s, rate)
 
     async def pause(self, robot: str) -> None:
         """It stands until it is started again."""

@@ -19,6 +19,7 @@ Floats = NDArray[np.float64]
 
 PACE_MEMORY_S = 10.0  # in which a vehicle's pace becomes another
 SLOWEST, FASTEST = 0.2, 2.0  # paces, as multiples of the planned speed
+CATCH_UP_S = 4.0  # in which a vehicle makes up what it is late by, if it may drive so fast
 HOME_SPEED_M_S = 1.0  # of a vehicle that is called home and never had a speed
 
 
@@ -69,9 +70,10 @@ def _segments(at_m: Place3, stops: list[RouteStop] | tuple[RouteStop, ...]) -> l
 
 @dataclass(kw_only=True)
 class Vehicle:
-    """What one vehicle has been told, beside what it is doing."""
+    """What one vehicle has been told, beside what it is doing. top_m_s: what it drives at most."""
 
     home_m: Place3
+    top_m_s: float = math.inf
     route: Route | None = None
     drive: Drive | None = None
     mode: Mode = "idle"
@@ -79,12 +81,16 @@ class Vehicle:
 
 @dataclass(frozen=True, kw_only=True)
 class Tables:
-    """The drives of all vehicles end to end: (s, 3) metres, (s,) seconds, and which segment comes after each."""
+    """The drives of all vehicles end to end: (s, 3) metres, (s,) seconds, and which segment comes after each.
+
+    most: (s,) how many times as fast as told a vehicle drives a segment at most.
+    """
 
     start_m: Floats
     step_m: Floats
     duration_s: Floats
     is_drive: NDArray[np.bool_]
+    most: Floats
     after: NDArray[np.int64]
 
 
@@ -92,19 +98,24 @@ class Tables:
 class Vehicles:
     """A fleet at ``time_s``. positions_m (n, 3); battery (n,) from 1 to 0; running (n,); held_until_s (n,).
 
-    ``segment`` (n,) is where each is in the tables, ``done_s`` (n,) how far into it. speed_noise: the standard
-    deviation of paces. battery_s: how long a battery lasts while driving; infinite: for ever.
+    ``segment`` (n,) is where each is in the tables, ``done_s`` (n,) how far into it, below 0 while it loses time at the
+    stop before; ``told_pace`` (n,) how many times as fast as its route says it is to drive. slower: the share by which
+    all are slower than that. stop_noise_s: the deviation of the time that is lost at each stop. speed_noise: the
+    standard deviation of paces. battery_s: how long a battery lasts while driving; infinite: for ever.
     """
 
     vehicles: list[Vehicle]
     rng: np.random.Generator
     speed_noise: float
     battery_s: float
+    slower: float = 0.0
+    stop_noise_s: float = 0.0
     time_s: float = 0.0
     battery: Floats = field(init=False)
     running: NDArray[np.bool_] = field(init=False)
     positions_m: Floats = field(init=False)
     held_until_s: Floats = field(init=False)
+    told_pace: Floats = field(init=False)
     _noise: Floats = field(init=False)
     _segment: NDArray[np.int64] = field(init=False)
     _done_s: Floats = field(init=False)
@@ -115,6 +126,7 @@ class Vehicles:
         self.battery, self.running = np.ones(n), np.zeros(n, dtype=bool)
         self.positions_m = np.array([vehicle.home_m for vehicle in self.vehicles], dtype=np.float64).reshape(n, 3)
         self.held_until_s, self._done_s = np.full(n, -math.inf), np.zeros(n)
+        self.told_pace = np.ones(n)
         self._noise = self.rng.standard_normal(n)
         self._segment = np.zeros(n, dtype=np.int64)
 
@@ -128,9 +140,19 @@ class Vehicles:
         firsts = self._firsts()
         inside = self._segment - firsts
         self.vehicles[k].drive = drive
-        inside[k], self._done_s[k] = 0, 0.0
+        inside[k], self._done_s[k], self.told_pace[k] = 0, 0.0, 1.0
         self._tables = None
         self._segment = self._firsts() + inside
+
+    def keep(self, k: int, late_s: float, rate: float) -> None:
+        """Let the k-th vehicle gain so much time: by its pace, and by less of the wait that it is in."""
+        self.told_pace[k] = rate * max(0.0, 1 + late_s / CATCH_UP_S)
+        if self._tables is None:
+            return
+        at = self._segment[k]
+        lasting_s = self._tables.duration_s[at]
+        if not self._tables.is_drive[at] and late_s > 0 and math.isfinite(lasting_s) and self._done_s[k] >= 0:
+            self._done_s[k] = min(lasting_s, self._done_s[k] + late_s)
 
     def _firsts(self) -> NDArray[np.int64]:
         """The number of each vehicle's first segment; each drive is followed by one that lasts for ever."""
@@ -142,6 +164,7 @@ class Vehicles:
         steps: list[list[float]] = []
         durations: list[float] = []
         drives: list[bool] = []
+        most: list[float] = []
         after: list[int] = []
         for k, vehicle in enumerate(self.vehicles):
             drive, first = vehicle.drive, len(durations)
@@ -150,6 +173,7 @@ class Vehicles:
                 steps.append([b - a for a, b in zip(start, end, strict=True)])
                 durations.append(duration_s)
                 drives.append(is_drive)
+                most.append(vehicle.top_m_s * duration_s / math.dist(start, end) if is_drive else 1.0)
                 after.append(len(durations))
             if drive and drive.repeats_from is not None:
                 after[-1] = first + drive.repeats_from
@@ -157,12 +181,14 @@ class Vehicles:
             steps.append([0.0, 0.0, 0.0])
             durations.append(math.inf)
             drives.append(False)
+            most.append(1.0)
             after.append(len(durations) - 1)
         return Tables(
             start_m=np.array(starts, dtype=np.float64),
             step_m=np.array(steps, dtype=np.float64),
             duration_s=np.array(durations),
             is_drive=np.array(drives, dtype=bool),
+            most=np.maximum(most, 1.0),
             after=np.array(after, dtype=np.int64),
         )
 
@@ -173,27 +199,41 @@ class Vehicles:
         tables, duration_s = self._tables, until_s - self.time_s
         memory = math.exp(-duration_s / PACE_MEMORY_S)
         self._noise = memory * self._noise + math.sqrt(1 - memory**2) * self.rng.standard_normal(len(self._noise))
-        pace = np.clip(1 + self.speed_noise * self._noise, SLOWEST, FASTEST)
+        pace = (1 - self.slower) * np.clip(1 + self.speed_noise * self._noise, SLOWEST, FASTEST)
         moving = self.running & (self.battery > 0)
         # a vehicle that is held up until some time within the step drives for the rest of it
         left_s = np.clip(until_s - np.maximum(self.held_until_s, self.time_s), 0, duration_s) * moving
         going = np.flatnonzero(left_s > 0)
         while len(going):
             segment = self._segment[going]
-            rate = np.where(tables.is_drive[segment], pace[going], 1.0)
-            rest_s = (tables.duration_s[segment] - self._done_s[going]) / rate
-            ends = rest_s <= left_s[going]
-            taken_s = np.where(ends, rest_s, left_s[going])
-            self._done_s[going] = np.where(ends, 0.0, self._done_s[going] + taken_s * rate)
+            driven = np.minimum(self.told_pace[going], tables.most[segment]) * pace[going]
+            rate = np.where(tables.is_drive[segment] & (self._done_s[going] >= 0), driven, 1.0)
+            goal_s = np.where(self._done_s[going] < 0, 0.0, tables.duration_s[segment])
+            with np.errstate(divide="ignore"):
+                rest_s = (goal_s - self._done_s[going]) / rate
+            reaches = rest_s <= left_s[going]
+            ends = reaches & (self._done_s[going] >= 0)
+            taken_s = np.where(reaches, rest_s, left_s[going])
+            lost_s = np.where(tables.is_drive[segment], self._lost_s(len(going)), 0.0)
+            begun_s = np.where(ends, -lost_s, 0.0)
+            self._done_s[going] = np.where(reaches, begun_s, self._done_s[going] + taken_s * rate)
             self._segment[going] = np.where(ends, tables.after[segment], segment)
             left_s[going] -= taken_s
-            going = going[ends & (left_s[going] > 0)]
+            going = going[reaches & (left_s[going] > 0)]
         self.battery = np.maximum(self.battery - moving * duration_s / self.battery_s, 0.0)
         self.time_s = until_s
         lasting = tables.duration_s[self._segment]
-        share = np.divide(self._done_s, lasting, out=np.zeros_like(lasting), where=np.isfinite(lasting))
+        share = np.divide(
+            np.maximum(self._done_s, 0.0), lasting, out=np.zeros_like(lasting), where=np.isfinite(lasting)
+        )
         driven = tables.start_m[self._segment] + share[:, None] * tables.step_m[self._segment]
         self.positions_m = np.where(moving[:, None], driven, self.positions_m)
+
+    def _lost_s(self, stops: int) -> Floats:
+        """What is lost at so many stops, (stops,) seconds."""
+        if self.stop_noise_s == 0:
+            return np.zeros(stops)
+        return self.stop_noise_s * np.abs(self.rng.standard_normal(stops))
 
     def has_arrived(self, k: int) -> bool:
         """Whether the k-th vehicle has come to the end of a drive that has one."""

@@ -11,9 +11,18 @@ from rota.links.link import Mode
 
 NoticeKind = Literal[
     "lost", "back", "off route", "on route", "held up", "goes on", "mode", "battery low", "must leave",
-    "will lapse", "in time", "lapsed", "seen again", "dropped",
+    "will lapse", "in time", "lapsed", "seen again", "dropped", "too slow", "keeps up",
 ]  # fmt: skip
-ALARMS: tuple[NoticeKind, ...] = ("lost", "off route", "held up", "battery low", "must leave", "will lapse", "lapsed")
+ALARMS: tuple[NoticeKind, ...] = (
+    "lost",
+    "off route",
+    "held up",
+    "battery low",
+    "must leave",
+    "will lapse",
+    "lapsed",
+    "too slow",
+)
 Standing = Literal["ok", "waiting", "held up", "off route", "lost"]
 DemandStanding = Literal["ok", "will lapse", "lapsed"]
 

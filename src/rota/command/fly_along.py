@@ -1,0 +1,100 @@
+"""What `rota fly --start` does while robots drive: keeps them in phase, and tells of them."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from contextlib import nullcontext
+from typing import TYPE_CHECKING
+
+from rota.command.terminal import mention_compiling, say
+
+if TYPE_CHECKING:
+    from rota.links.link import Link
+    from rota.live.driving import Driving
+    from rota.live.keeping import Keeping
+    from rota.live.notices import Notice
+    from rota.live.watch import Watch
+    from rota.plan import Plan
+
+NEWS_EVERY_S = 10.0
+RELEASED = "robots get no more stops from here on, and wait at the last one that they have"
+GO_ON = "robots go on with their routes; --pause stops them, --home calls them back"
+
+
+class Along:
+    """The plan's watch and the clock of its robots, made before the start: both take some seconds."""
+
+    def __init__(self, plan: Plan, link: Link, log: str | None) -> None:
+        from rota.live.watch import Watch
+
+        self._plan, self._link, self._log = plan, link, log
+        self._watch: Watch = Watch(plan)
+        self._keeping: Keeping = _keeping(plan) if link.keeps_phase else _without_slack(plan)
+
+    def told_before(self) -> str | None:
+        """How much slower than planned all may drive before something lapses; None where nothing can be told."""
+        found = self._keeping.least_pace() if self._link.keeps_phase else None
+        if found is None:
+            return None
+        pace, name = found
+        return f"robots are kept in phase; driven at less than {pace:.3f} of the plan's pace, {name} lapses"
+
+    async def drive(self, seconds: float | None) -> None:
+        """Until Ctrl-C, for so many seconds, or until the link's reports end."""
+        from rota.live.driving import Driving
+        from rota.live.watch_log import LogWriter
+
+        if self._link.drives_along:
+            say("robots drive while this goes on; Ctrl-C ends it")
+        elif self._link.keeps_phase:
+            say("robots are kept in phase while this goes on; after Ctrl-C they go on by themselves")
+        end_s = None if seconds is None else time.monotonic() + seconds
+        writer = nullcontext() if self._log is None else LogWriter(self._log, self._plan, self._watch.settings)
+        with writer as log:
+            driving = Driving(self._link, self._watch, self._keeping, log, _tell)
+            teller = asyncio.create_task(self._news(driving))
+            try:
+                await driving.drive(should_stop=lambda: end_s is not None and time.monotonic() >= end_s)
+            finally:
+                teller.cancel()
+                if not self._link.in_process:
+                    say(RELEASED if self._link.drives_along else GO_ON)
+
+    async def _news(self, driving: Driving) -> None:
+        link = self._link
+        while True:
+            await asyncio.sleep(NEWS_EVERY_S)
+            known = [report for robot in link.robots if (report := link.latest(robot)) is not None]
+            charges = [report.battery for report in known if report.battery is not None]
+            words = [f"{len(known)} of {len(link.robots)} robots heard"]
+            if (last := driving.latest()) is not None:
+                words.append(f"the latest is {last[0]}, {last[1]:+.1f} s")
+            if self._keeping.rate < 1:
+                words.append(f"all at {self._keeping.rate:.2f} of the plan's pace")
+            if charges:
+                words.append(f"lowest battery {min(charges):.0%}")
+            words.append(f"{sum(rejected.messages for rejected in link.rejections.values())} messages dropped")
+            say(", ".join(words))
+
+
+def _tell(notice: Notice) -> None:
+    from rota.live.notices import notice_line
+
+    say(notice_line(notice).strip())
+
+
+def _keeping(plan: Plan) -> Keeping:
+    """With what the check says of each demand."""
+    from rota.check import check_plan
+    from rota.live.keeping import Keeping, Slack
+
+    mention_compiling("check")
+    demands = check_plan(plan).demands
+    return Keeping(plan, {each.name: Slack(gap_s=each.worst_gap_s, period_s=each.period_s) for each in demands})
+
+
+def _without_slack(plan: Plan) -> Keeping:
+    from rota.live.keeping import Keeping
+
+    return Keeping(plan, {})

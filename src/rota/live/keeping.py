@@ -1,0 +1,145 @@
+"""Robots kept in phase while they drive: how late each is against one clock for all, and what is done about it.
+
+The clock of all goes as fast as the plan's, and slower while a robot cannot keep up: loops then take longer, but robots
+stay as far apart in time as planned. What was lost so is not made up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from rota.links.link import Mode
+from rota.live.notices import Notice, NoticeKind, RobotState, listed
+from rota.plan import Plan
+
+LATE_S = 1.0  # by which a robot is late before all wait for it
+EARLY_SHARE = 0.5  # of that, from which on they begin to
+LOOKED_BACK_S = 40.0  # over which a robot's pace is measured, and half of that at least
+LEAST_RATE = 0.5  # of the plan's clock: nobody waits for a robot that is slower
+TOLD_AFTER_S = 10.0  # that a robot is so late without a break
+NOTED = 0.01  # by which the pace has to be below the plan's to be told
+DRIVING: tuple[Mode | None, ...] = (None, "running")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Order:
+    """What a robot is to make up, as ``Link.keep`` takes it."""
+
+    robot: str
+    late_s: float
+    rate: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slack:
+    """How long a demand's places wait at most by plan, and how long they may: at gap / period of its pace it lapses."""
+
+    gap_s: float
+    period_s: float
+
+
+class Keeping:
+    """The clock of all for a plan's robots. slack: of each demand by its name; what is met by plan is told from it."""
+
+    def __init__(self, plan: Plan, slack: Mapping[str, Slack]) -> None:
+        self._slack = slack
+        self._tracks = {way.robot: _Track(min(LOOKED_BACK_S, way.loop_duration_s or LOOKED_BACK_S)) for way in plan}
+        self._now_s: float | None = None
+        self.rate = 1.0
+        self.behind_s = 0.0
+
+    def late_s(self, robot: RobotState) -> float:
+        """How many seconds a robot is behind the clock of all; below 0: ahead of it."""
+        return robot.lag_s - self.behind_s
+
+    def look(self, now_s: float, robots: tuple[RobotState, ...]) -> tuple[list[Order], list[Notice]]:
+        """What each robot that drives its route is to make up now, and what there is to tell.
+
+        behind_s: how far the clock of all is behind the plan's by then.
+        """
+        if self._now_s is not None:
+            self.behind_s += (1 - self.rate) * (now_s - self._now_s)
+        self._now_s = now_s
+        told: list[Notice] = []
+        orders, rates = [], [1.0]
+        for robot in robots:
+            track = self._tracks[robot.name]
+            if robot.standing != "ok" or robot.mode not in DRIVING or robot.place_m is None:
+                track.forget()
+                continue
+            late_s = self.late_s(robot)
+            track.note(now_s, robot.lag_s)
+            orders.append((robot.name, late_s))
+            pace = track.pace()
+            if pace is not None and pace >= LEAST_RATE:
+                share = (late_s - EARLY_SHARE * LATE_S) / ((1 - EARLY_SHARE) * LATE_S)
+                rates.append(1 - max(0.0, 1 - pace) * min(max(share, 0.0), 1.5))
+            told += self._standing(now_s, robot.name, track, late_s, pace)
+        self.rate = max(LEAST_RATE, min(rates))
+        return [Order(robot=name, late_s=late_s, rate=self.rate) for name, late_s in orders], told
+
+    def _standing(self, now_s: float, name: str, track: _Track, late_s: float, pace: float | None) -> list[Notice]:
+        """That a robot cannot keep up, once, with what that leads to; and that it can again."""
+        if pace is None:
+            return []
+        track.late_since_s = min(track.late_since_s, now_s) if late_s >= LATE_S else math.inf
+        slow = now_s - track.late_since_s >= TOLD_AFTER_S and pace < 1 - NOTED
+        if slow and not track.told_slow:
+            track.told_slow = True
+            waits = pace >= LEAST_RATE
+            others = f"all go on at {pace:.2f} of the plan's pace" if waits else "the others go on without it"
+            lapses = self.lapses_at(pace) if waits else []
+            then = f"; at that pace {listed(lapses)}" if lapses else "; nothing lapses by that" if waits else ""
+            text = f"{name} cannot keep up: {late_s:.1f} s late, at {pace:.2f} of its pace; {others}{then}"
+            return [_notice(now_s, "too slow", name, text, late_s=late_s, pace=pace)]
+        if track.told_slow and late_s < EARLY_SHARE * LATE_S:
+            track.told_slow = False
+            return [_notice(now_s, "keeps up", name, f"{name} keeps up again", late_s=late_s, pace=pace)]
+        return []
+
+    def lapses_at(self, pace: float) -> list[str]:
+        """Which of the demands that are met by plan lapse where all robots drive at a share of its pace."""
+        return [
+            f"{name} is seen every {each.gap_s / pace:.1f} s of {each.period_s:g} s"
+            for name, each in self._slack.items()
+            if each.gap_s <= each.period_s < each.gap_s / pace
+        ]
+
+    def least_pace(self) -> tuple[float, str] | None:
+        """The share of the plan's pace at which the first demand lapses, and its name; None where there is none."""
+        pairs = [(each.gap_s / each.period_s, name) for name, each in self._slack.items() if each.gap_s > 0]
+        return max((pair for pair in pairs if pair[0] <= 1), default=None)
+
+
+class _Track:
+    """How late one robot was, over some time."""
+
+    def __init__(self, most_s: float) -> None:
+        self._most_s = most_s
+        self._noted: deque[tuple[float, float]] = deque()
+        self.told_slow = False
+        self.late_since_s = math.inf
+
+    def forget(self) -> None:
+        self._noted.clear()
+        self.late_since_s = math.inf
+
+    def note(self, time_s: float, lag_s: float) -> None:
+        self._noted.append((time_s, lag_s))
+        while self._noted[-1][0] - self._noted[0][0] > self._most_s:
+            self._noted.popleft()
+
+    def pace(self) -> float | None:
+        """The share of its plan's pace at which it got on; None until it is known."""
+        (from_s, lag_then_s), (to_s, lag_s) = self._noted[0], self._noted[-1]
+        if to_s - from_s < self._most_s / 2:
+            return None
+        return 1 - (lag_s - lag_then_s) / (to_s - from_s)
+
+
+def _notice(now_s: float, kind: NoticeKind, about: str, text: str, **facts: float) -> Notice:
+    finite = {name: value for name, value in facts.items() if math.isfinite(value)}
+    return Notice(time_s=now_s, kind=kind, about=about, text=text, facts=dict(finite))
