@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         StartPoints,
         Zone,
     )
+    from rota.motion_limits import MotionLimits
     from rota.plan import Plan, Trajectory
     from rota.planners.bounce.planner_settings import BounceSettings
     from rota.planners.patrol.planner_settings import PatrolSettings
@@ -45,6 +46,7 @@ __all__ = [
     "ImportanceMap",
     "Mission",
     "MissionError",
+    "MotionLimits",
     "MovingObstacle",
     "NoPlanFound",
     "Obstacle",
@@ -97,6 +99,7 @@ _MODULES = {
         "StartPoints",
         "Zone",
     ],
+    "rota.motion_limits": ["MotionLimits"],
     "rota.plan": ["Plan", "Trajectory"],
     "rota.planners.bounce.planner_settings": ["BounceSettings"],
     "rota.planners.patrol.planner_settings": ["PatrolSettings"],

@@ -9,7 +9,7 @@ from functools import cached_property
 
 from rota.errors import MissionError
 from rota.limits import LARGEST_M, LONGEST_S
-from rota.motion_limits import AT_ONCE, MotionLimits
+from rota.motion_limits import AT_ONCE, MotionLimits, driving_faults
 from rota.refusals import require, require_positive, require_text
 
 Place = tuple[float, float]
@@ -111,6 +111,9 @@ class Robot:
         require(0 <= self.turn_radius_m <= LARGEST_M, f"robot {self.name}: turn_radius_m", self.turn_radius_m, allowed)
         ok = self.turn_radius_m == 0 or self.turn_rate_rad_s is None
         require(ok, f"robot {self.name}: turn_radius_m", self.turn_radius_m, TURNS_ONE_WAY)
+        driven = vars(self.motion) | vars(self)
+        for name, allowed in driving_faults(driven):
+            require(False, f"robot {self.name}: {name}", driven[name], allowed)
         ok = 0 <= self.joins_s <= LONGEST_S
         require(ok, f"robot {self.name}: joins_s", self.joins_s, f"must be 0 to {LONGEST_S:g}")
         ok = self.leaves_s is None or self.joins_s < self.leaves_s <= LONGEST_S

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from shapely import MultiPolygon, Polygon
 
+from rota.corner_faults import corner_faults as corner_faults
 from rota.errors import MissionError
 from rota.fleet import (
     COORDINATES,
@@ -27,11 +28,13 @@ from rota.fleet import (
 )
 from rota.importance import ALLOWED, MOST_IMPORTANCE, ImportanceMap as ImportanceMap, every_importance
 from rota.limits import LARGEST_M, LONGEST_S
+from rota.motion_limits import MOTION_FIELDS
 from rota.planner_registry import DEFAULT, door_of
 from rota.planner_settings import Bouncing as Bouncing, PlannerSettings as PlannerSettings, settings_of
 from rota.refusals import (
     Where,
     every_change_of_presence,
+    every_motion,
     fleet_blocks,
     inner,
     path_of,
@@ -215,9 +218,8 @@ class Mission:
             require(counted[zone.name] == 1, "zones", zone.name, "names must be unique")
             outside = not zone.shape.intersects(self.area) or zone.shape.intersection(self.area).area == 0
             require(not outside, f"zone {zone.name}", "a shape outside the area", "must overlap the area")
-        faults = start_faults(
-            self.area, [obstacle.shape for obstacle in self.obstacles if obstacle.blocks_motion], self.fleet
-        )
+        blocking = [obstacle.shape for obstacle in self.obstacles if obstacle.blocks_motion]
+        faults = start_faults(self.area, blocking, self.fleet) + corner_faults(self.area, blocking, self.fleet)
         if faults:
             raise MissionError(*(f"{where}: {message}" for where, message in faults))
         data = _as_written(self)
@@ -271,6 +273,8 @@ def all_refused(kind: type[PlannerSettings] | None, data: Mapping[str, Any]) -> 
             yield ("fleet", "entrances"), f"the {kind.planner} planner has no use for entrances: remove them"
         if not kind.heeds_importance:
             yield from every_importance(data, f"the {kind.planner} planner has no use for importance: remove it")
+        if not kind.heeds_motion:
+            yield from every_motion(data, MOTION_FIELDS, f"the {kind.planner} planner does not heed it: remove it")
         if not kind.robots_come_and_go:
             yield from every_change_of_presence(data, "only robots of a swarm join or leave: remove it")
     if kind is None or inner(data, kind.planner, "altitudes_m") is None:
@@ -295,6 +299,7 @@ def _as_written(mission: Mission) -> dict[str, Any]:
             "sensor": _sensor_as_written(fleet.sensor),
             "turn_rate_rad_s": fleet.turn_rate_rad_s,
             "turn_radius_m": fleet.turn_radius_m,
+            **fleet.motion.told,
             "start": {"box": start.low_m} if isinstance(start, StartBox) else start and {"points": start.points_m},
             "entrances": fleet.entrances,
         },
@@ -311,6 +316,8 @@ def _robot_as_written(robot: Robot, fleet: Fleet) -> dict[str, Any]:
         told["turn_rate_rad_s"] = robot.turn_rate_rad_s
     if robot.turn_radius_m != fleet.turn_radius_m:
         told["turn_radius_m"] = robot.turn_radius_m
+    if robot.motion != fleet.motion:
+        told |= robot.motion.told
     return told
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from rota.limits import LARGEST_M
-from rota.refusals import require, require_positive
+from rota.refusals import require, require_positive, require_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +34,8 @@ class MotionLimits:
     wind_m_s: float = 0.0
 
     def __post_init__(self) -> None:
+        if self.vehicle is not None:
+            require_text("vehicle", self.vehicle)
         for name in POSITIVE_OR_NONE:
             value = getattr(self, name)
             if value is not None:
@@ -38,17 +43,8 @@ class MotionLimits:
         require(0 <= self.corner_m <= LARGEST_M, "corner_m", self.corner_m, f"must be 0 to {LARGEST_M:g}")
         ok = 0 <= self.wind_m_s < math.inf
         require(ok, "wind_m_s", self.wind_m_s, "must be 0 or more")
-        for name in ("jerk_m_s3", "corner_acceleration_m_s2"):
-            ok = getattr(self, name) is None or self.acceleration_m_s2 is not None
-            require(ok, name, getattr(self, name), "needs acceleration_m_s2: without one, speeds change at once")
-        ok = self.corner_m == 0 or self.acceleration_m_s2 is not None
-        require(ok, "corner_m", self.corner_m, "needs acceleration_m_s2: without one, corners cost nothing")
-        top = self.top_airspeed_m_s
-        if top is not None:
-            ok = self.wind_m_s < top
-            require(
-                ok, "wind_m_s", self.wind_m_s, f"must be less than top_airspeed_m_s, {top:.6g}, or no leg can be flown"
-            )
+        for name, allowed in motion_faults(vars(self)):
+            require(False, name, getattr(self, name), allowed)
 
     @property
     def has_mass(self) -> bool:
@@ -61,6 +57,11 @@ class MotionLimits:
             return speed_m_s
         return min(speed_m_s, self.top_airspeed_m_s - self.wind_m_s)
 
+    @property
+    def told(self) -> dict[str, Any]:
+        """Its fields and their values, without those that are at their defaults."""
+        return {name: value for name, value in vars(self).items() if value != getattr(AT_ONCE, name)}
+
 
 POSITIVE_OR_NONE = (
     "acceleration_m_s2",
@@ -70,4 +71,38 @@ POSITIVE_OR_NONE = (
     "descend_m_s",
     "top_airspeed_m_s",
 )
+NEED_MASS = ("jerk_m_s3", "corner_acceleration_m_s2", "corner_m")  # and without acceleration_m_s2 say nothing
+MOTION_FIELDS = tuple(field.name for field in dataclasses.fields(MotionLimits))
+
+
+def motion_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Limits that contradict each other: the field at fault, and what is allowed. values: of each, perhaps None."""
+    if values["acceleration_m_s2"] is None:
+        for name in NEED_MASS:
+            if values[name]:
+                why = "corners cost nothing" if name == "corner_m" else "speeds change at once"
+                yield name, f"needs acceleration_m_s2: without one, {why}"
+    top = values["top_airspeed_m_s"]
+    if top is not None and values["wind_m_s"] >= top:
+        yield "wind_m_s", f"must be less than top_airspeed_m_s, {top:.6g}, or no leg can be flown"
+
+
+def driving_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Speed and turns that limits of motion do not allow, likewise.
+
+    values: of speed_m_s, turn_rate_rad_s, turn_radius_m and all limits, which do not contradict each other.
+    """
+    top = values["top_airspeed_m_s"]
+    if top is not None and values["speed_m_s"] > top - values["wind_m_s"]:
+        wind = f" less wind_m_s, {values['wind_m_s']:.6g}" if values["wind_m_s"] else ""
+        yield "speed_m_s", f"must be at most {top - values['wind_m_s']:.6g}: top_airspeed_m_s, {top:.6g}{wind}"
+    if values["turn_rate_rad_s"] is not None and values["corner_m"] > 0:
+        yield "corner_m", "must be 0 where turn_rate_rad_s is given: a robot that turns on the spot stops at corners"
+    if values["turn_radius_m"] > 0 and values["acceleration_m_s2"] is not None:
+        yield (
+            "acceleration_m_s2",
+            "does not go with turn_radius_m yet: arcs are driven at one speed; leave one out",
+        )
+
+
 AT_ONCE = MotionLimits()

@@ -109,12 +109,13 @@ class Trajectory:
             k = int(np.flatnonzero(~np.isfinite(given))[0])
             raise PlanError(f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]}; accelerations must be finite")
         lengths = np.sqrt((np.diff(self.positions_m, axis=0) ** 2).sum(axis=1))
-        most = 2 * lengths / np.diff(self.times_s) ** 2
-        backwards = np.flatnonzero(np.abs(given) > most * (1 + BACKWARDS_SHARE))
+        halved = np.diff(self.times_s) ** 2 / 2  # of the shortest legs 0, by which nothing can be divided
+        backwards = np.flatnonzero(np.abs(given) * halved > lengths * (1 + BACKWARDS_SHARE))
         if len(backwards):
             k = int(backwards[0])
             raise PlanError(
-                f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]:.6g}; on this leg at most {most[k]:.6g} m/s2"
+                f"robot {self.robot}: accelerations_m_s2[{k}] = {given[k]:.6g}; on this leg at most"
+                f" {lengths[k] / halved[k]:.6g} m/s2"
                 " either way are allowed, or the robot would drive backwards"
             )
 

@@ -6,7 +6,7 @@ import json
 import math
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rota.errors import MissionError
@@ -163,3 +163,11 @@ def every_change_of_presence(data: Mapping[str, Any], message: str) -> Iterator[
         for name in ("joins_s", "leaves_s"):
             if inner(robot, name):
                 yield ("fleet", "robots", k, name), message
+
+
+def every_motion(data: Mapping[str, Any], names: Sequence[str], message: str) -> Iterator[tuple[Where, str]]:
+    """The message for each limit of motion, by these names, that a fleet or a robot has."""
+    for where, block in fleet_blocks(data):
+        for name in names:
+            if inner(block, name) not in (None, 0, "none"):
+                yield (*where, name), message

@@ -32,6 +32,7 @@ from rota.mission import (
     StartPoints,
     Zone,
 )
+from rota.motion_limits import AT_ONCE, MOTION_FIELDS, MotionLimits
 from rota.plan import Plan, Trajectory
 from rota.planners.bounce.planner_settings import BounceSettings
 from rota.planners.patrol.planner_settings import PatrolSettings
@@ -71,6 +72,7 @@ def harbour() -> Plan:
             turn_rate_rad_s=1,
             altitude_m=25,
             start=StartBox(low_m=(70, 0.1), high_m=(80, 0.7)),
+            motion=MotionLimits(acceleration_m_s2=1 / 3, jerk_m_s3=0.7, climb_m_s=2, descend_m_s=0.1),
         ),
         planning=PatrolSettings(effort="high", period_margin=0.1, range_margin_m=0.05),
     )
@@ -79,6 +81,7 @@ def harbour() -> Plan:
         times_s=[0, 0.1, 0.1 + 0.2, 5],
         positions_m=[[1.5, -0.0], [2, 3], [1e-310, 1e5 / 3], [2, 3]],
         headings_rad=[0.0, -0.0, np.pi, 1e-17],
+        accelerations_m_s2=[1 / 3, -0.0, 0.1 + 0.2],
         loop_start_s=0.1,
     )
     second = Trajectory(robot="b", times_s=[0.0], positions_m=[[4.0, 4.0]])
@@ -95,6 +98,7 @@ def plan_bits(plan: Plan) -> list[bytes | None]:
     for t in plan.trajectories:
         found += [bits(t.times_s), bits(t.positions_m), bits([t.loop_start_s])]
         found.append(None if t.headings_rad is None else bits(t.headings_rad))
+        found.append(None if t.accelerations_m_s2 is None else bits(t.accelerations_m_s2))
     return found
 
 
@@ -132,11 +136,16 @@ def trajectories(draw: st.DrawFn, robot: str, area: Polygon, width: int) -> Traj
     positions[-1] = positions[loop]
     headings = draw(st.none() | st.lists(finite, min_size=n, max_size=n))
     zero = draw(st.sampled_from([0.0, -0.0]))
+    lengths_m = np.sqrt((np.diff(np.array(positions), axis=0) ** 2).sum(axis=1))
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        most = np.nan_to_num(2 * lengths_m / np.diff([0.0, *times]) ** 2, nan=0.0, posinf=0.0)
+    shares = draw(st.none() | st.lists(st.floats(-1, 1), min_size=n - 1, max_size=n - 1))
     return Trajectory(
         robot=robot,
         times_s=[zero, *times],
         positions_m=positions,
         headings_rad=headings,
+        accelerations_m_s2=None if shares is None else most * shares,
         loop_start_s=[zero, *times][loop],
     )
 
@@ -158,13 +167,29 @@ def one_line(longest: int) -> st.SearchStrategy[str]:
     return st.text(letters, min_size=1, max_size=longest)
 
 
+motion = st.builds(
+    MotionLimits,
+    vehicle=st.none() | one_line(9),
+    acceleration_m_s2=positive,
+    corner_acceleration_m_s2=st.none() | positive,
+    jerk_m_s3=st.none() | positive,
+    climb_m_s=st.none() | positive,
+    descend_m_s=st.none() | positive,
+    wind_m_s=st.just(0.0) | positive,
+)
+
+
 @st.composite
 def plans(draw: st.DrawFn) -> Plan:
     names = draw(st.lists(one_line(5), min_size=1, max_size=3, unique=True))
     flying = draw(st.booleans())
     sensor = draw(st.builds(DiscSensor, radius_m=length) | st.builds(SquareSensor, side_m=even))
     sensor = DiscSensor(radius_m=1 / 3, half_angle_deg=30) if flying else sensor
-    robots = tuple(Robot(name=name, speed_m_s=draw(positive), sensor=sensor) for name in names)
+    motions = st.just(AT_ONCE) | motion
+    robots = tuple(
+        Robot(name=name, speed_m_s=draw(positive), sensor=sensor, motion=AT_ONCE if flying else draw(motions))
+        for name in names
+    )
     area = draw(rectangles())
     swarm = SwarmSettings(controller="reciprocal", altitudes_m=(0.1, 0.7))
     mission = Mission(
@@ -175,7 +200,10 @@ def plans(draw: st.DrawFn) -> Plan:
         period_s=None if flying else draw(positive),
         origin=draw(st.none() | st.builds(GeoPoint, lat=st.floats(-90, 90), lon=st.floats(-180, 180))),
         fleet=Fleet(
-            speed_m_s=draw(positive), sensor=sensor, robots=robots if flying else draw(st.sampled_from([None, robots]))
+            speed_m_s=draw(positive),
+            sensor=sensor,
+            robots=robots if flying else draw(st.sampled_from([None, robots])),
+            motion=AT_ONCE if flying else draw(motions),
         ),
         planning=swarm if flying else PatrolSettings(),
     )
@@ -211,8 +239,7 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
 @pytest.mark.parametrize(
     ("model", "type_", "renamed"),
     [
-        (fields.RobotFields, Robot, {}),
-        (fields.FleetFields, Fleet, {}),
+        (fields.MotionFields, MotionLimits, {}),
         (fields.ZoneFields, Zone, {}),
         (fields.ObstacleFields, Obstacle, {}),
         (fields.OriginFields, GeoPoint, {}),
@@ -224,6 +251,58 @@ def test_schema_is_valid_and_refuses_what_reading_refuses() -> None:
 def test_no_field_of_the_types_is_left_out(model: Any, type_: Any, renamed: dict[str, str]) -> None:
     expected = {renamed.get(f.name, f.name) for f in dataclasses.fields(type_)}
     assert set(model.model_fields) == expected
+
+
+@pytest.mark.parametrize(("model", "type_"), [(fields.RobotFields, Robot), (fields.FleetFields, Fleet)])
+def test_no_field_of_robots_and_fleets_is_left_out(model: Any, type_: Any) -> None:
+    given = {f.name for f in dataclasses.fields(type_)} - {"motion"}  # whose fields stand beside the others
+    assert set(model.model_fields) == given | set(MOTION_FIELDS)
+
+
+def test_what_a_mission_does_not_limit_is_not_written() -> None:
+    plan = harbour()
+    told = plan_to_json(plan)
+    assert told["mission"]["fleet"]["jerk_m_s3"] == 0.7
+    assert told["robots"][0]["accelerations_m_s2"] == [1 / 3, -0.0, 0.1 + 0.2]
+    assert "accelerations_m_s2" not in told["robots"][1]
+    free = dataclasses.replace(plan.mission.fleet, motion=AT_ONCE)
+    as_before = plan_to_json(dataclasses.replace(plan, mission=dataclasses.replace(plan.mission, fleet=free)))
+    assert not set(MOTION_FIELDS) & set(as_before["mission"]["fleet"])
+    assert not any(set(MOTION_FIELDS) & set(robot) for robot in as_before["mission"]["fleet"]["robots"])
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([0.0], r"robots\[0\].accelerations_m_s2: 1 entries; 3 are needed, one per leg"),
+        ([0.0, 0.0, 1e9], r"robots\[0\]: .*accelerations_m_s2\[2\] = 1e\+09; on this leg at most .* m/s2"),
+        ([0.0, "fast", 0.0], r"robots\[0\].accelerations_m_s2\[1\]: .*number.*'fast'"),
+    ],
+)
+def test_accelerations_that_no_leg_has_are_refused_with_their_place(values: list[Any], words: str) -> None:
+    document = plan_to_json(harbour())
+    document["robots"][0]["accelerations_m_s2"] = values
+    with pytest.raises(PlanError, match=words):
+        plan_from_json(document)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("acceleration_m_s2", 0, r"mission.fleet.acceleration_m_s2: .*greater than 0"),
+        ("corner_m", -1, r"mission.fleet.corner_m: .*greater than or equal to 0"),
+        ("wind_m_s", "strong", r"mission.fleet.wind_m_s: .*number"),
+        ("corner_m", 1, r"mission.fleet: .*corner_m: 1(.0)? is not allowed; must be 0 where turn_rate_rad_s is given"),
+        ("top_airspeed_m_s", 1, r"mission.fleet: .*speed_m_s: 2(.0)? is not allowed; must be at most 1"),
+        ("corner", 1, r"mission.fleet.corner: unknown key; did you mean corner_m\?"),
+    ],
+)
+def test_limits_of_motion_that_cannot_be_are_refused(field: str, value: Any, words: str) -> None:
+    document = plan_to_json(harbour())
+    del document["mission_sha256"]
+    document["mission"]["fleet"][field] = value
+    with pytest.raises(PlanError, match=words):
+        plan_from_json(document)
 
 
 def test_a_bounce_plan_keeps_its_angles_and_a_turn_is_a_leg_without_length() -> None:

@@ -13,7 +13,8 @@ Json = dict[str, Any]
 _NO_CHANGE = ("rota", "name", "planner")
 _SEARCH_ONLY = ("patrol",)  # its settings say how to search; what a plan of it must hold stands outside of them
 _UNITS = {
-    "_m_s2": " m/s²", "_m_s": " m/s", "_rad_s": " rad/s", "_deg": "°", "_s": " s", "_m2": " m²", "_m": " m",
+    "_m_s3": " m/s³", "_m_s2": " m/s²", "_m_s": " m/s", "_rad_s": " rad/s",
+    "_deg": "°", "_s": " s", "_m2": " m²", "_m": " m",
 }  # fmt: skip
 _SHAPE = (
     "ring", "outer", "holes", "circle", "geojson", "feature", "map", "inside", "unknown", "close_gaps_m", "text",

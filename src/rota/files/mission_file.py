@@ -14,8 +14,9 @@ from shapely import MultiPolygon, unary_union
 
 from rota.errors import MissionError
 from rota.files.local_file import read_text
+from rota.files.mission_fleet import fleet_faults, fleet_of, fleet_warnings, sensor_of
 from rota.files.mission_ground import Ground, read_ground
-from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock, SensorBlock, mission_file_type
+from rota.files.mission_schema import MissionFile, SensorBlock, mission_file_type
 from rota.files.mission_starts import fleet_at_its_starts, moved_in, moving_obstacles
 from rota.files.schema_faults import Fault, positioned, schema_faults
 from rota.files.shape_schema import AreaBlock
@@ -23,13 +24,8 @@ from rota.files.yaml_text import Document, Place, parse_text
 from rota.mission import (
     NO_PERIOD,
     NOTHING_MATTERS,
-    DiscSensor,
-    Fleet,
     Mission,
     PlannerSettings,
-    Robot,
-    Sensor,
-    SquareSensor,
     inner_reach_m,
 )
 from rota.planner import planner_named
@@ -108,19 +104,20 @@ def judge_document(document: Document, folder: Path, *, confine: bool) -> Judged
         faults += _period_faults(file, ground)
         if file.importance == 0 and ground is not None and not any(zone.importance for zone in ground.zones):
             faults.append(Fault(("importance",), NOTHING_MATTERS))
-        name_faults = _robot_faults(file.fleet)
-        faults += name_faults
+        wrong = fleet_faults(file.fleet)
+        faults += wrong
         if ground is not None:
             faults += _sensor_faults(file, ground)
-            if not name_faults:
-                faults += fleet_at_its_starts(_fleet(file.fleet), file, ground)[1]
+            if not wrong:
+                faults += fleet_at_its_starts(fleet_of(file.fleet), file, ground)[1]
     if faults or file is None or ground is None:
         return JudgedDocument(None, ground, faults, (), warnings)
     try:
         mission = _mission(file, ground)
     except MissionError as error:
         return JudgedDocument(None, ground, [], error.faults, warnings)
-    return JudgedDocument(mission, ground, [], (), [*warnings, *_blind(mission), *moved_in(mission, file)])
+    warnings += [*fleet_warnings(file.fleet), *_blind(mission), *moved_in(mission, file)]
+    return JudgedDocument(mission, ground, [], (), warnings)
 
 
 def _blind(mission: Mission) -> list[Fault]:
@@ -190,16 +187,6 @@ def _period_faults(file: MissionFile, ground: Ground | None) -> list[Fault]:
     return [Fault(("period_s",), NO_PERIOD)]
 
 
-def _robot_faults(fleet: FleetBlock) -> list[Fault]:
-    names = [robot.name for robot in fleet.robots] if isinstance(fleet.robots, list) else []
-    first = {name: k for k, name in reversed(list(enumerate(names)))}
-    return [
-        Fault(("fleet", "robots", k, "name"), f"{name!r} is the name of another robot; names must be unique")
-        for k, name in enumerate(names)
-        if first[name] < k
-    ]
-
-
 def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
     """Sensors so small that the demanded area would need more cells than memory and patience hold."""
     demanded_m2 = _demanded(file, ground).area
@@ -213,7 +200,7 @@ def _sensor_faults(file: MissionFile, ground: Ground) -> list[Fault]:
         ]
     faults = []
     for place, block in sensors:
-        sensor = _sensor(block)
+        sensor = sensor_of(block)
         if sensor.reach_m >= least_m:
             continue
         size, least = ("radius_m", least_m) if block.shape == "disc" else ("side_m", least_m * math.sqrt(2))
@@ -250,7 +237,7 @@ def _mission(file: MissionFile, ground: Ground) -> Mission:
         zones=ground.zones,
         importance=ground.importance,
         period_s=file.period_s,
-        fleet=fleet_at_its_starts(_fleet(file.fleet), file, ground)[0],
+        fleet=fleet_at_its_starts(fleet_of(file.fleet), file, ground)[0],
         origin=ground.origin,
         unseeable=file.unseeable,
         holds_within_s=file.holds_within_s,
@@ -263,43 +250,3 @@ def _planning(file: MissionFile) -> PlannerSettings:
     """The settings of the mission's planner."""
     typed_cell_m = file.area.cell_m if isinstance(file.area, AreaBlock) else None
     return planner_named(file.planner).settings.written(file.settings, typed_cell_m)
-
-
-def _fleet(block: FleetBlock) -> Fleet:
-    fleet = Fleet(
-        speed_m_s=block.speed_m_s,
-        sensor=_sensor(block.sensor),
-        body_radius_m=block.body_radius_m,
-        turn_rate_rad_s=block.turn_rate_rad_s,
-        turn_radius_m=block.turn_radius_m,
-        altitude_m=block.altitude_m,
-    )
-    if isinstance(block.robots, int):
-        robots = [fleet.equal_robot(f"robot-{k + 1}") for k in range(block.robots)]
-    elif isinstance(block.robots, list):
-        robots = [_robot(fleet, robot) for robot in block.robots]
-    else:
-        return fleet
-    return replace(fleet, robots=tuple(robots))
-
-
-def _robot(fleet: Fleet, block: RobotBlock) -> Robot:
-    # a turn rate of null is a value (no time to turn), so it overrides the fleet's where it is written
-    turn_rate = block.turn_rate_rad_s if "turn_rate_rad_s" in block.model_fields_set else fleet.turn_rate_rad_s
-    return Robot(
-        name=block.name,
-        speed_m_s=block.speed_m_s if block.speed_m_s is not None else fleet.speed_m_s,
-        sensor=_sensor(block.sensor) if block.sensor is not None else fleet.sensor,
-        body_radius_m=block.body_radius_m if block.body_radius_m is not None else fleet.body_radius_m,
-        turn_rate_rad_s=turn_rate,
-        turn_radius_m=block.turn_radius_m if block.turn_radius_m is not None else fleet.turn_radius_m,
-        joins_s=block.joins_s,
-        leaves_s=block.leaves_s,
-    )
-
-
-def _sensor(block: SensorBlock) -> Sensor:
-    if block.radius_m is not None:
-        return DiscSensor(radius_m=block.radius_m, half_angle_deg=block.half_angle_deg)
-    assert block.side_m is not None
-    return SquareSensor(side_m=block.side_m)

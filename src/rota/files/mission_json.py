@@ -14,6 +14,7 @@ from rota.files.plan_schema import (
     FleetFields,
     ImportanceMapFields,
     MissionFields,
+    MotionFields,
     MovingObstacleFields,
     RobotFields,
     SquareSensorFields,
@@ -35,6 +36,7 @@ from rota.mission import (
     StartPoints,
     Zone,
 )
+from rota.motion_limits import MOTION_FIELDS, MotionLimits
 from rota.planner import planner_named
 from rota.planner_settings import Settings, settings_of
 
@@ -122,6 +124,7 @@ def _fleet_to_json(fleet: Fleet) -> Json:
             "sensor": _sensor_to_json(robot.sensor),
             "body_radius_m": float(robot.body_radius_m),
             **_turning_to_json(robot),
+            **_motion_to_json(robot.motion),
             "start": None if robot.start is None else [float(robot.start[0]), float(robot.start[1])],
             **({} if robot.stays else {"joins_s": float(robot.joins_s), "leaves_s": _number(robot.leaves_s)}),
         }
@@ -132,6 +135,7 @@ def _fleet_to_json(fleet: Fleet) -> Json:
         "sensor": _sensor_to_json(fleet.sensor),
         "body_radius_m": float(fleet.body_radius_m),
         **_turning_to_json(fleet),
+        **_motion_to_json(fleet.motion),
         "altitude_m": float(fleet.altitude_m),
         "start": _start_to_json(fleet.start),
         **({} if fleet.entrances is None else {"entrances": [list(place) for place in fleet.entrances]}),
@@ -142,6 +146,11 @@ def _turning_to_json(turning: Fleet | Robot) -> Json:
     """How fast robots turn on the spot, and their turn radius only where they have one."""
     radius = {"turn_radius_m": float(turning.turn_radius_m)} if turning.turn_radius_m else {}
     return {"turn_rate_rad_s": _number(turning.turn_rate_rad_s), **radius}
+
+
+def _motion_to_json(motion: MotionLimits) -> Json:
+    """The limits of motion that there are."""
+    return {name: value if isinstance(value, str) else _number(value) for name, value in motion.told.items()}
 
 
 def _start_to_json(start: StartBox | StartPoints | None) -> Json | None:
@@ -251,6 +260,7 @@ def _fleet(fields: FleetFields) -> Fleet:
             body_radius_m=fields.body_radius_m,
             turn_rate_rad_s=fields.turn_rate_rad_s,
             turn_radius_m=fields.turn_radius_m,
+            motion=_motion(fields),
             altitude_m=fields.altitude_m,
             start=_start(fields.start),
             entrances=None if fields.entrances is None else tuple((place[0], place[1]) for place in fields.entrances),
@@ -267,10 +277,16 @@ def _robot(fields: RobotFields, field: str) -> Robot:
             body_radius_m=fields.body_radius_m,
             turn_rate_rad_s=fields.turn_rate_rad_s,
             turn_radius_m=fields.turn_radius_m,
+            motion=_motion(fields),
             start=None if fields.start is None else (fields.start[0], fields.start[1]),
             joins_s=fields.joins_s,
             leaves_s=fields.leaves_s,
         )
+
+
+def _motion(fields: MotionFields) -> MotionLimits:
+    """The limits of motion of a fleet or a robot."""
+    return MotionLimits(**{name: getattr(fields, name) for name in MOTION_FIELDS})
 
 
 def _start(fields: StartFields | None) -> StartBox | StartPoints | None:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, create_model
 
+from rota.files.motion_schema import ON_THE_FLOOR, WITH_SPEED, MotionBlock
 from rota.files.schema_block import (
     Block,
     Duration,
@@ -23,11 +24,10 @@ from rota.files.schema_block import (
 )
 from rota.files.settings_schema import settings_field
 from rota.files.shape_schema import Area, ObstacleEntry, Point, ZoneBlock, one_of
-from rota.fleet import TURNS_ONE_WAY
 from rota.mission import all_refused
 from rota.planner import loadable_planners, planner_named
 from rota.planner_registry import DEFAULT, PLANNERS, planner_names
-from rota.refusals import inner
+from rota.refusals import fleet_blocks, inner
 
 MOST_ROBOTS = 100_000  # a plan file of as many is some 300 MB, and its check takes minutes
 
@@ -101,13 +101,7 @@ class Start(Block):
             yield (), "give exactly one of box and points"
 
 
-def _two_ways_to_turn(data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-    """A turn rate and a turn radius of the same robot."""
-    if data.get("turn_rate_rad_s") is not None and data.get("turn_radius_m"):
-        yield ("turn_radius_m",), f"{data['turn_radius_m']} is not allowed; it {TURNS_ONE_WAY}"
-
-
-class RobotBlock(Block):
+class RobotBlock(MotionBlock):
     """One robot: what is not given is as in the fleet."""
 
     name: Text
@@ -122,8 +116,7 @@ class RobotBlock(Block):
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """A robot that leaves before it joins, or turns in two ways."""
-        yield from _two_ways_to_turn(data)
+        """A robot that leaves before it joins."""
         joins, leaves = data.get("joins_s", 0.0), data.get("leaves_s")
         if all(isinstance(time, int | float) for time in (joins, leaves)) and leaves <= joins:
             yield ("leaves_s",), f"{leaves} is not allowed; it must come after joins_s, {joins}"
@@ -149,11 +142,20 @@ Robots = Annotated[
 ]
 
 
-class FleetBlock(Block):
+class FleetBlock(MotionBlock):
     """The robots."""
 
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [
+                {"required": ["speed_m_s"], "properties": {"speed_m_s": {"type": "number"}}},
+                {"required": ["vehicle"], "properties": {"vehicle": {"enum": WITH_SPEED}}},
+            ]
+        }
+    )
+
     robots: Robots = "fewest"
-    speed_m_s: Rate
+    speed_m_s: Rate | None = Field(None, description="required where no vehicle has one")
     sensor: SensorBlock
     body_radius_m: LengthOrZero = 0.0
     turn_rate_rad_s: Rate | None = Field(None, description="null: turning takes no time")
@@ -169,8 +171,15 @@ class FleetBlock(Block):
 
     @classmethod
     def faults(cls, data: dict[str, Any]) -> Iterator[tuple[Where, str]]:
-        """Robots that turn in two ways."""
-        yield from _two_ways_to_turn(data)
+        """No speed, and no vehicle that has one; sensors that look down from vehicles on the floor."""
+        if data.get("speed_m_s") is None and data.get("vehicle") not in WITH_SPEED:
+            yield ("speed_m_s",), "is missing; it is required"
+        for where, block in fleet_blocks({"fleet": data}):
+            vehicle, sensor = (inner(block, key) or data.get(key) for key in ("vehicle", "sensor"))
+            told = any(inner(block, key) is not None for key in ("vehicle", "sensor"))
+            if told and vehicle in ON_THE_FLOOR and inner(sensor, "half_angle_deg") is not None:
+                place = (*where[1:], "vehicle" if inner(block, "vehicle") else "sensor")
+                yield place, f"{vehicle} keeps to the floor, and this sensor looks down from above: give another one"
 
 
 class OriginBlock(Block):

@@ -12,12 +12,13 @@ from rota.errors import MissionError
 from rota.files.geodesy import Projection
 from rota.files.map_entrances import entrances_on_map
 from rota.files.mission_ground import Ground
-from rota.files.mission_schema import FleetBlock, MissionFile
+from rota.files.mission_schema import FleetBlock, MissionFile, RobotBlock
 from rota.files.schema_faults import Fault
 from rota.files.shape_schema import AreaBlock
 from rota.files.yaml_text import Place
-from rota.mission import Fleet, Mission, MovingObstacle, StartBox, StartPoints, start_faults
+from rota.mission import Fleet, Mission, MovingObstacle, StartBox, StartPoints, corner_faults, start_faults
 from rota.planner import planner_named
+from rota.refusals import path_of
 
 START: Place = ("fleet", "start")
 ENTRANCES: Place = ("fleet", "entrances")
@@ -48,10 +49,16 @@ def fleet_at_its_starts(fleet: Fleet, file: MissionFile, ground: Ground) -> tupl
             placed = replace(placed, entrances=entrances_on_map(inside, placed, ground.area, _blocking(ground)))
     except _Misplaced as error:
         return fleet, error.faults
-    faults = start_faults(ground.area, _blocking(ground), placed)
+    faults = start_faults(ground.area, _blocking(ground), placed) + corner_faults(
+        ground.area, _blocking(ground), placed
+    )
     if faults:
         where |= {f"fleet.entrances[{k}]": (*ENTRANCES, k) for k in range(len(placed.entrances or ()))}
-        return fleet, [Fault(where[field], message) for field, message in faults]
+        where |= _corner_places(block)
+        return fleet, [
+            Fault(where[field], f"its corner_m of {message}" if where[field][-1] == "vehicle" else message)
+            for field, message in faults
+        ]
     return placed, []
 
 
@@ -110,6 +117,17 @@ class _Metres:
         except MissionError as error:
             raise _Misplaced(*(Fault(written.place, fault) for fault in error.faults)) from None
         return float(east[0]), float(north[0])
+
+
+def _corner_places(block: FleetBlock) -> dict[str, Place]:
+    """Where corners that are cut stand: where they are given, else with the vehicle that presets them."""
+    blocks: list[tuple[Place, FleetBlock | RobotBlock]] = [(("fleet",), block)]
+    if isinstance(block.robots, list):
+        blocks += [(("fleet", "robots", k), robot) for k, robot in enumerate(block.robots)]
+    return {
+        f"{path_of(place)}.corner_m": (*place, "corner_m" if each.corner_m is not None else "vehicle")
+        for place, each in blocks
+    }
 
 
 def _box(block: FleetBlock, to_metres: _Metres) -> StartBox | None:

@@ -76,13 +76,14 @@ def _run_end_to_json(end: RunEnd) -> Json:
 
 def _trajectory_to_json(trajectory: Trajectory) -> Json:
     """One robot's trajectory."""
-    headings = trajectory.headings_rad
+    headings, accelerations = trajectory.headings_rad, trajectory.accelerations_m_s2
     return {
         "name": trajectory.robot,
         "loop_start_s": trajectory.loop_start_s,
         "times_s": trajectory.times_s.tolist(),
         "positions_m": trajectory.positions_m.tolist(),
         "headings_rad": None if headings is None else headings.tolist(),
+        **({} if accelerations is None else {"accelerations_m_s2": accelerations.tolist()}),
     }
 
 
@@ -175,11 +176,15 @@ def _trajectory(fields: TrajectoryFields, field: str) -> Trajectory:
     for name, values in (("positions_m", fields.positions_m), ("headings_rad", fields.headings_rad)):
         if values is not None and len(values) != n:
             raise PlanError(f"{field}.{name}: {len(values)} entries; {n} are needed, one per time in times_s")
+    accelerations = fields.accelerations_m_s2
+    if accelerations is not None and len(accelerations) != n - 1:
+        raise PlanError(f"{field}.accelerations_m_s2: {len(accelerations)} entries; {n - 1} are needed, one per leg")
     with named_field(field):
         return Trajectory(
             robot=fields.name,
             times_s=np.array(fields.times_s, dtype=np.float64),
             positions_m=np.array(fields.positions_m, dtype=np.float64),
             headings_rad=None if fields.headings_rad is None else np.array(fields.headings_rad, dtype=np.float64),
+            accelerations_m_s2=None if accelerations is None else np.array(accelerations, dtype=np.float64),
             loop_start_s=fields.loop_start_s,
         )

@@ -57,7 +57,21 @@ class SquareSensorFields(_Strict):
 SensorFields = Annotated[DiscSensorFields | SquareSensorFields, Field(discriminator="shape")]
 
 
-class RobotFields(_Strict):
+class MotionFields(_Strict):
+    """Limits of motion of a robot, or of all that have no others; absent: none."""
+
+    vehicle: Annotated[str, Field(min_length=1, description="whose presets these are")] | None = None
+    acceleration_m_s2: Positive | None = None
+    corner_acceleration_m_s2: Positive | None = None
+    jerk_m_s3: Positive | None = None
+    corner_m: Radius = 0.0
+    climb_m_s: Positive | None = None
+    descend_m_s: Positive | None = None
+    top_airspeed_m_s: Positive | None = None
+    wind_m_s: NotNegative = 0.0
+
+
+class RobotFields(MotionFields):
     """One robot of the fleet."""
 
     name: Name
@@ -91,7 +105,7 @@ class StartFields(_Strict):
         return self
 
 
-class FleetFields(_Strict):
+class FleetFields(MotionFields):
     """The robots at hand; ``robots`` "fewest" means as few equal ones as possible."""
 
     # the tag makes errors speak of the one form that was meant
@@ -188,13 +202,16 @@ class MissionFields(_Strict):
 
 
 class TrajectoryFields(_Strict):
-    """One robot's timed points: straight legs at constant speed, repeated for ever from ``loop_start_s``."""
+    """One robot's timed points: straight legs, each at a constant acceleration, repeated from ``loop_start_s`` on."""
 
     name: Name
     loop_start_s: Time
     times_s: Annotated[list[Time], Field(min_length=1)]
     positions_m: Annotated[list[Position], Field(min_length=1)]
     headings_rad: list[float] | None
+    accelerations_m_s2: Annotated[
+        list[float] | None, Field(description="along each leg; absent: all legs are driven at constant speeds")
+    ] = None
 
 
 class RunEndFields(_Strict):

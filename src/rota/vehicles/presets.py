@@ -8,8 +8,10 @@ from rota.errors import RotaError
 from rota.vehicles.facts import Fact, Vehicle
 
 _COPTER_4_6 = "ArduCopter 4.6, default"  # AC_WPNav.cpp, ArduCopter/config.h and ardupilot.org/copter/docs/parameters
+_TWICE = "AC_WPNav.cpp of ArduCopter 4.6: the default, 0, is twice WPNAV_ACCEL"
 _STORAGE = "ArduPilot 4.6, StorageManager.cpp, a Copter's areas on boards with 16 KiB"
 _PX4 = "PX4 Autopilot, multicopter_autonomous_params.c, default"
+_PX4_LIMITS = "PX4 Autopilot, multicopter_position_control_limits_params.c, default"
 _DJI = "DJI Mobile SDK, DJIWaypoint and DJIWaypointV2"
 
 ARDUCOPTER = Vehicle(
@@ -18,6 +20,7 @@ ARDUCOPTER = Vehicle(
     formats=("qgroundcontrol", "waypoints"),
     speed_m_s=Fact(value=10.0, parameter="WPNAV_SPEED", source=_COPTER_4_6),
     acceleration_m_s2=Fact(value=2.5, parameter="WPNAV_ACCEL", source=_COPTER_4_6),
+    corner_acceleration_m_s2=Fact(value=5.0, parameter="WPNAV_ACCEL_C", source=_TWICE),
     jerk_m_s3=Fact(value=1.0, parameter="WPNAV_JERK", source=_COPTER_4_6),
     corner_m=Fact(value=2.0, parameter="WPNAV_RADIUS", source=_COPTER_4_6),
     climb_m_s=Fact(value=2.5, parameter="WPNAV_SPEED_UP", source=_COPTER_4_6),
@@ -38,12 +41,18 @@ ARDUCOPTER_TUNED = replace(
     name="arducopter-tuned",
     told="an ArduCopter with WPNAV_ACCEL 500 and WPNAV_JERK 5",
     acceleration_m_s2=Fact(value=5.0, parameter="WPNAV_ACCEL", source=_RANGE),
+    corner_acceleration_m_s2=Fact(value=10.0, parameter="WPNAV_ACCEL_C", source=_TWICE),
     jerk_m_s3=Fact(value=5.0, parameter="WPNAV_JERK", source="a quarter of " + _RANGE),
 )
 PX4 = Vehicle(
     name="px4",
     told="a PX4 multicopter by default parameters",
     speed_m_s=Fact(value=5.0, parameter="MPC_XY_CRUISE", source=_PX4),
+    top_speed_m_s=Fact(
+        value=12.0,
+        parameter="MPC_XY_VEL_MAX",
+        source=_PX4_LIMITS,
+    ),
     acceleration_m_s2=Fact(value=3.0, parameter="MPC_ACC_HOR", source=_PX4),
     jerk_m_s3=Fact(value=4.0, parameter="MPC_JERK_AUTO", source=_PX4),
     corner_m=Fact(value=2.0, parameter="NAV_ACC_RAD", source="PX4 Autopilot, init.d/rc.mc_defaults"),
@@ -53,21 +62,30 @@ PX4 = Vehicle(
 DJI = Vehicle(
     name="dji",
     told="a DJI aircraft on a wayline",
+    acceleration_unknown=True,
     speed_m_s=Fact(value=15.0, parameter="autoFlightSpeed, the greatest", source=_DJI),
+    top_speed_m_s=Fact(value=15.0, parameter="autoFlightSpeed, the greatest", source=_DJI),
     corner_m=Fact(value=0.2, parameter="cornerRadiusInMeters", source=_DJI),
 )
+_AGV = "vda-5050-lib.js, VirtualAgvAdapterOptions, default"
 AGV = Vehicle(
     name="agv",
     told="a virtual AGV of Siemens' vda-5050-lib, which changes speed at once",
-    speed_m_s=Fact(value=2.0, parameter="vehicleSpeed", source="vda-5050-lib.js, VirtualAgvAdapterOptions, default"),
+    flies=False,
+    speed_m_s=Fact(value=2.0, parameter="vehicleSpeed", source=_AGV),
+    top_speed_m_s=Fact(value=2.0, parameter="vehicleSpeed", source=_AGV),
 )
+_TURTLEBOT4 = "turtlebot4_navigation/config/nav2.yaml, FollowPath"
 TURTLEBOT4 = Vehicle(
     name="turtlebot4",
     told="a TurtleBot 4 under Nav2",
-    speed_m_s=Fact(value=0.26, parameter="max_vel_x", source="turtlebot4_navigation/config/nav2.yaml, FollowPath"),
-    acceleration_m_s2=Fact(
-        value=2.5, parameter="acc_lim_x", source="turtlebot4_navigation/config/nav2.yaml, FollowPath"
+    flies=False,
+    speed_m_s=Fact(value=0.26, parameter="max_vel_x", source=_TURTLEBOT4),
+    top_speed_m_s=Fact(
+        value=0.46, parameter="safety_override: full", source="iRobot Create 3 documentation, safety overrides"
     ),
+    turn_rate_rad_s=Fact(value=1.0, parameter="max_vel_theta", source=_TURTLEBOT4),
+    acceleration_m_s2=Fact(value=2.5, parameter="acc_lim_x", source=_TURTLEBOT4),
 )
 NONE = Vehicle(name="none", told="a robot that changes speed at once")
 

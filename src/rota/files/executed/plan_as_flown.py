@@ -13,6 +13,7 @@ from rota.driven_route import from_start
 from rota.errors import RotaError
 from rota.files.executed.mavlink import Told, told_by_qgroundcontrol, told_by_waypoints
 from rota.fleet import Fleet, Robot
+from rota.motion_limits import AT_ONCE
 from rota.plan import Plan, Trajectory
 from rota.route import route_of
 from rota.vehicles.facts import Vehicle
@@ -82,9 +83,10 @@ def _fastest_m_s(trajectory: Trajectory) -> float:
 
 
 def _as_fast_as(fleet: Fleet, most_m_s: float) -> Fleet:
-    """The fleet whose robots may be so fast, and turn as they like."""
+    """The fleet whose robots may be so fast, and turn and change speed as they like."""
 
     def freed(one: Kind) -> Kind:
-        return replace(one, speed_m_s=max(one.speed_m_s, most_m_s), turn_rate_rad_s=None, turn_radius_m=0.0)
+        speed_m_s = max(one.speed_m_s, most_m_s)
+        return replace(one, speed_m_s=speed_m_s, turn_rate_rad_s=None, turn_radius_m=0.0, motion=AT_ONCE)
 
     return replace(freed(fleet), robots=fleet.robots and tuple(map(freed, fleet.robots)))

@@ -37,6 +37,7 @@ class PatrolSettings(PlannerSettings):
 
     planner: ClassVar[str] = "patrol"
     heeds_entrances: ClassVar[bool] = True
+    heeds_motion: ClassVar[bool] = True
     effort: Effort = setting("normal")
     method: Method = setting("tours", "tours, or to compare with: a traditional method or Sun 2019's stages")
     period_margin: float = setting(
