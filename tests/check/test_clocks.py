@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from shapely import box
+from tests.check.accelerated import accelerated
 
 from rota import BounceSettings, PatrolSettings
 from rota.check import Report, check_plan
@@ -65,6 +66,18 @@ def test_a_robot_that_waits_beside_a_way_is_passed_in_its_own_time() -> None:
     assert found == pytest.approx(brute_margin(passing, waiting, 60), abs=0.02)
 
 
+def test_a_robot_that_starts_off_one_s_way_from_rest() -> None:
+    """It stands on the other's line until 5 s; the other, at 1 m/s, is 1 m from there at 12 s, as it is 2.45 m off."""
+    passing = way("a", [(0, -10, 0), (3, -10, 0), (23, 10, 0)])
+    starting = replace(way("b", [(0, 0, 0), (5, 0, 0), (15, 0, 5)]), accelerations_m_s2=[0, 0.1])
+    # the other is x short of the line, and 1 m away, as this one is sqrt(1 - x^2) off, the least slack over all x
+    x = np.linspace(0, 1, 1_000_001)
+    slack_s = (13 - x) - (5 + np.sqrt(2 * np.sqrt(1 - x**2) / 0.1))
+    found = margin(passing, starting)
+    assert found == pytest.approx(slack_s.min(), abs=1e-5)
+    assert found == pytest.approx(brute_margin(passing, starting, 60), abs=0.02)
+
+
 def test_ways_that_never_come_near_and_bodies_that_touch_already() -> None:
     far = way("a", [(0, 0, 50), (20, 10, 50)])
     assert margin(far, way("b", [(0, 0, 0), (20, 10, 0)])) == math.inf
@@ -87,12 +100,7 @@ def test_only_bouncing_robots_are_judged_and_one_alone_has_no_margin() -> None:
 
 def places_at(trajectory: Trajectory, times: Floats) -> Floats:
     """Places (n, 2); before 0 the robot has not begun to move."""
-    times = np.maximum(times, 0.0)
-    if trajectory.loop_duration_s > 0:
-        late = times > trajectory.times_s[-1]
-        times = np.where(late, trajectory.loop_start_s + (times - trajectory.loop_start_s) % trajectory.loop_duration_s,
-                         times)  # fmt: skip
-    return np.column_stack([np.interp(times, trajectory.times_s, trajectory.positions_m[:, k]) for k in (0, 1)])
+    return trajectory.at(times)
 
 
 def brute_margin(one: Trajectory, other: Trajectory, until_s: float) -> float:
@@ -115,16 +123,20 @@ def random_loop(robot: str, rng: np.random.Generator, seconds: int) -> Trajector
     return Trajectory(robot=robot, times_s=[0, *times, seconds], positions_m=places, loop_start_s=0)
 
 
+@pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("seed", range(12))
-def test_random_loops_beside_shifted_ones(seed: int) -> None:
+def test_random_loops_beside_shifted_ones(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(seed)
     one, other = random_loop("a", rng, 12), random_loop("b", rng, 18)
+    one, other = (accelerated(each, rng) if bent else each for each in (one, other))
     # a plan has bodies apart: the other is moved until they are
-    for _ in range(40):
+    drawn_m = other.positions_m
+    for _ in range(400):
         found = margin(one, other)
         if 0.05 < found < 3:
             break
-        other = replace(other, positions_m=other.positions_m + rng.uniform(-3, 3, 2))
+        other = replace(other, positions_m=drawn_m + rng.uniform(-8, 8, 2))
+    assert 0.05 < found < 3
     assert found == pytest.approx(brute_margin(one, other, 36.0), abs=0.02)
 
 

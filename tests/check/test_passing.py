@@ -141,6 +141,18 @@ def test_robots_with_other_sensors_do_not_count_together() -> None:
     assert gaps.gaps_s == pytest.approx(np.full(8, 50.0), abs=1e-6)
 
 
+@pytest.mark.parametrize(("bends", "gap_s"), [((1.0, 1.0), 25.0), ((1.0, 0.9), 50.0), ((-1.0, 0.0), 50.0)])
+def test_followers_count_together_if_they_speed_up_alike(bends: tuple[float, float], gap_s: float) -> None:
+    plan = behind_a_slit(turns_m=5.5, robots=2)
+    ways = []
+    for way, bend in zip(plan, bends, strict=True):
+        lengths = np.hypot(*np.diff(way.positions_m, axis=0).T)
+        ways.append(replace(way, accelerations_m_s2=2 * bend * lengths / np.diff(way.times_s) ** 2))
+    plan = replace(plan, trajectories=tuple(ways))
+    gaps = passing_gaps(sights_of(plan, plan.mission.area.bounds), floor_pieces(plan, 1e-3), np.full(8, 30.0))
+    assert gaps.gaps_s == pytest.approx(np.full(8, gap_s), abs=1e-6)
+
+
 def test_no_point_of_a_piece_seen_in_passing_waits_longer_than_is_told() -> None:
     """Each square is asked at 60 places inside and near its corners, a little off the line where sight is a moment."""
     passed = 0

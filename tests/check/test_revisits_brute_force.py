@@ -10,6 +10,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Point, Polygon, box
+from tests.check.accelerated import all_accelerated
 
 from rota.check import check_plan, revisits
 from rota.check.pieces import convex_pieces
@@ -59,9 +60,7 @@ def sampled_gaps_s(plan: Plan, points: NDArray[np.float64]) -> NDArray[np.float6
     seen = np.zeros((len(points), len(times)), bool)
     for trajectory in plan:
         sensor = plan.mission.fleet.robot(trajectory.robot).sensor
-        start, length = trajectory.loop_start_s, trajectory.loop_duration_s
-        t = np.where(times < start, times, start + (times - start) % length)
-        xy = np.stack([np.interp(t, trajectory.times_s, trajectory.positions_m[:, k]) for k in (0, 1)], axis=1)
+        xy = trajectory.at(times)
         away = np.abs(points[:, None] - xy[None])
         if isinstance(sensor, DiscSensor):
             near = np.hypot(away[..., 0], away[..., 1]) <= sensor.radius_m
@@ -79,10 +78,12 @@ def sampled_gaps_s(plan: Plan, points: NDArray[np.float64]) -> NDArray[np.float6
     return gaps
 
 
+@pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("seed", range(12))
-def test_point_gaps_match_sampled_times(seed: int) -> None:
+def test_point_gaps_match_sampled_times(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(seed)
     plan = random_plan(rng, robots=int(rng.integers(1, 4)), obstacles=int(rng.integers(0, 5)))
+    plan = all_accelerated(plan, rng) if bent else plan
     points = rng.uniform(0, 10, (60, 2))
     exact, sampled = worst_gaps_s(plan, points), sampled_gaps_s(plan, points)
     hidden = shapely.union_all([o.shape for o in plan.mission.obstacles])
@@ -94,10 +95,12 @@ def test_point_gaps_match_sampled_times(seed: int) -> None:
     assert close.mean() >= 0.95
 
 
+@pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("seed", range(12))
-def test_a_piece_is_never_judged_better_than_any_of_its_points(seed: int) -> None:
+def test_a_piece_is_never_judged_better_than_any_of_its_points(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(100 + seed)
     plan = random_plan(rng, robots=int(rng.integers(1, 4)), obstacles=int(rng.integers(1, 6)))
+    plan = all_accelerated(plan, rng) if bent else plan
     ground = plan.mission.area.difference(shapely.union_all([o.shape for o in plan.mission.obstacles]))
     pieces = convex_pieces(ground, 0.4, 1e-9)
     upper = piece_gaps(sights_of(plan, ground.bounds), pieces, np.zeros(len(pieces))).gaps_s
@@ -123,6 +126,7 @@ def test_verdict_agrees_with_many_points(seed: int) -> None:
     mission = dataclasses.replace(plan.mission, fleet=dataclasses.replace(plan.mission.fleet, robots=wide))
     trajectories = (held, *plan.trajectories[1:]) if seed % 2 else plan.trajectories
     plan = dataclasses.replace(plan, mission=mission, trajectories=trajectories)
+    plan = all_accelerated(plan, rng) if seed % 4 > 1 else plan
     points = rng.uniform(0, 10, (40_000, 2))
     points = points[shapely.contains_xy(ground, *points.T)]
     gaps = worst_gaps_s(plan, points)

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from shapely import MultiPolygon, box
+from tests.check.accelerated import accelerated
 
 from rota import PatrolSettings, SwarmSettings
 from rota.check.report import Violation
@@ -127,14 +127,9 @@ def test_loop_that_turns_many_times_before_the_other_begins() -> None:
     assert violations(one, shifted) == []
 
 
-def place_at(trajectory: Trajectory, t: NDArray[np.float64]) -> NDArray[np.float64]:
-    start, length = trajectory.loop_start_s, trajectory.loop_duration_s
-    phase = np.where(t < start, t, start + (t - start) % length)
-    return np.stack([np.interp(phase, trajectory.times_s, trajectory.positions_m[:, k]) for k in (0, 1)], axis=1)
-
-
+@pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("seed", range(25))
-def test_matches_sampled_times(seed: int) -> None:
+def test_matches_sampled_times(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(seed)
     trajectories = []
     for robot in "ab":
@@ -143,18 +138,19 @@ def test_matches_sampled_times(seed: int) -> None:
         xy = rng.uniform(0, 6, (lead + n, 2))
         xy = np.vstack([xy, xy[lead : lead + 1]])
         times = np.concatenate([np.arange(lead) * 3.0, lead * 3.0 + np.linspace(0, period, n + 1)])
-        trajectories.append(track(robot, times, xy, lead * 3.0))
+        way = track(robot, times, xy, lead * 3.0)
+        trajectories.append(accelerated(way, rng) if bent else way)
     end = max(t.loop_start_s for t in trajectories) + math.lcm(*(round(t.loop_duration_s) for t in trajectories))
     t = np.arange(0, end, 1e-3)
-    away = np.hypot(*(place_at(trajectories[0], t) - place_at(trajectories[1], t)).T)
+    away = np.hypot(*(trajectories[0].at(t) - trajectories[1].at(t)).T)
     closest = float(away.min())
     # bodies a little larger and a little smaller than half the sampled distance
     (found,) = violations(*trajectories, body=closest / 2 + 0.01)
     assert found.value == pytest.approx(closest, abs=5e-3)
     assert found.time_s is not None
-    at = np.hypot(
-        *(place_at(trajectories[0], np.array([found.time_s])) - place_at(trajectories[1], np.array([found.time_s])))[0]
-    )
+    places = [each.at(found.time_s) for each in trajectories]
+    at = math.dist(*places)
+    assert found.place_m == pytest.approx((places[0] + places[1]) / 2, abs=1e-6)
     assert at == pytest.approx(found.value, abs=1e-6)
     if closest > 0.05:
         assert violations(*trajectories, body=closest / 2 - 0.01) == []
@@ -197,13 +193,38 @@ def test_loops_that_share_no_period_meet_by_their_lines_in_space() -> None:
         assert not found or found[0].value == pytest.approx(0.7)
 
 
+@pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("seed", range(5))
-def test_contact_in_space_is_that_of_brute_force_in_time(seed: int) -> None:
+def test_contact_in_space_is_that_of_brute_force_in_time(seed: int, bent: bool) -> None:
     rng = np.random.default_rng(seed)
-    tracks, times = [], np.linspace(0, 4, 40_001)
-    for name in "ab":
-        places = rng.uniform(-3, 3, (5, 3))
-        tracks.append((np.stack([np.interp(times, range(5), axis) for axis in places.T], axis=1), places, name))
-    least = float(np.linalg.norm(tracks[0][0] - tracks[1][0], axis=1).min())
-    found = violations(*(track(name, np.arange(5.0), places, 4) for _, places, name in tracks), body=3.0)
+    ways, times = (
+        [track(name, np.arange(5.0), rng.uniform(-3, 3, (5, 3)), 4) for name in "ab"],
+        np.linspace(0, 4, 40_001),
+    )
+    ways = [accelerated(way, rng) for way in ways] if bent else ways
+    least = float(np.linalg.norm(ways[0].at(times) - ways[1].at(times), axis=1).min())
+    found = violations(*ways, body=3.0)
     assert found[0].value == pytest.approx(least, abs=1e-3)
+
+
+# ---------------------------------------------------------------- with accelerations
+
+
+def test_robots_that_pass_as_one_of_them_starts_are_nearest_where_they_are_abreast() -> None:
+    """a from rest at 2 m/s2 in 4 s to x = 16; b comes from x = 20 at 4 m/s, 0.5 m beside: t^2 = 20 - 4 t."""
+    starts = replace(track("a", [0, 4], [(0, 0), (16, 0)], 4), accelerations_m_s2=[2])
+    comes = track("b", [0, 5], [(20, 0.5), (0, 0.5)], 5)
+    (found,) = violations(starts, comes)
+    abreast_s = math.sqrt(24) - 2
+    assert (found.value, found.time_s) == pytest.approx((0.5, abreast_s), abs=1e-9)
+    assert found.place_m == pytest.approx((abreast_s**2, 0.25))
+    # driven evenly, a is at x = 10 after 2.5 s, as b is
+    assert violations(replace(starts, accelerations_m_s2=None), comes)[0].time_s == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize(("late_m", "wrong"), [(1.0, False), (1 - 0.9e-6, False), (1 - 1.1e-6, True)])
+def test_followers_that_stop_one_after_the_other_may_touch_within_the_tolerance(late_m: float, wrong: bool) -> None:
+    """Both stop from 4 m/s in 4 s, the second one a little behind: at rest they are as far apart as ever."""
+    first = replace(track("a", [0, 4], [(0, 0), (8, 0)], 4), accelerations_m_s2=[-1])
+    second = replace(track("b", [0, 4], [(-late_m, 0), (8 - late_m, 0)], 4), accelerations_m_s2=[-1])
+    assert bool(violations(first, second)) == wrong

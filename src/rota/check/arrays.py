@@ -53,11 +53,12 @@ class Legs(NamedTuple):
     """The legs (m,) of all robots, robot by robot and in the order of time; see ``Routes``.
 
     times_s: (m, 2) when a leg begins and ends. robots: (m,) index of the robot. kinds: (m,) before the loop, in its
-    first turn, or a robot that stays for ever. way_of: (m,) which of the ways each goes.
+    first turn, or a robot that stays for ever. way_of: (m,) which of the ways each goes. bends: (m,) of each leg.
     """
 
     near: Binned
     times_s: Floats
+    bends: Floats
     robots: Ints
     kinds: Ints
     ways: Ways

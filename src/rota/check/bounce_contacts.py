@@ -50,6 +50,7 @@ class Around:
             cells, _ = self._floor.cells_at(other.positions_m[-1:, :2])
             return [(cells[0], cells[0]), *self._wanted(other, cells[0], len(times) - 1)]
         share = np.clip((time_s - times[leg]) / (times[leg + 1] - times[leg]), 0.0, 1.0)
+        share += other.bends[leg] * share * (share - 1)
         way = other.positions_m[leg + 1, :2] - other.positions_m[leg, :2]
         cells, centred = self._floor.cells_at((other.positions_m[leg, :2] + share * way)[None])
         if not centred[0]:

@@ -26,6 +26,7 @@ from rota.check.revisits import Sights, loop_gap, sights_of
 from rota.check.separation import separation_violations
 from rota.check.standing import standing_areas
 from rota.check.tiled_ground import FINEST_M, tile_and_refine
+from rota.check.timing_kernels import time_along
 from rota.check.tolerances import MOST_EXCLUDED, PERIOD_TOLERANCE, TOUCH_M, slack_of
 from rota.mission import Mission, StartBox, StartPoints
 from rota.plan import Plan
@@ -218,7 +219,7 @@ def judge_visits(verdicts: Verdicts, k: int, demand: DemandedGround, sights: Sig
             outcome="met" if met else "violated",
         )
     )
-    times = [routes.times_s[m, 0] + lo * (routes.times_s[m, 1] - routes.times_s[m, 0]) for m, lo, _ in inside]
+    times = [time_along(*routes.times_s[m], routes.bends[m], lo) for m, lo, _ in inside]
     verdicts.firsts_s.append(min(times, default=math.inf))
 
 

@@ -15,6 +15,7 @@ from rota.check.arrays import Parts, SeenTimes, Views
 from rota.check.gap_kernels import team_gap
 from rota.check.shadow_kernels import blocked_part, hides, shadows_of
 from rota.check.tiling_kernels import cell_of, half_width, in_cell
+from rota.check.timing_kernels import time_along
 from rota.check.tolerances import NO_LENGTH
 from rota.compiled.kernel import kernel
 
@@ -202,8 +203,8 @@ def times_of_sights(turn, cell, legs, views, times):
         if views.seen_in[way] != turn:
             continue
         robot, first, kept = legs.robots[m], views.firsts[way], views.counts[way]
-        t0, t1 = legs.times_s[m, 0], legs.times_s[m, 1]
-        first_s = min(first_s, t0 + parts.starts[first] * (t1 - t0))
+        t0, t1, bend = legs.times_s[m, 0], legs.times_s[m, 1], legs.bends[m]
+        first_s = min(first_s, time_along(t0, t1, bend, parts.starts[first]))
         if legs.kinds[m] == TRANSIENT:
             continue
         if legs.kinds[m] == HOLD:
@@ -216,8 +217,7 @@ def times_of_sights(turn, cell, legs, views, times):
         if n + kept > len(starts):
             starts, ends = np.append(starts, np.empty(n + kept)), np.append(ends, np.empty(n + kept))
         for p in range(first, first + kept):
-            start = t0 if parts.starts[p] == 0 else t0 + parts.starts[p] * (t1 - t0)
-            end = t1 if parts.ends[p] == 1 else t0 + parts.ends[p] * (t1 - t0)
+            start, end = time_along(t0, t1, bend, parts.starts[p]), time_along(t0, t1, bend, parts.ends[p])
             if n > bounds[n_robots - 1] and start <= ends[n - 1]:
                 ends[n - 1] = max(end, ends[n - 1])
             else:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rota.check.blocking import blocks_motion
 from rota.check.report import Violation, violation
 from rota.check.routes import lines_of, segments_of
+from rota.check.timing_kernels import time_along
 from rota.check.tolerances import FLOAT_EPS, SPEED_TOLERANCE, TOUCH_M
 from rota.check.turning import MOST_PER_ROBOT, turn_radius_violations, turn_violations
 from rota.mission import Mission, Robot
@@ -141,11 +142,11 @@ def _place_violations(trajectory: Trajectory, robot: Robot, deepest: _Deepest, k
     Each leg has one violation: its deepest place, when and how deep. Where the centre itself is on the wrong side, the
     deepest of 65 places along the stretch counts, refined three times.
     """
-    legs, times, violations = _legs_of(trajectory), trajectory.times_s, []
+    legs, times, bends, violations = _legs_of(trajectory), trajectory.times_s, trajectory.bends, []
     for m in np.flatnonzero(deepest.depth_m > TOUCH_M)[:MOST_PER_ROBOT]:
         at = deepest.place[m]
         x, y = legs[m, :2] + at * (legs[m, 2:] - legs[m, :2])
-        time = times[m] + at * (times[min(m + 1, len(times) - 1)] - times[m])
+        time = time_along(times[m], times[min(m + 1, len(times) - 1)], bends[m] if len(bends) else 0.0, at)
         violations.append(violation(kind, robot.name, (x, y), time, float(deepest.depth_m[m]), TOUCH_M, "m"))
     return violations
 

@@ -1,13 +1,15 @@
-"""Whether a body touches a moving obstacle: the closest approach of two timed polylines, in closed form."""
+"""Whether a body touches a moving obstacle: the closest approach of two timed polylines, exactly."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.check.approach import gaps_at, nearest_shares
 from rota.check.report import Violation
 from rota.check.routes import lines_of
 from rota.check.tolerances import TOUCH_M
@@ -30,7 +32,7 @@ def moving_violations(plan: Plan) -> list[Violation]:
         body_m = plan.mission.fleet.robot(trajectory.robot).body_radius_m
         for k, obstacle in enumerate(plan.mission.moving_obstacles):
             followed = _followed(trajectory, obstacle.times_s[-1])
-            closest = _closest_ever(trajectory, obstacle) if followed is None else _closest(*followed, obstacle)
+            closest = _closest_ever(trajectory, obstacle) if followed is None else _closest(followed, obstacle)
             distance, time_s, place = closest
             if distance < body_m + obstacle.radius_m - TOUCH_M:
                 violations.append(
@@ -63,31 +65,60 @@ def _legs(places_m: object) -> Floats:
     return np.hstack([places[:-1], places[1:]]) if len(places) > 1 else np.hstack([places, places])
 
 
-def _closest(times: Floats, places: Floats, obstacle: MovingObstacle) -> tuple[float, float, tuple[float, float]]:
+def _closest(way: _Followed, obstacle: MovingObstacle) -> tuple[float, float, tuple[float, float]]:
     """Least distance of the centres, when it is, and where the robot is then."""
+    times, places, _ = way
     knots = np.union1d(times, [time for time in obstacle.times_s if time > 0])
-    robot = np.stack([np.interp(knots, times, places[:, axis]) for axis in (0, 1)], axis=1)
+    even_s, bow = _evened(way, knots)
+    robot = np.stack([np.interp(even_s, times, places[:, axis]) for axis in (0, 1)], axis=1)
     theirs = np.array(obstacle.positions_m)
     other = np.stack([np.interp(knots, obstacle.times_s, theirs[:, axis]) for axis in (0, 1)], axis=1)
     gap = np.vstack([other - robot, other[-1:] - robot[-1:]])
     drift = np.diff(gap, axis=0)
-    drift2 = (drift**2).sum(axis=1)
-    share = np.clip(-(gap[:-1] * drift).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, 1.0)
-    distance = np.hypot(*(gap[:-1] + share[:, None] * drift).T)
+    share = nearest_shares(gap[:-1], drift, -bow)
+    distance = np.hypot(*gaps_at(gap[:-1], drift, -bow, share).T)
     m = int(np.argmin(distance))
     last = min(m + 1, len(knots) - 1)
-    x, y = robot[m] + share[m] * (robot[last] - robot[m])
+    x, y = robot[m] + share[m] * (robot[last] - robot[m]) + share[m] * (share[m] - 1) * bow[m]
     return float(distance[m]), float(knots[m] + share[m] * (knots[last] - knots[m])), (float(x), float(y))
 
 
-def _followed(trajectory: Trajectory, until_s: float) -> tuple[Floats, Floats] | None:
-    """Times and places of a robot, its loop repeated until a time and once more; None: these are too many."""
+def _evened(way: _Followed, knots_s: Floats) -> tuple[Floats, Floats]:
+    """For a robot followed through knots (k,) in time: the times at which it would be there if it drove legs evenly.
+
+    And how far its way from each knot to the next bends in time, (k, 2), none after the last; see ``nearest_shares``.
+    """
+    times, places, bends = way
+    bow = np.zeros((len(knots_s), 2))
+    if not bends.any():
+        return knots_s, bow
+    leg = np.clip(np.searchsorted(times, knots_s, side="right") - 1, 0, len(bends) - 1)
+    begin, length, bend = times[leg], np.diff(times)[leg], bends[leg]
+    share = np.clip((knots_s - begin) / length, 0.0, 1.0)
+    even_s = np.where(bend != 0, begin + (share + bend * share * (share - 1)) * length, knots_s)
+    till = np.clip((knots_s[1:] - begin[:-1]) / length[:-1], 0.0, 1.0)
+    bow[:-1] = (bend[:-1] * (till - share[:-1]) ** 2)[:, None] * np.diff(places, axis=0)[leg[:-1]]
+    return even_s, bow
+
+
+class _Followed(NamedTuple):
+    """Times (n,) and places (n, 2) of a robot, and the bends (n - 1,) of its legs."""
+
+    times_s: Floats
+    places_m: Floats
+    bends: Floats
+
+
+def _followed(trajectory: Trajectory, until_s: float) -> _Followed | None:
+    """A robot, its loop repeated until a time and once more; None: these are too many turns."""
     times, places, loop_s = trajectory.times_s, trajectory.positions_m[:, :2], trajectory.loop_duration_s
     if loop_s == 0:
-        return times, places
+        return _Followed(times, places, trajectory.bends)
     turns = max(0, math.ceil((until_s - times[-1]) / loop_s)) + 1
     if turns * len(times) > MOST_POINTS:
         return None
     first = trajectory.loop_index + 1
     more = times[first:] + loop_s * np.arange(1, turns + 1)[:, None]
-    return np.concatenate([times, more.ravel()]), np.vstack([places, np.tile(places[first:], (turns, 1))])
+    bends = np.concatenate([trajectory.bends, np.tile(trajectory.bends[first - 1 :], turns)])
+    all_places = np.vstack([places, np.tile(places[first:], (turns, 1))])
+    return _Followed(np.concatenate([times, more.ravel()]), all_places, bends)

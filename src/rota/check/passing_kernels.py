@@ -175,17 +175,19 @@ def _gap_of_followers(first, passing, legs, team, limit_s):
     """Worst gap between looks at one point by all robots that drive the same leg as the first, one after the other.
 
     first: a leg. passing (n,): the legs from which each point of a piece is seen, robot by robot. Robots with another
-    sensor may see the point from another place of the leg, and do not count.
+    sensor may see the point from another place of the leg, and do not count; nor do those that drive it by another
+    law of time. Bends that differ by e put no place of the leg off by more than the share e of its time.
     """
     leader = legs.robots[first]
-    lasts_s = legs.times_s[first, 1] - legs.times_s[first, 0]
+    lasts_s, bend = legs.times_s[first, 1] - legs.times_s[first, 0], legs.bends[first]
     ends, robots = np.empty(len(passing)), np.empty(len(passing), np.int64)
     bounds = np.zeros(len(passing) + 1, np.int64)
     n = np.int64(0)
     for m in passing:
         robot = legs.robots[m]
         same = _same_leg(legs.near.segments_m[m], legs.near.segments_m[first])
-        same = same and abs(legs.times_s[m, 1] - legs.times_s[m, 0] - lasts_s) <= SAME_TIME
+        off_s = abs(legs.times_s[m, 1] - legs.times_s[m, 0] - lasts_s) + abs(legs.bends[m] - bend) * lasts_s
+        same = same and off_s <= SAME_TIME
         same = same and team.reaches_m[robot] == team.reaches_m[leader] and team.squares[robot] == team.squares[leader]
         # a robot that drives the leg twice in its loop counts once
         if same and (n == 0 or robots[n - 1] != robot):

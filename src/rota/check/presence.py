@@ -39,6 +39,7 @@ def seeing_routes(routes: Routes, plan: Plan) -> Routes:
         legs_m=np.ascontiguousarray(routes.legs_m[seeing]),
         heights_m=routes.heights_m[seeing],
         times_s=np.ascontiguousarray(routes.times_s[seeing]),
+        bends=np.ascontiguousarray(routes.bends[seeing]),
         robots=routes.robots[seeing],
         kinds=routes.kinds[seeing],
     )

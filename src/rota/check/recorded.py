@@ -120,6 +120,7 @@ def _driven(
         legs_m=legs_m,
         heights_m=np.full((len(legs_m), 2), np.nan),
         times_s=np.ascontiguousarray(np.vstack(times)),
+        bends=np.zeros(len(legs_m)),
         robots=np.concatenate(owners),
         kinds=np.full(len(legs_m), LOOP, np.int64),
         durations_s=np.zeros(count),

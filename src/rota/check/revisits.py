@@ -20,6 +20,7 @@ from rota.check.blocking import blocks_sight
 from rota.check.pieces import Pieces
 from rota.check.presence import seeing_routes
 from rota.check.routes import HOLD, TRANSIENT, Routes, routes_of, segments_of, sensors_of
+from rota.check.timing_kernels import time_along
 from rota.check.tolerances import GRID_MARGIN_M, ROUNDING, slack_of
 from rota.mission import Mission
 from rota.plan import Plan
@@ -117,7 +118,7 @@ def sights_along(
         origin_m=origin,
         slack_m=slack_of(mission),
         grid=grid,
-        legs=Legs(near, routes.times_s, routes.robots, routes.kinds, ways, way_of),
+        legs=Legs(near, routes.times_s, routes.bends, routes.robots, routes.kinds, ways, way_of),
         team=Team(reaches, squares, Loops(routes.classes, routes.parts, routes.units_s, routes.from_s)),
         walls=tiling_kernels.rasterise(walls, reach_m, grid),
         bounds_m=bounds_m,
@@ -249,8 +250,7 @@ def loop_gap(
             return 0.0, routes.from_s
         if routes.kinds[leg] == TRANSIENT:
             continue
-        t0, t1 = routes.times_s[leg]
-        start, end = (t0 + lo * (t1 - t0) if lo > 0 else t0), (t0 + hi * (t1 - t0) if hi < 1 else t1)
+        start, end = (time_along(*routes.times_s[leg], routes.bends[leg], share) for share in (lo, hi))
         if not robots or robots[-1] != routes.robots[leg]:
             robots.append(int(routes.robots[leg]))
             bounds.append(bounds[-1])

@@ -28,15 +28,16 @@ MOST_STEPS = 100_000  # of a loop on a grid
 class Routes:
     """All legs of all robots, robot by robot and in the order of time.
 
-    legs_m: (m, 4) x0, y0, x1, y1. heights_m: (m, 2) at both ends, nan where the plan has none. times_s: (m, 2). robots:
-    (m,) index of the trajectory. kinds: (m,) 0 before the loop, 1 in its first turn, 2 a robot that stays there for
-    ever. durations_s: (k,) of the loops, 0: it stays. classes: (k,) loops with one number share a period; parts: (k,)
-    their durations in units_s[class]. from_s: the latest loop start.
+    legs_m: (m, 4) x0, y0, x1, y1. heights_m: (m, 2) at both ends, nan where the plan has none. times_s: (m, 2). bends:
+    (m,) see ``Trajectory.bends``. robots: (m,) index of the trajectory. kinds: (m,) 0 before the loop, 1 in its first
+    turn, 2 a robot that stays there for ever. durations_s: (k,) of the loops, 0: it stays. classes: (k,) loops with one
+    number share a period; parts: (k,) their durations in units_s[class]. from_s: the latest loop start.
     """
 
     legs_m: Floats
     heights_m: Floats
     times_s: Floats
+    bends: Floats
     robots: Ints
     kinds: Ints
     durations_s: Floats
@@ -48,7 +49,7 @@ class Routes:
 
 def routes_of(plan: Plan) -> Routes:
     """The legs of every trajectory of a plan; a robot that stays has a last leg of no length."""
-    legs, heights, times = [np.empty((0, 4))], [np.empty((0, 2))], [np.empty((0, 2))]
+    legs, heights, times, bends = [np.empty((0, 4))], [np.empty((0, 2))], [np.empty((0, 2))], [np.empty(0)]
     robots: list[int] = []
     kinds: list[int] = []
     for k, trajectory in enumerate(plan):
@@ -57,12 +58,14 @@ def routes_of(plan: Plan) -> Routes:
         legs.append(np.hstack([xy[:-1], xy[1:]]))
         heights.append(np.stack([z[:-1], z[1:]], axis=1))
         times.append(np.stack([t[:-1], t[1:]], axis=1))
+        bends.append(trajectory.bends)
         start = trajectory.loop_index
         kinds += [TRANSIENT] * start + [LOOP] * (len(t) - 1 - start)
         if trajectory.loop_duration_s == 0:
             legs.append(np.hstack([xy[-1:], xy[-1:]]))
             heights.append(np.array([[z[-1], z[-1]]]))
             times.append(np.array([[t[-1], t[-1]]]))
+            bends.append(np.zeros(1))
             kinds.append(HOLD)
         robots += [k] * (len(kinds) - len(robots))
     durations = np.array([trajectory.loop_duration_s for trajectory in plan], np.float64)
@@ -74,6 +77,7 @@ def routes_of(plan: Plan) -> Routes:
         legs_m=np.ascontiguousarray(np.vstack(legs)),
         heights_m=np.vstack(heights),
         times_s=np.ascontiguousarray(np.vstack(times)),
+        bends=np.concatenate(bends),
         robots=np.array(robots, np.int64),
         kinds=np.array(kinds, np.int64),
         durations_s=durations,

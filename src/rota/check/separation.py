@@ -1,4 +1,4 @@
-"""Whether bodies touch: the closest approach of any two legs that two robots are ever on at once, in closed form.
+"""Whether bodies touch: the closest approach of any two legs that two robots are ever on at once, exactly.
 
 Bodies are balls where both robots have heights, so that one may pass above another. Where one has none, nothing is
 known of that, and both are judged as if they were at one height.
@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rota.check.approach import gaps_at, nearest_shares
 from rota.check.motion import segment_distances
 from rota.check.near_legs import near_legs
 from rota.check.report import Violation
@@ -25,6 +27,14 @@ Ints = NDArray[np.int64]
 BOUNCING_CELLS = 1e-3  # that a bouncing robot's body is wide at least, as a radius
 MOST_MEETINGS = 5_000_000  # of legs in one phase; of pairs with more every phase is taken to occur, on the safe side
 CHUNK = 1_000_000
+
+
+class _Way(NamedTuple):
+    """Where n robots are first and last, and how far their ways bend in time; (n, 3) each, see ``nearest_shares``."""
+
+    begin: Floats
+    end: Floats
+    bow: Floats
 
 
 @dataclass
@@ -129,19 +139,18 @@ def _note_meetings(
     meet = (end >= start) & np.isfinite(start)
     a, b, start, end, shift_s, in_loops = a[meet], b[meet], start[meet], end[meet], shift_s[meet], in_loops[meet]
     end = np.where(np.isfinite(end), end, start)
-    place_a, later_a = _place(routes, a, start), _place(routes, a, end)
-    place_b, later_b = _place(routes, b, start - shift_s), _place(routes, b, end - shift_s)
-    # both move evenly, so the gap goes along a line from what it is first to what it is last
-    gap, last = np.nan_to_num(place_b - place_a), np.nan_to_num(later_b - later_a)
-    drift = last - gap
-    drift2 = (drift**2).sum(axis=1)
-    share = np.clip(-(gap * drift).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, 1.0)
-    nearest = gap + share[:, None] * drift
+    way_a, way_b = _way(routes, a, start, end), _way(routes, b, start - shift_s, end - shift_s)
+    # the gap goes from what it is first to what it is last, along a line where both move evenly
+    gap, last, bow = (np.nan_to_num(of_b - of_a) for of_a, of_b in zip(way_a, way_b, strict=True))
+    share = nearest_shares(gap, last - gap, bow)
+    nearest = gaps_at(gap, last - gap, bow, share)
     distance = np.sqrt((nearest**2).sum(axis=1))
     allowed = bodies[routes.robots[a]] + bodies[routes.robots[b]] - TOUCH_M
     for k in _worst_of_pairs(routes, a, b, distance, distance < allowed):
         time = float(start[k] + share[k] * (end[k] - start[k]))
-        middle = (place_a[k] + share[k] * (later_a[k] - place_a[k]) + nearest[k] / 2)[:2]
+        begin, along, bent = way_a.begin[[k]], way_a.end[[k]] - way_a.begin[[k]], way_a.bow[[k]]
+        place = gaps_at(begin, along, bent, share[[k]])[0]
+        middle = (place + nearest[k] / 2)[:2]
         # turns of a are counted by shifting b backwards
         absolute: float | None = time - min(float(shift_s[k]), 0.0)
         if in_loops[k]:
@@ -149,13 +158,15 @@ def _note_meetings(
         _note(closest, routes, a[k], b[k], float(distance[k]), middle, absolute)
 
 
-def _place(routes: Routes, legs: Ints, time_s: Floats) -> Floats:
-    """Places (n, 3) on the legs at the times; a leg of no duration stands still."""
-    start, length = routes.times_s[legs, 0], np.diff(routes.times_s[legs], axis=1)[:, 0]
+def _way(routes: Routes, legs: Ints, from_s: Floats, to_s: Floats) -> _Way:
+    """What robots do on legs (n,) between two times (n,); a leg of no duration stands still."""
+    start, length, bends = routes.times_s[legs, 0], np.diff(routes.times_s[legs], axis=1)[:, 0], routes.bends[legs]
     begin, end = _ends(routes, legs)
     # as a share of the leg, since no speed tells anything of a leg that lasts next to no time
-    share = np.clip((time_s - start) / np.where(length > 0, length, 1.0), 0.0, 1.0) * (length > 0)
-    return np.asarray(begin + share[:, None] * (end - begin))
+    long = np.where(length > 0, length, 1.0)
+    first, last = (np.clip((time_s - start) / long, 0.0, 1.0) * (length > 0) for time_s in (from_s, to_s))
+    from_m, to_m = (begin + (share + bends * share * (share - 1))[:, None] * (end - begin) for share in (first, last))
+    return _Way(from_m, to_m, (bends * (last - first) ** 2)[:, None] * (end - begin))
 
 
 def _ends(routes: Routes, legs: Ints) -> tuple[Floats, Floats]:
