@@ -15,7 +15,7 @@ PATROL = "rota.planners.patrol"
 # from the ground up: what stands in one row is imported by the rows below it, never the other way round
 PATROL_STAGES = [
     ["planner_settings", "sun2019_settings", "method_table", "work_ahead", "method_settings", "loop_settings"],
-    ["tours", "verdict", "margins", "settings", "efforts"],
+    ["driving", "tours", "verdict", "margins", "settings", "efforts"],
     ["ground"],
     ["bounds", "context"],
     ["annealing"],

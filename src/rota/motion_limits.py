@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -106,3 +106,16 @@ def driving_faults(values: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 AT_ONCE = MotionLimits()
+
+
+def weakest(limits: Iterable[MotionLimits]) -> MotionLimits:
+    """Limits that any robot with one of these keeps; of a vehicle where all are of that one."""
+    every = list(dict.fromkeys(limits))
+    if len(every) == 1:
+        return every[0]
+    least = {
+        name: min((value for one in every if (value := getattr(one, name)) is not None), default=None)
+        for name in POSITIVE_OR_NONE
+    }
+    corner_m = min(one.corner_m for one in every)
+    return MotionLimits(corner_m=corner_m, wind_m_s=max(one.wind_m_s for one in every), **least)

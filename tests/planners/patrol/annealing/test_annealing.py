@@ -23,12 +23,14 @@ from rota.planners.patrol.annealing.random_kernels import uniform
 from rota.planners.patrol.annealing.search import Annealing
 from rota.planners.patrol.annealing.state import ACCEPTED, SLOTS_LEFT, VERTEX, VERTICES, VERTICES_LEFT, Tours
 from rota.planners.patrol.annealing.state_kernels import bucket_of, tour_length
-from rota.planners.patrol.annealing.turn_kernels import corner_m
+from rota.planners.patrol.annealing.turn_kernels import turning_m
+from rota.planners.patrol.driving.driving import driving_of
+from rota.planners.patrol.driving.polylines import split_legs, turns_rad, without_repeats
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.ground.problem import Problem, set_up_problem
 from rota.planners.patrol.ground.sample_kernels import Leg, Samples, leg_sees
 from rota.planners.patrol.initial.first_tours import first_tours
-from rota.planners.patrol.tours.tour import Tour, split_legs, tour_length_m, turns_rad, without_repeats
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
 ROBOT = Robot(name="r", speed_m_s=2, sensor=DiscSensor(radius_m=3))
@@ -79,8 +81,8 @@ def test_a_star_turns_left_and_right() -> None:
 def test_budgets() -> None:
     assert tour(SQUARE, robots=3).budget_m == pytest.approx(3 * 10 * 2, rel=2e-6)
     assert tour(SQUARE, robots=3).budget_m < 60  # a little less, so that rounding is never speeding
-    assert tour(SQUARE).turn_m_per_rad == 0
-    assert tour(SQUARE, robot=replace(ROBOT, turn_rate_rad_s=0.5)).turn_m_per_rad == 4
+    assert driving_of(ROBOT).corner_costs.turn_m == 0
+    assert driving_of(replace(ROBOT, turn_rate_rad_s=0.5)).corner_costs.turn_m == 4
 
 
 @pytest.mark.parametrize(
@@ -135,7 +137,8 @@ def test_cutting_keeps_the_line_and_its_length() -> None:
     ],
 )
 def test_turning_counts_as_metres(way: list[float], turn_rad: float) -> None:
-    assert corner_m(*way, 2.0, 0.0) == pytest.approx(2 * turn_rad)
+    ax, ay, bx, by, cx, cy = way
+    assert turning_m(bx - ax, by - ay, cx - bx, cy - by, 2.0, 0.0) == pytest.approx(2 * turn_rad)
 
 
 def test_the_random_numbers_are_xorshift64_star() -> None:
@@ -478,9 +481,9 @@ def test_arcs_cost_a_circle_more_where_legs_are_too_short_for_a_turn() -> None:
     # its right angles need: half a circle more at each
     arcs = replace(ROBOT, turn_radius_m=2.0)
     square = [[0, 0], [2, 0], [2, 2], [0, 2]]
-    turning_m = (1 - 2 / math.pi) * 2 * 2 * math.pi
-    assert tour_length_m(tour(square, robot=arcs)) == pytest.approx(8 + turning_m + 4 * math.pi * 2)
-    assert corner_m(0, 0, 2, 0, 2, 2, 1.0, 2.0) == pytest.approx(2.5 * math.pi)
+    arcs_m = (1 - 2 / math.pi) * 2 * 2 * math.pi
+    assert tour_length_m(tour(square, robot=arcs)) == pytest.approx(8 + arcs_m + 4 * math.pi * 2)
+    assert turning_m(2.0, 0.0, 0.0, 2.0, 1.0, 2.0) == pytest.approx(2.5 * math.pi)
     wide = [[0, 0], [4, 0], [4, 4], [0, 4]]
-    assert tour_length_m(tour(wide, robot=arcs)) == pytest.approx(16 + turning_m)
-    assert corner_m(0, 0, 4, 0, 4, 4, 1.0, 2.0) == pytest.approx(math.pi / 2)
+    assert tour_length_m(tour(wide, robot=arcs)) == pytest.approx(16 + arcs_m)
+    assert turning_m(4.0, 0.0, 0.0, 4.0, 1.0, 2.0) == pytest.approx(math.pi / 2)

@@ -262,7 +262,7 @@ def test_robots_of_one_hub_begin_its_rounds_in_turn(problem: Problem, robots: in
     rounds = 3 // math.gcd(3, robots)
     for loop in loops:
         assert loop.pace is not None
-        times, places = paced_timetable(loop.vertices_m, problem.robot, loop.pace)
+        times, places, _ = paced_timetable(loop.vertices_m, problem.robot, loop.pace)
         assert times[-1] == pytest.approx(rounds * 20, rel=1e-5)
         assert (np.hypot(*np.diff(places, axis=0).T) <= 2 * np.diff(times) * (1 + 1e-9)).all()
         starts_s += times[:-1][(places[:-1] == [3, 9]).all(axis=1)].tolist()  # once a round of the hub

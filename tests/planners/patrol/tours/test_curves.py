@@ -19,10 +19,10 @@ from rota.files.mission_file import read_mission
 from rota.geometry.shortest_path import ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Robot, StartPoints
 from rota.plan import Plan
+from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.curve_kernels import WORDS, word_pieces
 from rota.planners.patrol.tours.curves import approach_curve, closed_curve
-from rota.planners.patrol.tours.tour import turns_rad
 
 Floats = NDArray[np.float64]
 FIELD = box(0, 0, 100, 60)

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from shapely import LineString
 
 from rota.mission import DiscSensor, Robot
+from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, thinned
+from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.tours.timetable import (
-    SHORTEST_LEG_M,
     as_trajectories,
     evenly_spaced,
     loop_timetable,
     started_at,
     stretched,
-    thinned,
 )
 from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
@@ -47,14 +47,14 @@ def positions(times_s: Floats, places_m: Floats, at_s: Floats) -> Floats:
 
 
 def test_a_square_at_full_speed() -> None:
-    times, places = loop_timetable(SQUARE, ROBOT)
+    times, places, _ = loop_timetable(SQUARE, ROBOT)
     assert times == pytest.approx([0, 3, 6, 9, 12], rel=2e-6)
     assert places.tolist() == [*SQUARE.tolist(), [0, 0]]
     assert (speeds(times, places) < 2).all()  # a millionth below, so that rounding is never speeding
 
 
 def test_turning_takes_angle_over_rate() -> None:
-    times, places = loop_timetable(SQUARE, TURNING)
+    times, places, _ = loop_timetable(SQUARE, TURNING)
     # four legs of 3 s and four quarter turns of pi seconds
     assert times[-1] == pytest.approx(12 + 4 * math.pi, rel=2e-6)
     assert times == pytest.approx(np.cumsum([0, 3, math.pi, 3, math.pi, 3, math.pi, 3, math.pi]), rel=2e-6)
@@ -65,21 +65,22 @@ def test_turning_takes_angle_over_rate() -> None:
 
 
 def test_the_way_there_and_back() -> None:
-    times, places = loop_timetable(np.array([[0.0, 0], [3, 4]]), ROBOT)
+    times, places, _ = loop_timetable(np.array([[0.0, 0], [3, 4]]), ROBOT)
     assert times == pytest.approx([0, 2.5, 5], rel=2e-6)
     assert places.tolist() == [[0, 0], [3, 4], [0, 0]]
-    times, _ = loop_timetable(np.array([[0.0, 0], [3, 4]]), TURNING)
+    times, *_ = loop_timetable(np.array([[0.0, 0], [3, 4]]), TURNING)
     assert times[-1] == pytest.approx(5 + 2 * math.pi / 0.5, rel=2e-6)
 
 
 @pytest.mark.parametrize("vertices", [[[1.0, 2]], [[1.0, 2], [1, 2]], [[1.0, 2], [1, 2 + 1e-7]]])
 def test_a_tour_without_length_is_a_robot_that_stays(vertices: list[list[float]]) -> None:
-    times, places = loop_timetable(np.array(vertices), TURNING)
+    times, places, _ = loop_timetable(np.array(vertices), TURNING)
     assert times.tolist() == [0]
     assert places.tolist() == [[1, 2]]
-    times, places = stretched(times, places, 7.0)
+    line = stretched(steady(times, places), 7.0)
+    times = line.times_s
     assert times.tolist() == [0]
-    (one,) = as_trajectories(evenly_spaced(times, places, 1), ["r"])
+    (one,) = as_trajectories(evenly_spaced(line, 1), ["r"])
     assert one.loop_duration_s == 0
 
 
@@ -88,7 +89,7 @@ def test_random_tours_take_their_length_over_speed(robot: Robot) -> None:
     rng = np.random.default_rng(1)
     for _ in range(100):
         ring = random_ring(rng)
-        times, places = loop_timetable(ring, robot)
+        times, places, _ = loop_timetable(ring, robot)
         assert times[0] == 0
         assert (np.diff(times) > 0).all()
         assert places[0].tolist() == places[-1].tolist() == ring[0].tolist()
@@ -103,9 +104,10 @@ def test_a_round_can_be_stretched_by_driving_slower(robot: Robot) -> None:
     rng = np.random.default_rng(2)
     for _ in range(50):
         ring = random_ring(rng)
-        natural, places = loop_timetable(ring, robot)
+        line = loop_timetable(ring, robot)
+        natural, places, _ = line
         wanted = float(natural[-1]) * rng.uniform(1, 3)
-        times, same = stretched(natural, places, wanted)
+        times, same, _ = stretched(line, wanted)
         assert times[-1] == wanted  # to the last bit: loops with a common period depend on it
         assert same.tolist() == places.tolist()
         assert speeds(times, same).max() <= 2
@@ -113,7 +115,7 @@ def test_a_round_can_be_stretched_by_driving_slower(robot: Robot) -> None:
         still = (np.diff(places, axis=0) == 0).all(axis=1)
         assert np.diff(times)[still] == pytest.approx(np.diff(natural)[still])
         # what is asked for and cannot be reached is not pretended
-        too_short, _ = stretched(natural, places, 0.5 * float(natural[-1]))
+        too_short, *_ = stretched(line, 0.5 * float(natural[-1]))
         assert too_short[-1] == pytest.approx(natural[-1])
 
 
@@ -137,7 +139,7 @@ def test_thinning_keeps_the_line() -> None:
 def test_between_two_corners_of_walls_that_nearly_touch_each_is_passed_slowly() -> None:
     robot = Robot(name="r", speed_m_s=2.0, sensor=DiscSensor(radius_m=1.0))
     zigzag = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 2e-6], [2.0, 2e-6], [1.0, 3.0], [1.0 - 5e-7, 3.0]])
-    times_s, places_m = loop_timetable(zigzag, robot)
+    times_s, places_m, _ = loop_timetable(zigzag, robot)
     np.testing.assert_array_equal(places_m[:-1], zigzag[:5])
     assert np.diff(times_s).min() == pytest.approx(5e-6)
 
@@ -157,11 +159,11 @@ def test_thinning_by_hand() -> None:
 def test_a_round_begun_later_is_the_same_round(robot: Robot) -> None:
     rng = np.random.default_rng(4)
     for _ in range(100):
-        times, places = loop_timetable(random_ring(rng), robot)
+        times, places, _ = loop_timetable(random_ring(rng), robot)
         duration = float(times[-1])
         on_a_vertex = float(times[rng.integers(0, len(times))])
         for phase in (rng.uniform(0, duration), on_a_vertex, on_a_vertex + 1e-12, -0.3 * duration, 2.7 * duration, 0.0):
-            later, there = started_at(times, places, phase)
+            later, there, _ = started_at(steady(times, places), phase)
             assert later[0] == 0
             assert later[-1] == duration  # bit for bit
             assert (np.diff(later) > 0).all()
@@ -179,30 +181,30 @@ def test_robots_of_a_tour_follow_each_other_at_equal_times() -> None:
     rng = np.random.default_rng(5)
     for robots in (1, 2, 3, 7):
         ring = random_ring(rng)
-        rounds = evenly_spaced(*loop_timetable(ring, TURNING), robots)
+        rounds = evenly_spaced(loop_timetable(ring, TURNING), robots)
         assert len(rounds) == robots
-        leader = rounds[0]
-        duration = float(leader[0][-1])
+        leader = rounds[0][:2]
+        duration = rounds[0].duration_s
         at = rng.uniform(0, duration, 60)
-        for k, (times, places) in enumerate(rounds):
+        for k, (times, places, _) in enumerate(rounds):
             assert times[-1] == duration
             expected = positions(*leader, at + k * duration / robots)
             assert positions(times, places, at) == pytest.approx(expected, abs=1e-4)
 
 
 def test_offsets_shift_all_robots_of_their_tour() -> None:
-    slow = stretched(*loop_timetable(SQUARE, ROBOT), 16.0)
+    slow = stretched(loop_timetable(SQUARE, ROBOT), 16.0)
     rounds = [
-        *evenly_spaced(*slow, 2, 1.0),
-        *evenly_spaced(*loop_timetable(SQUARE + 20, ROBOT), 1, 2.5),
-        *evenly_spaced(*loop_timetable(np.array([[9.0, 9]]), ROBOT), 1, 3.0),
+        *evenly_spaced(slow, 2, 1.0),
+        *evenly_spaced(loop_timetable(SQUARE + 20, ROBOT), 1, 2.5),
+        *evenly_spaced(loop_timetable(np.array([[9.0, 9]]), ROBOT), 1, 3.0),
     ]
-    assert [len(times) > 1 for times, _ in rounds] == [True, True, True, False]
-    assert [float(times[-1]) for times, _ in rounds[:2]] == [16.0, 16.0]
+    assert [len(times) > 1 for times, *_ in rounds] == [True, True, True, False]
+    assert [float(times[-1]) for times, *_ in rounds[:2]] == [16.0, 16.0]
     # at 16 s the square of 24 m is driven at 1.5 m/s
     assert rounds[0][1][0] == pytest.approx([1.5, 0])
     assert rounds[1][1][0] == pytest.approx([6, 6 + 0.0], abs=1.6)
-    assert rounds[1][1][0] == pytest.approx(positions(*slow, np.array([9.0]))[0])
+    assert rounds[1][1][0] == pytest.approx(positions(*slow[:2], np.array([9.0]))[0])
     assert rounds[2][1][0] == pytest.approx([25, 20], rel=1e-5)
     assert rounds[3][1].tolist() == [[9, 9]]
     named = as_trajectories(rounds, ["a", "b", "c", "d"])

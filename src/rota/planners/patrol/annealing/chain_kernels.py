@@ -30,7 +30,7 @@ def chain_m(p: int, q: int, added: int, most_m: float, k: int, t: Tours) -> floa
 
     With the turning at p and q, if tour k takes time to turn, and at all places between them.
     """
-    turn_m, arc_m = t.turn_m[k], t.arc_m[k]
+    costly = t.costly[k] > 0
     total = 0.0
     ax, ay = t.x[t.before[p]], t.y[t.before[p]]
     bx, by = t.x[p], t.y[p]
@@ -40,11 +40,11 @@ def chain_m(p: int, q: int, added: int, most_m: float, k: int, t: Tours) -> floa
         if leg > most_m:
             return math.inf
         total += leg
-        if turn_m > 0:
-            total += corner_m(ax, ay, bx, by, cx, cy, turn_m, arc_m)
+        if costly:
+            total += corner_m(ax, ay, bx, by, cx, cy, k, t)
         ax, ay, bx, by = bx, by, cx, cy
-    if turn_m > 0:
-        total += corner_m(ax, ay, bx, by, t.x[t.after[q]], t.y[t.after[q]], turn_m, arc_m)
+    if costly:
+        total += corner_m(ax, ay, bx, by, t.x[t.after[q]], t.y[t.after[q]], k, t)
     return total
 
 
@@ -56,12 +56,12 @@ def way_m(p: int, q: int, t: Tours) -> float:
     v = p
     while True:
         total += apart(v, t.after[v], t)
-        if t.turn_m[k] > 0:
+        if t.costly[k] > 0:
             total += corner_at(t.before[v], v, t.after[v], t)
         v = t.after[v]
         if v == q:
             break
-    if t.turn_m[k] > 0:
+    if t.costly[k] > 0:
         total += corner_at(t.before[q], q, t.after[q], t)
     return total
 
@@ -87,7 +87,7 @@ def short_ring_m(p: int, removed: int, added: int, k: int, t: Tours) -> float:
         a, b, c = i, (i + 1) % count, (i + 2) % count
         total += norm(x[b] - x[a], y[b] - y[a])
         if count > 1:
-            total += corner_m(x[a], y[a], x[b], y[b], x[c], y[c], t.turn_m[k], t.arc_m[k])
+            total += corner_m(x[a], y[a], x[b], y[b], x[c], y[c], k, t)
     return total
 
 

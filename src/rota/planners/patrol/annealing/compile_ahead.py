@@ -14,12 +14,13 @@ from rota.planners.patrol.ground.sample_kernels import Samples
 typeof = kernels.anneal.typeof_pyval
 INT, FLOAT = typeof(0), typeof(0.0)
 # arrays of two dimensions
-WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "times_seen", "scratch", "new_legs", "edges"}
+WIDE = {"walls", "frames", "frame_ints", "petals", "seen", "times_seen", "scratch", "new_legs", "edges", "corners"}
 WHOLE = {
     "period", "wall_start", "wall_item", "next_walled", "frame_ints", "bin_start", "bins",
     "after", "before", "tour", "slot", "in_use", "place", "free_vertices", "bucket", "bucket_after", "bucket_before",
-    "grid_n", "anchor", "n", "square", "period_class", "hub", "petals", "meets", "more", "seen_n", "free_slots",
-    "unseen_item", "unseen_place", "unseen_in", "ints", "tried_new", "tried_old", "start", "items", "clear",
+    "grid_n", "anchor", "n", "square", "costly", "period_class", "hub", "petals", "meets", "more", "seen_n",
+    "free_slots", "unseen_item", "unseen_place", "unseen_in", "ints", "tried_new", "tried_old", "start", "items",
+    "clear",
 }  # fmt: skip
 SHORT = {"column_start", "seen", "bucket_of_sample"}  # 32 bits
 BITS = {"times_seen", "rng"}  # 64 bits without a sign

@@ -65,7 +65,7 @@ def change_legs(
     q = p
     for _ in range(removed + 1):
         q = t.after[q]
-    short = t.n[k] + added - removed < 4 and t.turn_m[k] > 0  # the turning of a short ring is not a sum of its parts
+    short = t.n[k] + added - removed < 4 and t.costly[k] > 0  # the turning of a short ring is not a sum of its parts
     change_m, spare = 0.0, math.inf
     if not short:
         new_m = chain_m(p, q, added, most_m, k, t)
@@ -110,7 +110,7 @@ def try_two_opt(a: int, c: int, limit: float, space: EdgeGrid, s: Samples, t: To
     k = t.tour[a]
     b, d = t.after[a], t.after[c]
     change_m = apart(a, c, t) + apart(b, d, t) - apart(a, b, t) - apart(c, d, t)
-    if t.turn_m[k] > 0:
+    if t.costly[k] > 0:
         change_m += corner_at(t.before[a], a, c, t) + corner_at(a, c, t.before[c], t)
         change_m += corner_at(t.after[b], b, d, t) + corner_at(b, d, t.after[d], t)
         change_m -= corner_at(t.before[a], a, b, t) + corner_at(a, b, t.after[b], t)
@@ -182,7 +182,7 @@ def try_or_opt(v: int, m: int, e: int, limit: float, most_m: float, space: EdgeG
     q, f = t.after[w], t.after[e]
     if f == v or t.n[k] <= m or (k == to and t.n[k] < m + 3):
         return False
-    if (t.turn_m[k] > 0 and t.n[k] < m + 4) or (t.turn_m[to] > 0 and (k == to or t.n[to] < 3)):
+    if (t.costly[k] > 0 and t.n[k] < m + 4) or (t.costly[to] > 0 and (k == to or t.n[to] < 3)):
         return False  # corners of short rings depend on each other: left to the other moves
     ahead = apart(e, v, t) + apart(w, f, t)
     back = apart(e, w, t) + apart(v, f, t)

@@ -13,16 +13,17 @@ from rota.mission import DiscSensor, inner_reach_m
 from rota.planners.patrol.annealing import kernels as annealing_kernels
 from rota.planners.patrol.annealing.count_kernels import words_for
 from rota.planners.patrol.annealing.state import FULL, NUMBERS, SLOTS_LEFT, UNSEEN, Tours
-from rota.planners.patrol.annealing.state_kernels import MOST_TRIED, over_budget_costs, set_up
+from rota.planners.patrol.annealing.state_kernels import MOST_TRIED, over_budget_costs, set_up, tour_length
+from rota.planners.patrol.driving.driving import driving_of
+from rota.planners.patrol.driving.polylines import split_legs, without_repeats
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.tours.tour import (
     Tour,
     hubs_and_petals,
     over_budget_share,
     rounds_more,
-    split_legs,
+    tour_length_m,
     whole_budget_m,
-    without_repeats,
 )
 
 Floats = NDArray[np.float64]
@@ -66,6 +67,7 @@ class Annealing:
         self._space = space
         self._length_weight, self._budget_penalty = length_weight, budget_penalty
         self._range_margin_m, self._reserve = range_margin_m, reserve
+        self._budget_m = np.array([t.budget_m for t in tours]) * (1 - reserve)
         reach_m = np.array([t.robot.sensor.reach_m for t in tours])
         self._longest_m = LONGEST_LEG * float(reach_m.min())
         self._step_m = float(reach_m.max())
@@ -94,6 +96,7 @@ class Annealing:
         hub, petals = hubs_and_petals(tours)
         whole_m = np.array([whole_budget_m(tours, h, petals[h]) for h in range(len(tours))])
 
+        costs = [driving_of(t.robot).corner_costs for t in tours]
         more = [rounds_more(tours, range(*petals[h])) for h in range(len(tours))]
         heaviest_m = self._samples.weight.max(initial=0.0)
 
@@ -109,10 +112,12 @@ class Annealing:
             reach_m=reach_m - self._range_margin_m,
             square=np.array([0 if isinstance(t.robot.sensor, DiscSensor) else 1 for t in tours], dtype=np.int64),
             period_class=np.array([t.period_class for t in tours], dtype=np.int64),
-            turn_m=np.array([t.turn_m_per_rad for t in tours]),
-            arc_m=np.array([t.robot.turn_radius_m for t in tours]),
+            turn_m=np.array([cost.turn_m for cost in costs]), arc_m=np.array([cost.arc_m for cost in costs]),
+            corners=costs[0].table, corner_leg_m=np.array([costs[0].longest_m, costs[0].straight]),
+            blind_m=np.array([driving_of(t.robot).blind_m for t in tours]),
+            costly=np.array([0 if cost.are_free else 1 for cost in costs], dtype=np.int64),
             length_weight=np.asarray(self._length_weight, dtype=np.float64),
-            budget_m=np.array([t.budget_m for t in tours]) * (1 - self._reserve),
+            budget_m=self._budget_m.copy(),
             budget_penalty=np.asarray(self._budget_penalty, dtype=np.float64),
             hub=hub, petals=petals, meets=numbers(len(tours)), more=np.array(more, dtype=np.int64),
             whole_m=whole_m * (1 - self._reserve),
@@ -152,6 +157,7 @@ class Annealing:
         while first < moves:
             if should_stop():
                 return False
+            self._take_exact_lengths()
             made = annealing_kernels.anneal(
                 first, min(CHUNK, moves - first), schedule, self._step_m, self._longest_m,
                 self._space, self._samples, self._state,
@@ -162,6 +168,15 @@ class Annealing:
                 self._grow()
             done(made)
         return True
+
+    def _take_exact_lengths(self) -> None:
+        """Correct the budgets of robots with mass by what the sums of their corners are off, as the tours stand."""
+        state = self._state
+        if not state.corners.size:
+            return
+        exact_m = np.array([tour_length_m(tour) for tour in self.tours])
+        summed_m = np.array([tour_length(k, state) for k in range(len(exact_m))])
+        state.budget_m[:] = self._budget_m - (exact_m - summed_m)
 
     def see_more(self, tries: int, should_stop: Callable[[], bool] = lambda: False) -> None:
         """Bend legs towards what is unseen and leave all else alone, so that nothing seen elsewhere is lost."""

@@ -46,6 +46,10 @@ class Tours(NamedTuple):
     period_class: Ints  # the period class
     turn_m: Floats  # metres in the time of a turn by 1 rad
     arc_m: Floats  # the turn radius; 0 where robots turn on the spot
+    corners: Floats  # what corners cost robots with mass, see ``CornerCosts.table``
+    corner_leg_m: Floats  # (2,) the leg of its last column, and what a metre adds of legs that end at no corner
+    costly: Ints  # 1 where corners cost anything
+    blind_m: Floats  # of each end of a leg, from where nothing counts as seen: corners are cut there
     length_weight: Floats  # of a metre
     budget_m: Floats
     budget_penalty: Floats  # of a metre over budget

@@ -37,8 +37,8 @@ SURE_M = 1e-9  # rounding
 
 @compiled
 def corner_at(a: int, b: int, c: int, t: Tours) -> float:
-    """Turning at vertex b on the way from vertex a to vertex c, as metres."""
-    return corner_m(t.x[a], t.y[a], t.x[b], t.y[b], t.x[c], t.y[c], t.turn_m[t.tour[b]], t.arc_m[t.tour[b]])
+    """What is lost at vertex b on the way from vertex a to vertex c, as metres."""
+    return corner_m(t.x[a], t.y[a], t.x[b], t.y[b], t.x[c], t.y[c], t.tour[b], t)
 
 
 @compiled
@@ -54,7 +54,7 @@ def tour_length(k: int, t: Tours) -> float:
     total, v = 0.0, first
     while True:
         total += apart(v, t.after[v], t)
-        if t.turn_m[k] > 0 and t.n[k] > 1:
+        if t.costly[k] > 0 and t.n[k] > 1:
             total += corner_at(t.before[v], v, t.after[v], t)
         v = t.after[v]
         if v == first:
@@ -108,6 +108,12 @@ def new_leg(ax: float, ay: float, bx: float, by: float, k: int, s: Samples, t: T
         t.ints[FULL] = 1
         return False
     slot = t.free_slots[left - 1]
+    blind = t.blind_m[k]
+    if blind > 0:
+        length = norm(bx - ax, by - ay)
+        share = 0.5 if length <= 2 * blind else blind / length
+        dx, dy = share * (bx - ax), share * (by - ay)
+        ax, ay, bx, by = ax + dx, ay + dy, bx - dx, by - dy
     count = leg_sees(Leg(ax, ay, bx, by, t.reach_m[k], t.square[k]), t.period_class[k], s, t.seen[slot])
     if count < 0:
         t.ints[FULL] = 1

@@ -36,5 +36,5 @@ def prepared_with(problem: Problem, extra: SamplePoints, *, coarse: bool = False
 def metres_worth(problem: Problem, points: SamplePoints) -> Floats:
     """The metres (n,) that it is worth to see each of the points."""
     # no way is too long for a visit, however small the zone
-    longest_m = np.array(problem.periods_s)[points.period] * problem.robot.speed_m_s
+    longest_m = np.array(problem.periods_s)[points.period] * problem.pace_m_s
     return np.where(points.visit_m > 0, longest_m, UNSEEN_WEIGHT * points.area_m2 / problem.swath_m)

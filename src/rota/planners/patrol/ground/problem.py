@@ -14,6 +14,8 @@ from rota.errors import NoPlanFound
 from rota.geometry.free_space import DemandedRegion, demanded_regions, sight_walls
 from rota.geometry.shortest_path import MOST_DENSE, ShortestPaths
 from rota.mission import DiscSensor, Fleet, Mission, Robot, SquareSensor, inner_reach_m
+from rota.motion_limits import weakest
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.efforts import EFFORTS
 from rota.planners.patrol.ground.limits_of_sight import limit_points
 from rota.planners.patrol.ground.nearest_places import nearest_places
@@ -99,6 +101,11 @@ class Problem:
     def is_ragged(self) -> bool:
         """Whether the space has very many corners, as that of a scanned floor has."""
         return len(self.paths.corners_m) > MOST_DENSE
+
+    @property
+    def pace_m_s(self) -> float:
+        """Its robot's usual speed, see ``Driving``."""
+        return driving_of(self.robot).pace_m_s
 
     @property
     def swath_m(self) -> float:
@@ -190,11 +197,12 @@ def common_robot(fleet: Fleet) -> Robot:
     rates = [robot.turn_rate_rad_s for robot in robots if robot.turn_rate_rad_s is not None]
     return Robot(
         name="common",
-        speed_m_s=min(robot.speed_m_s for robot in robots),
+        speed_m_s=min(robot.motion.ground_speed_m_s(robot.speed_m_s) for robot in robots),
         sensor=sensor,
         body_radius_m=max(robot.body_radius_m for robot in robots),
         turn_rate_rad_s=min(rates) if rates else None,
         turn_radius_m=max(robot.turn_radius_m for robot in robots),
+        motion=weakest(robot.motion for robot in robots),
     )
 
 

@@ -14,6 +14,7 @@ from rota.geometry.free_space import DemandedRegion, entered, standing_anywhere,
 from rota.geometry.threads import side_by_side
 from rota.geometry.tiles import grown_box
 from rota.mission import Mission, Robot
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.limits_of_sight import limit_is_asked_for
 from rota.planners.patrol.ground.samples import MANY_CORNERS
 from rota.polygons import polygons_of
@@ -47,10 +48,11 @@ def space_for(
     The walls of a scanned floor follow its pixels, as the border of where robots can stand then does. Much is seen only
     from the very line of another wall, that is only if bodies may touch walls a little.
 
-    Corners are rounded finely where they do, or where a zone to visit can be entered only so. Raises NoPlanFound where
-    the robot can stand nowhere at all, or nowhere in a zone to visit.
+    Where robots cut corners, their polylines keep so much farther off walls. Corners are rounded finely where they do,
+    or where a zone to visit can be entered only so. Raises NoPlanFound where the robot can stand nowhere at all, or
+    nowhere in a zone to visit.
     """
-    body_m = thin_m(mission, robot)
+    body_m = thin_m(mission, robot) + driving_of(robot).off_m
     space, sure = _drawn_coarsely(mission, body_m)
     visits = [region for region in regions if region.demand == "visit"]
     at_limit = limit_is_asked_for(regions, space, robot, range_margin_m)

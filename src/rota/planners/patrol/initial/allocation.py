@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rota.mission import inner_reach_m
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.initial.first_tours import PlaceGroup, class_groups, place_groups, shared_tour, tours_apart
 from rota.planners.patrol.initial.nested_loops import can_nest, nested, slowest
@@ -120,7 +121,7 @@ def as_lanes_m(tour: Tour) -> float:
     is small: L^2 / (4 pi) in a circle. From L = 2 pi r on lanes see more.
     """
     budget_m, reach_m = tour.budget_m, inner_reach_m(tour.robot.sensor)
-    if budget_m >= 2 * math.pi * reach_m:
+    if budget_m >= 2 * math.pi * reach_m or driving_of(tour.robot).has_mass:
         return budget_m
     return (math.pi * reach_m**2 + reach_m * budget_m + budget_m**2 / (4 * math.pi)) / (2 * reach_m)
 

@@ -44,7 +44,7 @@ def class_groups(problem: Problem) -> Iterator[tuple[tuple[int, ...], ...]]:
     def expected(groups: tuple[tuple[int, ...], ...]) -> tuple[int, float]:
         shares = []
         for group in groups:
-            swept = problem.swath_m * problem.robot.speed_m_s * problem.periods_s[group[0]]
+            swept = problem.swath_m * problem.pace_m_s * problem.periods_s[group[0]]
             shares.append(DETOUR * sum(area_m2[c] for c in group) / swept)
         return sum(max(1, math.ceil(share)) for share in shares), sum(shares)
 
@@ -163,7 +163,7 @@ def clusters(problem: Problem, places: Ints, period_s: float) -> Iterator[tuple[
 
     Going there and back from one cluster to the next would take a whole robot (2 d > V T).
     """
-    apart_m = max(problem.robot.speed_m_s * period_s / 2, 2 * problem.swath_m)
+    apart_m = max(problem.pace_m_s * period_s / 2, 2 * problem.swath_m)
     for component in np.unique(problem.viewpoints.component[places]):
         own = places[problem.viewpoints.component[places] == component]
         if len(own) > most_ordered(problem):

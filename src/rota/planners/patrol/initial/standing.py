@@ -23,7 +23,7 @@ BUDGET_PENALTY = 4.0  # of a metre over budget, times what a robot moves more th
 
 def robots_stand(problem: Problem, period_s: float) -> bool:
     """Whether a robot can hardly move within so many seconds, compared with what it sees from where it is."""
-    return problem.robot.speed_m_s * period_s <= MOST_TRAVEL * problem.reach_m
+    return problem.pace_m_s * period_s <= MOST_TRAVEL * problem.reach_m
 
 
 def standing_tours(problem: Problem, wanted: Flags, period_class: int) -> list[Tour]:

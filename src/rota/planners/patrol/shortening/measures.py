@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rota.planners.patrol.driving.polylines import turns_rad
 from rota.planners.patrol.repair.repair import Repaired
-from rota.planners.patrol.tours.tour import Tour, driven, nests, tour_length_m, turns_rad
+from rota.planners.patrol.tours.tour import Tour, driven, nests, tour_length_m
 
 GAIN = 1e-6  # share by which loops must be shorter to count as such
 HOPELESS = 1.005  # times as long: later rounds of repair take half a percent back, hardly ever more

@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from rota.geometry.kernels import EdgeGrid, free_segments, points_in_space
+from rota.planners.patrol.driving.polylines import timeable
 from rota.planners.patrol.tours.curve_kernels import (
     BLOCKED_M,
     STEP_RAD,
@@ -21,7 +22,6 @@ from rota.planners.patrol.tours.curve_kernels import (
     look_for_walls,
     shortest_words,
 )
-from rota.planners.patrol.tours.timetable import timeable
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]

@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.mission import Robot
+from rota.planners.patrol.driving.driving import driving_of
+from rota.planners.patrol.driving.polylines import without_repeats
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-# a turn back past the end of a long leg, in a half circle, takes (pi - 2) times its radius more than the leg itself
-ARC_SHARE = 1 - 2 / math.pi
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,72 +56,13 @@ class Tour:
 
     @property
     def budget_m(self) -> float:
-        """Length that its robots can travel within the period (turning counts as the metres of the same time)."""
-        return self.robots * self.period_s * self.robot.speed_m_s * (1 - 1e-6)
-
-    @property
-    def turn_m_per_rad(self) -> float:
-        """Metres that could be travelled while turning by one radian; on arcs, what these add at most."""
-        return turn_m_per_rad(self.robot)
-
-
-def turn_m_per_rad(robot: Robot) -> float:
-    """Metres that the robot could travel while it turns by one radian; on arcs, what these add at most."""
-    if robot.turn_rate_rad_s is None:
-        return ARC_SHARE * robot.turn_radius_m
-    return robot.speed_m_s / robot.turn_rate_rad_s
+        """Length that its robots can travel within the period (what costs time counts as the metres of that time)."""
+        return self.robots * self.period_s * driving_of(self.robot).pace_m_s * (1 - 1e-6)
 
 
 def tour_length_m(tour: Tour) -> float:
-    """Length of the tour, with turning counted as the metres that take the same time; 0 for a tour of one vertex."""
-    legs = np.diff(np.vstack([tour.vertices_m, tour.vertices_m[:1]]), axis=0)
-    lengths = np.hypot(legs[:, 0], legs[:, 1])
-    turns = turns_rad(tour.vertices_m)
-    turning_m = tour.turn_m_per_rad * float(turns.sum())
-    return float(lengths.sum()) + turning_m + spool_m(lengths, turns, tour.robot.turn_radius_m)
-
-
-def spool_m(lengths_m: Floats, turns: Floats, radius_m: float) -> float:
-    """Metres that arcs add beyond their turns: where legs are too short for a turn, a robot goes round up to once more.
-
-    lengths_m (n,): of the legs from each vertex on. turns (n,): in rad, at the vertices. An arc through a turn takes
-    radius * tan(turn / 2) of each leg; where half of the shorter leg is less, a share of a full circle is counted.
-    """
-    if radius_m == 0 or len(turns) < 2:
-        return 0.0
-    need_m = 2 * radius_m * np.tan(np.minimum(turns, math.pi / 2) / 2)
-    short_m = np.minimum(lengths_m, np.roll(lengths_m, 1))
-    tight = short_m < need_m
-    return float(2 * math.pi * radius_m * (1 - short_m[tight] / need_m[tight]).sum())
-
-
-def turns_rad(vertices_m: Floats) -> Floats:
-    """Angle (n,) by which the direction changes at each vertex of a closed polyline; 0 for one vertex."""
-    if len(vertices_m) < 2:
-        return np.zeros(len(vertices_m))
-    after = np.roll(vertices_m, -1, axis=0) - vertices_m
-    before = np.roll(after, 1, axis=0)
-    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return np.asarray(np.abs(np.arctan2(cross, (before * after).sum(axis=1))))
-
-
-def without_repeats(vertices_m: Floats) -> Floats:
-    """The closed polyline without vertices that repeat the one before; at least one vertex stays."""
-    keep = (np.roll(vertices_m, 1, axis=0) != vertices_m).any(axis=1)
-    if not keep[0]:  # the first vertex stays what it is: it may be where a nest's tours meet
-        keep[np.flatnonzero(keep)[-1:]] = False
-        keep[0] = True
-    return np.asarray(vertices_m[keep])
-
-
-def split_legs(vertices_m: Floats, longest_m: float) -> Floats:
-    """The closed polyline with legs longer than ``longest_m`` cut into equal pieces."""
-    ends = np.roll(vertices_m, -1, axis=0)
-    legs = np.hypot(*(ends - vertices_m).T)
-    pieces = np.maximum(1, np.ceil(legs / (longest_m * (1 - 1e-9)))).astype(np.int64)
-    which = np.repeat(np.arange(len(vertices_m)), pieces)
-    step = (np.arange(len(which)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[which]
-    return np.asarray(vertices_m[which] + step[:, None] * (ends - vertices_m)[which])
+    """Length of the tour, with all that costs time counted as the metres of the same time; 0 for one vertex."""
+    return driving_of(tour.robot).round_m(tour.vertices_m)
 
 
 def nests(tours: Sequence[Tour]) -> Iterator[list[int]]:

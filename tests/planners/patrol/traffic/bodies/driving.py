@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.mission import DiscSensor, Robot
+from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.tour import Tour
 
 Floats = NDArray[np.float64]
@@ -27,16 +28,16 @@ def places_at(moments_s: Floats, times_s: Floats, places_m: Floats) -> Floats:
     return np.column_stack([np.interp(here, times_s, places_m[:, axis]) for axis in (0, 1)])
 
 
-def closest_m(rounds: Sequence[tuple[Floats, Floats]], until_s: float) -> float:
+def closest_m(rounds: Sequence[TimedLine], until_s: float) -> float:
     """The least distance between any two robots in the first so many seconds."""
     moments = np.arange(0, until_s, TICK_S)
-    at = [places_at(moments, *one) for one in rounds]
+    at = [places_at(moments, *one[:2]) for one in rounds]
     return min(float(np.hypot(*(a - b).T).min()) for i, a in enumerate(at) for b in at[:i])
 
 
-def fastest_m_s(rounds: Sequence[tuple[Floats, Floats]]) -> float:
+def fastest_m_s(rounds: Sequence[TimedLine]) -> float:
     """The greatest speed on any leg."""
-    return max(float((np.hypot(*np.diff(p, axis=0).T) / np.diff(t)).max()) for t, p in rounds if len(t) > 1)
+    return max(float((np.hypot(*np.diff(p, axis=0).T) / np.diff(t)).max()) for t, p, _ in rounds if len(t) > 1)
 
 
 def closest_at_any_phase_m(one: Floats, other: Floats, period_s: float) -> Floats:

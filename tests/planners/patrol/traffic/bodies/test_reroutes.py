@@ -35,7 +35,7 @@ def assert_drivable(ground: Polygon, tours: Sequence[Tour]) -> None:
         if len(one.vertices_m) > 1:
             assert space.covers(LineString(np.vstack([one.vertices_m, one.vertices_m[:1]])))
     rounds = timed_rounds(tours, BODY_M)
-    assert closest_m(rounds, 8 * max(float(times[-1]) for times, _ in rounds)) >= 2 * BODY_M
+    assert closest_m(rounds, 8 * max(float(times[-1]) for times, *_ in rounds)) >= 2 * BODY_M
     assert fastest_m_s(rounds) <= 1
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.planners.patrol.traffic.bodies.driving import BODY_M, closest_m, tour
 
+from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.traffic.bodies import timing
@@ -20,7 +21,7 @@ PAST_IT = tour([(0, -0.705), (3, -0.705), (3, -3)], PERIOD_S)  # 5 mm off who wa
 
 def test_who_is_in_a_pocket_waits_until_the_other_is_away() -> None:
     rounds = timed_rounds([POCKET, PAST_IT], BODY_M)
-    assert [times[-1] for times, _ in rounds] == pytest.approx([PERIOD_S, PERIOD_S], rel=1e-5)
+    assert [times[-1] for times, *_ in rounds] == pytest.approx([PERIOD_S, PERIOD_S], rel=1e-5)
     assert rounds[0][0][-1] == rounds[1][0][-1]
     assert closest_m(rounds, 3 * PERIOD_S) >= 2 * BODY_M
     assert (rounds[0][1] == (0, 0)).all(axis=1).any()  # it drives its round all the same
@@ -58,7 +59,7 @@ def test_others_are_timed_like_any_loop(loops: list[Tour], k: int) -> None:
     ],
 )
 def test_nobody_steps_aside_for_who_leaves_no_time(times_s: list[float], places_m: list[tuple[float, float]]) -> None:
-    other = Timed(np.array(times_s, float), np.array(places_m, float), 0.0)
+    other = Timed(steady(np.array(times_s, float), np.array(places_m, float)), 0.0)
     assert round_between(loop_of(POCKET), 1, [(loop_of(PAST_IT), other)], 2 * BODY_M) is None
 
 
@@ -79,7 +80,7 @@ def test_many_that_cannot_step_aside_take_little_time(monkeypatch: pytest.Monkey
 
 def test_times_near_a_line_are_told_to_a_piece_of_a_leg() -> None:
     line = line_of(POCKET.vertices_m)
-    timed = Timed(np.array([0.0, 10.0, 20.0]), np.array([[0.0, -5.0], [0.0, -0.5], [0.0, -5.0]]), 3.0)
+    timed = Timed(steady(np.array([0.0, 10.0, 20.0]), np.array([[0.0, -5.0], [0.0, -0.5], [0.0, -5.0]])), 3.0)
     near_s = near_times(timed, line, 1.0)
     assert near_s.min() == pytest.approx(10 * 4.0 / 4.5 - 3.0, abs=0.12)
     assert near_s.max() == pytest.approx(10 + 10 * 0.5 / 4.5 - 3.0, abs=0.12)

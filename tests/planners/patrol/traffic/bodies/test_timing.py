@@ -37,7 +37,7 @@ def circle_tour(x: float, radius_m: float, period_s: float, robots: int = 1) -> 
 def test_loops_that_cross_never_bring_bodies_together(periods: tuple[float, float]) -> None:
     tours = [circle_tour(0, 5, periods[0]), circle_tour(6, 5, periods[1])]
     rounds = timed_rounds(tours, BODY_M)
-    for (times, _), period in zip(rounds, periods, strict=True):
+    for (times, *_), period in zip(rounds, periods, strict=True):
         assert times[-1] <= period
     ratio = rounds[1][0][-1] / rounds[0][0][-1]
     assert ratio * 12 == pytest.approx(round(ratio * 12), abs=1e-9)  # a simple ratio: the phases hold for ever
@@ -53,7 +53,7 @@ def test_robots_that_share_a_loop_and_cross_another() -> None:
 @pytest.mark.parametrize("body_m", [0.0, BODY_M])
 def test_nobody_waits_for_those_it_never_comes_near(body_m: float) -> None:
     far_m = 6 if body_m == 0 else 12
-    (times, _), _ = timed_rounds([circle_tour(0, 5, 40.0), circle_tour(far_m, 5, 40.0)], body_m)
+    (times, *_), _ = timed_rounds([circle_tour(0, 5, 40.0), circle_tour(far_m, 5, 40.0)], body_m)
     assert times[-1] == pytest.approx(2 * 24 * 5 * math.sin(math.pi / 24), rel=1e-5)  # the 24-gon at full speed
 
 
@@ -102,10 +102,10 @@ def test_waits_help_where_no_phase_does(
     loops = [loop_of(each) for each in tours]
     assert all(phases_apart(loops, clock, BODY_M) is None for clock in clocks(loops))
     rounds = timed_rounds(tours, BODY_M)
-    assert [float(times[-1]) for times, _ in rounds] == pytest.approx([period_s] * 2, rel=1e-5)
+    assert [float(times[-1]) for times, *_ in rounds] == pytest.approx([period_s] * 2, rel=1e-5)
     assert closest_m(rounds, 4 * period_s) >= 2 * BODY_M
     assert fastest_m_s(rounds) <= 1
-    for (_, places), line in zip(rounds, (first, second), strict=True):
+    for (_, places, _), line in zip(rounds, (first, second), strict=True):
         legs = np.vstack([line, line[:1]])
         length = float(np.hypot(*np.diff(legs, axis=0).T).sum())
         assert float(np.hypot(*np.diff(places, axis=0).T).sum()) == pytest.approx(length, abs=1e-6)
@@ -117,7 +117,7 @@ def test_robots_that_share_a_loop_wait_for_each_other_where_it_crosses_itself() 
     one = tour(eight, 24.0, robots=2)
     loop = loop_of(one)
     moments = np.arange(0, 48, 0.01)
-    at = [np.interp(moments % 48, loop.times_s * 48 / loop.natural_s, loop.places_m[:, axis]) for axis in (0, 1)]
+    at = [np.interp(moments % 48, loop.line.times_s * 48 / loop.natural_s, loop.places_m[:, axis]) for axis in (0, 1)]
     assert np.hypot(*(np.column_stack(at) - np.roll(np.column_stack(at), 2400, axis=0)).T).min() < 0.1
     rounds = timed_rounds([one], BODY_M)
     assert closest_m(rounds, 480) >= 2 * BODY_M
@@ -137,8 +137,8 @@ def test_waits_keep_turning_times() -> None:
     found = waits_apart(loops, clocks(loops)[0], BODY_M)
     assert found is not None
     for loop, timed in zip(loops, found, strict=True):
-        stands = np.diff(timed.times_s)[(np.diff(timed.places_m, axis=0) == 0).all(axis=1)]
-        turns = np.diff(loop.times_s)[(np.diff(loop.places_m, axis=0) == 0).all(axis=1)]
+        stands = np.diff(timed.line.times_s)[(np.diff(timed.line.places_m, axis=0) == 0).all(axis=1)]
+        turns = np.diff(loop.line.times_s)[(np.diff(loop.places_m, axis=0) == 0).all(axis=1)]
         assert len(stands) >= len(turns)
         assert stands.sum() >= turns.sum() - 1e-9
 

@@ -7,6 +7,7 @@ import pytest
 from shapely import box
 
 from rota.mission import DiscSensor, Robot, StartBox
+from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.traffic.starts.approaches import Approach, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment
 from rota.planners.patrol.traffic.starts.departures import apart, approaches_that_meet, departures_s, order_of_leaving
@@ -82,7 +83,7 @@ def test_a_box_is_filled_to_the_last_place() -> None:
 
 
 def test_a_robot_waits_then_goes_then_waits_for_the_others() -> None:
-    one_round = (np.array([0.0, 1, 2]), np.array([[3.0, 4], [4, 4], [3, 4]]))
+    one_round = steady(np.array([0.0, 1, 2]), np.array([[3.0, 4], [4, 4], [3, 4]]))
     trajectory = joined_trajectory("r", way((0, 0), (3, 4)), 2.0, 10.0, one_round)
     assert trajectory.times_s == pytest.approx([0, 2, 7, 10, 11, 12], rel=2e-6)
     assert trajectory.loop_start_s == 10

@@ -15,6 +15,7 @@ from rota.files.qgroundcontrol import trajectory_to_qgroundcontrol
 from rota.mission import DiscSensor, Fleet, GeoPoint, Mission, Obstacle, SquareSensor, StartBox, StartPoints, Zone
 from rota.plan import Plan, Trajectory
 from rota.plan_summary import robot_rows
+from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.planner_settings import PatrolSettings
 from rota.planners.patrol.tours.timetable import started_at
 from rota.planners.patrol.traffic.starts.from_starts import led_from_starts, require_room
@@ -45,7 +46,7 @@ def there_and_back(
     times = np.concatenate([[0.0], np.cumsum(steps[steps > 0])])
     x = np.array([x0, x1, x1, x0, x0])[np.r_[True, steps > 0]]
     places = np.column_stack([x, np.full(len(x), y)])
-    times, places = started_at(times, places, first * float(times[-1]))
+    times, places, _ = started_at(steady(times, places), first * float(times[-1]))
     return Trajectory(robot=name, times_s=times, positions_m=places)
 
 
@@ -123,9 +124,8 @@ def test_robots_that_share_a_tour_keep_half_a_round_between_them(turn: float | N
     # one of the three points stays empty
     assert {tuple(t.positions_m[0]) for t in led} <= {(0.5, 0.5), (1, 7), (39, 7)}
     # had the other begun where it is 4 s later, the gaps would be 4 s worse than half a round
-    times_s, places_m = started_at(
-        other.times_s[other.loop_index :] - other.loop_start_s, other.positions_m[other.loop_index :], 4.0
-    )
+    begun = steady(other.times_s[other.loop_index :] - other.loop_start_s, other.positions_m[other.loop_index :])
+    times_s, places_m, _ = started_at(begun, 4.0)
     late = Trajectory(
         robot=other.robot,
         times_s=np.append(other.times_s[: other.loop_index], other.loop_start_s + times_s),

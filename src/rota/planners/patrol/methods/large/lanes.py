@@ -53,7 +53,7 @@ def in_districts(problem: Problem, ground: SweepGround, reserve: float, most: in
     """
     if ground.shape.is_empty:
         return sequential(problem, ground, reserve, most)
-    budget_m = problem.robot.speed_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
+    budget_m = problem.pace_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     least = ground.shape.area / (problem.swath_m * budget_m)
     rows = promising_rows(problem, ground, budget_m)
     if most is not None and most < rows.robots <= ROWS_ENOUGH * least:
@@ -163,7 +163,7 @@ def in_boxes(problem: Problem, ground: SweepGround, reserve: float, most: int | 
     Each box has as many robots as its route needs. Where that takes many more than all lengths together do, boxes are
     weighed anew. Robots with bodies share no route.
     """
-    one_m = problem.robot.speed_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
+    one_m = problem.pace_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     robots = max(1, math.ceil(LEAST_LANES * ground.shape.area / (problem.swath_m * one_m)))
     if one_m < SHORTEST * problem.reach_m:
         return None

@@ -20,6 +20,7 @@ from rota.errors import NoPlanFound
 from rota.geometry.shortest_path import ShortestPaths
 from rota.planners.patrol.annealing.search import Annealed, Annealing, budget_penalties
 from rota.planners.patrol.context import Context
+from rota.planners.patrol.driving.polylines import without_repeats
 from rota.planners.patrol.ground.extra_points import no_points, prepared_with
 from rota.planners.patrol.initial.allocation import period_groupings
 from rota.planners.patrol.initial.standing import robots_stand
@@ -28,7 +29,7 @@ from rota.planners.patrol.methods.large.cells import boxes_for, entered_in, miss
 from rota.planners.patrol.methods.large.districts import by_districts
 from rota.planners.patrol.methods.sweeping.search import judged_by_lanes
 from rota.planners.patrol.repair.repair import Repaired, plan_of, repair_until_feasible, with_robots
-from rota.planners.patrol.tours.tour import Tour, tour_length_m, without_repeats
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

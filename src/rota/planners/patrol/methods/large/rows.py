@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.problem import Problem
 from rota.planners.patrol.methods.sweeping.lanes import SHARED_M, Swath, ground_turned, polygons, shared_m, slab
-from rota.planners.patrol.tours.tour import turn_m_per_rad
 
 Floats = NDArray[np.float64]
 
@@ -103,7 +103,7 @@ def row_settings(problem: Problem, swath: Swath, budget_m: float) -> RowSettings
         budget_m=budget_m,
         width_m=2 * half_m,
         short_m=float(swath.chords_m(np.array([half_m]))[1][0]),
-        corner_m=math.pi / 2 * turn_m_per_rad(problem.robot),
+        corner_m=driving_of(problem.robot).quarter_turn_m,
         sharing=MOST_SHARING if shares else 1,
     )
 

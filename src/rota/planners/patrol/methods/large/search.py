@@ -41,7 +41,7 @@ def has_many(context: Context) -> bool:
 
 def perfect_lanes(problem: Problem) -> float:
     """The robots that lanes would take which lose nothing at their ends or to whole robots."""
-    swept_m2_s = problem.swath_m * problem.robot.speed_m_s
+    swept_m2_s = problem.swath_m * problem.pace_m_s
     points = [region for region in problem.regions if region.demand == "every_point"]
     return float(sum(region.shape.area / (swept_m2_s * region.period_s) for region in points))
 

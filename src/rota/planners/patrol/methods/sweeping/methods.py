@@ -203,7 +203,7 @@ def decomposition(problem: Problem, ground: SweepGround, reserve: float, most: i
     strips = parallel(problem, ground, reserve, most)
     limit = burden(strips)[0] if strips is not None else most
     assert limit is not None
-    budget_m = problem.robot.speed_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
+    budget_m = problem.pace_m_s * problem.periods_s[ground.period_class] * (1 - reserve)
     fewest = max(1, math.ceil(ground.shape.area / (problem.swath_m * budget_m) - 1e-9))
     for robots in range(max(fewest, limit - MOST_FEWER), limit + 1):
         tours = balanced_areas(problem, ground, robots)

@@ -133,5 +133,5 @@ def proposed(
 
 def least_robots(problem: Problem, ground: SweepGround) -> int:
     """Robots below which no lanes over a ground can keep its period: its area over what one sweeps."""
-    swept_m2 = problem.swath_m * problem.robot.speed_m_s * problem.periods_s[ground.period_class]
+    swept_m2 = problem.swath_m * problem.pace_m_s * problem.periods_s[ground.period_class]
     return max(1, math.ceil(LEAST_LANES * float(ground.shape.area) / swept_m2))

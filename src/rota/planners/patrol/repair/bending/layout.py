@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rota.mission import DiscSensor, inner_reach_m
+from rota.planners.patrol.driving.driving import driving_of
 from rota.planners.patrol.ground.sample_kernels import Samples
 from rota.planners.patrol.repair.bending.sighting_kernels import SensingLegs, Sightings, best_sightings
-from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, whole_budget_m
+from rota.planners.patrol.tours.tour import Tour, meeting, nests, rounds_more, tour_length_m, whole_budget_m
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -98,17 +99,28 @@ def cut_legs(vertices_m: Floats, longest_m: float) -> tuple[Floats, Floats]:
 
 
 def budget_rows(tours: Sequence[Tour]) -> Iterator[tuple[Floats, float]]:
-    """How often each tour (k,) counts in each budget, and that: of each tour alone, each round of a nest and all."""
+    """How often each tour (k,) counts in each budget, and that: of each tour alone, each round of a nest and all.
+
+    What corners add is taken from the budgets.
+    """
     for hub, *petals in nests(tours):
         whole = np.zeros(len(tours))
         for k in petals or [hub]:
             counts = np.zeros(len(tours))
             counts[[hub, k]] = 1.0
             whole += counts
-            yield counts, tours[hub].budget_m
+            yield counts, tours[hub].budget_m - sum(corners_m(tours[j]) for j in {hub, k})
         if petals:
             whole[hub] += rounds_more(tours, petals)
             yield whole, whole_budget_m(tours, hub, np.array([petals[0], petals[-1] + 1]))
+
+
+def corners_m(tour: Tour) -> float:
+    """What corners add to a tour of a robot with mass: a step that moves them a little hardly changes it."""
+    if not driving_of(tour.robot).has_mass:
+        return 0.0
+    legs_m = np.hypot(*(np.roll(tour.vertices_m, -1, axis=0) - tour.vertices_m).T)
+    return tour_length_m(tour) - float(legs_m.sum())
 
 
 def sightings(
@@ -130,11 +142,21 @@ def sightings(
     square = np.array([0 if isinstance(robot.sensor, DiscSensor) else 1 for robot in robots], dtype=np.int64)
     period_class = np.array([tour.period_class for tour in layout.tours], dtype=np.int64)
     ends_m = np.hstack([places_m[layout.start], places_m[layout.end]])
-    legs = SensingLegs(ends_m, period_class[layout.tour], reach_m[layout.tour], square[layout.tour])
+    blind = blind_shares(ends_m, np.array([driving_of(robot).blind_m for robot in robots])[layout.tour])
+    inner_m = blind[:, None] * (ends_m[:, 2:] - ends_m[:, :2])
+    seeing_m = ends_m + np.hstack([inner_m, -inner_m])
+    legs = SensingLegs(seeing_m, period_class[layout.tour], reach_m[layout.tour], square[layout.tour])
     n = len(samples.x)
     best = Sightings(np.empty(n, dtype=np.int64), np.empty(n), np.empty(n))
     room = 1024
     while best_sightings(legs, further_m, samples, np.empty(room, dtype=np.int32), best):
         room *= 2
+    at = np.where(best.leg >= 0, blind[best.leg] + best.at * (1 - 2 * blind[best.leg]), best.at)
     behind_m = np.where(best.leg >= 0, handicap_m[layout.tour[best.leg]], 0.0)
-    return best._replace(range_deficit_m=best.range_deficit_m - behind_m)
+    return best._replace(at=at, range_deficit_m=best.range_deficit_m - behind_m)
+
+
+def blind_shares(ends_m: Floats, blind_m: Floats) -> Floats:
+    """The share (m,) of each leg (m, 4) at either end, from which nothing counts as seen, by its length (m,)."""
+    lengths_m = np.hypot(*(ends_m[:, 2:] - ends_m[:, :2]).T)
+    return np.asarray(np.where(lengths_m > 2 * blind_m, blind_m / np.maximum(lengths_m, 1e-12), 0.5 * (blind_m > 0)))

@@ -37,7 +37,9 @@ def can_bend(problem: Problem) -> bool:
     Nor do robots that stand have lengths to speak of.
     """
     stands = any(robots_stand(problem, period_s) for period_s in problem.periods_s)
-    return not stands and problem.robot.turns_at_once and not len(problem.border_places_m)
+    robot = problem.robot
+    turns = robot.turn_rate_rad_s is not None or robot.turn_radius_m > 0
+    return not stands and not turns and not len(problem.border_places_m)
 
 
 class Bending:

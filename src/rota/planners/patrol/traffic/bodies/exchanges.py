@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 
 from rota.errors import PlanError
 from rota.geometry.shortest_path import ShortestPaths
-from rota.planners.patrol.tours.timetable import thinned
-from rota.planners.patrol.tours.tour import Tour, split_legs, tour_length_m
+from rota.planners.patrol.driving.polylines import split_legs, thinned
+from rota.planners.patrol.tours.tour import Tour, tour_length_m
 
 Floats = NDArray[np.float64]
 

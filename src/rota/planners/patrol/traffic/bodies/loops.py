@@ -14,6 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.timetable import line_of, loop_timetable, paced_timetable
 from rota.planners.patrol.tours.tour import Tour
 
@@ -29,31 +30,35 @@ MOST_PAIRS = 4_000_000  # of near places on two loops
 class Loop:
     """One round of a tour at full speed, and the robots that share it at equal headways.
 
-    times_s (n,), places_m (n, 2): begins and ends at the same place; one row: the robot stays.
+    line: begins and ends at the same place; one row: the robot stays. may_wait: the robot can stop anywhere at once.
     """
 
-    times_s: Floats
-    places_m: Floats
+    line: TimedLine
     robots: int
     period_s: float
     speed_m_s: float
+    may_wait: bool = True
+
+    @property
+    def places_m(self) -> Floats:
+        """The places (n, 2) of its line."""
+        return self.line.places_m
 
     @property
     def stays(self) -> bool:
         """Whether its robot never moves."""
-        return len(self.times_s) == 1
+        return self.line.stays
 
     @property
     def natural_s(self) -> float:
         """What a round takes at full speed; 0 for a robot that stays."""
-        return float(self.times_s[-1])
+        return self.line.duration_s
 
 
 class Timed(NamedTuple):
     """A round as it is driven: at time 0 its first robot is ``offset_s`` into it; the others follow evenly."""
 
-    times_s: Floats
-    places_m: Floats
+    line: TimedLine
     offset_s: float
 
 
@@ -81,15 +86,15 @@ class Grid(NamedTuple):
 def loop_of(tour: Tour) -> Loop:
     """The tour's round at full speed, or in step with others."""
     if tour.pace is None:
-        times_s, places_m = loop_timetable(tour.vertices_m, tour.robot)
+        line = loop_timetable(tour.vertices_m, tour.robot)
     else:
-        times_s, places_m = paced_timetable(tour.vertices_m, tour.robot, tour.pace)
+        line = paced_timetable(tour.vertices_m, tour.robot, tour.pace)
     return Loop(
-        times_s=times_s,
-        places_m=places_m,
+        line=line,
         robots=tour.robots,
         period_s=tour.period_s,
         speed_m_s=tour.robot.speed_m_s,
+        may_wait=not tour.robot.motion.has_mass,
     )
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.tours.timetable import places_at, stretched
+from rota.planners.patrol.driving.timed_line import TimedLine
+from rota.planners.patrol.tours.timetable import stretched
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
 
 Floats = NDArray[np.float64]
@@ -57,31 +58,26 @@ def phases_hardly_touching(loops: Sequence[Loop], clock: Clock, body_radius_m: f
 
 def on_the_clock(
     loops: Sequence[Loop], clock: Clock, body_radius_m: float
-) -> tuple[list[tuple[Floats, Floats]], list[cKDTree], Grid]:
+) -> tuple[list[TimedLine], list[cKDTree], Grid]:
     """The loops stretched to their headways, where each is at the samples of the common clock, and that clock."""
     durations_s = [loop.robots * m * clock.unit_s for loop, m in zip(loops, clock.multiples, strict=True)]
-    rounds = [stretched(loop.times_s, loop.places_m, s) for loop, s in zip(loops, durations_s, strict=True)]
+    rounds = [stretched(loop.line, s) for loop, s in zip(loops, durations_s, strict=True)]
     speed_m_s = max(loop.speed_m_s * loop.natural_s / s for loop, s in zip(loops, durations_s, strict=True))
     grid = grid_of(loops, clock, speed_m_s, body_radius_m, MOST_SAMPLES)
     samples = [loop.robots * multiple * grid.bins for loop, multiple in zip(loops, clock.multiples, strict=True)]
     return rounds, [cKDTree(sampled(round_, n)) for round_, n in zip(rounds, samples, strict=True)], grid
 
 
-def driven(round_: tuple[Floats, Floats], choice: Choice, step_s: float) -> Timed:
+def driven(round_: TimedLine, choice: Choice, step_s: float) -> Timed:
     """The round at its phase, in its direction."""
-    times_s, places_m = round_
-    if choice.direction < 0:
-        times_s, places_m = times_s[-1] - times_s[::-1], places_m[::-1]
-    return Timed(times_s, places_m, choice.offset * step_s)
+    return Timed(round_.backwards() if choice.direction < 0 else round_, choice.offset * step_s)
 
 
-def sampled(round_: tuple[Floats, Floats], samples: int) -> Floats:
+def sampled(round_: TimedLine, samples: int) -> Floats:
     """Places (n, 2) at so many moments of a round, evenly spaced from its start; one place for a robot that stays."""
-    times_s, places_m = round_
-    if len(times_s) == 1:
-        return places_m
-    moments = np.arange(samples) * (float(times_s[-1]) / samples)
-    return places_at(moments, times_s, places_m)
+    if round_.stays:
+        return round_.places_m
+    return round_.at(np.arange(samples) * (round_.duration_s / samples))
 
 
 def follows_itself(tree: cKDTree, robots: int, apart_m: float) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.planners.patrol.driving.timed_line import steady
 from rota.planners.patrol.tours.timetable import line_of, started_at
 from rota.planners.patrol.traffic.bodies.loops import Loop, Timed
 
@@ -29,7 +30,7 @@ def waiting_place(loops: Sequence[Loop], k: int, apart_m: float) -> int | None:
     vertex. None as well where nobody comes near the loop at all, since nobody is in its way.
     """
     loop, line = loops[k], line_of(loops[k].places_m)
-    if loop.stays or loop.robots > 1 or shapely.minimum_bounding_radius(line) > WIDEST * apart_m:
+    if loop.stays or not loop.may_wait or loop.robots > 1 or shapely.minimum_bounding_radius(line) > WIDEST * apart_m:
         return None
     others = shapely.geometrycollections([line_of(other.places_m) for i, other in enumerate(loops) if i != k])
     if others.is_empty or shapely.distance(others, line) >= apart_m:
@@ -46,19 +47,19 @@ def round_between(loop: Loop, waits_at: int, others: Sequence[tuple[Loop, Timed]
     than the loop's period, or leave no time.
     """
     line = line_of(loop.places_m)
-    near = [(other, how) for other, how in others if shapely.distance(line_of(how.places_m), line) < apart_m]
-    headways_s = [float(how.times_s[-1]) / other.robots for other, how in near]
+    near = [(other, how) for other, how in others if shapely.distance(line_of(how.line.places_m), line) < apart_m]
+    headways_s = [how.line.duration_s / other.robots for other, how in near]
     if not near or min(headways_s) == 0 or max(headways_s) - min(headways_s) > SAME * max(headways_s):
         return None  # who stays is always near
     headway_s = headways_s[0]
     free = longest_free(np.vstack([near_times(how, line, apart_m) for _, how in near]), headway_s)
     if headway_s > loop.period_s or free is None or free[1] - free[0] < loop.natural_s:
         return None
-    times_s, places_m = started_at(loop.times_s, loop.places_m, float(loop.times_s[waits_at]))
-    if headway_s > times_s[-1]:
-        times_s, places_m = np.append(times_s, headway_s), np.vstack([places_m, places_m[:1]])
+    begun = started_at(loop.line, float(loop.line.times_s[waits_at]))
+    if headway_s > begun.duration_s:
+        begun = steady(np.append(begun.times_s, headway_s), np.vstack([begun.places_m, begun.places_m[:1]]))
     begins_s = (free[0] + free[1] - loop.natural_s) / 2
-    return Timed(times_s, places_m, -begins_s % headway_s)
+    return Timed(begun, -begins_s % headway_s)
 
 
 def near_times(timed: Timed, line: shapely.Geometry, apart_m: float) -> Floats:
@@ -67,7 +68,8 @@ def near_times(timed: Timed, line: shapely.Geometry, apart_m: float) -> Floats:
     At time 0 it is ``offset_s`` into its round. Each time is told once, of all rounds; it may be below 0. What is told
     is a little too long: a piece of a leg is near where any of it is.
     """
-    begins, ends = timed.places_m[:-1], timed.places_m[1:]
+    times_s, places_m = timed.line.times_s, timed.line.places_m
+    begins, ends = places_m[:-1], places_m[1:]
     pieces = np.maximum(1, np.ceil(np.hypot(*(ends - begins).T) / (PIECE * apart_m))).astype(np.int64)
     legs = shapely.linestrings(np.stack([begins, ends], axis=1))
     pieces[shapely.distance(legs, line) >= apart_m] = 0
@@ -77,9 +79,9 @@ def near_times(timed: Timed, line: shapely.Geometry, apart_m: float) -> Floats:
     way = (ends - begins)[leg]
     parts = np.stack([begins[leg] + first[:, None] * way, begins[leg] + last[:, None] * way], axis=1)
     near = shapely.distance(shapely.linestrings(parts), line) < apart_m
-    lasts_s = np.diff(timed.times_s)[leg]
-    from_s = timed.times_s[leg] + first * lasts_s - timed.offset_s
-    to_s = timed.times_s[leg] + last * lasts_s - timed.offset_s
+    lasts_s = np.diff(times_s)[leg]
+    from_s = times_s[leg] + first * lasts_s - timed.offset_s
+    to_s = times_s[leg] + last * lasts_s - timed.offset_s
     return np.asarray(np.column_stack([from_s, to_s])[near])
 
 

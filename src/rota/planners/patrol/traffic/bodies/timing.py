@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rota.planners.patrol.driving.timed_line import TimedLine
 from rota.planners.patrol.tours.timetable import evenly_spaced, line_of
 from rota.planners.patrol.tours.tour import Tour
 from rota.planners.patrol.traffic.bodies.loops import Loop, Timed, clocks, crowds, loop_of
@@ -21,8 +22,8 @@ Floats = NDArray[np.float64]
 ASIDE_TRIES = 4  # robots that may step aside for all others are tried one after another, so many of them
 
 
-def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[tuple[Floats, Floats]]:
-    """Times and places of one round of every robot, tour by tour, with bodies kept apart if timing can do it.
+def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[TimedLine]:
+    """One round of every robot, tour by tour, with bodies kept apart if timing can do it.
 
     Without bodies, or with one robot, every tour is driven as fast as it can be; so is one that no other comes near.
     Where nothing keeps the bodies apart, they meet as little as phases make them: the check says where and when.
@@ -37,7 +38,7 @@ def timed_rounds(tours: Sequence[Tour], body_radius_m: float) -> list[tuple[Floa
     return [
         timing
         for loop, how in zip(loops, timed, strict=True)
-        for timing in evenly_spaced(how.times_s, how.places_m, loop.robots, how.offset_s)
+        for timing in evenly_spaced(how.line, loop.robots, how.offset_s)
     ]
 
 
@@ -72,7 +73,7 @@ def can_be_timed(tours: Sequence[Tour], body_radius_m: float) -> bool:
 
 def at_full_speed(loop: Loop) -> Timed:
     """The loop as fast as it can be driven."""
-    return Timed(loop.times_s, loop.places_m, 0.0)
+    return Timed(loop.line, 0.0)
 
 
 def timed_apart(loops: Sequence[Loop], body_radius_m: float, aside_tries: int = ASIDE_TRIES) -> list[Timed] | None:

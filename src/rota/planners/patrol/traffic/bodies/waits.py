@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from rota.planners.patrol.tours.timetable import places_at, started_at, stretched
+from rota.planners.patrol.driving.timed_line import steady
+from rota.planners.patrol.tours.timetable import started_at, stretched
 from rota.planners.patrol.traffic.bodies import kernels
 from rota.planners.patrol.traffic.bodies.loops import Clock, Grid, Loop, Timed, grid_of, near_pairs
 from rota.planners.patrol.traffic.bodies.phases import follows_itself, roomy_offsets, sampled
@@ -88,20 +89,20 @@ def fitted(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Pl
 
 def reversed_loop(loop: Loop) -> Loop:
     """The loop driven backwards."""
-    return replace(loop, times_s=loop.times_s[-1] - loop.times_s[::-1], places_m=loop.places_m[::-1])
+    return replace(loop, line=loop.line.backwards())
 
 
 def placed_as(timed: Timed, robots: int, headway: int, grid: Grid) -> Placed:
     """The timetable as others meet it."""
-    places = sampled((timed.times_s, timed.places_m), robots * headway)
+    places = sampled(timed.line, robots * headway)
     shift = round(timed.offset_s / grid.step_s)
     return Placed(cKDTree(np.roll(places, -shift, axis=0)), headway, timed)
 
 
 def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed]) -> Placed | None:
     """The loop stretched to its headway, at the phase with most room; None when there is none."""
-    times_s, places_m = stretched(loop.times_s, loop.places_m, loop.robots * headway * grid.step_s)
-    tree = cKDTree(sampled((times_s, places_m), loop.robots * headway))
+    line = stretched(loop.line, loop.robots * headway * grid.step_s)
+    tree = cKDTree(sampled(line, loop.robots * headway))
     if not follows_itself(tree, loop.robots, grid.apart_m):
         return None
     free = np.ones(headway, dtype=bool)
@@ -118,7 +119,7 @@ def at_one_speed(loop: Loop, headway: int, grid: Grid, others: Sequence[Placed])
         free &= ~np.tile(meets, headway // measure)
     if not free.any():
         return None
-    timed = Timed(times_s, places_m, (roomy_offsets(free) if others else [0])[-1] * grid.step_s)
+    timed = Timed(line, (roomy_offsets(free) if others else [0])[-1] * grid.step_s)
     return placed_as(timed, loop.robots, headway, grid)
 
 
@@ -128,13 +129,15 @@ def timetable_through(loop: Loop, headway: int, grid: Grid, others: Sequence[Pla
     How far along is told at every sample of one round, its end included, in seconds at full speed from the loop's
     start. None: there is no such timetable.
     """
+    if not loop.may_wait:
+        return None
     split = math.ceil(loop.natural_s / loop.robots / grid.step_s)
     steps = min(split + 1, headway)  # within a headway: a hair slower than full speed, so that knots can be moved
     if split > headway:
         return None
     whole = steps * loop.robots
     along_s = np.arange(whole) * (loop.natural_s / whole)
-    places = places_at(along_s, loop.times_s, loop.places_m)
+    places = loop.line.at(along_s)
     blocked = blocked_by(cKDTree(places), headway, grid.apart_m, others)
     if blocked.all(axis=1).any():
         return None  # somebody is always there
@@ -254,7 +257,8 @@ def several_robots(
 def with_knots(loop: Loop, along_s: Floats, start: int, step_s: float, duration_s: float) -> Timed:
     """The timetable of a round that is so far along (n,) the loop at every sample, begun at sample ``start``."""
     first_s = along_s[0] % loop.natural_s
-    times_s, places_m = started_at(loop.times_s, loop.places_m, first_s)
+    begun = started_at(loop.line, first_s)
+    times_s = begun.times_s
     whole_s = along_s - along_s[0]
     whole_s[-1] = times_s[-1]
     bends = np.flatnonzero(np.abs(np.diff(whole_s, 2)) > 1e-6 * step_s) + 1
@@ -270,7 +274,7 @@ def with_knots(loop: Loop, along_s: Floats, start: int, step_s: float, duration_
     order = np.argsort(np.concatenate([at_s, corners_at_s]), kind="stable")
     all_s = np.concatenate([at_s, corners_at_s])[order]
     along_s = np.concatenate([along_s, corners_s])[order]
-    places = places_at(along_s, times_s, places_m)
+    places = begun.at(along_s)
     places[-1] = places[0]
     all_s[-1] = duration_s
-    return Timed(all_s, places, -start * step_s % duration_s)
+    return Timed(steady(all_s, places), -start * step_s % duration_s)

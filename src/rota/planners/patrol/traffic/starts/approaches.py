@@ -9,14 +9,11 @@ from numpy.typing import NDArray
 
 from rota.mission import Robot
 from rota.plan import Trajectory
-from rota.planners.patrol.tours.timetable import (
-    SHORTEST_LEG_M,
-    SHORTEST_WAIT_S,
-    SLOW_LEG_M,
-    SLOWER,
-    far_enough,
-    timed_line,
-)
+from rota.planners.patrol.driving.at_once import SLOW_LEG_M, SLOWER, timed_line
+from rota.planners.patrol.driving.polylines import SHORTEST_LEG_M, far_enough
+from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.tours.timetable import SHORTEST_WAIT_S
 
 Floats = NDArray[np.float64]
 
@@ -25,15 +22,33 @@ SHORTEST_LEG_S = 1e-3  # for approaches too short to be timed by their length
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Approach:
-    """The timed points of an approach: times_s (k,) from 0, places_m (k, 2); one row: the robot is there already."""
+    """An approach as it is driven, turning into the loop included; one row: the robot is there already.
 
-    times_s: Floats
-    places_m: Floats
+    run_up: of a robot with mass, from where the line ends to where it joins the loop in motion; None: it is there.
+    """
+
+    line: TimedLine
+    run_up: TimedLine | None = None
+
+    @property
+    def times_s(self) -> Floats:
+        """The times (k,) of its line."""
+        return self.line.times_s
+
+    @property
+    def places_m(self) -> Floats:
+        """The places (k, 2) of its line."""
+        return self.line.places_m
 
     @property
     def duration_s(self) -> float:
-        """Seconds from the start to the loop, turning into the loop included."""
-        return float(self.times_s[-1])
+        """Seconds from the start to the end of the line, turning into the loop included."""
+        return self.line.duration_s
+
+    @property
+    def runs_up_s(self) -> float:
+        """Seconds from the end of the line to the loop."""
+        return 0.0 if self.run_up is None else self.run_up.duration_s
 
     @property
     def start_m(self) -> Floats:
@@ -54,17 +69,17 @@ def timed_approach(line_m: Floats, robot: Robot, onward_m: Floats | None = None)
     """
     line_m = without_short_legs(line_m)
     if len(line_m) == 1:
-        return Approach(times_s=np.zeros(1), places_m=line_m)
+        return Approach(line=steady(np.zeros(1), line_m))
+    if robot.motion.has_mass:
+        return Approach(line=Rounded(robot).way(line_m))
     ahead = np.diff(line_m if onward_m is None else np.vstack([line_m, onward_m]), axis=0)
     before, after = ahead[:-1], ahead[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turns = np.zeros(len(line_m) - 1)
     turns[: len(after)] = np.abs(np.arctan2(cross, (before * after).sum(axis=1)))
     too_short = len(line_m) == 2 and np.hypot(*ahead[0]) / SLOWER < SHORTEST_LEG_M
-    times_s, places_m = timed_line(
-        line_m, turns, robot, least_s=SHORTEST_LEG_S if too_short else SLOW_LEG_M / robot.speed_m_s
-    )
-    return Approach(times_s=times_s, places_m=places_m)
+    least_s = SHORTEST_LEG_S if too_short else SLOW_LEG_M / robot.speed_m_s
+    return Approach(line=timed_line(line_m, turns, robot, least_s=least_s))
 
 
 def without_short_legs(line_m: Floats) -> Floats:
@@ -83,26 +98,39 @@ def first_step_m(places_m: Floats) -> Floats | None:
 
 
 def joined_trajectory(
-    name: str, approach: Approach, leaves_s: float, loops_s: float, round_s_m: tuple[Floats, Floats]
+    name: str, approach: Approach, leaves_s: float, loops_s: float, one_round: TimedLine
 ) -> Trajectory:
     """A robot that waits at its start, leaves it at ``leaves_s``, and loops from ``loops_s`` on.
 
-    round_s_m: times (k,) from 0 and places (k, 2) of one round, begun where the approach ends; one row: the robot
-    stays. Between arriving and ``loops_s`` it waits at the loop.
+    one_round: begun where the approach, or its run-up, ends; one row: the robot stays. Between arriving and ``loops_s``
+    it waits at the loop, or where its run-up begins.
     """
-    moves = len(approach.times_s) > 1
-    times, places = [np.zeros(1)], [approach.places_m[:1]]
+    moves, goes_s = not approach.line.stays, loops_s - approach.runs_up_s
+    times, places, accelerations = [np.zeros(1)], [approach.places_m[:1]], [np.zeros(0)]
     if moves and leaves_s > 0:
         times.append(np.array([leaves_s]))
         places.append(approach.places_m[:1])
+        accelerations.append(np.zeros(1))
     times.append(leaves_s + approach.times_s[1:])
     places.append(approach.places_m[1:])
-    if loops_s - (leaves_s + approach.duration_s if moves else 0.0) > SHORTEST_WAIT_S:
-        times.append(np.array([loops_s]))
+    accelerations.append(approach.line.accelerations_m_s2)
+    if goes_s - (leaves_s + approach.duration_s if moves else 0.0) > SHORTEST_WAIT_S:
+        times.append(np.array([goes_s]))
         places.append(approach.places_m[-1:])
+        accelerations.append(np.zeros(1))
     elif moves:
-        times[-1] = np.append(times[-1][:-1], loops_s)  # just in time: only the last bits of the sum differ
-    round_times_s, round_places_m = round_s_m
-    times.append(loops_s + round_times_s[1:])
-    places.append(round_places_m[1:])
-    return Trajectory(robot=name, times_s=np.concatenate(times), positions_m=np.vstack(places), loop_start_s=loops_s)
+        times[-1] = np.append(times[-1][:-1], goes_s)  # just in time: only the last bits of the sum differ
+    for begins_s, line in ((goes_s, approach.run_up), (loops_s, one_round)):
+        if line is not None and not line.stays:
+            ends_s = begins_s + line.times_s[1:]
+            times.append(np.append(ends_s[:-1], loops_s) if line is approach.run_up else ends_s)
+            places.append(line.places_m[1:])
+            accelerations.append(line.accelerations_m_s2)
+    changes = np.concatenate(accelerations)
+    return Trajectory(
+        robot=name,
+        times_s=np.concatenate(times),
+        positions_m=np.vstack(places),
+        accelerations_m_s2=changes if changes.any() else None,
+        loop_start_s=loops_s,
+    )

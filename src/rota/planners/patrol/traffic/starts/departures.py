@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rota.planners.patrol.tours.timetable import line_of, places_at
+from rota.planners.patrol.tours.timetable import line_of
 from rota.planners.patrol.traffic.starts.approaches import Approach
 
 Floats = NDArray[np.float64]
@@ -110,7 +110,7 @@ def apart(one: Approach, other: Approach, leaves_s: float, other_leaves_s: float
     """Whether two robots that leave at these times stay ``apart_m`` apart for ever; they stand before and after."""
     mine_s, theirs_s = one.times_s + leaves_s, other.times_s + other_leaves_s
     moments = np.union1d(mine_s, theirs_s)
-    gap = places_at(moments, mine_s, one.places_m) - places_at(moments, theirs_s, other.places_m)
+    gap = one.line.at(moments - leaves_s) - other.line.at(moments - other_leaves_s)
     drift = np.diff(gap, axis=0)
     drift2 = (drift**2).sum(axis=1)
     share = np.clip(-(gap[:-1] * drift).sum(axis=1) / np.where(drift2 > 0, drift2, 1.0), 0.0, 1.0)

@@ -13,17 +13,18 @@ from rota.errors import MissionError, NoPlanFound
 from rota.geometry.free_space import standing_space
 from rota.mission import Mission, Robot, StartBox, StartPoints
 from rota.plan import Plan
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
 from rota.planners.patrol.tours.timetable import started_at
 from rota.planners.patrol.traffic.starts.approaches import Approach, first_step_m, joined_trajectory, timed_approach
 from rota.planners.patrol.traffic.starts.assignment import earliest_assignment, least_squares, served
 from rota.planners.patrol.traffic.starts.departures import departures_s, together_s
 from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
 from rota.planners.patrol.traffic.starts.places import in_turn
+from rota.planners.patrol.traffic.starts.run_ups import joined_in_motion, round_of
 from rota.planners.patrol.verdict import Judge, counted, worst_reached
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Round = tuple[Floats, Floats]
 
 MOST_ENTRIES = 4_000  # places on all loops that are looked at together
 MOST_SHIFTS = 64  # moments of the common timetable at which the loops may begin
@@ -48,7 +49,7 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     as it was; the same when bodies would touch on an approach or the judge passes no plan, with the plan that does so;
     MissionError when a fixed fleet does not fit into its box.
     """
-    rounds = [(trajectory.times_s, trajectory.positions_m) for trajectory in plan]
+    rounds = [round_of(trajectory) for trajectory in plan]
     bare = replace(plan, mission=mission)
     if not rounds:
         return bare
@@ -71,15 +72,16 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
     while tried:
         shift, who, earliest = tried.pop(0)
         begun = [begun_at(round_, entries.shifts_s[shift]) for round_ in rounds]
-        approaches, who = timed_approaches(starts, begun, who, paths_by_body, anew=earliest)
+        begun, later_s, run_ups = joined_in_motion(begun, starts.robots[0], paths_by_body)
+        approaches, who = timed_approaches(starts, begun, run_ups, who, paths_by_body, anew=earliest)
         leaves_s = departures_s(approaches, [starts.robots[k].body_radius_m for k in who])
         if leaves_s is None:
             if touching is None:
-                touching = with_approaches(bare, starts, who, approaches, together_s(approaches), begun)
+                touching = with_approaches(bare, starts, who, approaches, together_s(approaches), begun, later_s)
             if earliest:
                 tried.append((shift, least_squares(times_s[shift] * speeds_m_s[:, None]), False))
             continue
-        led = with_approaches(bare, starts, who, approaches, leaves_s, begun)
+        led = with_approaches(bare, starts, who, approaches, leaves_s, begun, later_s)
         if judge is None or judge(led).verdict == "met":
             return led
     if led is None or judge is None:
@@ -94,19 +96,32 @@ def led_from_starts(plan: Plan, mission: Mission, judge: Judge | None) -> Plan:
 
 
 def with_approaches(
-    plan: Plan, starts: Starts, who: Ints, approaches: Sequence[Approach], leaves_s: Floats, begun: Sequence[Round]
+    plan: Plan,
+    starts: Starts,
+    who: Ints,
+    approaches: Sequence[Approach],
+    leaves_s: Floats,
+    begun: Sequence[TimedLine],
+    later_s: Sequence[float],
 ) -> Plan:
-    """The plan whose robots leave their starts at these times and begin their loops at the same moment.
+    """The plan whose robots leave their starts at these times and begin their loops at the same moment, or later.
 
     Robots of a fleet of as few as possible keep the names of their loops; those of a named fleet keep their own.
     """
-    loops_s = max(float(leaves) + approach.duration_s for leaves, approach in zip(leaves_s, approaches, strict=True))
+    arrive_s = (
+        float(leaves) + approach.duration_s + approach.runs_up_s - later
+        for leaves, approach, later in zip(leaves_s, approaches, later_s, strict=True)
+    )
+    loops_s = max(0.0, *arrive_s)
     named = plan.mission.fleet.robots is not None
     joined = []
     for i, k in enumerate(who):
         name = starts.robots[k].name if named else plan.trajectories[i].robot
         joined.append(
-            (k if named else i, joined_trajectory(name, approaches[i], float(leaves_s[i]), loops_s, begun[i]))
+            (
+                k if named else i,
+                joined_trajectory(name, approaches[i], float(leaves_s[i]), loops_s + later_s[i], begun[i]),
+            )
         )
     return replace(plan, trajectories=tuple(trajectory for _, trajectory in sorted(joined, key=lambda pair: pair[0])))
 
@@ -114,7 +129,7 @@ def with_approaches(
 # ---------------------------------------------------------------- starts
 
 
-def starts_of(mission: Mission, rounds: Sequence[Round], paths_by_body: PathsByBody, plan: Plan) -> Starts:
+def starts_of(mission: Mission, rounds: Sequence[TimedLine], paths_by_body: PathsByBody, plan: Plan) -> Starts:
     """The robots and their starts; those in a box are spread over the parts of the ground where loops are."""
     fleet = mission.fleet
     robots = list(fleet.robots or (fleet.equal_robot(trajectory.robot) for trajectory in plan))
@@ -143,14 +158,14 @@ def boxed(
     box: StartBox,
     robots: list[Robot],
     places: list[Floats | None],
-    rounds: Sequence[Round],
+    rounds: Sequence[TimedLine],
     paths_by_body: PathsByBody,
     plan: Plan,
 ) -> Floats:
     """Places (n, 2) in the box for the robots that have none yet, as many in each part as loops there still need."""
     body_m = max(robot.body_radius_m for robot in robots)
     paths = paths_by_body.paths(body_m)
-    needs = Counter(int(part) for part in paths.part_of(np.array([places_m[0] for _, places_m in rounds])))
+    needs = Counter(int(part) for part in paths.part_of(np.array([line.places_m[0] for line in rounds])))
     own = [place for place in places if place is not None]
     if own:
         needs -= Counter(int(part) for part in paths.part_of(np.array(own)))
@@ -196,7 +211,7 @@ def require_room(mission: Mission) -> None:
         raise MissionError(no_room(fleet.start, room, "in free ground", needed))
 
 
-def require_reachable(starts: Starts, rounds: Sequence[Round], times_s: Floats, plan: Plan) -> None:
+def require_reachable(starts: Starts, rounds: Sequence[TimedLine], times_s: Floats, plan: Plan) -> None:
     """NoPlanFound, naming a start and a loop between which no path leads, unless every loop can get a robot."""
     fixed = plan.mission.fleet.robots is not None
     lacking = np.setdiff1d(np.arange(len(rounds)), served(times_s, np.inf))
@@ -205,7 +220,7 @@ def require_reachable(starts: Starts, rounds: Sequence[Round], times_s: Floats, 
     if not len(lacking):
         raise NoPlanFound("there are more robots than loops that their starts can reach", best=plan)
     loop = int(lacking[0])
-    x, y = rounds[loop][1][0]
+    x, y = rounds[loop].places_m[0]
     alike = [i for i in range(len(rounds)) if (np.isfinite(times_s[:, i]) == np.isfinite(times_s[:, loop])).all()]
     able = np.flatnonzero(np.isfinite(times_s[:, loop]))
     unable = [k for k in np.flatnonzero(~np.isfinite(times_s[:, loop])) if starts.places_m[k] is not None]
@@ -231,25 +246,25 @@ class Entries:
     places_m: Floats
 
 
-def entry_choices(rounds: Sequence[Round], starts: Starts) -> Entries:
+def entry_choices(rounds: Sequence[TimedLine], starts: Starts) -> Entries:
     """Moments of the common timetable, its beginning first: when loops pass nearest to starts, and others evenly."""
     most = int(np.clip(MOST_ENTRIES // len(rounds), 4, MOST_SHIFTS))
-    longest_s = max(float(times_s[-1]) for times_s, _ in rounds)
+    longest_s = max(line.duration_s for line in rounds)
     placed = [place for place in starts.places_m if place is not None]
     shifts = [0.0]
     if longest_s > 0:
         if len(placed) * len(rounds) <= most // 2:
             shifts += [nearest_moment_s(round_, place) for round_ in rounds for place in placed]
         shifts += [float(s) for s in np.linspace(0, longest_s, most - len(shifts) + 1)[1:-1]]
-    places = [[begun_at(round_, shift)[1][0] for round_ in rounds] for shift in shifts]
+    places = [[begun_at(round_, shift).places_m[0] for round_ in rounds] for shift in shifts]
     return Entries(shifts_s=shifts, places_m=np.array(places))
 
 
-def nearest_moment_s(round_: Round, place_m: Floats) -> float:
+def nearest_moment_s(round_: TimedLine, place_m: Floats) -> float:
     """When a round comes nearest to a place, in a straight line; 0 for a robot that stays."""
-    times_s, places_m = round_
-    if len(times_s) == 1:
+    if round_.stays:
         return 0.0
+    times_s, places_m, _ = round_
     steps = np.diff(places_m, axis=0)
     squares = (steps**2).sum(axis=1)
     share = np.clip(((place_m - places_m[:-1]) * steps).sum(axis=1) / np.where(squares > 0, squares, 1.0), 0.0, 1.0)
@@ -257,10 +272,9 @@ def nearest_moment_s(round_: Round, place_m: Floats) -> float:
     return float(times_s[k] + share[k] * (times_s[k + 1] - times_s[k]))
 
 
-def begun_at(round_: Round, shift_s: float) -> Round:
+def begun_at(round_: TimedLine, shift_s: float) -> TimedLine:
     """The round begun so much later in the common timetable."""
-    times_s, places_m = round_
-    return round_ if len(times_s) == 1 or shift_s == 0 else started_at(times_s, places_m, shift_s)
+    return round_ if round_.stays or shift_s == 0 else started_at(round_, shift_s)
 
 
 def travel_times_s(starts: Starts, entries: Entries, paths_by_body: PathsByBody) -> Floats:
@@ -289,7 +303,13 @@ def travel_times_s(starts: Starts, entries: Entries, paths_by_body: PathsByBody)
 
 
 def timed_approaches(
-    starts: Starts, begun: Sequence[Round], who: Ints, paths_by_body: PathsByBody, *, anew: bool
+    starts: Starts,
+    begun: Sequence[TimedLine],
+    run_ups: Sequence[TimedLine],
+    who: Ints,
+    paths_by_body: PathsByBody,
+    *,
+    anew: bool,
 ) -> tuple[list[Approach], Ints]:
     """The approach to each loop with its turns, and who takes it.
 
@@ -297,11 +317,13 @@ def timed_approaches(
     """
 
     def approach_of(k: int, i: int) -> Approach:
-        robot, start_m, entry_m = starts.robots[k], starts.places_m[k], begun[i][1][0]
+        robot, start_m, entry_m = starts.robots[k], starts.places_m[k], run_ups[i].places_m[0]
+        run_up = None if run_ups[i].stays else run_ups[i]
         if start_m is None:
-            return Approach(times_s=np.zeros(1), places_m=entry_m[None])
-        onward_m = first_step_m(begun[i][1])
-        return timed_approach(paths_by_body.line(robot, start_m, entry_m, onward_m), robot, onward_m)
+            return Approach(line=steady(np.zeros(1), entry_m[None]), run_up=run_up)
+        onward_m = first_step_m(begun[i].places_m)
+        approach = timed_approach(paths_by_body.line(robot, start_m, entry_m, onward_m), robot, onward_m)
+        return replace(approach, run_up=run_up)
 
     turning = not all(robot.turns_at_once for robot in starts.robots)
     if not anew or not turning or len(starts.robots) * len(begun) > MOST_TIMED_APPROACHES:
@@ -309,7 +331,7 @@ def timed_approaches(
     every: dict[tuple[int, int], Approach] = {}
     times_s = np.full((len(starts.robots), len(begun)), np.inf)
     parts = [paths_by_body.paths(robot.body_radius_m) for robot in starts.robots]
-    entries_m = np.array([places_m[0] for _, places_m in begun])
+    entries_m = np.array([line.places_m[0] for line in begun])
     for k, paths in enumerate(parts):
         start_m = starts.places_m[k]
         reach = np.ones(len(begun), dtype=bool)

@@ -1,0 +1,88 @@
+"""Robots that change speed at once: turns on the spot take their time, turns on arcs their way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.mission import Robot
+from rota.planners.patrol.driving.corner_costs import CornerCosts, no_table
+from rota.planners.patrol.driving.polylines import thinned, turns_rad
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
+
+Floats = NDArray[np.float64]
+
+SLOWER = 1 - 1e-6  # of full speed, so that rounding of times never shows as speeding
+SLOW_LEG_M = 1e-5  # shorter legs take the time of this one: they would be timed to fewer digits than the check asks
+# a turn back past the end of a long leg, in a half circle, takes (pi - 2) times its radius more than the leg itself
+ARC_SHARE = 1 - 2 / math.pi
+
+
+class AtOnce:
+    """What a robot without mass can do; see ``Driving``."""
+
+    has_mass = False
+    off_m = 0.0
+    blind_m = 0.0
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.pace_m_s = robot.speed_m_s
+        rate, radius_m = robot.turn_rate_rad_s, robot.turn_radius_m
+        turn_m = ARC_SHARE * radius_m if rate is None else robot.speed_m_s / rate
+        self.corner_costs = CornerCosts(turn_m=turn_m, arc_m=radius_m, table=no_table(), longest_m=1.0)
+
+    @property
+    def quarter_turn_m(self) -> float:
+        """What a right angle costs; see ``Driving``."""
+        return math.pi / 2 * self.corner_costs.turn_m
+
+    def round_m(self, vertices_m: Floats) -> float:
+        """Metres of a round; see ``Driving``."""
+        legs = np.diff(np.vstack([vertices_m, vertices_m[:1]]), axis=0)
+        lengths = np.hypot(legs[:, 0], legs[:, 1])
+        turns = turns_rad(vertices_m)
+        turning_m = self.corner_costs.turn_m * float(turns.sum())
+        return float(lengths.sum()) + turning_m + spool_m(lengths, turns, self.robot.turn_radius_m)
+
+    def timed(self, vertices_m: Floats) -> TimedLine:
+        """One round at full speed, turning at each corner included; it begins and ends on the first vertex."""
+        vertices_m = thinned(vertices_m)
+        if len(vertices_m) == 1:
+            return steady(np.zeros(1), vertices_m)
+        line_m, turns = np.vstack([vertices_m, vertices_m[:1]]), np.roll(turns_rad(vertices_m), -1)
+        return timed_line(line_m, turns, self.robot, least_s=SLOW_LEG_M / self.robot.speed_m_s)
+
+
+def timed_line(line_m: Floats, turns: Floats, robot: Robot, *, least_s: float = 0.0) -> TimedLine:
+    """An open polyline (n, 2) without legs of no length as it is driven at full speed.
+
+    turns (n - 1,): the angles in radians by which the robot turns at each point but the first. least_s: no leg is
+    driven in less time.
+    """
+    travel_s = np.maximum(np.hypot(*np.diff(line_m, axis=0).T) / (robot.speed_m_s * SLOWER), least_s)
+    turn_s = np.zeros(len(travel_s))
+    if robot.turn_rate_rad_s is not None:
+        turn_s = turns / (robot.turn_rate_rad_s * SLOWER)
+    # one row on arrival at each point, one more when turning there takes time
+    steps = np.column_stack([travel_s, turn_s]).ravel()
+    keep = steps > 0
+    return steady(
+        np.concatenate([[0.0], np.cumsum(steps[keep])]), np.vstack([line_m[:1], np.repeat(line_m[1:], 2, 0)[keep]])
+    )
+
+
+def spool_m(lengths_m: Floats, turns: Floats, radius_m: float) -> float:
+    """Metres that arcs add beyond their turns: where legs are too short for a turn, a robot goes round up to once more.
+
+    lengths_m (n,): of the legs from each vertex on. turns (n,): in rad, at the vertices. An arc through a turn takes
+    radius * tan(turn / 2) of each leg; where half of the shorter leg is less, a share of a full circle is counted.
+    """
+    if radius_m == 0 or len(turns) < 2:
+        return 0.0
+    need_m = 2 * radius_m * np.tan(np.minimum(turns, math.pi / 2) / 2)
+    short_m = np.minimum(lengths_m, np.roll(lengths_m, 1))
+    tight = short_m < need_m
+    return float(2 * math.pi * radius_m * (1 - short_m[tight] / need_m[tight]).sum())

@@ -1,0 +1,53 @@
+"""The seam between what a robot can do and every search: metres of way into time, corners, timed rounds."""
+
+from __future__ import annotations
+
+import functools
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rota.mission import Robot
+from rota.planners.patrol.driving.at_once import AtOnce
+from rota.planners.patrol.driving.corner_costs import CornerCosts
+from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.timed_line import TimedLine
+
+Floats = NDArray[np.float64]
+
+
+class Driving(Protocol):
+    """What a robot can do. Times are told as the metres that it travels in them at its pace.
+
+    pace_m_s: about its speed on its rounds, so that a metre of a usual round costs a metre; full speed without mass.
+    has_mass: speeds take time to change. corner_costs: what corners add, for compiled loops; sums of them are near to
+    ``round_m``, which is exact. off_m: how far from its polyline it drives at most, where it cuts corners. blind_m: of
+    each end of a leg, from where a search counts nothing as seen, since the corner is cut.
+    """
+
+    robot: Robot
+    pace_m_s: float
+    has_mass: bool
+    corner_costs: CornerCosts
+    off_m: float
+    blind_m: float
+
+    @property
+    def quarter_turn_m(self) -> float:
+        """Metres that a right angle between long legs adds."""
+        ...
+
+    def round_m(self, vertices_m: Floats) -> float:
+        """Metres of one round of a closed polyline (n, 2), all that costs time included; 0 for one vertex."""
+        ...
+
+    def timed(self, vertices_m: Floats) -> TimedLine:
+        """One round of a closed polyline (n, 2) as fast as it can be driven; one row where it has no length."""
+        ...
+
+
+@functools.lru_cache(maxsize=64)
+def driving_of(robot: Robot) -> Driving:
+    """What a robot can do, by its limits."""
+    return Rounded(robot) if robot.motion.has_mass else AtOnce(robot)

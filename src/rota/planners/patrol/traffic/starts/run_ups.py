@@ -1,0 +1,65 @@
+"""Where robots with mass join their loops: they get up speed on a straight way to there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rota.geometry.kernels import EdgeGrid, free_segments
+from rota.mission import Robot
+from rota.plan import Trajectory
+from rota.planners.patrol.driving.rounded import Rounded
+from rota.planners.patrol.driving.timed_line import TimedLine, steady
+from rota.planners.patrol.tours.timetable import started_at
+from rota.planners.patrol.traffic.starts.paths_by_body import PathsByBody
+
+
+class Joining(NamedTuple):
+    """A round from where its robot joins it, so much later than the round was to begin, and the start from rest."""
+
+    line: TimedLine
+    later_s: float
+    run_up: TimedLine
+
+
+def joining(line: TimedLine, robot: Robot, grid: EdgeGrid) -> Joining:
+    """Where and when a robot joins a round: at once without mass, else at the first row that it can run up to.
+
+    A run-up is straight, in the direction of the leg after the row, and free of walls. Where none is, the robot joins
+    at its slowest row all the same, and the check tells what is wrong.
+    """
+    at_once = Joining(line, 0.0, steady(np.zeros(1), line.places_m[:1]))
+    if line.stays or not robot.motion.has_mass:
+        return at_once
+    driving = Rounded(robot)
+    steps, lasts_s = np.diff(line.places_m, axis=0), np.diff(line.times_s)
+    lengths = np.hypot(*steps.T)
+    speeds = np.where(lengths > 0, lengths / lasts_s - line.accelerations_m_s2 * lasts_s / 2, 0.0)
+    units = steps / np.maximum(lengths, 1e-12)[:, None]
+    run_ups = [driving.run_up(line.places_m[k], units[k], float(speeds[k])) for k in range(len(steps))]
+    begins = np.array([way.places_m[0] for way in run_ups])
+    free = free_segments(begins, line.places_m[:-1], grid) & (lengths > 0)
+    k = int(np.flatnonzero(free)[0]) if free.any() else int(np.argmin(np.where(lengths > 0, speeds, np.inf)))
+    at_s = float(line.times_s[k])
+    return Joining(started_at(line, at_s), at_s, run_ups[k])
+
+
+def round_of(trajectory: Trajectory) -> TimedLine:
+    """A trajectory that loops from its very start, as a round."""
+    changes = trajectory.accelerations_m_s2
+    return TimedLine(
+        trajectory.times_s,
+        trajectory.positions_m,
+        np.zeros(len(trajectory.times_s) - 1) if changes is None else changes,
+    )
+
+
+def joined_in_motion(
+    begun: Sequence[TimedLine], robot: Robot, paths_by_body: PathsByBody
+) -> tuple[list[TimedLine], list[float], list[TimedLine]]:
+    """The rounds from where robots join them, how much later that is, and how they get up speed; see ``joining``."""
+    grid = paths_by_body.paths(robot.body_radius_m).grid
+    joinings = [joining(line, robot, grid) for line in begun]
+    return [one.line for one in joinings], [one.later_s for one in joinings], [one.run_up for one in joinings]
