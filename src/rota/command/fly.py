@@ -10,7 +10,7 @@ import sys
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from io import UnsupportedOperation
 from typing import TYPE_CHECKING, Annotated
 
@@ -153,9 +153,9 @@ def _tell_started(link: Link, robots: int, watching: str) -> None:
         return
     from rota.files.timed_places import instant_text
 
-    now = instant_text(datetime.now(UTC))
-    typer.echo(f"Started: {robots} robots at {now}. To watch them, from another terminal:")
-    typer.echo(f"{watching} --set start_time={now}")
+    begun = instant_text(datetime.now(UTC) - timedelta(seconds=link.time_s))
+    typer.echo(f"Started: {robots} robots at {begun}. To watch them, from another terminal:")
+    typer.echo(f"{watching} --set start_time={begun}")
 
 
 async def _command(link: Link, home: bool) -> None:

@@ -7,12 +7,14 @@ import math
 import reprlib
 from collections import deque
 from collections.abc import AsyncGenerator, Collection, Mapping
+from dataclasses import replace
 from typing import Any, get_args
 
 from rota.limits import FAR_FROM_AREA_M, LONGEST_S
 from rota.links.link import Fault, Mode, Rejections, Report
 
 MOST_WAITING = 20_000  # reports that nobody has taken yet: 200 robots at 5 Hz for 20 s
+ROUNDING_S = 1e-6
 AHEAD_S = 2.0  # by which a robot's clock may be ahead
 MODES = frozenset(get_args(Mode))
 LONGEST_EXAMPLE = 90  # letters
@@ -92,6 +94,13 @@ class ReportInbox:
             return "out of range"
         last = self._latest.get(robot)
         return "out of order" if last is not None and time_s < last.time_s else None
+
+    def begin_later(self, by_s: float) -> None:
+        """Count the time of all reports from so many seconds later; none gets later by rounding than one to come."""
+        by_s += ROUNDING_S
+        for robot, report in self._latest.items():
+            self._latest[robot] = replace(report, time_s=report.time_s - by_s)
+        self._waiting = deque(replace(report, time_s=report.time_s - by_s) for report in self._waiting)
 
     def latest(self, robot: str) -> Report | None:
         """The robot's last report, None before the first."""

@@ -91,6 +91,9 @@ class Link(Protocol):
     async def clear_route(self, robot: str) -> None:
         """Take the robot's route and fence away; no error where it has none."""
 
+    def begin(self) -> None:
+        """Let the plan's time start now, just before its robots do, unless settings say when it started."""
+
     async def start(self, robot: str) -> None:
         """Let the robot drive its route, or go on after ``pause``."""
 
@@ -100,6 +103,9 @@ class Link(Protocol):
         Called about once a second for each robot, with what is late then. The link does what its robots can, by their
         speeds and waits, no faster than they may drive; what they cannot make up shows in the next call.
         """
+
+    def room_s(self, robot: str) -> float:
+        """How late a robot may be that makes it up by itself within a round; 0 where that is not known."""
 
     async def pause(self, robot: str) -> None:
         """Let the robot stop where it is; ``start`` goes on from there."""

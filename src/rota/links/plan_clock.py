@@ -17,10 +17,12 @@ class PlanClock:
         self._zero_s = time.monotonic()
         self._ahead_s = 0.0  # of the monotonic clock, against the system's
 
-    def begin(self) -> None:
-        """Let the plan start now, unless it is given when it started."""
+    def begin(self) -> float:
+        """Let the plan start now, unless it is given when it started; how many seconds later it starts by that."""
+        before_s = self._zero_s
         past_s = 0.0 if self._start_unix_s is None else time.time() - self._start_unix_s
         self._zero_s = time.monotonic() - past_s
+        return self._zero_s - before_s
 
     def now_s(self) -> float:
         """Seconds since the start."""

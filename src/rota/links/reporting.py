@@ -33,6 +33,13 @@ class ReportingLink:
         """Nothing keeps it from its robots."""
         return ""
 
+    def begin(self) -> None:
+        """The plan's time runs only while robots can drive."""
+
+    def room_s(self, robot: str) -> float:
+        """Nothing is known of that."""
+        return 0.0
+
     def latest(self, robot: str) -> Report | None:
         """The robot's last report, None before the first."""
         return self._inbox.latest(robot)
@@ -41,7 +48,8 @@ class ReportingLink:
 class RealTimeLink(ReportingLink):
     """The part of a Link that every one to real robots has.
 
-    start_time: when the plan started, in ISO 8601, named ``where`` in errors; empty: when the link was opened.
+    start_time: when the plan started, in ISO 8601, named ``where`` in errors; empty: when ``begin`` was called, and
+    before that when the link was opened.
     """
 
     in_process = False
@@ -58,6 +66,10 @@ class RealTimeLink(ReportingLink):
     def time_s(self) -> float:
         """Seconds since the plan's start."""
         return self._clock.now_s()
+
+    def begin(self) -> None:
+        """Let the plan's time start now, unless it is given when it started; reports count from then on."""
+        self._inbox.begin_later(self._clock.begin())
 
     def reports(self) -> AsyncGenerator[Report, None]:
         """All reports as they arrive."""

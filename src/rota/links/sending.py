@@ -65,12 +65,13 @@ async def _cleared(link: Link, routes: Iterable[Route]) -> str:
 
 
 async def start_all(link: Link, routes: Sequence[Route]) -> None:
-    """Start all at the same time.
+    """Start all at the same time, and the plan's time with them.
 
     Raises LinkError where one does not start: the others are called home, and that one is told to pause, since it may
     have started unheard. When cancelled, all are called home; the CancelledError says so.
     """
     started: list[str] = []
+    link.begin()
 
     async def start(route: Route) -> None:
         await link.start(route.robot)

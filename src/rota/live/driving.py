@@ -55,7 +55,8 @@ class Driving:
         if now_s < self._next_s:
             return
         self._next_s = now_s + KEPT_EVERY_S
-        orders, told = self._keeping.look(now_s, self._watch.state().robots)
+        room_s = {robot: self._link.room_s(robot) for robot in self._link.robots}
+        orders, told = self._keeping.look(now_s, self._watch.state().robots, room_s)
         for notice in told:
             self._tell(notice)
         if self._link.keeps_phase:

@@ -10,6 +10,7 @@ import math
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from rota.links.link import Mode
 from rota.live.notices import Notice, NoticeKind, RobotState, listed
@@ -21,6 +22,7 @@ LOOKED_BACK_S = 40.0  # over which a robot's pace is measured, and half of that 
 LEAST_RATE = 0.5  # of the plan's clock: nobody waits for a robot that is slower
 TOLD_AFTER_S = 10.0  # that a robot is so late without a break
 NOTED = 0.01  # by which the pace has to be below the plan's to be told
+NO_ROOM: Mapping[str, float] = MappingProxyType({})
 DRIVING: tuple[Mode | None, ...] = (None, "running")
 
 
@@ -55,10 +57,13 @@ class Keeping:
         """How many seconds a robot is behind the clock of all; below 0: ahead of it."""
         return robot.lag_s - self.behind_s
 
-    def look(self, now_s: float, robots: tuple[RobotState, ...]) -> tuple[list[Order], list[Notice]]:
+    def look(
+        self, now_s: float, robots: tuple[RobotState, ...], room_s: Mapping[str, float] = NO_ROOM
+    ) -> tuple[list[Order], list[Notice]]:
         """What each robot that drives its route is to make up now, and what there is to tell.
 
-        behind_s: how far the clock of all is behind the plan's by then.
+        room_s: what robots make up by themselves soon: nobody waits for that. behind_s: how far the clock of all is
+        behind the plan's by then.
         """
         if self._now_s is not None:
             self.behind_s += (1 - self.rate) * (now_s - self._now_s)
@@ -73,7 +78,7 @@ class Keeping:
             late_s = self.late_s(robot)
             track.note(now_s, robot.lag_s)
             orders.append((robot.name, late_s))
-            pace = track.pace()
+            pace, late_s = track.pace(), late_s - room_s.get(robot.name, 0.0)
             if pace is not None and pace >= LEAST_RATE:
                 share = (late_s - EARLY_SHARE * LATE_S) / ((1 - EARLY_SHARE) * LATE_S)
                 rates.append(1 - max(0.0, 1 - pace) * min(max(share, 0.0), 1.5))
